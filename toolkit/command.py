@@ -90,6 +90,7 @@ def _parse(words: list[str]) -> "argparse.Namespace":
             continue
         many, folder = {
             "compare": ("+", "compare-output"),
+            "precision": ("?", "NAME-output, or coverage-output"),
             "stability": ("?", "NAME-output, or stability-output"),
         }.get(name, (None, "NAME-output"))
         scene = "a scene file, or the name of a shipped scene"
@@ -107,9 +108,14 @@ def _parse(words: list[str]) -> "argparse.Namespace":
             continue
         explained = f"folder for what is written (default: ./{folder})"
         own.add_argument("--out", metavar="DIR", help=explained)
-        if name != "precision":
-            explained = "formats of pictures beside PNG: pdf, svg, or pdf,svg"
-            own.add_argument("--format", metavar="FORMATS", help=explained)
+        explained = "formats of pictures beside PNG: pdf, svg, or pdf,svg"
+        own.add_argument("--format", metavar="FORMATS", help=explained)
+        if name == "precision":
+            explained = "without a scene: how often error bars hold the true error, over cases drawn at random"
+            own.add_argument("--coverage", action="store_true", help=explained)
+            whole: Any = {"type": int, "metavar": "NUMBER"}
+            own.add_argument("--cases", default=1000, help="of --coverage (default: 1000)", **whole)
+            own.add_argument("--seed", default=1, help="of --coverage (default: 1)", **whole)
         if name == "run":
             kept = "how often a long ensemble writes what it has found into DIR, from which the same command goes on"
             seconds: Any = {"metavar": "SECONDS", "type": float, "default": 60.0}

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from origins.errors import refuse
+from origins.errors import InputError, refuse
 from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
@@ -213,7 +213,15 @@ def cost(arguments: argparse.Namespace) -> int:
 
 def precision(arguments: argparse.Namespace) -> int:
     """True error against run time of each method that takes the scene, as picture and table; each line is printed once
-    it is measured. Returns 1 where the ensemble contradicts the master equation."""
+    it is measured. Returns 1 where the ensemble contradicts the master equation. Without a scene, whether error bars
+    hold over drawn cases; then 1 where they do not."""
+    formats = read_formats(arguments.format)
+    if arguments.coverage:
+        return _coverage(arguments, formats)
+    if arguments.scene is None:
+        raise InputError(
+            "scene: is missing; name one, or ask for mesofriction precision --coverage"
+        )
     scene = load_scene(arguments.scene, changes=read_changes(arguments.changes)).one("precision")
     folder, lines = arguments.out or f"{scene.name}-output", list[str]()
     check_folder(folder)  # before the work, not after it
@@ -226,10 +234,27 @@ def precision(arguments: argparse.Namespace) -> int:
         found = ladders.precision(scene, say_it)
     draw = partial(draw_precision, found)
     rows = precision_rows(found["points"])
-    save_judgement(folder, "precision", draw, [*lines, *found["notes"]], found, rows)
+    save_judgement(folder, "precision", draw, [*lines, *found["notes"]], found, rows, formats)
     print("\n".join([*found["notes"], f"written to {folder}"]))
     worst = (found["witness"] or {}).get("worst_deviation")
     return 0 if (worst or 0.0) < APART else 1
+
+
+def _coverage(arguments: argparse.Namespace, formats: tuple[str, ...]) -> int:
+    """Whether error bars hold over drawn cases; returns 1 where they do not."""
+    from toolkit.stability.report import report_coverage
+
+    if arguments.scene is not None or arguments.changes:
+        given = arguments.scene or arguments.changes[0]
+        refuse("--coverage", given, "draws its own cases; leave the scene and --set out")
+    if arguments.cases < 1 or arguments.seed < 0:
+        given = arguments.cases if arguments.cases < 1 else arguments.seed
+        refuse("--cases, --seed", given, "must be a number of cases above 0, and a seed from 0 on")
+    folder = arguments.out or "coverage-output"
+    say_it = partial(print, flush=True)
+    found = report_coverage(arguments.cases, arguments.seed, folder, say_it, formats)
+    print(f"written to {folder}")
+    return 0 if found.promise_kept and found.sigmas_kept else 1
 
 
 def stability(arguments: argparse.Namespace) -> int:
@@ -243,6 +268,7 @@ def stability(arguments: argparse.Namespace) -> int:
     changes = read_changes(arguments.changes)
     scene = None if arguments.scene is None else load_scene(arguments.scene, changes=changes)
     folder = arguments.out or ("stability-output" if scene is None else f"{scene.name}-output")
-    found = report_stability(scene, folder, lambda line: print(line, flush=True))
+    formats = read_formats(arguments.format)
+    found = report_stability(scene, folder, partial(print, flush=True), formats)
     print(f"written to {folder}")
     return int(any(row.verdict == "wrong" for row in found))

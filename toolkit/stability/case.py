@@ -138,6 +138,7 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
         honest = not answer.success and np.isinf(claims[unknown]).all()
         verdict: Verdict = "short, and says so" if honest else "wrong"
         return Judgement(verdict, np.nan, np.nan, np.inf, answer.message or "no number")
+    off = np.where(np.isinf(floors), 0.0, off)  # there the truth says nothing
     worst = int(np.argmax(off))
     beyond = off - floors - ROUND_OFF
     said = answer.message

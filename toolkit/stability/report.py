@@ -1,28 +1,27 @@
-"""What `mesofriction stability` prints and writes."""
+"""What `mesofriction stability` and `precision --coverage` print and write."""
 
-from collections.abc import Callable
-from functools import partial
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from typing import Any
 
-from toolkit.results.files import write_json
-from toolkit.results.folders import check_folder, write_folder
+from toolkit.judge.files import save_judgement
+from toolkit.results.folders import check_folder
+from toolkit.running.progress import Progress
 from toolkit.scene.scene import Scene
 from toolkit.stability.case import Row
+from toolkit.stability.coverage import Coverage, ask, coverage, plain_coverage, told
 from toolkit.stability.scene_map import draw_map, scene_map
-from toolkit.stability.table import (
-    draw_table,
-    extreme_cases,
-    plain,
-    stability,
-    summary,
-    write_table,
-)
+from toolkit.stability.table import columns, draw_table, extreme_cases, plain, stability, summary
+
+Say = Callable[[str], None]
 
 
-def report_stability(scene: Scene | None, folder: str, say: Callable[[str], None]) -> list[Row]:
+def report_stability(
+    scene: Scene | None, folder: str, say: Say, formats: Sequence[str] = ()
+) -> list[Row]:
     """The rows of the shipped extreme cases, or of those around `scene`; each line is given to `say` as it is known.
-    Writes stability.txt, .csv, .json and .png into `folder`, which is checked before the work. Raises InputError."""
+    Writes stability.txt, .csv, .json and .png into `folder`, which is checked before the work, and the picture in
+    `formats`, too. Raises InputError."""
     check_folder(folder)
     lines = list[str]()
 
@@ -36,15 +35,34 @@ def report_stability(scene: Scene | None, folder: str, say: Callable[[str], None
         found = scene_map(scene, say_and_keep)
     say_and_keep(summary(found))
     figure = draw_table(found) if scene is None else draw_map(found)
-
-    def write_text(path: Path) -> None:
-        path.write_text("\n".join([*lines, ""]), encoding="utf-8")
-
-    writers: dict[str, Any] = {
-        "stability.txt": write_text,
-        "stability.csv": partial(write_table, found),
-        "stability.json": lambda path: write_json({"rows": plain(found)}, path),
-        "stability.png": partial(figure.savefig, dpi=130, format="png"),
-    }
-    write_folder(folder, writers)
+    _save(folder, "stability", figure, lines, found, {}, formats)
     return found
+
+
+def report_coverage(
+    cases: int, seed: int, folder: str, say: Say, formats: Sequence[str] = ()
+) -> Coverage:
+    """How often error bars hold the true error, over so many drawn cases; what there is to tell is given to `say`.
+    Writes coverage.txt, .csv, .json and .png as above. Raises InputError."""
+    check_folder(folder)
+    with closing(Progress("coverage", "cases")) as bar:
+        rows = ask(cases, seed, bar.count)
+    lines, found = told(rows), coverage(rows)
+    say("\n".join(lines))
+    numbers = {"cases": cases, "seed": seed, **plain_coverage(found)}
+    _save(folder, "coverage", draw_table(rows, "Drawn cases"), lines, rows, numbers, formats)
+    return found
+
+
+def _save(
+    folder: str,
+    name: str,
+    figure: Any,
+    lines: list[str],
+    rows: list[Row],
+    numbers: Mapping[str, Any],
+    formats: Sequence[str],
+) -> None:
+    """Rows as a picture, text, JSON and CSV."""
+    numbers = {**numbers, "rows": plain(rows)}
+    save_judgement(folder, name, lambda: figure, lines, numbers, columns(rows), formats)

@@ -1,11 +1,9 @@
 """The stability table: all cases through both solvers, as lines, files and a picture."""
 
-import csv
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -42,7 +40,7 @@ def stability(cases: Iterable[Case | Question], say: Callable[[str], None]) -> l
     return found
 
 
-def answered(case: Case | Question, say: Callable[[str], None]) -> list[Row]:
+def answered(case: Case | Question, say: Callable[[str], None] = lambda line: None) -> list[Row]:
     """The rows of a case, each said. A RuntimeWarning within is raised as an error, since it tells of a number that is
     none; the note on temperatures far above all barriers is left out, as these are asked on purpose."""
     with warnings.catch_warnings():
@@ -81,19 +79,18 @@ def plain(found: Iterable[Row]) -> list[dict[str, Any]]:
     ]
 
 
-def write_table(found: Iterable[Row], path: Path) -> None:
-    """stability.csv: a row a line; lengths in mean thresholds, times in s."""
+def columns(found: Sequence[Row]) -> dict[str, list[Any]]:
+    """The columns of a CSV file by their heads: a row a line; lengths in mean thresholds, times in s."""
     units = {"error": "mean thresholds", "floor": "mean thresholds", "claim": "mean thresholds"}
     units["run_time"] = "s"
     names = [field.name for field in fields(Row)]
     heads = [f"{name} ({units[name]})" if name in units else name for name in names]
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        out = csv.writer(stream, lineterminator="\n")
-        out.writerow(heads)
-        out.writerows([getattr(row, name) for name in names] for row in found)
+    return {
+        head: [getattr(row, name) for row in found] for head, name in zip(heads, names, strict=True)
+    }
 
 
-def draw_table(found: list[Row]) -> Any:
+def draw_table(found: list[Row], title: str = "Extreme cases") -> Any:
     """True error against the claim at the same point, a mark for each answer in the colour of its verdict: what lies
     above the diagonal by more than the truth's own error is wrong. Refusals have no place there and are counted."""
     from matplotlib.figure import Figure
@@ -126,7 +123,7 @@ def draw_table(found: list[Row]) -> Any:
     axes.set(
         xlabel="error that is claimed (mean thresholds; of the ensemble 5 standard errors)",
         ylabel="largest difference from the second road (mean thresholds)",
-        title="Extreme cases: below the diagonal a claim holds; thin lines: the second road's own error",
+        title=f"{title}: below the diagonal a claim holds; thin lines: the second road's own error",
     )
     axes.title.set_fontsize("medium")
     axes.grid(alpha=0.3)

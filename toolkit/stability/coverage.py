@@ -1,0 +1,173 @@
+"""Do error bars hold? Many drawn cases: how often the claim bounds the true error, and how often sigmas hold it."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from toolkit.stability.case import ROUND_OFF, SIGMAS, Answer, Case, Question, Row, Truth
+from toolkit.stability.drawn import drawn
+from toolkit.stability.table import answered
+
+PROMISED = 0.99  # of the cases have an error within the claim
+EXPECTED = (0.6827, 0.9545, 0.9973)  # of normal errors lie within 1, 2, 3 standard errors
+_COUNTED = 3.0  # counting errors that a share may be off by
+_CONTACTS = 4_000  # of the ensemble in a case
+_FEWEST = 30  # broken contacts without which errors are not normal
+
+
+@dataclass(frozen=True)
+class Share:
+    """How many of `all` cases `hold`."""
+
+    hold: int
+    all: int
+
+    @property
+    def value(self) -> float:
+        return self.hold / max(self.all, 1)
+
+    def counting_error(self, expected: float) -> float:
+        """Standard error of the share where `expected` is true."""
+        return float(np.sqrt(expected * (1.0 - expected) / max(self.all, 1)))
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """What the rows of many cases tell.
+
+    held : cases in which the master equation's claim bounds the true error; those that are refused, cut or
+        unknown do not
+    ratios : claim over true error (or round-off) where the truth is known well enough to tell, (n,)
+    overruns : claims of success beside an error above 3 tolerances
+    within : cases of the ensemble whose error is at most 1, 2 and 3 standard errors
+    """
+
+    held: Share
+    ratios: Any
+    overruns: int
+    within: tuple[Share, ...]
+
+    @property
+    def promise_kept(self) -> bool:
+        """Whether claims hold, in as many cases as chance lets so few tell."""
+        missing = self.held.all * (1.0 - PROMISED)
+        return self.held.all - self.held.hold <= missing and not self.overruns
+
+    @property
+    def sigmas_kept(self) -> bool:
+        """Whether intervals hold what they should, within counting error."""
+        return all(
+            abs(share.value - expected) <= _COUNTED * share.counting_error(expected)
+            for share, expected in zip(self.within, EXPECTED, strict=True)
+        )
+
+
+def ask(cases: int, seed: int, count: Callable[[int, int], None]) -> list[Row]:
+    """The rows of so many drawn cases; `count` is told how many are done, and of how many.
+
+    The master equation is held over the path, the ensemble at one of its points, so that each of its rows is an error
+    by itself. Where few contacts have broken the ensemble has none.
+    """
+    found = list[Row]()
+    for number in range(cases):
+        case = drawn(seed, number)
+        found += answered(case)
+        if "spring" not in case.drive:  # whose contacts depend on each other
+            found += answered(_ensemble(case, seed + number))
+        count(number + 1, cases)
+    return found
+
+
+def _ensemble(case: Case, seed: int) -> Question:
+    """The ensemble's force at a point of the case's path, drawn among those where enough contacts have broken."""
+    import eq_model
+
+    contacts, place = case.contacts(), list[int]()
+    unit = contacts.mean_threshold
+    path, drive = case.path * unit, case.drive
+
+    def ask_it() -> Answer:
+        found: Any = eq_model.simulate(contacts, path, n_contacts=_CONTACTS, seed=seed, **drive)
+        error = found.force_standard_error / unit
+        tell = np.flatnonzero(error > np.sqrt(_FEWEST) / _CONTACTS)
+        if not tell.size:
+            return Answer(np.empty(0), np.inf, False, None, "too few contacts broke to tell")
+        at = int(np.random.default_rng(seed).choice(tell))
+        place.append(at)
+        bound = SIGMAS * error[at] + found.step_error[at] / unit
+        return Answer(found.force[at] / unit, bound, bool(found.success), None, found.message)
+
+    def truth() -> Truth:
+        known = case.exact(contacts, path) if case.exact else None
+        assert known is not None
+        error, at = np.broadcast_to(known.error, known.values.shape), place or [0]
+        return Truth(known.values[at], error[at], known.road)
+
+    return Question(case.group, case.name, "ensemble", ask_it, truth)
+
+
+def coverage(rows: Iterable[Row]) -> Coverage:
+    """The shares of these rows."""
+    by_master = [row for row in rows if row.solver != "ensemble"]
+    held = sum(row.verdict != "wrong" and bool(np.isfinite(row.error)) for row in by_master)
+    sure = [row for row in by_master if row.floor <= 0.3 * max(row.claim, row.error)]
+    ratios = [row.claim / max(row.error, ROUND_OFF) for row in sure]
+    overruns = sum(row.verdict == "wrong" and "success" in row.said for row in by_master)
+    by_ensemble = [row for row in rows if row.solver == "ensemble"]
+    sampled = [row for row in by_ensemble if np.isfinite([row.error, row.floor]).all()]
+    off = np.array([SIGMAS * row.error / row.claim for row in sampled])
+    within = tuple(Share(int((off <= sigma).sum()), off.size) for sigma in (1.0, 2.0, 3.0))
+    return Coverage(Share(held, len(by_master)), np.array(ratios), overruns, within)
+
+
+def told(rows: Sequence[Row]) -> list[str]:
+    """In words what the rows tell: a line for each kind of case, one for all of them, the cases that failed, and
+    whether the promises are kept."""
+    head = ("kind", "cases", "held", "claim/error", "1σ %", "2σ %", "3σ %", "held against")
+    lines = [_line(head)]
+    for kind in [*dict.fromkeys(row.group for row in rows), "all"]:
+        own = [row for row in rows if kind in (row.group, "all")]
+        found, roads = coverage(own), sorted({row.road for row in own if row.road})
+        ratio = f"{np.median(found.ratios):.3g}" if found.ratios.size else ""
+        sigmas = [f"{100.0 * one.value:.1f}" if one.all else "" for one in found.within]
+        against = "" if kind == "all" else "; ".join(roads)
+        lines.append(_line((kind, found.held.all, found.held.hold, ratio, *sigmas, against)))
+    failed = [row for row in rows if row.verdict == "wrong" or not np.isfinite(row.error)]
+    lines += [f"{row.verdict}: {row.solver}, {row.group} {row.case}: {row.said}" for row in failed]
+    found = coverage(rows)
+    held, sure = found.held, found.ratios.size
+    lines.append(
+        f"master: its claim bounds the true error in {held.hold} of {held.all} cases, {100.0 * held.value:.1f} %, at "
+        f"least 99 % promised; refusals and cut paths count against it. Half of its claims are within "
+        f"{np.median(found.ratios) if sure else np.nan:.3g} times the true error, or round-off ({sure} cases tell)"
+    )
+    for sigma, (share, expected) in enumerate(zip(found.within, EXPECTED, strict=True), start=1):
+        error = 100.0 * share.counting_error(expected)
+        lines.append(
+            f"ensemble: {100.0 * share.value:.1f} % of {share.all} errors within {sigma} standard errors; "
+            f"{100.0 * expected:.1f} ± {error:.1f} by chance"
+        )
+    return lines
+
+
+def _line(cells: Sequence[Any]) -> str:
+    kind, cases, held, ratio, *sigmas, against = cells
+    shares = "".join(f"{share:>7}" for share in sigmas)
+    return f"{kind:16}{cases:>6}{held:>6}{ratio:>13}{shares}  {against}"
+
+
+def plain_coverage(found: Coverage) -> dict[str, Any]:
+    """The shares for JSON; `promise_kept` and `sigmas_kept` are the judgement."""
+    ratio = float(np.median(found.ratios)) if found.ratios.size else None
+    return {
+        "held": found.held.hold,
+        "master_cases": found.held.all,
+        "median_claim_over_error": ratio,
+        "overruns": found.overruns,
+        "within_sigmas": [share.value for share in found.within],
+        "ensemble_cases": found.within[0].all,
+        "promise_kept": found.promise_kept,
+        "sigmas_kept": found.sigmas_kept,
+    }

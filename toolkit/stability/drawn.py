@@ -1,0 +1,224 @@
+"""Ordinary cases drawn at random over laws, starts and drives, each with the best second road to its answer."""
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+import scipy.stats
+
+import origins
+from origins.contacts import Contacts
+from origins.errors import InputError
+from origins.thresholds.law import Array, Thresholds
+from toolkit.stability import truths
+from toolkit.stability.case import LONGEST, Case, Truth
+from toolkit.stability.renewal import COARSEST, by_renewal
+
+_POINTS = 33  # of a path
+_FINER, _FINER_IN_TIME = 1e-2, 0.1  # of the tolerance, for the master equation as its own reference
+_NEAR = 1e-11  # mean thresholds: a truth as good as that is taken, whatever the tolerance
+_UNITS = (-9.0, 3.0)  # decades of a mean threshold, such as nanometres in m
+
+Draw = Callable[[np.random.Generator], Case]
+
+
+def drawn(seed: int, number: int) -> Case:
+    """Ordinary case `number` of a seed: of each kind in turn, whatever the other numbers are."""
+    rng = np.random.default_rng([seed, number])
+    kind = list(KINDS)[number % len(KINDS)]
+    return KINDS[kind](kind, f"{seed}.{number}", rng)
+
+
+def narrow(rng: np.random.Generator, unit: float) -> Thresholds:
+    """Gaussian thresholds so far from 0 that their cut there does not matter."""
+    return origins.gaussian(unit, unit * rng.uniform(0.02, 0.1))
+
+
+def smooth(rng: np.random.Generator, unit: float) -> Any:
+    """Thresholds with densities so smooth that steps resolve them to round-off."""
+    wide = math.exp(rng.uniform(-1.0, 1.0)) * unit
+    peaks = [origins.gaussian(at * unit, 0.08 * unit) for at in rng.uniform(0.6, 1.5, 2)]
+    return [
+        lambda: narrow(rng, unit),
+        lambda: origins.lubricated(unit),
+        lambda: origins.persson(unit, wide),
+        lambda: origins.gw_plastic(unit**-2.0),
+        lambda: scipy.stats.gamma(rng.integers(1, 9), scale=unit / 4.0),
+        lambda: scipy.stats.lognorm(rng.uniform(0.1, 0.6), scale=unit),
+        lambda: origins.mixture(peaks, [0.4, 0.6]),
+    ][rng.integers(7)]()
+
+
+def rough(rng: np.random.Generator, unit: float) -> Any:
+    """Thresholds with roots, jumps, exact values and heavy tails in their densities."""
+    low = rng.uniform(0.1, 0.9)
+    box = origins.rectangular(low * unit, 1.4 * unit)
+    return [
+        lambda: box,
+        lambda: origins.gw_elastic(unit ** (-4.0 / 3.0)),
+        lambda: origins.gw_gaussian(rng.uniform(0.5, 4.0), unit),
+        lambda: origins.grains(rng.uniform(0.8, 2.0), B=unit**-2.0),
+        lambda: scipy.stats.beta(rng.uniform(0.8, 3.0), rng.uniform(0.8, 3.0), scale=unit),
+        lambda: scipy.stats.lomax(rng.uniform(3.0, 6.0), scale=unit),
+        lambda: origins.mixture([box, origins.identical(1.7 * unit)], [0.7, 0.3]),
+    ][rng.integers(7)]()
+
+
+def heat(rng: np.random.Generator, mean: float) -> origins.Thermal:
+    """One of the laws of heat, from cold to hot, with rare and with many attempts."""
+    law, attempts = ("soft", "stiff", "eyring")[rng.integers(3)], 10.0 ** rng.uniform(-1.0, 1.5)
+    if law == "eyring":
+        width = rng.uniform(0.02, 0.3)
+        return origins.Thermal(law, attempt_frequency=attempts / mean, width=width)
+    warmth = 10.0 ** rng.uniform(-2.5, -0.5) * mean**2
+    return origins.Thermal(law, warmth, attempts / mean)
+
+
+def _unit(rng: np.random.Generator) -> float:
+    return float(10.0 ** rng.uniform(*_UNITS))
+
+
+def _forward(rng: np.random.Generator) -> Array:
+    """A path in mean thresholds, of even steps from 0."""
+    return np.linspace(0.0, rng.uniform(1.5, 6.0), _POINTS)
+
+
+def _turning(rng: np.random.Generator, longest: float = 2.5) -> Array:
+    """A path in mean thresholds that turns round twice, within or beyond the first breaks."""
+    corners = np.append(0.0, np.cumsum(rng.uniform(0.3, longest, 3) * [1.0, -1.0, 1.0]))
+    return np.interp(np.linspace(0.0, 3.0, _POINTS), np.arange(4.0), corners)
+
+
+def _digits(rng: np.random.Generator, least: float) -> float:
+    """A tolerance between 1e-3 and `least`."""
+    return float(10.0 ** rng.uniform(math.log10(least), -3.0))
+
+
+def _start(rng: np.random.Generator, mean: float) -> float | None:
+    return None if rng.random() < 0.4 else float(rng.uniform(0.0, 0.4)) * mean
+
+
+def _gaussian(kind: str, name: str, rng: np.random.Generator) -> Case:
+    unit = _unit(rng)
+    start = origins.gaussian_start(*(rng.uniform([-0.1, 0.001], [0.2, 0.04]) * unit))
+    contacts = Contacts(narrow(rng, unit), start if rng.random() < 0.5 else _start(rng, unit))
+    return _case(kind, name, contacts, _forward(rng), truths.gaussian, _digits(rng, 1e-10))
+
+
+def _renewed(kind: str, name: str, rng: np.random.Generator) -> Case:
+    """Smooth laws on a forward path with the laws that the kind names."""
+    law, path = smooth(rng, _unit(rng)), _forward(rng)
+    mean = Contacts(law).mean_threshold
+    laws: dict[str, Any] = {"start": _start(rng, mean)}
+    if "delay" in kind:
+        step = path[-1] * mean / COARSEST
+        laws["delay"] = origins.Delay(step * float(rng.integers(1, COARSEST // 4)))
+    if "heat" in kind:
+        laws["thermal"] = heat(rng, mean)
+    if "linked" in kind:
+        laws["stiffness"] = "linked"
+    tolerance = _digits(rng, 1e-7 if "heat" in kind else 1e-9)
+    return _case(kind, name, Contacts(law, **laws), path, by_renewal, tolerance)
+
+
+def _rough(kind: str, name: str, rng: np.random.Generator) -> Case:
+    law, path = rough(rng, _unit(rng)), _turning(rng) if "turning" in kind else _forward(rng)
+    mean = Contacts(law).mean_threshold
+    start: Any = _start(rng, mean)
+    if rng.random() < 0.3:
+        start = scipy.stats.uniform(-0.05 * mean, rng.uniform(0.01, 0.2) * mean)
+    again = origins.boltzmann_reforming(1e-3 * mean**2) if "re-forming" in kind else None
+    contacts = Contacts(law, start, reforming=again)
+    return _case(kind, name, contacts, path, None, _digits(rng, 1e-8))
+
+
+def _in_time(kind: str, name: str, rng: np.random.Generator) -> Case:
+    """Heat or a delay on a path that turns round and rests."""
+    law, path = smooth(rng, _unit(rng)), _turning(rng, 1.5)
+    mean = Contacts(law).mean_threshold
+    laws: dict[str, Any] = {"delay": origins.Delay(float(rng.uniform(0.05, 1.0)) * mean)}
+    laws = {"thermal": heat(rng, mean)} if "heat" in kind else laws
+    time = np.append(0.0, np.cumsum(np.abs(np.diff(path)) + rng.uniform(0.0, 0.05, path.size - 1)))
+    return _case(kind, name, Contacts(law, **laws), path, None, 1e-3, {"time": time * mean})
+
+
+def _ageing(kind: str, name: str, rng: np.random.Generator) -> Case:
+    unit, path = _unit(rng), _forward(rng)
+    young, old = (origins.gaussian(at * unit, 0.05 * unit) for at in (0.5, rng.uniform(0.6, 1.0)))
+    ageing = origins.Ageing(old, 10.0 ** rng.uniform(-4.0, -2.0) * unit)
+    return _case(kind, name, Contacts(young, ageing=ageing), path, None, _digits(rng, 1e-5))
+
+
+def _growing(kind: str, name: str, rng: np.random.Generator) -> Case:
+    alpha = float(rng.uniform(0.3, 2.0))
+    age = float(rng.uniform(1.2, 2.0)) * (2.0 / (3.0 * alpha)) ** 3
+    law = origins.growing_grains(alpha=alpha, B=float(rng.uniform(0.5, 2.0)), age=age)
+    return _case(kind, name, Contacts(law), _forward(rng), None, _digits(rng, 1e-6))
+
+
+def _pulled(kind: str, name: str, rng: np.random.Generator) -> Case:
+    """Relaxed Gaussian thresholds on a spring, under the rule for which F on the spring is F of the rigid slider."""
+    unit, spring = _unit(rng), float(10.0 ** rng.uniform(-1.0, 1.5))
+    contacts, path = Contacts(narrow(rng, unit)), _forward(rng)
+    path = path * (1.0 + 0.5 / spring)
+    exact = partial(truths.pulled, spring)
+    drive = {"spring": spring, "slip": "instant"}
+    return _case(kind, name, contacts, path, exact, _digits(rng, 1e-8), drive)
+
+
+KINDS: dict[str, Callable[[str, str, np.random.Generator], Case]] = {
+    "gaussian": _gaussian,
+    "smooth law": _renewed,
+    "delay": _renewed,
+    "linked": _renewed,
+    "heat": _renewed,
+    "heat, delay": _renewed,
+    "rough law": _rough,
+    "re-forming": _rough,
+    "turning": _rough,
+    "delay in time": _in_time,
+    "heat in time": _in_time,
+    "ageing": _ageing,
+    "growing grains": _growing,
+    "spring": _pulled,
+}
+
+
+def _case(
+    kind: str,
+    name: str,
+    contacts: Contacts,
+    path: Array,
+    road: Callable[[Contacts, Array], Truth] | None,
+    tolerance: float,
+    drive: Mapping[str, Any] | None = None,
+) -> Case:
+    """The case, whose truth is found once: by the road where that is good enough, else by `finer`."""
+    kept, drive = list[Truth](), drive or {}
+
+    def exact(contacts: Contacts, path: Array) -> Truth:
+        if not kept:
+            try:
+                truth = None if road is None else road(contacts, path)
+            except InputError:
+                truth = None
+            good = truth is not None and np.min(truth.error) <= max(1e-3 * tolerance, _NEAR)
+            kept.append(truth if truth and good else finer(contacts, path, tolerance, drive))
+        return kept[0]
+
+    return Case(kind, name, lambda: contacts, path, exact, drive, tolerance, n_contacts=0)
+
+
+def finer(contacts: Contacts, path: Array, tolerance: float, drive: Mapping[str, Any]) -> Truth:
+    """The master equation at a tighter tolerance: no road of its own, for which the ensemble stands in."""
+    import master
+
+    tighter = tolerance * (_FINER_IN_TIME if "time" in drive else _FINER)
+    found: Any = master.solve(contacts, path, tighter, wall_time=LONGEST, **drive)
+    there = found.force.size  # a path may be cut
+    force, error = np.zeros(path.size), np.full(path.size, np.inf)
+    force[:there] = found.force / contacts.mean_threshold
+    error[:there] = found.force_error
+    return Truth(force, error, "the master equation at a tighter tolerance")
