@@ -22,6 +22,7 @@ LONGEST = (
     10.0  # s that the master equation may take for a case; it then gives what it has, and says so
 )
 GRANTED = 3.0  # tolerances by which an answer that claims success may be off, as docs promise
+OVERRUN = "claims success beside a larger error than its tolerance"
 
 
 @dataclass(frozen=True)
@@ -144,16 +145,17 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     said = answer.message
     if answer.faults:
         verdict, said = "wrong", "; ".join(answer.faults)
+    elif answer.success and answer.tolerance and (beyond > GRANTED * answer.tolerance).any():
+        verdict, said = "wrong", OVERRUN
     elif (beyond > claims).any():
         worst = int(np.argmax(beyond - claims))
         verdict, said = "wrong", "off by more than it claims"
-    elif answer.success and answer.tolerance and (beyond > GRANTED * answer.tolerance).any():
-        verdict, said = "wrong", "claims success beside a larger error than its tolerance"
     elif not answer.success or cut:
         verdict = _short(answer)
     else:
         verdict = "exact" if off.max() <= ROUND_OFF else "within tolerance"
-    return Judgement(verdict, float(off[worst]), float(floors[worst]), float(claims[worst]), said)
+    claim = np.inf if cut else float(claims[worst])  # of the rest of a path nothing is known
+    return Judgement(verdict, float(off[worst]), float(floors[worst]), claim, said)
 
 
 def _short(answer: Answer) -> Verdict:

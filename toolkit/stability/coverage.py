@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.stability.case import ROUND_OFF, SIGMAS, Answer, Case, Question, Row, Truth
+from toolkit.stability.case import OVERRUN, ROUND_OFF, SIGMAS, Answer, Case, Question, Row, Truth
 from toolkit.stability.drawn import drawn
 from toolkit.stability.table import answered
 
@@ -111,15 +111,20 @@ def _ensemble(case: Case, seed: int) -> Question:
 def coverage(rows: Iterable[Row]) -> Coverage:
     """The shares of these rows."""
     by_master = [row for row in rows if row.solver != "ensemble"]
-    held = sum(row.verdict != "wrong" and bool(np.isfinite(row.error)) for row in by_master)
+    held = sum(not _failed(row) for row in by_master)
     sure = [row for row in by_master if row.floor <= 0.3 * max(row.claim, row.error)]
     ratios = [row.claim / max(row.error, ROUND_OFF) for row in sure]
-    overruns = sum(row.verdict == "wrong" and "success" in row.said for row in by_master)
+    overruns = sum(row.said == OVERRUN for row in by_master)
     by_ensemble = [row for row in rows if row.solver == "ensemble"]
     sampled = [row for row in by_ensemble if np.isfinite([row.error, row.floor]).all()]
     off = np.array([SIGMAS * row.error / row.claim for row in sampled])
     within = tuple(Share(int((off <= sigma).sum()), off.size) for sigma in (1.0, 2.0, 3.0))
     return Coverage(Share(held, len(by_master)), np.array(ratios), overruns, within)
+
+
+def _failed(row: Row) -> bool:
+    """Whether nothing is claimed, or too little."""
+    return row.verdict == "wrong" or not np.isfinite([row.error, row.claim]).all()
 
 
 def told(rows: Sequence[Row]) -> list[str]:
@@ -134,8 +139,11 @@ def told(rows: Sequence[Row]) -> list[str]:
         sigmas = [f"{100.0 * one.value:.1f}" if one.all else "" for one in found.within]
         against = "" if kind == "all" else "; ".join(roads)
         lines.append(_line((kind, found.held.all, found.held.hold, ratio, *sigmas, against)))
-    failed = [row for row in rows if row.verdict == "wrong" or not np.isfinite(row.error)]
-    lines += [f"{row.verdict}: {row.solver}, {row.group} {row.case}: {row.said}" for row in failed]
+    lines += [
+        f"{row.verdict}: {row.solver}, {row.group} {row.case}: {row.said}"
+        for row in rows
+        if _failed(row)
+    ]
     found = coverage(rows)
     held, sure = found.held, found.ratios.size
     lines.append(
@@ -144,6 +152,8 @@ def told(rows: Sequence[Row]) -> list[str]:
         f"{np.median(found.ratios) if sure else np.nan:.3g} times the true error, or round-off ({sure} cases tell)"
     )
     for sigma, (share, expected) in enumerate(zip(found.within, EXPECTED, strict=True), start=1):
+        if not share.all:
+            continue
         error = 100.0 * share.counting_error(expected)
         lines.append(
             f"ensemble: {100.0 * share.value:.1f} % of {share.all} errors within {sigma} standard errors; "

@@ -1,7 +1,7 @@
 """Ordinary cases drawn at random over laws, starts and drives, each with the best second road to its answer."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -66,9 +66,11 @@ def rough(rng: np.random.Generator, unit: float) -> Any:
     ][rng.integers(7)]()
 
 
-def heat(rng: np.random.Generator, mean: float) -> origins.Thermal:
+def heat(
+    rng: np.random.Generator, mean: float, laws: Sequence[str] = ("soft", "stiff", "eyring")
+) -> origins.Thermal:
     """One of the laws of heat, from cold to hot, with rare and with many attempts."""
-    law, attempts = ("soft", "stiff", "eyring")[rng.integers(3)], 10.0 ** rng.uniform(-1.0, 1.5)
+    law, attempts = laws[int(rng.integers(len(laws)))], 10.0 ** rng.uniform(-1.0, 1.5)
     if law == "eyring":
         width = rng.uniform(0.02, 0.3)
         return origins.Thermal(law, attempt_frequency=attempts / mean, width=width)
@@ -124,22 +126,25 @@ def _renewed(kind: str, name: str, rng: np.random.Generator) -> Case:
 
 
 def _rough(kind: str, name: str, rng: np.random.Generator) -> Case:
-    law, path = rough(rng, _unit(rng)), _turning(rng) if "turning" in kind else _forward(rng)
+    unit, again = _unit(rng), None
+    law = smooth(rng, unit) if "re-forming" in kind else rough(rng, unit)
+    path = _turning(rng) if "turning" in kind else _forward(rng)
     mean = Contacts(law).mean_threshold
     start: Any = _start(rng, mean)
     if rng.random() < 0.3:
         start = scipy.stats.uniform(-0.05 * mean, rng.uniform(0.01, 0.2) * mean)
-    again = origins.boltzmann_reforming(1e-3 * mean**2) if "re-forming" in kind else None
+    if "re-forming" in kind:
+        again = origins.boltzmann_reforming(1e-3 * mean**2)
     contacts = Contacts(law, start, reforming=again)
-    return _case(kind, name, contacts, path, None, _digits(rng, 1e-8))
+    return _case(kind, name, contacts, path, None, _digits(rng, 1e-6))
 
 
 def _in_time(kind: str, name: str, rng: np.random.Generator) -> Case:
     """Heat or a delay on a path that turns round and rests."""
-    law, path = smooth(rng, _unit(rng)), _turning(rng, 1.5)
+    law, path = smooth(rng, _unit(rng)), _turning(rng, 1.0)
     mean = Contacts(law).mean_threshold
     laws: dict[str, Any] = {"delay": origins.Delay(float(rng.uniform(0.05, 1.0)) * mean)}
-    laws = {"thermal": heat(rng, mean)} if "heat" in kind else laws
+    laws = {"thermal": heat(rng, mean, ("soft",))} if "heat" in kind else laws
     time = np.append(0.0, np.cumsum(np.abs(np.diff(path)) + rng.uniform(0.0, 0.05, path.size - 1)))
     return _case(kind, name, Contacts(law, **laws), path, None, 1e-3, {"time": time * mean})
 
