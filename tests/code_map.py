@@ -66,7 +66,10 @@ QUESTIONS = {
     ),
     "K*, the critical spring; where F falls most": ("master:propensity", "master:extremes"),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
-    "a slip's begin: T = 0, in time": ("master:LoadCurve.slip_begins", "master:Steps.up_to_slip"),
+    "a slip's begin: T = 0, in time": (
+        "master:LoadCurve.slip_begins",
+        "master:SlipBegins.up_to_slip",
+    ),
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "what survives with heat; by one mean rate": ("master:ThermalLife", "master:MeanRateLife"),
     "the law of ageing; what survives": ("origins:Ageing", "master:AgeingLife"),

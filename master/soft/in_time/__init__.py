@@ -1,1 +1,29 @@
-"""Soft sliders in steps of time: heat, ageing, growing grains, delay; re-forming backward and turns."""
+"""Soft sliders in steps of time: heat, ageing, growing grains, delay; re-forming backward and turns.
+
+State (`Cohorts`): X, the time, and contacts in groups that were born together at one stretch. A group is a stretch x,
+its largest |x| so far, a weight (the share of all contacts born in it), and a record, the numbers by which a `Memory`
+tells which share of it still holds: none where contacts break only at thresholds that stay, integrals of their rate
+with heat, the density of their thresholds where these age.
+
+One step, of a chosen size (`Steps.step`):
+1. The size is divided into travel and time, by a guess.
+2. All groups move by the travel, and their records change in the time; a new cohort is added (`Cohorts.trial`).
+3. Number conservation gives the births in the step, half of which belong to the cohort at its begin, half to the new
+   one; with a delay, births follow from past `Breaks`. Hence F.
+4. The division is changed until K (X_T - X) = F, by the secant method; the step is taken (`Cohorts.take`).
+
+A slip begins where a longer step would end earlier: the spring then pulls more than contacts can bear
+(`SlipBegins.up_to_slip`). It ends, at the same time, at the first balance ahead; the slip rule says whether broken
+contacts form again on the way ("instant"), after it ("reform-after"), or whether all are replaced ("reset")
+(`slip_ends.py`). Steps go from one to the next section of the drive's motion, which end where it turns, changes speed
+or holds, where births jump a delay after such an instant, and at slips (`Slider`).
+
+Refinement (`refined`): the whole path is solved with steps, and the meshes of records, halved each time. Errors fall as
+the square of the steps: three solutions with as many slips give the limit, and an error from their changes, to which
+those of the memory, rounding and what steps cannot resolve are added (`extrapolated`).
+
+In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `cohorts.py`, `groups.py`,
+`breaks.py`, `extrapolation.py`, and `near_slip.py`, which tells if steps leave open whether a slip comes before a turn.
+Then the memories: `memory.py` for thresholds that stay, `changing.py` for those that change (with `cells.py` and the
+compiled `cells_kernel.py` where they age); and `idle_heat.py`, for heat too weak for steps to see.
+"""

@@ -1,4 +1,4 @@
-"""Cohorts: all contacts of a slider, trial steps, and the steps taken.
+"""Cohorts: all contacts of a slider, where a step would lead them, and the steps taken.
 
 With N(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) the survival of contacts
 born at s, number conservation says
@@ -11,15 +11,15 @@ contacts form again. Within a step the rate of births is taken as constant: half
 its begin, half to that at its end, of second order in the step.
 """
 
-from bisect import bisect_left
+from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import KroghInterpolator
 
 from master.numerics.averages import StretchNodes, stretch_nodes
 from master.outcome import StoppedError, stop_after
 from master.renewal.births import reforming_law
-from master.soft.in_time.groups import Groups, Trial, per_survival
+from master.soft.in_time.breaks import BirthsUpTo, Breaks
+from master.soft.in_time.groups import Groups
 from master.soft.in_time.memory import Memory
 from origins import Contacts
 from origins.thresholds.law import Array
@@ -34,11 +34,23 @@ MOST_STEPS, MOST_WORK, FIXED_WORK = 6e3, 1e9, 60
 COMPARED = 3
 # Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
 UNRESOLVED = 0.5
-# By this part of the time since the beginning a delay is prolonged, so that births that are due at an instant do not
-# come before it by rounding.
-LATE = 1e-13
-# Nodes of the polynomial through past breaks, of a higher order than the steps, which are of second order.
-NODES = 4
+
+
+class Trial(NamedTuple):
+    """A step that is not taken yet: its travel (a length), its end in time, and the state it leads to.
+
+    groups : with a new cohort that has no births yet; survival_and_force : what the memory says of them, shape (2, n)
+    force, holding : see Cohorts; breaks, births : per contact since t = 0 or a reset
+    """
+
+    travel: float
+    now: float
+    groups: Groups
+    survival_and_force: Array
+    force: float
+    holding: float
+    breaks: float
+    births: float
 
 
 class Cohorts:
@@ -48,9 +60,9 @@ class Cohorts:
     balanced and what a slip does is up to the caller: Cohorts know no spring.
 
     position, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the fraction that holds
+    broken : the breaks so far, and what will be born of them
     unit, jumps : mean threshold (a length), and whether P_c may jump
     largest_stiffness : k_i/<k> of the stiffest contacts
-    pending : times at which the rate of births jumps, and the fractions, possibly 0, born at once there
     halvings : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
     unresolved : bound on the force (a length) of contacts whose survival steps do not resolve
     """
@@ -66,87 +78,79 @@ class Cohorts:
         start = stretch_nodes(contacts.start, memory.largest_stretch, memory.starts)
         # births at many stretches have more nodes with each halving
         reformed = stretch_nodes(reforming_law(contacts), memory.largest_stretch, 8 + 4 * halvings)
-        self._reformed = per_survival(memory, reformed)
-        self._begin(per_survival(memory, start), memory.start(start.stretch))
+        # the groups of a cohort, by the stretches at its birth
+        self._at_birth = _per_survival(memory, reformed)
+        count = reformed.stretch.size
+        # the last two cohorts, which share the births of a step
+        self._newest, self._one_before = slice(-count, None), slice(-2 * count, -count)
+        self._begin(_per_survival(memory, start), memory.start(start.stretch))
+
+    @property
+    def breaks(self) -> float:
+        """Breaks per contact since t = 0 or a reset."""
+        return self.broken.so_far
 
     def relax(self) -> None:
         """Replace all contacts, also those that are out, by those just formed again."""
-        self._begin(self._reformed, self.memory.fresh(self._reformed.stretch, 0.0))
+        self._begin(self._at_birth, self.memory.fresh(self._at_birth.stretch, 0.0))
 
     def _begin(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
         groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
         held = groups.survival_and_force(self.memory)
         self.holding, self.force = (held @ groups.weight).tolist()
-        self._started = start.stretch.size
-        self.groups = groups.and_born(self.memory, self._reformed, 0.0, 0.0)
-        # ends of steps with the breaks up to there, in smooth sections; and the births
-        self._began, self._sections, self._born = self.now, [[(self.now, 0.0)]], 0.0
-        self.pending: dict[float, float] = {}
-
-    @property
-    def breaks(self) -> float:
-        """Breaks per contact since t = 0 or a reset."""
-        return self._sections[-1][-1][1]
+        self._started = start.stretch.size  # so many groups are of the start, and stand first
+        self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
+        self.broken, self._born = Breaks(self.delay, self.now), 0.0
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
-        """A trial step by `travel` until `now`; `without_births`, broken contacts stay out. StoppedError as `take`."""
+        """A step by `travel` until `now`; `without_births`, broken contacts stay out. StoppedError as `take`."""
         stop_after(self._until)  # the search for a step may need hundreds of trials
-        duration, born, count = now - self.now, self._born, self._reformed.stretch.size
+        duration = now - self.now
         speed = abs(travel) / duration if duration > 0.0 else np.inf
         groups = self.groups.moved(self.memory, travel, duration)
-        groups = groups.and_born(self.memory, self._reformed, 0.0, speed)
+        groups = groups.and_born(self.memory, self._at_birth, 0.0, speed)
         held = groups.survival_and_force(self.memory)
         held_before, force_before = (held @ groups.weight).tolist()
         # of those born in this step, per contact born: survival and force
-        both_ends = 0.5 * (held[:, -2 * count : -count] + held[:, -count:])
-        survival, force_of_new = (both_ends @ self._reformed.weight).tolist()
-        slope, rest = 0.0, born
+        both_ends = 0.5 * (held[:, self._one_before] + held[:, self._newest])
+        survival, force_of_new = (both_ends @ self._at_birth.weight).tolist()
+        births = BirthsUpTo(0.0, self._born)
         if not (without_births or (self.delay and now == self.now)):
-            slope, rest = self._births_at(now)
+            births = self.broken.births_up_to(now, self.now)
         # held_before + survival (N - born) + B - N = 1, N = slope B + rest, solved for B
-        out = 1.0 - held_before + survival * born + (1.0 - survival) * rest
-        breaks = out / (1.0 - (1.0 - survival) * slope)
-        new = slope * breaks + rest - born
+        out = 1.0 - held_before + survival * self._born + (1.0 - survival) * births.rest
+        breaks = out / (1.0 - (1.0 - survival) * births.slope)
+        new = births.slope * breaks + births.rest - self._born
         force, holding = force_before + force_of_new * new, held_before + survival * new
-        return Trial(travel, now, groups, held, force, holding, breaks, born + new)
-
-    def _births_at(self, now: float) -> tuple[float, float]:
-        """Births up to a later instant, as a linear function of the breaks B up to then: slope and rest."""
-        if not self.delay:
-            return 1.0, 0.0
-        at, last = now - self.delay - LATE * (now - self._began), self.now
-        if at <= self._began:
-            return 0.0, 0.0
-        if at > last:  # within this step, along which breaks are a straight line
-            fraction = (at - last) / (now - last)
-            return fraction, (1.0 - fraction) * self.breaks
-        nodes = next(section for section in self._sections if section[-1][0] >= at)
-        first = max(min(bisect_left(nodes, (at,)) - NODES // 2, len(nodes) - NODES), 0)
-        times, breaks = zip(*nodes[first : first + NODES], strict=True)
-        return 0.0, float(KroghInterpolator(times, breaks)(at))
+        return Trial(travel, now, groups, held, force, holding, breaks, self._born + new)
 
     def take(self, trial: Trial) -> None:
         """Take the step; StoppedError where there are too many."""
-        groups, held, count = trial.groups, trial.survival_and_force, self._reformed.stretch.size
+        groups, held = trial.groups, trial.survival_and_force
         self.steps += 1
         self.work += groups.weight.size * (self.memory.width + FIXED_WORK)
         self._stop_at_limits()
         self.position, self.now = self.position + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
-        half = 0.5 * (trial.births - self._born) * self._reformed.weight
-        groups.weight[-count:] = half
-        groups.weight[-2 * count : -count] += half
+        half = 0.5 * (trial.births - self._born) * self._at_birth.weight
+        groups.weight[self._newest] = half
+        groups.weight[self._one_before] += half
         self._note_unresolved(groups, held)
-        # births go on between the last cohort and the next: these two stay, and all groups of a cohort go together
-        alive = held[0] > DEAD
-        cohorts = held[0, self._started :].reshape(-1, count)
-        alive[self._started :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
-        alive[-count:] = True
-        self._started = int(np.count_nonzero(alive[: self._started]))
-        self.groups = groups.pick(alive)
-        self._sections[-1].append((self.now, trial.breaks))
+        self.groups = self._without_dead(groups, held[0])
+        self.broken.add(self.now, trial.breaks)
         self._born = trial.births
+
+    def _without_dead(self, groups: Groups, survival: Array) -> Groups:
+        """The groups of which some contacts hold; all groups of a cohort go together. The last cohort stays, as it
+        shares the births of the next step."""
+        count = self._at_birth.stretch.size
+        alive = survival > DEAD
+        cohorts = survival[self._started :].reshape(-1, count)
+        alive[self._started :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
+        alive[self._newest] = True
+        self._started = int(np.count_nonzero(alive[: self._started]))
+        return groups.pick(alive)
 
     def slide_steadily(self, travel: float, error: float) -> None:
         """Slide on at this instant while each break is followed by a birth and stretches stay distributed as they are;
@@ -163,30 +167,28 @@ class Cohorts:
 
     def _note_unresolved(self, groups: Groups, held: Array) -> None:
         """Bound the force of contacts born in steps of which it is unknown how many hold."""
-        count = self._reformed.stretch.size
+        count = self._at_birth.stretch.size
         survival, force = held[:, self._started :]
         born = np.abs(groups.weight[self._started :])
         unknown = np.where(survival[:-count] < UNRESOLVED * survival[count:], 0.5, 0.0)
         unknown *= np.abs(force[count:] - force[:-count]) * np.sqrt(born[count:] * born[:-count])
         self.unresolved = max(self.unresolved, float(unknown.sum()))
 
-    def begin_section(self) -> None:
-        """The speed and the rate of breaks may jump at this instant."""
-        self._sections.append(self._sections[-1][-1:])
-
-    def repeat_later(self, at: float, fraction: float = 0.0) -> None:
-        """Breaks jump by a fraction of all contacts, or their rate jumps: births repeat it a delay later, and bend
-        after two."""
-        for later, born in ((at + self.delay, fraction), (at + 2.0 * self.delay, 0.0)):
-            self.pending[later] = self.pending.get(later, 0.0) + born
-
     def born_now(self) -> None:
-        """Let all contacts that are due be born."""
-        fraction = sum(self.pending.pop(at) for at in list(self.pending) if at <= self.now)
+        """Let all contacts be born at once that are due."""
+        fraction = self.broken.due(self.now)
         if fraction > 0.0:
             first = self.groups.weight.size
-            self.groups = self.groups.and_born(self.memory, self._reformed, fraction, 0.0)
+            self.groups = self.groups.and_born(self.memory, self._at_birth, fraction, 0.0)
             new = self.groups.pick(slice(first, None))
             holding, force = (new.survival_and_force(self.memory) @ new.weight).tolist()
             self.holding, self.force = self.holding + holding, self.force + force
             self._born += fraction
+
+
+def _per_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:
+    """The nodes with weights divided by the survival at birth, 0 where none hold."""
+    stretch = nodes.stretch
+    survival = memory.survival_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]
+    weight = np.divide(nodes.weight, survival, out=np.zeros(survival.size), where=survival > 0.0)
+    return StretchNodes(stretch, weight)

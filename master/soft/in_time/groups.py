@@ -1,8 +1,9 @@
-"""Groups of contacts that began or were born together at one stretch, and a trial step of all of them."""
+"""Groups of contacts that began or were born together at one stretch."""
 
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from master.numerics.averages import StretchNodes
 from master.soft.in_time.memory import Leg, Memory
@@ -41,31 +42,6 @@ class Groups(NamedTuple):
         """See Memory; shape (2, n)."""
         return memory.survival_and_force(self.record, self.stretch, self.largest)
 
-    def pick(self, which: slice | Array) -> "Groups":
+    def pick(self, which: slice | npt.NDArray[np.bool_]) -> "Groups":
         """Some of them."""
         return Groups(*(part[which] for part in self))
-
-
-class Trial(NamedTuple):
-    """A step that is not taken yet: its travel (a length), its end in time, and the state it leads to.
-
-    groups : with a new cohort that has no births yet; survival_and_force : what the memory says of them, shape (2, n)
-    force, holding : see Cohorts; breaks, births : per contact since t = 0 or a reset
-    """
-
-    travel: float
-    now: float
-    groups: Groups
-    survival_and_force: Array
-    force: float
-    holding: float
-    breaks: float
-    births: float
-
-
-def per_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:
-    """The nodes with weights divided by the survival at birth, 0 where none hold."""
-    stretch = nodes.stretch
-    survival = memory.survival_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]
-    weight = np.divide(nodes.weight, survival, out=np.zeros(survival.size), where=survival > 0.0)
-    return StretchNodes(stretch, weight)

@@ -6,7 +6,8 @@ import numpy as np
 
 from master.motion import Motion
 from master.soft.in_time.cohorts import Cohorts
-from master.soft.in_time.slip import slip_with_births, slip_without_births
+from master.soft.in_time.slip_begins import SlipBegins
+from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Steps
 from origins.drive import Drive
 from origins.thresholds.law import Array
@@ -44,16 +45,16 @@ class Slider:
         self.sections, self.slips = list[list[Node]](), list[Array]()
 
     def run(self) -> None:
-        """Follow the drive to its end."""
+        """Follow the drive to its end, leg by leg; sections of a leg end where births jump, and at slips."""
         contacts, motion = self.contacts, self.motion
         if motion is None:
             self.sections.append([self._node(0.0)])
             return
         self._steps = Steps(contacts, self._spring, motion)
         for leg, last in enumerate(motion.times[1:].tolist()):
-            contacts.repeat_later(float(motion.times[leg]))
+            contacts.broken.repeat_later(float(motion.times[leg]))
             while True:
-                end = min([*contacts.pending, last])
+                end = min([*contacts.broken.pending, last])
                 self._steps.begin(leg, end)
                 if self._slide(end):
                     self._slip(float(motion.at(np.array(contacts.now))))
@@ -66,11 +67,11 @@ class Slider:
         """Take steps until `end`, or until a slip begins; returns whether one does."""
         contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
         self.sections.append(nodes)
-        contacts.begin_section()
-        slips = False
+        contacts.broken.begin_section()
+        search, slips = SlipBegins(steps), False
         while not slips and contacts.now < end:
-            size = min(self._size * steps.shrink, max(steps.longest(), SHORTEST * self._size))
-            trial, slips = steps.up_to_slip(steps.step(size), size)
+            size = min(self._size * search.shrink, max(steps.longest(), SHORTEST * self._size))
+            trial, slips = search.up_to_slip(steps.step(size), size)
             if trial.travel or trial.now > contacts.now:
                 done = nodes[-1].size + max(steps.size(trial), 0.0)
                 contacts.take(trial)

@@ -1,4 +1,4 @@
-"""Slips that end at a balance, while the drive holds: the slider moves on, which takes no time.
+"""Where a slip ends: at a balance, to which the slider moves while the drive holds; this takes no time.
 
 On a soft spring a slip is as long as F/K, a million thresholds on a spring of 1e-6 N_c <k>. The work depends on the way
 until breaks are steady, or until nothing holds any more; the rest of a slip is algebra.
@@ -15,14 +15,14 @@ from master.soft.in_time.steps import Steps
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
 # rise at first, as the weakest have broken.
 FIRST_TRAVELS = (0.003, 0.01, 0.03, 0.1, 0.4, 1.0)
-# Cycle of a slip that none of them begins, in steps: one of next to no length.
+# Travel of a slip that none of them begins, in steps: next to none.
 NO_SLIP = 1e-4
 # Accuracy of a slip's end, in mean thresholds: that of rounding.
 AT_END = 1e-15
 # Shortest step in the search for the end of a slip without births, in lengths over which births change: two balances
 # that are nearer to each other are not told apart.
 SHORTEST_STEP = 0.06
-# Cycle, in mean thresholds, along which F has to stay the same for breaks to be steady; and the largest change of F on
+# Travel, in mean thresholds, along which F has to stay the same for breaks to be steady; and the largest change of F on
 # it, in mean thresholds, which is part of the error.
 STEADY_TRAVEL, STEADY = 1.0, 1e-6
 
@@ -34,27 +34,32 @@ def slip_without_births(contacts: Cohorts, steps: Steps) -> None:
     more by d no balance is nearer than d/(K + that stiffness): steps of this length miss none. Where nothing holds any
     more one of them leads to the end, X = X_T.
     """
+    broken_before = contacts.breaks
+    contacts.broken.begin_section()
+    contacts.take(contacts.trial(_way_to_balance(contacts, steps), contacts.now, True))
+    contacts.broken.begin_section()
+    contacts.broken.repeat_later(contacts.now, contacts.breaks - broken_before)
+    contacts.born_now()
+
+
+def _way_to_balance(contacts: Cohorts, steps: Steps) -> float:
+    """The travel to the first balance of a slip without births (a length, of either sign)."""
     shortest = SHORTEST_STEP * contacts.memory.scales.length
-    broken = contacts.breaks
-    contacts.begin_section()
 
     def imbalance(travel: float) -> float:
         return steps.imbalance(contacts.trial(travel, contacts.now, without_births=True))
 
     first = _first_travel(imbalance, 0.5 * steps.sign * contacts.memory.scales.length)
-    low = high = first or NO_SLIP * steps.sign * shortest
-    while first:
+    if not first:
+        return NO_SLIP * steps.sign * shortest
+    low = high = first
+    while True:
         trial = contacts.trial(high, contacts.now, without_births=True)
         missing = steps.imbalance(trial)
         if missing <= 0.0:
-            low = float(brentq(imbalance, low, high, xtol=AT_END * contacts.unit))
-            break
+            return float(brentq(imbalance, low, high, xtol=AT_END * contacts.unit))
         softest = steps.spring + contacts.largest_stiffness * trial.holding
         low, high = high, high + steps.sign * max(missing / softest, shortest)
-    contacts.take(contacts.trial(low, contacts.now, without_births=True))
-    contacts.begin_section()
-    contacts.repeat_later(contacts.now, contacts.breaks - broken)
-    contacts.born_now()
 
 
 def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
@@ -62,7 +67,7 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
 
     Once breaks are steady F stays that of sliding at infinite speed, and the spring's balance tells the rest.
     """
-    contacts.begin_section()
+    contacts.broken.begin_section()
     step, least = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
     begin, travelled, forces = contacts.position, list[float](), list[float]()
 
@@ -70,9 +75,14 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
         return steps.imbalance(contacts.trial(travel, contacts.now))
 
     first = _first_travel(imbalance, steps.sign * least)
-    # beyond the steps that may only lead back to the balance at the begin
-    away, low = 0.0 < abs(first) < abs(step), first or NO_SLIP * step
-    while first and ((missing := imbalance(step)) > 0.0 or not away):
+    low = first or NO_SLIP * step
+    # a step may only lead back to the balance at the begin: the slip ends at none before it is away from there
+    away = 0.0 < abs(first) < abs(step)
+    steady = False
+    while first and not steady:
+        missing = imbalance(step)
+        if missing <= 0.0 and away:
+            break
         away |= missing > 0.0 or abs(contacts.position - begin) > least
         contacts.take(contacts.trial(step, contacts.now))
         low = 0.0
@@ -81,12 +91,12 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
         rest = imbalance(0.0) / steps.spring
         if rest > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
             contacts.slide_steadily(steps.sign * rest, STEADY * contacts.unit)
-            break
-    else:
+            steady = True
+    if not steady:
         if first and imbalance(low) > 0.0:
             low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
         contacts.take(contacts.trial(low, contacts.now))
-    contacts.begin_section()
+    contacts.broken.begin_section()
 
 
 def _first_travel(imbalance: Callable[[float], float], least: float) -> float:

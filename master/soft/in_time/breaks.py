@@ -1,0 +1,73 @@
+"""Breaks so far, which are the births to come: a contact that breaks is born again one delay later."""
+
+from bisect import bisect_left
+from typing import NamedTuple
+
+from scipy.interpolate import KroghInterpolator
+
+# By this part of the time since the beginning a delay is prolonged, so that births that are due at an instant do not
+# come before it by rounding.
+LATE = 1e-13
+# Nodes of the polynomial through past breaks, of a higher order than the steps, which are of second order.
+NODES = 4
+
+
+class BirthsUpTo(NamedTuple):
+    """Births per contact up to the end of a step, as a linear function of the breaks up to there: slope times these
+    breaks, and a rest."""
+
+    slope: float
+    rest: float
+
+
+class Breaks:
+    """Breaks per contact since t = 0 or a reset, at the ends of steps.
+
+    delay : time for which a broken contact is out
+    pending : times at which the rate of births will jump or bend, and the fractions, possibly 0, born at once there
+    """
+
+    def __init__(self, delay: float, now: float) -> None:
+        self.delay, self._began = delay, now
+        # ends of steps with the breaks up to there, in sections along which breaks are smooth
+        self._sections = [[(now, 0.0)]]
+        self.pending: dict[float, float] = {}
+
+    @property
+    def so_far(self) -> float:
+        """Breaks up to the end of the last step."""
+        return self._sections[-1][-1][1]
+
+    def add(self, now: float, breaks: float) -> None:
+        """A step ended now, with so many breaks up to its end."""
+        self._sections[-1].append((now, breaks))
+
+    def births_up_to(self, end: float, now: float) -> BirthsUpTo:
+        """Births up to the end of a step that begins now."""
+        if not self.delay:
+            return BirthsUpTo(1.0, 0.0)
+        broken_at = end - self.delay - LATE * (end - self._began)
+        if broken_at <= self._began:
+            return BirthsUpTo(0.0, 0.0)
+        if broken_at > now:  # within this step, along which breaks are a straight line
+            fraction = (broken_at - now) / (end - now)
+            return BirthsUpTo(fraction, (1.0 - fraction) * self.so_far)
+        section = next(section for section in self._sections if section[-1][0] >= broken_at)
+        first = bisect_left(section, (broken_at,)) - NODES // 2
+        first = max(min(first, len(section) - NODES), 0)
+        times, breaks = zip(*section[first : first + NODES], strict=True)
+        return BirthsUpTo(0.0, float(KroghInterpolator(times, breaks)(broken_at)))
+
+    def begin_section(self) -> None:
+        """The rate of breaks may jump at this instant."""
+        self._sections.append(self._sections[-1][-1:])
+
+    def repeat_later(self, at: float, fraction: float = 0.0) -> None:
+        """Breaks jump by a fraction of all contacts, or their rate jumps: births repeat it a delay later, and bend
+        after two."""
+        for later, born in ((at + self.delay, fraction), (at + 2.0 * self.delay, 0.0)):
+            self.pending[later] = self.pending.get(later, 0.0) + born
+
+    def due(self, now: float) -> float:
+        """The fraction that is born at once now, and no longer pending."""
+        return sum(self.pending.pop(at) for at in list(self.pending) if at <= now)

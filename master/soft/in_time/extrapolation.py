@@ -1,0 +1,158 @@
+"""Extrapolation to step 0 of the answers of three sliders, whose steps are halved from one to the next; and the error.
+
+Errors of the answers fall about as the square of the step, faster with ageing, more slowly where thresholds grow
+or births jump; all are extrapolated as if by the square. The error estimate is three times, with ageing once, the last
+change of the extrapolated or of the plain answers, whichever is smaller, plus the error of the contacts' memory and
+rounding, or what the steps do not resolve if that is larger. The error of the force, and of the load at slips, is
+claimed.
+"""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import make_interp_spline
+from scipy.optimize.elementwise import find_root
+
+from master.soft.in_time.cohorts import COMPARED
+from master.soft.in_time.idle_heat import unresolved_heat
+from master.soft.in_time.near_slip import slip_undecided
+from master.soft.in_time.slider import Node, Slider
+from master.soft.regime import Followed, slips_of
+from origins import Contacts, Drive
+from origins.thresholds.law import Array
+
+# Errors fall by 4 with each halving as the square of the steps: 1/3 of the last change is left, and is added.
+REST_OF_CHANGE = 1.0 / 3.0
+# Instants at which the error is looked for beside the points of the path: few points would hardly tell it.
+INSTANTS = 65
+# Rounding of the force in one step, in mean thresholds.
+ROUNDING = 1e-13
+# Highest degree of the splines between the ends of steps; they are best at odd ones.
+DEGREE = 5
+
+
+class Answer(NamedTuple):
+    """What a slider answers; lengths in mean thresholds.
+
+    force, holding : at times (n,)
+    slips : K X_T, F before and F after each slip, shape (3, slips)
+    """
+
+    force: Array
+    holding: Array
+    slips: Array
+
+
+class Limit(NamedTuple):
+    """An answer at step 0, and the errors of force and load at slips (mean thresholds), and of the holding fraction."""
+
+    answer: Answer
+    error: float
+    holding_error: float
+
+
+def extrapolated(
+    sliders: list[Slider], contacts: Contacts, drive: Drive, balance: float, asked: Array
+) -> Followed:
+    """The answer at times (n,) of three sliders with as many slips; of fewer, with an infinite error."""
+    unit, spring, last = contacts.mean_threshold, float(drive.spring or 0.0), sliders[-1]
+    times = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), INSTANTS))
+    if len(sliders) == COMPARED:
+        limit = _limit(sliders, times)
+    else:
+        limit = Limit(_answer(last, times), np.inf, np.inf)
+    cohorts, slips = last.contacts, limit.answer.slips
+    # round-off of the force grows with the number of steps, and where the slider slips with K, as K X_T does
+    stiff = spring if slips.size else min(spring, 1.0)
+    rounding = ROUNDING * (1.0 + cohorts.steps) * (1.0 + stiff)
+    duration = 0.0 if last.motion is None else float(last.motion.times[-1])
+    cold_skin = unresolved_heat(contacts, cohorts.memory, drive, duration)
+    error = limit.error + cohorts.memory.error + rounding + cold_skin
+    error = max(error, cohorts.unresolved / unit)
+    return Followed(
+        balance=balance,
+        force=limit.answer.force[: asked.size] * unit,
+        holding=limit.answer.holding[: asked.size],
+        slips=slips_of(slips * unit / [[spring], [1.0], [1.0]], spring, error * unit / spring),
+        error=error,
+        holding_error=limit.holding_error,
+        nodes=cohorts.steps,
+    )
+
+
+def _answer(slider: Slider, times: Array) -> Answer:
+    """What one slider answers at times (n,)."""
+    unit = slider.contacts.unit
+    force, holding = read(slider.sections, times)
+    # rows of Slider.slips: time, K X_T, F before and after
+    slips = np.array(slider.slips).reshape(-1, 4).T[1:]
+    return Answer(force / unit, holding, slips / unit)
+
+
+def _limit(sliders: list[Slider], times: Array) -> Limit:
+    """The answer at step 0 of three sliders with as many slips."""
+    answers = [_answer(one, times) for one in sliders]
+    force, holding, slips = (np.array(part) for part in zip(*answers, strict=True))
+    instants = [np.array([slip[0] for slip in one.slips]) for one in sliders]
+    # at times between two sliders' slips F changes by its drop, which is no error; K X_T says how far F is off
+    beside = np.any([_beside(times, *pair) for pair in pairwise(instants)], axis=0)
+    of_slips = _changes(slips.reshape(COMPARED, -1))
+    of_force = np.append(_changes(force[:, ~beside]), of_slips, axis=1)
+    of_holding = _changes(holding[:, ~beside])
+    # the smaller of the largest changes, of plain and of extrapolated answers
+    safety = sliders[-1].contacts.memory.safety
+    error, holding_error = (
+        safety * float(part.max(axis=1, initial=0.0).min()) for part in (of_force, of_holding)
+    )
+    limit = Answer(
+        *(part[2] + REST_OF_CHANGE * (part[2] - part[1]) for part in (force, holding, slips))
+    )
+    if beside.any():  # read F as long before or after the slip as it is from the extrapolated slip
+        later = REST_OF_CHANGE * (instants[2] - instants[1])
+        nearest = np.abs(times[beside, None] - instants[2] - later).argmin(axis=1)
+        there = _answer(sliders[2], times[beside] - later[nearest])
+        limit.force[beside], limit.holding[beside] = there.force, there.holding
+    if slip_undecided(sliders):
+        error = max(error, float(np.abs(limit.force).max()))
+    return Limit(limit, error, holding_error)
+
+
+def _changes(three: Array) -> Array:
+    """Sizes of the last change of three plain answers, and of the extrapolated ones, shape (2, n)."""
+    before, last = np.diff(three, axis=0)
+    return np.abs([last, last + REST_OF_CHANGE * (last - before)])
+
+
+def _beside(times: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
+    """Times that the change of a slip's time moves across it, or nearly so."""
+    apart, crossed = times[:, None] - now, (times[:, None] < now) != (times[:, None] < before)
+    return np.asarray(((np.abs(apart) <= np.abs(now - before)) | crossed).any(axis=1))
+
+
+def read(sections: list[list[Node]], asked: Array) -> Array:
+    """Force (lengths) and the fraction that holds at times (n,), shape (2, n); at a slip, after it. By splines in the
+    size of all steps, in which the time, too, is smooth."""
+    ends = np.array([section[-1].time for section in sections])
+    which = np.minimum(np.searchsorted(ends, asked, side="right"), len(sections) - 1)
+    out = np.empty((2, asked.size))
+    for k in np.unique(which):
+        at, nodes = asked[which == k], np.array(sections[k])[:, :4]
+        nodes = nodes[np.unique(nodes[:, 0], return_index=True)[1]]
+        step, times = nodes[:, 0], nodes[:, 1]
+        if step.size == 1:
+            out[:, which == k] = nodes[0, 2:, None]
+            continue
+        degree = min(DEGREE, 2 * ((step.size - 2) // 2) + 1)
+        values = make_interp_spline(step, nodes[:, 1:], k=degree)
+        cell = np.clip(np.searchsorted(times, at, side="left"), 1, step.size - 1)
+        found = find_root(
+            lambda x, time, values=values: values(x)[..., 0] - time,
+            (step[cell - 1], step[cell]),
+            args=(np.clip(at, times[cell - 1], times[cell]),),
+        )
+        # at the end of a cell rounding may take the root out of it
+        place = np.where(found.success, found.x, np.interp(at, times, step))
+        out[:, which == k] = values(place)[:, 1:].T
+    return out
