@@ -70,7 +70,7 @@ def solve(
         "instant": contacts re-form at once, or after their delay, and X goes to the first X' with F(X') + K X' = K X_T.
     mass, damping : float, optional
         M/(N_c <k>) (time squared) and γ/(N_c <k>) (time) of a soft slider, M X'' + γ X' = K (X_T - X) - F, instead of a
-        slip rule; for contacts at T = 0, with a delay or without, and no other law.
+        slip rule; for contacts with a delay or without, and no other law but heat that hardly changes the force.
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional

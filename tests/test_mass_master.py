@@ -150,19 +150,37 @@ def test_claims_hold_beside_far_finer_solutions() -> None:
 
 
 @pytest.mark.parametrize(
-    "laws",
+    "laws, words",
     [
-        {"ageing": origins.Ageing(origins.gaussian(1.5, 0.1), rate=0.1)},
-        {"thermal": origins.Thermal("soft", temperature=0.01)},
-        {"stiffness": "linked"},
+        ({"ageing": origins.Ageing(origins.gaussian(1.5, 0.1), rate=0.1)}, "ageing; leave one"),
+        (
+            {"thermal": origins.Thermal("soft", temperature=0.01)},
+            r"than 0\.1 .* leave out the heat",
+        ),
+        ({"stiffness": "linked"}, r"eq_model\.simulate"),
     ],
     ids=["ageing", "thermal", "linked"],
 )
-def test_laws_beside_a_mass_are_refused_in_one_line(laws: dict[str, object]) -> None:
+def test_laws_beside_a_mass_are_refused_in_one_line(laws: dict[str, object], words: str) -> None:
     contacts = origins.Contacts(origins.gaussian(1.0, 0.2), **laws)
-    with pytest.raises(InputError, match=r"^mass = 1.0: .*eq_model\.simulate") as refused:
+    with pytest.raises(InputError, match=rf"^mass = 1.0: .*{words}") as refused:
         master.solve(contacts, [1.0], spring=0.5, mass=1.0)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("kind", ["soft", "stiff"])
+def test_heat_of_high_barriers_is_left_out_and_bounded(kind: str) -> None:
+    """At some 1e5 k_BT; on a rigid slider, where heat is solved, the bound holds with much to spare."""
+    heat = origins.Thermal(kind, temperature=5e-7, attempt_frequency=1e6)
+    hot = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=heat)
+    path, machine = np.linspace(0.1, 5.0, 50), {"spring": 0.3, "mass": 0.3, "damping": 0.3}
+    found, cold = (master.solve(one, path, 1e-6, **machine) for one in (hot, WIDE))
+    bound = found.force_error - cold.force_error
+    assert (found.force == cold.force).all() and 0.0 < bound < 0.1 and not found.success
+    assert "heat is left out beside a mass" in found.message
+    assert found.slips.drive_error == pytest.approx(cold.slips.drive_error + bound / 0.3, rel=1e-6)
+    rigid, without = (master.solve(one, np.linspace(0.1, 1.5, 29), 1e-7) for one in (hot, WIDE))
+    assert 0.0 < np.abs(rigid.force - without.force).max() < bound
 
 
 def test_endless_ringing_says_so() -> None:

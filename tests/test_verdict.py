@@ -118,7 +118,7 @@ def test_a_mass_beside_heat_is_told_in_words(capsys: Any) -> None:
     status, page, found = judged(capsys, contacts=contacts, drive=drive)
     (alone,) = found["readings"][0]["behaviours"]
     assert status == 1 and alone["kind"] == "undecided"
-    assert "no solver takes a mass beside [contacts.thermal]: leave one of them out" in page
+    assert "a slider with mass is followed at T = 0" in page and "leave out the heat" in page
     assert "np." not in page and "master.solve" not in page and "simulate" not in page
 
 

@@ -143,6 +143,9 @@ def regime(
         critical, error, steepest = found_along.fall
         # where F falls most steeply a softer spring has slipped, and F was no larger than the largest one
         latest = steepest + found_along.force.value / spring
+        if drive.mass is not None:  # and a slider with mass gets fast within one swing
+            swing = 2.0 * np.pi * (drive.mass / spring) ** 0.5 + drive.damping / spring
+            latest += fastest * swing
     known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
     if np.isnan(critical):
         why = "of these laws is not solved for" if unsolved else "was not found within wall_time"
@@ -237,6 +240,8 @@ def _lacking(
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
     if motion is None or not moving.size or not (ages or "thermal" in contacts.laws):
+        if drive.mass is not None and drive.forward and drive.path[-1] > latest:
+            return ""  # it fell by less than what counts as a slip
         if drive.forward and np.isfinite(latest):
             return f", but the first one comes before X_T = {latest:.3g}; drive as far"
         return ", but it ends before a first slip may come; lengthen it"

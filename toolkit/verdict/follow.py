@@ -107,9 +107,6 @@ def follow(
     loading = static / machine.spring + contacts.mean_threshold
     begin = contacts.start.mean() / machine.spring
     tolerance = TOLERANCE_IN_TIME if contacts.in_time else TOLERANCE
-    if rule == "mass" and contacts.held_in_time:
-        held = " and ".join(f"[contacts.{law}]" for law in sorted(contacts.held_in_time))
-        return _refused(rule, f"no solver takes a mass beside {held}: leave one of them out")
     alone = not _by_contacts(machine, contacts, rule)
     found, until = _refused(rule, "no time was left"), time.monotonic()
     until += wall_time if alone else 0.5 * wall_time

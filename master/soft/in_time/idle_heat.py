@@ -73,6 +73,16 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
     return Idle(contacts)
 
 
+def without_weak_heat(contacts: Contacts, drive: Drive, duration: float) -> Idle:
+    """The contacts without heat, where it changes the force by less than WEAK, for a slider that is followed at T = 0
+    only; else as they are, with its effect."""
+    effect, often = largest_effect(contacts, duration, WHOLE_EARLY), loads(contacts, drive)
+    if not effect * often < WEAK:
+        return Idle(contacts, effect, often)
+    told = "heat is left out beside a mass: it may change the force by up to"
+    return Idle(contacts.replace(thermal=None), effect, often, told)
+
+
 def unresolved_heat(contacts: Contacts, memory: Memory, drive: Drive, duration: float) -> float:
     """The error of the force (mean thresholds) due to heat that the memory's cells do not resolve, 0 where they do."""
     if memory.resolves_heat:

@@ -10,6 +10,8 @@ import numpy as np
 
 from master.motion import Motion, drive_motion
 from master.outcome import Progress, StoppedError
+from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
+from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.reaction import ALIKE
@@ -101,11 +103,16 @@ def solve_inertial(
 ) -> InertialSolution:
     """Motion while the drive X_T moves along its path and pulls the slider, from rest, by its spring.
 
-    Raises InputError for contacts with laws beside thresholds and start, and where a drive in time does not begin at
-    the balance.
+    Heat that hardly changes the force is left out, and a bound on its effect is counted in the errors. Raises
+    InputError for contacts with other laws beside thresholds, start and delay, and where a drive in time does not begin
+    at the balance.
     """
-    began = time.perf_counter()
-    _check(contacts, drive)
+    began, given, idle = time.perf_counter(), contacts, Idle(contacts)
+    if contacts.thermal is not None and not _other_laws(contacts):
+        duration = float(drive.arrival_times(balance_of(contacts, drive))[-1])
+        idle = without_weak_heat(contacts, drive, duration)
+        contacts = idle.contacts
+    _check(contacts, drive, idle)
     unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
     best, error, of_contacts = (
         _Run(contacts, drive, tolerance, TOLERANCES[0], until),
@@ -125,38 +132,55 @@ def solve_inertial(
             safety = SAFETY_OF_DELAY if contacts.waiting_time else 1.0
             error, of_contacts = safety * differ + unseen, safety * contacts_differ + unseen
             progress(error)
-    rounding = 1e-14 * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
+    left_out = 1e-14 * (1.0 + spring * float(np.abs(drive.path).max()) / unit)  # rounding
+    if idle.message:
+        left_out += idle.effect * idle.loads
     found = Followed(
         balance=best.balance,
         force=best.force,
         holding=best.record.holding[: best.force.size],
-        slips=best.slips(error * unit / spring),
-        error=error + rounding,
+        slips=best.slips((error + left_out) * unit / spring),
+        error=error + left_out,
         nodes=nodes,
         stopped_because=stopped,
     )
     record = best.record
     record.finish()
     solved = slice(0, found.force.size)
-    common = common_fields((contacts, contacts), drive, found, tolerance, until)
+    common = common_fields((given, contacts), drive, found, tolerance, until)
+    if idle.message:
+        common["message"] += f"; {idle.message} {idle.effect * idle.loads:.1e} mean thresholds"
     return InertialSolution(
         **common,
         position=record.place[solved],
         run_time=time.perf_counter() - began,
         velocity=record.speed[solved],
         contact_force=record.contact_force[solved],
-        contact_force_error=of_contacts + rounding,
+        contact_force_error=of_contacts + left_out,
         energy=_energy(record, found, spring, float(drive.mass or 0.0), best.stored_first),
     )
 
 
-def _check(contacts: Contacts, drive: Drive) -> None:
-    """Refuse contacts whose motion with a mass is not solved."""
+def _other_laws(contacts: Contacts) -> list[str]:
+    """Names of laws with which no slider with mass is followed."""
+    return sorted(set(contacts.laws) - {"delay", "thermal"})
+
+
+def _check(contacts: Contacts, drive: Drive, idle: Idle) -> None:
+    """Refuse contacts whose motion with a mass is not solved, heat among them that is not `idle`."""
     others = sorted(set(contacts.laws) - {"delay"})
+    if others == ["thermal"]:
+        effect = f"{idle.effect * idle.loads:.1g}" if np.isfinite(idle.effect) else "unknown"
+        hint = "a slider with mass is followed at T = 0, as if heat changed the force by less than"
+        change = f"{WEAK:g} mean thresholds; here the bound is {effect}"
+        refuse(
+            "mass", drive.mass, f"{hint} {change}; leave out the heat, or the mass and give slip"
+        )
     if others:
         held = ", ".join(others)
         hint = f"the master equation follows a slider with mass at T = 0, with no law but a delay, not with {held}"
-        refuse("mass", drive.mass, f"{hint}; use eq_model.simulate, or leave one of them out")
+        also = "use eq_model.simulate, or " if others == ["stiffness"] else ""
+        refuse("mass", drive.mass, f"{hint}; {also}leave one of them out")
     weights = contacts.thresholds.atoms[1]
     if contacts.delay is None or not weights.size:
         return
