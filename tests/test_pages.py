@@ -187,7 +187,7 @@ def test_rough_surfaces(tmp_path: Path) -> None:
 
 # -- docs/scenes.md --------------------------------------------------------------------------------
 
-GIVEN = ("folder", "comm")  # not for a scene to say
+GIVEN = ("folder", "comm", "thresholds")  # not for a scene to say
 STRUCTS = {
     "The file": tables.SceneTable,
     "[contacts]": tables.ContactsTable,
@@ -208,6 +208,7 @@ OF_KINDS = {
     "[contacts.thresholds.substrate]": laws.SUBSTRATES,
 }
 CALLS = {
+    "[contacts.strengthening]": origins.strengthening,
     "[contacts.thermal]": origins.Thermal,
     "[contacts.ageing]": origins.Ageing,
     "[contacts.delay]": origins.Delay,

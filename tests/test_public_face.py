@@ -31,7 +31,7 @@ NAMES = {
     "toolkit": "__version__ load load_scene plot run save",
 }
 KEYS = {
-    "ContactsTable": "thresholds start thermal ageing delay reforming stiffness",
+    "ContactsTable": "thresholds strengthening start thermal ageing delay reforming stiffness",
     "DriveTable": "points to from turns times hold_scale velocity spring mass damping slip area",
     "EqTable": "contacts replicas seed tolerance wall_time histograms histogram_times",
     "MasterTable": "tolerance",

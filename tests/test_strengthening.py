@@ -5,6 +5,7 @@ import pytest
 
 import origins
 from origins import Contacts, InputError
+from toolkit.scene.scene import load_scene
 
 PC = origins.gaussian(mean=1.0, std=0.2)
 
@@ -86,3 +87,48 @@ def test_laws_that_do_not_go_with_it(laws, said):
     """The reason is said."""
     with pytest.raises(InputError, match=said):
         Contacts(origins.strengthening(PC, 0.03, 1.0), **laws)
+
+
+SCENE = {
+    "contacts": {
+        "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2},
+        "strengthening": {"beta": 0.04, "time": 0.5, "age": 2.0},
+    },
+    "drive": {"to": 2.0, "velocity": 0.1},
+    "eq": {"contacts": 100},
+}
+
+
+def test_a_scene_names_it():
+    """[contacts.strengthening] is the call with the thresholds of the scene; its errors name the key."""
+    law = load_scene(SCENE).contacts.strengthening
+    assert (law.beta, law.time_unit, law.age) == (0.04, 0.5, 2.0)
+    np.testing.assert_array_equal(law.fresh.sf([0.9, 1.1]), PC.sf([0.9, 1.1]))
+    assert load_scene(SCENE, changes={"contacts.strengthening.beta": 0.0}).contacts.laws == ()
+    for key, value, said in [
+        (
+            "contacts.strengthening.beta",
+            -0.1,
+            "contacts.strengthening.beta = -0.1: must be zero or above",
+        ),
+        ("contacts.strengthening.tau", 1.0, "contacts.strengthening.tau = 1.0: unknown key"),
+        ("contacts.stiffness", "linked", "contacts.stiffness = 'linked': not defined"),
+        (
+            "contacts.thresholds",
+            {"kind": "growing-grains", "alpha": 1.0, "B": 1.0, "age": 4.0},
+            "grow already",
+        ),
+    ]:
+        with pytest.raises(InputError) as error:
+            load_scene(SCENE, changes={key: value})
+        assert said in str(error.value)
+
+
+def test_contacts_of_a_rough_surface_in_newtons():
+    """The surface stays behind the thresholds, which are in metres, at X = 0 of any age."""
+    bare = load_scene("rough-gw-amontons").contacts
+    table = {"beta": 0.03, "time": 1.0, "age": 1e4}
+    grown = load_scene("rough-gw-amontons", changes={"contacts.strengthening": table}).contacts
+    assert grown.interface == bare.interface and bare.interface is not None
+    factor = 1.0 + 0.03 * np.log(1.0 + 1e4)
+    assert grown.mean_threshold == pytest.approx(factor * bare.mean_threshold, rel=1e-12)

@@ -47,6 +47,10 @@ class GrainContact(GrowingThresholds):
             "reforming": f"{form_at_0}; leave it out",
         }
 
+    def __repr__(self) -> str:
+        """Its arguments."""
+        return f"GrainContact({self.growth!r}, age={self.age})"
+
     def __str__(self) -> str:
         """The law in words."""
         return f"thresholds that grow from the age {self.age:.4g} on"

@@ -69,6 +69,10 @@ class Strengthening(GrowingThresholds):
             f"strengthening({self.fresh!r}, beta={self.beta:.6g}, time={self.time_unit:.6g}{age})"
         )
 
+    def __str__(self) -> str:
+        """The law in words."""
+        return f"thresholds that grow by the factor 1 + {self.beta:.4g} ln(1 + age/{self.time_unit:.4g})"
+
     def factor(self, age: npt.ArrayLike) -> Array:
         """g at these ages >= 0 (times); shape of them."""
         return np.asarray(1.0 + self.beta * np.log1p(np.asarray(age) / self.time_unit))[()]
@@ -121,4 +125,6 @@ def strengthening(thresholds: object, beta: float, time: float, age: float = 0.0
     Source: Berthoud, Baumberger, G'Sell and Hiver, Phys. Rev. B 59, 14313 (1999).
     Raises InputError for values outside these, and for anything but thresholds.
     """
+    if isinstance(thresholds, GrowingThresholds):
+        refuse("thresholds", thresholds, "grow already; give the law P_c of those at age 0")
     return Strengthening(as_thresholds(thresholds), beta, time, age)

@@ -40,6 +40,7 @@ SUBSTRATES = _origins("square hexagonal", "{}_substrate") | {"fourier": f"{_OWN}
 
 # keys whose value is a table: its kinds, or the one function it calls
 CONTACTS: dict[str, Mapping[str, str] | str] = {
+    "strengthening": "origins:strengthening",
     "start": START,
     "reforming": REFORMING,
     "thermal": "origins:Thermal",
@@ -64,17 +65,24 @@ _TOML |= {" = True: ": " = true: ", " = False: ": " = false: "}
 
 
 def build(
-    kinds: Mapping[str, str] | str, table: object, where: str, folder: Path, comm: Any = None
+    kinds: Mapping[str, str] | str,
+    table: object,
+    where: str,
+    folder: Path,
+    comm: Any = None,
+    thresholds: Any = None,
 ) -> Any:
     """The result of calling the function of the table's kind with the other keys; a single name in `kinds` is called.
 
     Tables within it, such as the components of a mixture, are built first. A function with a parameter `folder` is
-    given `folder`, to which the scene's file names are relative, and one with a parameter `comm` the communicator whose
-    ranks, all of which must call, share its work. Raises InputError with the path of the bad key, counted from `where`.
+    given `folder`, to which the scene's file names are relative, one with a parameter `comm` the communicator whose
+    ranks, all of which must call, share its work, and one with a parameter `thresholds` those of the scene.
+
+    Raises InputError with the path of the bad key, counted from `where`.
     """
     call = _called(kinds, table, where)
     title, function, parameters, arguments = call.title, call.function, call.keys, call.arguments
-    given = {"folder": folder, "comm": comm}  # not for a scene to say
+    given = {"folder": folder, "comm": comm, "thresholds": thresholds}  # not for a scene to say
     given = {key: value for key, value in given.items() if key in call.given}
     with inside(where, {key: key for key in (*parameters, *arguments)}):
         for key, value in arguments.items():
@@ -127,7 +135,7 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
     module, name = str(place).split(":")
     function = getattr(import_module(module), name)
     keys = dict(inspect.signature(function).parameters)
-    given = {key for key in ("folder", "comm") if keys.pop(key, None) is not None}
+    given = {key for key in ("folder", "comm", "thresholds") if keys.pop(key, None) is not None}
     others = [name for name, one in keys.items() if one.kind is one.VAR_KEYWORD]
     for name in others:  # the function takes further keys, and refuses unknown ones itself
         del keys[name]

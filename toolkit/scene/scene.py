@@ -264,7 +264,8 @@ def make_contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Conta
         if (own := getattr(table, name)) is not None:
             own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
             own = laws.with_width(own, f"contacts.{name}")
-            made[name] = laws.build(kinds, own, f"contacts.{name}", folder, comm)
+            made[name] = laws.build(kinds, own, f"contacts.{name}", folder, comm, thresholds)
+    made["thresholds"] = made.pop("strengthening", thresholds)
     thermal = table.thermal or {}
     if thermal and thresholds.interface is not None and "attempt_frequency" not in thermal:
         raise InputError(

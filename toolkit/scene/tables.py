@@ -28,6 +28,7 @@ class KeyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 class ContactsTable(KeyTable, frozen=True):
     thresholds: dict[str, Any]
+    strengthening: dict[str, Any] | None = None
     start: dict[str, Any] | None = None
     thermal: dict[str, Any] | None = None
     ageing: dict[str, Any] | None = None
