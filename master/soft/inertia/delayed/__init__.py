@@ -1,1 +1,24 @@
-"""A slider with mass whose contacts form again one delay after they break: births are known before they come."""
+"""A slider with mass whose contacts form again one delay after they break: births are known before they come.
+
+State (`DelayedBody`): time, X and dX/dt; contacts in `Cohorts` that formed at one position each, of which the largest
+|x| so far tells how many hold (T = 0); and the `PastBreaks`, which are the births one delay later. Contacts that break
+at an exact threshold do so together, and form again together: a lump.
+
+Two kinds of motion take turns (`DelayedSlider.run`):
+
+1. While contacts break or form, a `Panel` of time: X, breaks and force are polynomials through the nodes of Radau's
+   rule, at which M dW/dt + γ W + F = K (X_T - X) is imposed and solved by Newton's method (`Collocation`). A panel that
+   misses more than the accuracy is narrowed; one on which the slider turns, or passes a place at which the force has a
+   kink, is cut there; it ends where births have a kink, one, two or three delays after one of breaks (`OnPanels`).
+2. While hardly a contact breaks or forms, F is a straight line in X: the motion is a damped swing in closed form up to
+   where contacts would break, the next births come or the drive's leg ends (`Swinging`).
+
+Where the slider is so fast that contacts form and break on one panel, its nodes do not resolve them: as many break as
+form, and what holds follows from the rate of births and its slope (`FastSliding`).
+
+The error of the force is what the last coefficients of the polynomials miss, on the worst panel; the caller runs the
+slider with tighter tolerances, too, and compares (`master/soft/inertia/solution.py`).
+
+In reading order: `slider.py`, `body.py`, `panels.py`, `collocation.py` and `panel.py`, `contacts.py`, `past_breaks.py`,
+`fast_sliding.py`, `swinging.py`.
+"""

@@ -8,9 +8,9 @@ from master.motion import Motion
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.collocation import Machine, State
 from master.soft.inertia.delayed.contacts import Cohorts
+from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import NODES, Panel
-from master.soft.inertia.delayed.passage import Passage
-from master.soft.inertia.delayed.past import Past
+from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Instant, Record, Watched
 from origins import Contacts
@@ -53,8 +53,8 @@ class DelayedBody:
         self._tolerance, self._accuracy = tolerance, OF_PANEL * tolerance
         self._largest = max([float(law.isf(NONE)), *law.atoms[0]])
         self._contacts = Cohorts.at_start(contacts, self._largest)
-        self._past = Past(contacts.waiting_time, self._contacts.unbroken())
-        self._passage = Passage(law, max([float(law.isf(FEW)), *law.atoms[0]]))
+        self._past = PastBreaks(contacts.waiting_time, self._contacts.unbroken())
+        self._sliding = FastSliding(law, max([float(law.isf(FEW)), *law.atoms[0]]))
         self._state, self._leg = State(0.0, 0.0, 0.0), 0
         self._work = self._damped = self._on_contacts = 0.0
         self._panels = self._turns = 0

@@ -14,24 +14,15 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from master.soft.inertia.delayed.contacts import Cohorts
-from master.soft.inertia.delayed.panel import (
-    NODES,
-    SLOPES,
-    STAGES,
-    TO_NODES,
-    TO_SERIES,
-    Panel,
-)
-from master.soft.inertia.delayed.passage import Passage
-from master.soft.inertia.delayed.past import Past
+from master.soft.inertia.delayed.fast_sliding import FastSliding
+from master.soft.inertia.delayed.panel import NODES, STAGES, TO_NODES, TO_SERIES, Panel
+from master.soft.inertia.delayed.past_breaks import PastBreaks
 from origins.thresholds.law import Array
 
 # Most steps of Newton's method; it takes three or four, more where births depend on breaks of the same panel.
 MOST_TRIES = 14
 # Changes at which it has converged, in units of the error that a panel may have; and rounding, in mean thresholds.
 CONVERGED, ROUNDING = 0.01, 3e-15
-
-
 # Shortest way of a panel on which contacts form and break, in longest travels of a contact.
 LEAST_PASSAGE = 2.0
 
@@ -54,130 +45,167 @@ class State(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """A panel, the rate of births at its nodes, about the force that it misses (a length), and whether contacts that
-    form on it break on it, too (see Passage)."""
+    """A panel, the rate of births at its nodes, about the force that it misses (a length), and whether the slider is so
+    `fast` that contacts form and break on it (see FastSliding)."""
 
     panel: Panel
     birth_rate: Array
     missed: float
-    passes: bool
+    fast: bool
 
 
-def solve_panel(
-    machine: Machine,
-    contacts: Cohorts,
-    passage: Passage,
-    past: Past,
-    state: State,
-    width: float,
-    drive: Array,
-    guess: Array,
-    accuracy: float,
-) -> Solved | None:
-    """The motion over a time `width`, or None where that is too long to be found.
+class PanelBirths:
+    """The rate of births at the nodes of a panel: that of breaks, one delay before.
 
-    drive : X_T at the nodes; guess : speeds there; accuracy : error of the force that a panel may have (a length)
+    all_known : whether they broke before the panel; at other nodes the rate is a guess, at first that at its beginning
     """
-    m, g, k, unit = machine
-    integral, eye = width * TO_NODES, np.eye(NODES.size)
-    times = state.t + width * NODES
-    held = contacts.response(np.array([state.x]))
-    # conservation of number: what does not hold has broken, and not formed again
-    out = past.share + past.formed - past.broken_together
-    before = out - float(held.holding[0])
-    known = times - past.delay <= state.t
-    rate = np.zeros(NODES.size)
-    rate[known] = past.birth_rate(times[known])
-    at_known = float(past.birth_rate(np.array([state.t]))[0]) if not known.all() else 0.0
-    rate[~known] = at_known
-    # births at a node of the panel are the slope, one delay before, of the polynomial through its breaks
-    slopes = SLOPES if known.all() else _slopes_at((times - past.delay - state.t) / width)
-    w, breaks = guess, np.full(NODES.size, before)
-    travel = float(np.abs(integral[-1] @ w))
-    passes = bool(known.all() and rate.any() and travel >= LEAST_PASSAGE * passage.longest)
-    off = 0.0
-    enough = CONVERGED * accuracy + ROUNDING * (unit + (1.0 + k) * abs(state.x))
-    for _ in range(MOST_TRIES):
-        x = state.x + integral @ w
-        if not np.isfinite(x).all():
-            return None
-        pre = contacts.response(x)
-        way = 1.0 if x[-1] >= state.x else -1.0
-        # dF_i/dX_j, dF_i/dW_i
-        stiff, drag = np.diag(pre.slope), np.full(NODES.size, g)
-        if passes:
-            if (way * w <= 0.0).any():
-                return None
-            passing = passage.at(way * (x - state.x), rate, way * w, width)
-            force, holding = pre.force + way * passing.force, pre.holding + passing.holding
-            drag, off = g - passing.force / np.abs(w), passing.missed
-        else:
-            new = _born_here(contacts, x, way, integral * rate)
-            force = pre.force + new.force.sum(axis=1)
-            holding = pre.holding + new.holding.sum(axis=1)
-            stiff = stiff + np.diag(new.slope.sum(axis=1)) - new.slope
-        updated = out - holding + integral @ rate
-        lack = m * (w - state.w) + integral @ (g * w + force + k * (x - drive))
-        matrix = m * eye + integral @ (drag * eye + (stiff + k * eye) @ integral)
-        try:
-            change = np.linalg.solve(matrix, lack)
-        except np.linalg.LinAlgError:
-            return None
-        w = w - change
-        moved = (min(float(holding.max()), 1.0) + k) * float(np.abs(integral @ change).max())
-        differs = unit * float(np.abs(updated - breaks).max())
-        breaks = updated
-        if not known.all():
-            rate[~known] = (slopes @ np.append(before, breaks))[~known] / width
-        if moved <= enough and differs <= enough:
-            break
-    else:
-        return None
-    values = np.stack(
-        [
-            np.append(state.x, state.x + integral @ w),
-            np.append(before, breaks),
-            np.append(held.force[0], force),
-        ]
-    )
-    panel = Panel.through(state.t, width, values)
-    place, broken, pulls = panel.last()
-    # what a place misses changes the force by the stiffness of the contacts that hold, and by the spring
-    stiffness = k + max(float(held.holding[0]), float(holding.max()))
-    missed = max(stiffness * place, unit * broken, pulls)
-    # contacts that form and break on a panel are not resolved by its nodes
-    travel = float(np.ptp(values[0])) / unit
-    if passes and travel * unit < 0.5 * LEAST_PASSAGE * passage.longest:
-        return None
-    unresolved = off if passes else unit * float(integral[-1] @ rate) * min(travel, 1.0) ** 4
-    missed = max(missed, unresolved)
-    if known.all():
-        born = np.array([past.born_on_panels(t) for t in times.tolist()])
-        born -= past.born_on_panels(state.t)
-        missed = max(missed, unit * float(np.abs(integral @ rate - born).max()))
-    return Solved(panel, rate, float(missed), passes)
+
+    def __init__(self, past: PastBreaks, begin: float, width: float) -> None:
+        times = begin + width * NODES
+        known = times - past.delay <= begin
+        self.rate, self.all_known = np.zeros(NODES.size), bool(known.all())
+        self.rate[known] = past.birth_rate(times[known])
+        if not self.all_known:
+            self.rate[~known] = float(past.birth_rate(np.array([begin]))[0])
+            slopes = _slopes_at((times - past.delay - begin) / width)
+            self._unknown, self._slopes = ~known, slopes[~known] / width
+
+    def guess_from(self, breaks: Array) -> None:
+        """Take the unknown rates from breaks at the panel's PLACES, the slopes of the polynomial through which they
+        are, one delay before."""
+        if not self.all_known:
+            self.rate[self._unknown] = self._slopes @ breaks
 
 
-class _Born(NamedTuple):
-    """What contacts born around the node j do at the node i, arrays (i, j); see Response."""
+class Pull(NamedTuple):
+    """What all contacts do at the nodes i of a panel.
+
+    holding, force : share that holds, and force (a length), shape (n,)
+    by_place : derivatives of the forces by the places X_j, shape (i, j)
+    by_speed : derivative of each force by the speed there, shape (n,)
+    missed : error of the force (a length)
+    """
 
     holding: Array
     force: Array
-    slope: Array
+    by_place: Array
+    by_speed: Array
+    missed: float = 0.0
 
 
-def _born_here(contacts: Cohorts, x: Array, way: float, births: Array) -> _Born:
-    """Of contacts born on the panel; `births` (i, j) are those that count at i."""
-    if not births.any():
-        return _Born(births, births, births)
-    law, stretch = contacts.law, way * (x[:, None] - x)
-    size = np.abs(stretch)
-    # continued smoothly to nodes after i, as the polynomials through all nodes need
-    survival = np.asarray(law.sf(size))
-    survival = np.where(stretch < 0.0, 2.0 - survival, survival)
-    density = np.asarray(law.pdf(size))
-    force = way * births * stretch * survival
-    return _Born(births * survival, force, births * (survival - stretch * density))
+class Collocation:
+    """The search for the motion on a panel that begins at some state of the slider and its contacts.
+
+    accuracy : error of the force that the panel may have (a length)
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        contacts: Cohorts,
+        sliding: FastSliding,
+        past: PastBreaks,
+        accuracy: float,
+    ) -> None:
+        self._machine, self._contacts, self._sliding = machine, contacts, sliding
+        self._past, self._accuracy = past, accuracy
+
+    def solve(self, state: State, width: float, drive: Array, guess: Array) -> Solved | None:
+        """The motion over a time `width`, or None where that is too long to be found.
+
+        drive : X_T at the nodes; guess : speeds there
+        """
+        m, g, k, unit = self._machine
+        integral, births = width * TO_NODES, PanelBirths(self._past, state.t, width)
+        held = self._contacts.response(np.array([state.x]))
+        # conservation of number: what does not hold has broken, and not formed again
+        formed = self._past.share + self._past.formed - self._past.broken_together
+        broken_before = formed - float(held.holding[0])
+        w, broken = guess, np.full(NODES.size, broken_before)
+        travel, shortest = abs(float(integral[-1] @ w)), LEAST_PASSAGE * self._sliding.longest
+        fast = bool(births.all_known and births.rate.any() and travel >= shortest)
+        enough = CONVERGED * self._accuracy + ROUNDING * (unit + (1.0 + k) * abs(state.x))
+        for _ in range(MOST_TRIES):
+            x = state.x + integral @ w
+            if not np.isfinite(x).all():
+                return None
+            pull = (self._fast if fast else self._slow)(x, w, births.rate, width)
+            if pull is None:
+                return None
+            lack = m * (w - state.w) + integral @ (g * w + pull.force + k * (x - drive))
+            by_speed = np.diag(g + pull.by_speed) + (pull.by_place + k * np.eye(w.size)) @ integral
+            try:
+                change = np.linalg.solve(m * np.eye(w.size) + integral @ by_speed, lack)
+            except np.linalg.LinAlgError:
+                return None
+            w = w - change
+            last, broken = broken, formed - pull.holding + integral @ births.rate
+            births.guess_from(np.append(broken_before, broken))
+            moved = float(np.abs(integral @ change).max())
+            change_of_force = (min(float(pull.holding.max()), 1.0) + k) * moved
+            if max(change_of_force, unit * float(np.abs(broken - last).max())) <= enough:
+                break
+        else:
+            return None
+        values = np.stack(
+            [
+                np.append(state.x, state.x + integral @ w),
+                np.append(broken_before, broken),
+                np.append(held.force[0], pull.force),
+            ]
+        )
+        panel = Panel.through(state.t, width, values)
+        travel = float(np.ptp(values[0]))
+        if fast and travel < 0.5 * shortest:
+            return None
+        place, breaks, force = panel.last()
+        # what a place misses changes the force by the stiffness of the contacts that hold, and by the spring
+        stiffness = k + max(float(held.holding[0]), float(pull.holding.max()))
+        missed = max(stiffness * place, unit * breaks, force, pull.missed)
+        if not fast:
+            # contacts that form and break on a panel are not resolved by its nodes
+            born = float(integral[-1] @ births.rate)
+            missed = max(missed, unit * born * min(travel / unit, 1.0) ** 4)
+        if births.all_known:
+            known = np.array([self._past.born_on_panels(t) for t in panel.times.tolist()])
+            known -= self._past.born_on_panels(state.t)
+            missed = max(missed, unit * float(np.abs(integral @ births.rate - known).max()))
+        return Solved(panel, births.rate, float(missed), fast)
+
+    def _fast(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull | None:
+        """The contacts' pull at the places X and speeds, where those born on the panel break on it; None where the
+        slider turns."""
+        travel = width * TO_NODES @ w
+        way = 1.0 if travel[-1] >= 0.0 else -1.0
+        if (way * w <= 0.0).any():
+            return None
+        old = self._contacts.response(x)
+        new = self._sliding.at(way * travel, birth_rate, way * w, width)
+        drag = -new.force / np.abs(w)
+        force = old.force + way * new.force
+        return Pull(old.holding + new.holding, force, np.diag(old.slope), drag, new.missed)
+
+    def _slow(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull:
+        """The same where those born on the panel are summed node by node."""
+        old, no_drag = self._contacts.response(x), np.zeros(x.size)
+        counted = (
+            width * TO_NODES * birth_rate
+        )  # of births around the node j, those that count at i
+        if not counted.any():
+            return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
+        law, way = self._contacts.law, 1.0 if TO_NODES[-1] @ w >= 0.0 else -1.0
+        stretch = way * (x[:, None] - x)
+        size = np.abs(stretch)
+        # continued smoothly to nodes after i, as the polynomials through all nodes need
+        survival = np.asarray(law.sf(size))
+        survival = np.where(stretch < 0.0, 2.0 - survival, survival)
+        slope = counted * (survival - stretch * np.asarray(law.pdf(size)))
+        return Pull(
+            holding=old.holding + (counted * survival).sum(axis=1),
+            force=old.force + (way * counted * stretch * survival).sum(axis=1),
+            by_place=np.diag(old.slope) + np.diag(slope.sum(axis=1)) - slope,
+            by_speed=no_drag,
+        )
 
 
 def _slopes_at(places: Array) -> Array:

@@ -1,11 +1,13 @@
 """A slider with mass while contacts break or form after a delay: its motion panel by panel of time."""
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.optimize import brentq
 
 from master.outcome import StoppedError
 from master.soft.inertia.delayed.body import EPSILON, DelayedBody
-from master.soft.inertia.delayed.collocation import LEAST_PASSAGE, Solved, State, solve_panel
+from master.soft.inertia.delayed.collocation import LEAST_PASSAGE, Collocation, Solved, State
 from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, Panel
 from master.soft.inertia.record import Instant
@@ -14,10 +16,37 @@ from origins.thresholds.law import Array
 # Most panels: some 60 s.
 MOST_PANELS = 30_000
 TOO_MANY = f"stopped after {MOST_PANELS} panels of time, as contacts break and form too often; shorten the path"
-# The next panel is at most this many times as wide as the last one, and one that failed is so much narrower at least.
-GROWTH, SHRINK = 3.0, 0.25
-# Travel on the first panel after a closed motion, in mean thresholds.
-FIRST_TRAVEL = 0.02
+
+
+class WidthControl(NamedTuple):
+    """Numbers of the control of panels' widths; none has a unit.
+
+    growth : the next panel is at most this many times as wide as the last one
+    least_shrink, most_shrink : a panel that failed is narrower by a factor between these; by the second where its
+        motion was not found
+    aim : error of the next panel, in units of the error that a panel may have
+    first_travel : travel on the first panel after a closed motion, in mean thresholds
+    first_of_swing : and its width at most, in times in which mass and damping follow the stiffest spring
+    fast : way of a panel on which contacts form and break, in LEAST_PASSAGE: half more, as speeds change on it
+    of_swing : most width of such a panel, in times in which the mass follows its spring
+    least, least_of_swing : width below which it is lost in the rounding of the time, or no reason is known for it
+    """
+
+    growth: float = 3.0
+    least_shrink: float = 0.8
+    most_shrink: float = 0.25
+    aim: float = 0.5
+    first_travel: float = 0.02
+    first_of_swing: float = 0.1
+    fast: float = 1.5
+    of_swing: float = 0.5
+    least: float = 1e-13
+    least_of_swing: float = 1e-12
+
+
+WIDTHS = WidthControl()
+# Change of the force, in units of the error of a panel, below which all contacts born on it count as born at one place.
+OF_MERGING = 1e-2
 # Parts of a panel at which its speed is looked at.
 PARTS = np.linspace(0.0, 1.0, 17)
 # Way back, in units of the error of a panel, from which on a slider has turned: a polynomial may wind by its error.
@@ -30,14 +59,11 @@ class OnPanels(DelayedBody):
     def _panel(self) -> bool:
         """Go on by one panel; returns whether the slider turned, or something else happened, so that none may break."""
         state, past = self._state, self._past
-        if past.lumps and past.lumps[0][0] + past.delay <= state.t:
+        if past.next_lump <= state.t:
             self._form_lump()
             return True
         self._kinks = [t for t in self._kinks if t > state.t * (1.0 + EPSILON)]
-        stops = [self._leg_end(), *self._kinks]
-        if past.lumps:
-            stops.append(past.lumps[0][0] + past.delay)
-        stop = min(stops)
+        stop = min([self._leg_end(), past.next_lump, *self._kinks])
         solved, reaches = self._solved(stop)
         panel, event = solved.panel, False
         turn = self._turn_in(panel)
@@ -60,45 +86,55 @@ class OnPanels(DelayedBody):
 
     def _solved(self, stop: float) -> tuple[Solved, bool]:
         """The next panel, and whether it reaches up to `stop`."""
-        state, machine = self._state, self._machine
-        stiff = machine.spring + 1.0
-        swing = np.sqrt(machine.mass / stiff) + machine.damping / stiff
-        wide = self._passing_width()
-        if self._width < wide < stop - state.t:
+        t, left = self._state.t, stop - self._state.t
+        fast = self._fast_width()
+        if self._width < fast < left:
             self._panels += 1
-            solved = self._try(wide)
+            solved = self._try(fast)
             if solved is not None and solved.missed <= self._accuracy:
-                self._width = wide
+                self._width = fast
                 return solved, False
-        width = min(self._width, stop - state.t)
-        if not np.isfinite(self._width):
-            first = max(0.1 * swing, FIRST_TRAVEL * machine.unit / max(abs(state.w), 1e-300))
-            width = min(first, stop - state.t)
+        width = min(self._width if np.isfinite(self._width) else self._first_width(), left)
+        least = max(WIDTHS.least * t, WIDTHS.least_of_swing * self._swing_time)
         while True:
-            self._panels += 1
-            if width < 1e-13 * state.t or width < 1e-12 * swing or self._panels > MOST_PANELS:
+            if width < least or self._panels >= MOST_PANELS:
                 raise StoppedError(TOO_MANY)
-            reaches = state.t + width >= stop * (1.0 - EPSILON)
+            reaches = t + width >= stop * (1.0 - EPSILON)
             if reaches:
-                width = stop - state.t
+                width = left
+            self._panels += 1
             solved = self._try(width)
             if solved is None:
-                width *= SHRINK
+                width *= WIDTHS.most_shrink
                 continue
-            ratio = (0.5 * self._accuracy / max(solved.missed, 1e-300)) ** (1.0 / NODES.size)
+            ratio = WIDTHS.aim * self._accuracy / max(solved.missed, 1e-300)
+            ratio **= 1.0 / NODES.size
             if solved.missed <= self._accuracy:
-                wider = width * min(ratio, GROWTH)
+                wider = width * min(ratio, WIDTHS.growth)
                 # a panel that an edge cut short does not make the next one narrow
                 self._width = max(wider, self._width if reaches and np.isfinite(self._width) else 0)
                 return solved, reaches
-            width *= float(np.clip(ratio, SHRINK, 0.8))
+            width *= float(np.clip(ratio, WIDTHS.most_shrink, WIDTHS.least_shrink))
 
-    def _passing_width(self) -> float:
+    @property
+    def _swing_time(self) -> float:
+        """Time in which mass and damping follow the stiffest spring, that of all contacts beside the slider's."""
+        stiff = self._machine.spring + 1.0
+        return float(np.sqrt(self._machine.mass / stiff) + self._machine.damping / stiff)
+
+    def _first_width(self) -> float:
+        """The width of the first panel after a closed motion."""
+        travel = WIDTHS.first_travel * self._machine.unit
+        return max(
+            WIDTHS.first_of_swing * self._swing_time, travel / max(abs(self._state.w), 1e-300)
+        )
+
+    def _fast_width(self) -> float:
         """The width of a panel on which contacts form and break, where the slider is fast enough for one; else 0."""
-        far = 1.5 * LEAST_PASSAGE * self._passage.longest
-        width = far / max(abs(self._state.w), 1e-300)
-        swing = np.sqrt(self._machine.mass / self._machine.spring)
-        return float(width) if width < min(self._past.delay, 0.5 * swing) else 0.0
+        way = WIDTHS.fast * LEAST_PASSAGE * self._sliding.longest
+        width = way / max(abs(self._state.w), 1e-300)
+        swing = float(np.sqrt(self._machine.mass / self._machine.spring))
+        return width if width < min(self._past.delay, WIDTHS.of_swing * swing) else 0.0
 
     def _try(self, width: float) -> Solved | None:
         """The motion on the next panel of this width, or None where that is too long to be found. The search begins at
@@ -108,30 +144,24 @@ class OnPanels(DelayedBody):
         last, guess = self._last, np.full(NODES.size, state.w)
         if last is not None and width < 2.0 * last.width:
             guess = last.slope(times, POSITION)
-        return solve_panel(
-            self._machine,
-            self._contacts,
-            self._passage,
-            self._past,
-            state,
-            width,
-            self._drive(times),
-            guess,
-            self._accuracy,
+        search = Collocation(
+            self._machine, self._contacts, self._sliding, self._past, self._accuracy
         )
+        return search.solve(state, width, self._drive(times), guess)
 
     def _after(self, panel: Panel, solved: Solved, least_force: float) -> Cohorts:
         """The contacts after a panel, or after a part of the one that was solved; see Cohorts.after."""
-        if solved.passes:
+        if solved.fast:
             end = float(panel.at(panel.end, POSITION))
-            born, weight = self._passage.born(panel, solved.panel, solved.birth_rate)
+            born, weight = self._sliding.born(panel, solved.panel, solved.birth_rate)
             return self._contacts.moved(end).and_born(born, weight, end)
-        rate = solved.birth_rate if panel is solved.panel else self._births(panel, solved)
-        return self._contacts.after(panel, rate, least_force)
+        return self._contacts.after(panel, self._birth_rate(panel, solved), least_force)
 
-    def _births(self, panel: Panel, solved: Solved) -> Array:
-        """The rate of births at the nodes of a panel that was cut."""
+    def _birth_rate(self, panel: Panel, solved: Solved) -> Array:
+        """The rate of births at the nodes of a panel, which may be a part of the one that was solved."""
         whole = solved.panel
+        if panel is whole:
+            return solved.birth_rate
         at = (panel.times - whole.begin) / whole.width
         weights = np.vander(2.0 * at - 1.0, NODES.size) @ np.linalg.inv(
             np.vander(2.0 * NODES - 1.0, NODES.size)
@@ -192,10 +222,9 @@ class OnPanels(DelayedBody):
         self._work += panel.integral(k * (drive - x)) * self._speed
         self._damped += panel.integral(self._machine.damping * speed**2)
         self._on_contacts += panel.integral(pull * speed)
-        self._contacts = self._after(panel, solved, 1e-2 * self._accuracy)
+        self._contacts = self._after(panel, solved, OF_MERGING * self._accuracy)
         self._past.add(panel)
-        rate = solved.birth_rate if panel is solved.panel else self._births(panel, solved)
-        self._past.formed += panel.integral(rate)
+        self._past.formed += panel.integral(self._birth_rate(panel, solved))
         w = 0.0 if turned else float(speed[-1])
         if turned:
             self._levels.append(float(x[-1]))

@@ -22,7 +22,7 @@ class Swinging(DelayedBody):
     def _swing(self) -> bool:
         """One closed motion; returns whether another one may follow."""
         past, state, machine = self._past, self._state, self._machine
-        if past.lumps and past.lumps[0][0] + past.delay <= state.t * (1.0 + EPSILON):
+        if past.next_lump <= state.t * (1.0 + EPSILON):
             self._form_lump()
         alike = ALIKE * self._tolerance
         least, atoms = self._near(state.x), self._contacts.law.atoms[0].size > 0
@@ -60,7 +60,7 @@ class Swinging(DelayedBody):
         if lasts < end:
             return True  # calm
         self._state = self._state._replace(t=births)
-        return bool(past.lumps and past.lumps[0][0] + past.delay <= births)
+        return past.next_lump <= births
 
     def _take_swing(self, motion: Oscillation, lasts: float, stiff: float) -> None:
         """Take a closed motion: results at the asked times, energies, falls, and the state."""

@@ -17,14 +17,16 @@ from origins.thresholds.law import Array, ThresholdLaw
 
 # Pieces of [0, largest threshold] on which survivals are integrated, and Gauss nodes of each.
 PIECES, GAUSS = 24, 6
-# Matrices from values at the nodes to the polynomial's coefficients, and to its slopes at the nodes, per width.
+# Matrices from values at the nodes to the coefficients of the polynomial through them, in powers of the place, and to
+# its slopes at the nodes, per width.
 _POWERS = np.linalg.inv(np.vander(NODES, STAGES, increasing=True))
-_SLOPES: Array = (np.vander(NODES, STAGES - 1, increasing=True) * np.arange(1, STAGES)) @ _POWERS[
-    1:
-]
+_SLOPES_OF_POWERS = np.vander(NODES, STAGES - 1, increasing=True) * np.arange(1, STAGES)
+_SLOPES: Array = _SLOPES_OF_POWERS @ _POWERS[1:]
+# Most steps of Newton's method for the time at which the slider was at a place: of a polynomial that increases.
+MOST_TRIES = 20
 
 
-class Passing(NamedTuple):
+class BornOnPanel(NamedTuple):
     """Contacts born on the panel, at its nodes: the share that holds, its force, and the error of that (a length)."""
 
     holding: Array
@@ -32,8 +34,8 @@ class Passing(NamedTuple):
     missed: float
 
 
-class Passage:
-    """What the law of thresholds says of contacts on a slider that passes them.
+class FastSliding:
+    """What the law of thresholds says of contacts on a slider that passes many of them on one panel.
 
     longest : travel after which no contact holds any more (a length)
     """
@@ -50,17 +52,17 @@ class Passage:
         slopes = law.sf(edges) * edges**powers
         self._integrals = CubicHermiteSpline(edges, sums.T, slopes.T)
 
-    def at(self, travel: Array, rate: Array, speed: Array, width: float) -> Passing:
+    def at(self, travel: Array, rate: Array, speed: Array, width: float) -> BornOnPanel:
         """At the nodes of a panel of this width: travels (a length), births per time, and speeds, all above 0."""
         c, d, e = self._integrals(np.minimum(travel, self.longest)).T
         j = rate / speed
         rise = (_SLOPES @ j) / width / speed
         force = j * d - rise * e
-        off = (
-            np.abs(rise) * self._integrals(self.longest)[1] ** 2 / self._integrals(self.longest)[0]
-        )
+        # the next terms, squares of j'/j times a mean threshold
+        whole_c, whole_d, _ = self._integrals(self.longest)
+        off = np.abs(rise) * whole_d**2 / whole_c
         missed = np.divide(off**2, np.abs(force), out=np.zeros(off.size), where=force != 0.0)
-        return Passing(j * c - rise * d, force, float(np.minimum(missed, j * d).max()))
+        return BornOnPanel(j * c - rise * d, force, float(np.minimum(missed, j * d).max()))
 
     def born(self, panel: Panel, whole: Panel, rate: Array) -> tuple[Array, Array]:
         """Positions and weights of contacts that form on the last thresholds of a panel; `rate`, births per time at the
@@ -70,10 +72,10 @@ class Passage:
         at, weight = np.polynomial.legendre.leggauss(GAUSS)
         half = 0.5 * far / PIECES
         middle = far * (np.arange(PIECES) + 0.5) / PIECES
-        back = (middle[:, None] + half * at).ravel()
-        weights = np.tile(half * weight, PIECES)
+        # distances behind the slider at which contacts form, and when it was there
+        back, weights = (middle[:, None] + half * at).ravel(), np.tile(half * weight, PIECES)
         t = np.full(back.size, panel.end)
-        for _ in range(20):
+        for _ in range(MOST_TRIES):
             lack = way * (end - panel.at(t, POSITION)) - back
             t = np.clip(t + lack / np.abs(panel.slope(t, POSITION)), panel.begin, panel.end)
         place = (t - whole.begin) / whole.width

@@ -8,7 +8,7 @@ from master.soft.inertia.delayed.panel import BREAKS, Panel
 from origins.thresholds.law import Array
 
 
-class Past:
+class PastBreaks:
     """Breaks per contact since t = 0: on panels, between which no contact breaks, and lumps that break together.
 
     share : of all contacts, that held at t = 0 or formed together since; formed : that formed one by one
@@ -28,6 +28,11 @@ class Past:
         self._begins.append(panel.begin)
         self._panels.append(panel)
         self.breaks = float(panel.at(panel.end, BREAKS))
+
+    @property
+    def next_lump(self) -> float:
+        """When the next lump forms again; inf for none."""
+        return self.lumps[0][0] + self.delay if self.lumps else np.inf
 
     def add_lump(self, t: float, share: float) -> None:
         """So many contacts break together."""
@@ -66,7 +71,7 @@ class Past:
     def next_birth(self, t: float, share: float) -> float:
         """A time after t up to which at most this share of all contacts is born, and about as late as that; inf where
         no more are due."""
-        due = self.lumps[0][0] + self.delay if self.lumps else np.inf
+        due = self.next_lump
         first, born = max(bisect_right(self._begins, t - self.delay) - 1, 0), self.born(t)
         for panel in self._panels[first:]:
             if panel.begin + self.delay >= due:
