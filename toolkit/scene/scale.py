@@ -71,14 +71,26 @@ def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) 
         return f"{value:g} {unit}".strip()
     known = digits
     if uncertainty > 0.0 and value:
-        apart = np.floor(np.log10(abs(value))) - np.floor(np.log10(uncertainty))
-        known = int(np.clip(apart + 1, min(2, digits), digits))
+        known = int(np.clip(_known_digits(value, uncertainty), min(2, digits), digits))
     if unit not in PREFIXED or not value:
         return f"{_rounded(value, known)} {unit}".strip()
     power = int(3 * np.floor((np.log10(abs(value)) + 1e-9) / 3))
     # of a second more than 1,000 stay seconds
     power = min(max(power, -15), 0 if unit == "s" else 12)
     return f"{_rounded(value / 10.0**power, known)} {PREFIXES[power]}{unit}"
+
+
+def guarded(value: float, unit: str, uncertainty: float) -> str:
+    """As `written`, of a value whose uncertainty is told elsewhere, with one digit more than that leaves, 3 or 4 of
+    them: with two digits two values that are nearly alike may seem 4 % apart."""
+    if not (value and 0.0 < uncertainty < np.inf):
+        return written(value, unit)
+    return written(value, unit, digits=int(np.clip(_known_digits(value, uncertainty) + 1, 3, 4)))
+
+
+def _known_digits(value: float, uncertainty: float) -> int:
+    """How many digits of the value its uncertainty leaves; 0 or less where that is larger."""
+    return int(np.floor(np.log10(abs(value))) - np.floor(np.log10(uncertainty))) + 1
 
 
 def spoken(value: float, unit: str) -> str:

@@ -12,9 +12,10 @@ from toolkit.results.files import write_json
 from toolkit.results.folders import write_folder
 from toolkit.saving import pictures, stale
 from toolkit.verdict.finite import Finite
+from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.picture import save_verdict_picture
-from toolkit.verdict.words import dependence, details, page, sentence
+from toolkit.verdict.words import details, page, sentence
 
 
 def save_verdict(

@@ -2,24 +2,23 @@
 master equation."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.processes.ranks import cores_of
-from toolkit.verdict.follow import NOT_SLID, Machine, has_slid, trace_of
+from toolkit.verdict.follow import NOT_SLID, SLIDERS, Machine, has_slid, sliders, trace_of
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
-# sliders, which differ by chance; most contacts of each; most breaks of all, some 10 s at 25 ns each
-SLIDERS, MOST_CONTACTS, MOST_BREAKS = 4, 2_000_000, 4e8
+# most contacts of each slider; most breaks of all, some 10 s at 25 ns each
+MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
 POINTS = 100
-SEED = 1
+# of the force before a slip: a smaller one after it is none
+ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,8 @@ class Finite:
     kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
         where none does, on a way of some 40 mean thresholds, "now and then" between; "unknown" where they were not
         followed, for the reason in `message`
-    before, before_error : mean spring force before a slip, F/(N_c <k>) (a length), and its standard error
+    before, after : mean spring force before and after a slip, F/(N_c <k>) (lengths), with standard errors: of the last
+        slip that all sliders have had, or of the first where some have had none
     slips : number of slips of a slider, mean
     drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
     """
@@ -39,6 +39,8 @@ class Finite:
     kind: str
     before: float = float("nan")
     before_error: float = float("nan")
+    after: float = float("nan")
+    after_error: float = float("nan")
     slips: float = 0.0
     message: str = ""
     drive: Array = field(default_factory=lambda: np.empty(0))
@@ -53,14 +55,13 @@ def follow_finite(
     static: float,
     slips: bool,
     transient: int,
+    seconds: float,
 ) -> Finite:
     """Follow sliders of so many contacts; `slips`: whether infinitely many stick and slip, `transient`: how often they
     slip before they slide, where they do.
 
-    static : F_s/(N_c <k>) (a length)
+    static : F_s/(N_c <k>) (a length); seconds : to be done by then, else they are not followed
     """
-    import eq_model
-
     held = max(round(number), 1)
     mean = contacts.mean_threshold
     loading = static / machine.spring + mean
@@ -85,10 +86,8 @@ def follow_finite(
         why = "single contacts are followed on a spring without heat and age only"
         return Finite(rule, held, "unknown", message=why)
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, end, POINTS)
-    given: dict[str, Any] = {"n_contacts": held, "n_replicas": SLIDERS, "seed": SEED}
-    given |= {"threads": cores_of(None)}
     try:
-        found = eq_model.simulate(contacts, path, **given, **machine.keywords(rule))
+        found = sliders(machine, contacts, rule, path, held, seconds)
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
@@ -98,7 +97,12 @@ def follow_finite(
     more = counts - (0 if slips else transient)
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     last = int(max(counts.min() - 1, 0))
-    before, error = found.slips.mean("force_before", last) if counts.any() else (np.nan, np.nan)
+    (before, error), (after, after_error) = (
+        found.slips.mean(f"force_{when}", last) if counts.any() else (np.nan, np.nan)
+        for when in ("before", "after")
+    )
+    if abs(after) < ROUNDING * before:
+        after = 0.0
     drive, force = trace_of(found, 0)
-    mean_slips = float(counts.mean())
-    return Finite(rule, held, kind, before, error, mean_slips, drive=drive, force=force)
+    mean = float(counts.mean())
+    return Finite(rule, held, kind, before, error, after, after_error, mean, "", drive, force)

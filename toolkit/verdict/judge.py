@@ -11,6 +11,7 @@ from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from toolkit.running.resampled import of_resampled
+from toolkit.running.solvers import within
 from toolkit.scene.scale import Scale, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
@@ -19,8 +20,8 @@ from toolkit.verdict.follow import Behaviour, Machine, follow, machine_of
 from toolkit.verdict.readings import readings_of
 
 RULES = ("reset", "reform-after", "instant")
-# s for all readings and rules together, and the least for a single solve
-WALL_TIME, LEAST = 60.0, 2.0
+# s for all readings and rules together; share of what is left for the scene's own, and then for its contacts' number
+WALL_TIME, OWN = 60.0, 0.5
 # of K* and F_s of readings other than the scene's own; resampled laws of samples, and the tolerance for these
 TOLERANCE, RESAMPLES, RESAMPLED_TOLERANCE = 1e-6, 10, 1e-3
 
@@ -94,23 +95,25 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         name = "turns" if table.turns is not None else "times"
         refuse(f"drive.{name}", getattr(table, name), "a verdict drives one way; leave it out")
     readings, rules = readings_of(scene), _rules(scene, table)
+    scene = replace(scene, wall_time=scene.wall_time or WALL_TIME)
     deadline, answers = began + (scene.wall_time or WALL_TIME), list[Answer]()
-    left_out = dict[str, str]()
+    left_out, finite = dict[str, str](), tuple[Finite, ...]()
     for number, reading in enumerate(readings):
         progress(f"reading {number + 1} of {len(readings)}: {reading.name}")
-        left = max(deadline - time.monotonic(), 0.0) / (len(readings) - number)
-        if reading.own:  # which is the answer; what it does not need is left to the others
-            left = 0.5 * max(deadline - time.monotonic(), 0.0)
+        left = deadline - time.monotonic()
+        # the scene's own is the answer; what it does not need is left to the number of contacts, and to the others
+        seconds = left * (OWN if reading.own else 1.0 / (len(readings) - number))
         try:
             if reading.contacts is None:
-                left_out[reading.name] = reading.refused
-            else:
-                answers.append(_answer(table, reading.name, reading.contacts, rules, left))
+                raise InputError(reading.refused)
+            with within(deadline, scene, "this reading"):
+                answers.append(_answer(table, reading.name, reading.contacts, rules, seconds))
         except InputError as error:
             if reading.own:
                 raise
             left_out[reading.name] = str(error)
-    finite = _finite(scene, answers[0], progress)
+        if reading.own:
+            finite = _finite(scene, answers[0], OWN * (deadline - time.monotonic()), progress)
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
@@ -122,14 +125,17 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
     )
 
 
-def _finite(scene: Scene, own: Answer, progress: Callable[[str], None]) -> tuple[Finite, ...]:
-    """Sliders of as many contacts as the area holds, or as [eq] names, for each rule of the own reading."""
+def _finite(
+    scene: Scene, own: Answer, seconds: float, progress: Callable[[str], None]
+) -> tuple[Finite, ...]:
+    """Sliders of as many contacts as the area holds, or as [eq] names, for each rule of the own reading, within about
+    so many seconds."""
     number = own.scale.contacts
     if number is None and scene.eq is not None:
         number = float(scene.eq.contacts)
     if number is None or own.machine is None:
         return ()
-    found = list[Finite]()
+    found, until = list[Finite](), time.monotonic() + seconds
     for one in own.behaviours:
         progress(f"sliders of {number:,.0f} contacts, slip rule {one.rule}")
         found.append(
@@ -141,6 +147,7 @@ def _finite(scene: Scene, own: Answer, progress: Callable[[str], None]) -> tuple
                 own.static.value,
                 slips=one.kind == "stick-slip",
                 transient=one.slips,
+                seconds=until - time.monotonic(),
             )
         )
     return tuple(found)
@@ -171,7 +178,7 @@ def _answer(
     """The answer of one reading, within about so many seconds."""
     import master
 
-    velocity = table.velocity
+    velocity, until = table.velocity, time.monotonic() + seconds
     steady = master.steady_state(contacts, velocity=velocity)
     found = master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
     kinetic = Quantity(steady.force, steady.force_error * contacts.mean_threshold)
@@ -184,9 +191,8 @@ def _answer(
     for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
         if machine is None:
             break
-        began, share = time.monotonic(), max(seconds / left, LEAST)
+        share = (until - time.monotonic()) / left
         behaviours.append(follow(machine, contacts, rule, static.value, share))
-        seconds = max(seconds - (time.monotonic() - began), 0.0)
     return Answer(
         name,
         contacts,

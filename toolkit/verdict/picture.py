@@ -16,8 +16,10 @@ from toolkit.pictures.axes import (
     style_of,
 )
 from toolkit.scene.scale import SHARED
+from toolkit.verdict.follow import Behaviour
+from toolkit.verdict.hangs_on import NAMED
 from toolkit.verdict.judge import Answer, Verdict
-from toolkit.verdict.words import NAMED, disagreeing, sentence
+from toolkit.verdict.words import disagreeing, sentence
 
 # of the force, in mean thresholds: a trace with a larger error is not drawn
 _UNKNOWN = 0.1
@@ -33,7 +35,7 @@ def draw_verdict(verdict: Verdict) -> Any:
     """The friction trace, the threshold laws and K* of each reading, on a figure of its own."""
     from matplotlib.figure import Figure
 
-    pulled = bool(verdict.own.behaviours)
+    pulled = bool(_known(verdict)) or any(finite.drive.size for _, finite in disagreeing(verdict))
     low = 4.0 + 0.2 * len(verdict.answers)
     figure = Figure(figsize=(11, low + 4.4 * pulled), layout="constrained")
     rows: list[Any] = [["trace", "trace"]] * pulled + [["thresholds", "springs"]]
@@ -53,8 +55,7 @@ def draw_verdict(verdict: Verdict) -> Any:
 def _draw_trace(axes: Any, verdict: Verdict) -> None:
     """The spring's force against the drive for each rule, slips at their own places; and that of one of the sliders of
     so many contacts where these do something else."""
-    own, scale = verdict.own, verdict.own.scale
-    known = [one for one in own.behaviours if one.drive.size and one.error < _UNKNOWN]
+    known, scale = _known(verdict), verdict.own.scale
     for number, behaviour in enumerate(known):
         style: dict[str, Any] = {"color": OKABE_ITO[number], "ls": DASHES[number], "lw": 1.3}
         label = f"{NAMED[behaviour.rule]}: {behaviour.kind}"
@@ -68,15 +69,16 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
             axes.plot(finite.drive, finite.force * scale.force, label=label, **style)
     axes.margins(x=0.01, y=0.05)
     low, high = axes.get_ylim()
-    axes.set_ylim(min(low, 0.0) if axes.lines else 0.0, high)
+    axes.set_ylim(min(low, 0.0), high)
     name, unit = force_name(scale)
     name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
     name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
-    if axes.lines:
-        legend_above(axes, letters=150)
-    else:
-        middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
-        axes.text(0.5, 0.5, "not solved: verdict.txt says why", **middle)
+    legend_above(axes, letters=150)
+
+
+def _known(verdict: Verdict) -> list[Behaviour]:
+    """What the slider does under the rules whose force is known well enough to be drawn."""
+    return [one for one in verdict.own.behaviours if one.drive.size and one.error < _UNKNOWN]
 
 
 def _draw_thresholds(axes: Any, verdict: Verdict) -> None:

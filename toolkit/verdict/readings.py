@@ -13,6 +13,8 @@ from toolkit.scene.tables import read_table
 
 # contact model / threshold law; a third word names the regime of the summits, as in "gw/amontons/mixed"
 READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "persson/paper")
+# also compared where the material has a hardness
+PLASTIC_TOO = ("gw/amontons/mixed", "gw/strength/mixed", "gw/paper/mixed")
 LAWS, REGIMES = ("amontons", "strength", "paper"), ("elastic", "plastic", "mixed")
 STEPS = (1, 2)  # of the scan's points: twice the distance shows what the resolution decides
 
@@ -48,7 +50,8 @@ def readings_of(scene: Scene) -> list[Reading]:
     own_step = table.get("step", 1) if has_heights else 1
     words = [table["model"], table["law"], table.get("regime", "elastic")]
     own = ("/".join(words).removesuffix("/elastic"), own_step)
-    names = list(READINGS) if asked is None or asked.readings is None else asked.readings
+    usual = READINGS + PLASTIC_TOO * ("hardness" in table["material"])
+    names = list(usual) if asked is None or asked.readings is None else asked.readings
     steps = sorted({own_step * k for k in STEPS}) if has_heights else [1]
     steps = steps if asked is None or asked.steps is None else asked.steps
     for name in names:

@@ -4,8 +4,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from toolkit.scene.scale import written
+from toolkit.scene.scale import guarded, written
+from toolkit.verdict.follow import Behaviour
 from toolkit.verdict.judge import Quantity, Verdict
+
+# a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
+_RUNG = 0.05
 
 
 def share_of(verdict: Verdict) -> float:
@@ -42,15 +46,17 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     forces, unit = [one.scale.force for one in answers], scale.force_unit
     kinetic, static = [one.kinetic for one in answers], [one.static for one in answers]
     share = share_of(verdict)
-    yield _row("kinetic friction F_k", kinetic, forces, unit, share)
-    yield _row("static friction F_s", static, forces, unit, share)
+    # contacts that depend on time bear another force where the slider sticks: see `dependence`
+    at = f", at {guarded(verdict.velocity, speed_unit(verdict), 0.0)}" * bool(own.contacts.in_time)
+    yield _row(f"kinetic friction F_k{at}", kinetic, forces, unit, share)
+    yield _row(f"static friction F_s{at}", static, forces, unit, share)
     if scale.load is not None:
         coefficients = [one.scale.force / (one.scale.load or 1.0) for one in answers]
         yield _row("friction coefficient F_k/load", kinetic, coefficients, "", share)
         yield _row("static coefficient F_s/load", static, coefficients, "", share)
     critical = [one.critical_spring for one in answers]
     springs = [one.scale.spring for one in answers]
-    yield _row("slips below the spring K*", critical, springs, scale.spring_unit)
+    yield _row(f"slips below the spring K*{at}", critical, springs, scale.spring_unit)
     if own.machine is not None:
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
         yield _row("the machine's spring K", each, springs, scale.spring_unit)
@@ -63,22 +69,20 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
 def _row(
     name: str, each: Sequence[Quantity], factors: Sequence[float], unit: str, share: float = 0.0
 ) -> list[str]:
-    """A row: the own reading's value to the digit that the widest of the three uncertainties leaves, `share` of the
-    value or more."""
+    """A row: the own reading's value to a digit beyond that which the widest of the three uncertainties leaves, `share`
+    of the value or more."""
     values = [one.value * factor for one, factor in zip(each, factors, strict=True)]
     own, spread = each[0], max(values) - min(values)
     error, sampling = own.error * factors[0], (own.sampling or 0.0) * factors[0]
-    apart, off = (
-        spread > 1e-6 * abs(values[0]),
-        max(error, sampling, spread, share * abs(values[0])),
-    )
+    apart = spread > 1e-6 * abs(values[0])
+    off = max(error, sampling, spread * apart, share * abs(values[0]))
     if not np.isfinite(off):
         off = share * abs(values[0])
-    ends = [written(value, unit, off) for value in (min(values), max(values))]
+    ends = [guarded(value, unit, off) for value in (min(values), max(values))]
     return [
         name,
-        written(values[0], unit, off),
-        f"± {written(sampling, unit)}" if sampling else "not known" * (own.error > 0.0),
+        guarded(values[0], unit, off),
+        f"± {written(sampling, unit, digits=2)}" if sampling else "not known" * (own.error > 0.0),
         " to ".join(dict.fromkeys(ends)) if apart else "the same",
     ]
 
@@ -86,23 +90,51 @@ def _row(
 def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
     """Rows of the slips of the own reading; rules that give the same numbers share a row."""
     scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
-    share = share_of(verdict)
+    share, force, load = share_of(verdict), scale.force_unit, scale.load
     for behaviour in verdict.own.behaviours:
         if behaviour.kind != "stick-slip":
             continue
-        drop = (behaviour.before - behaviour.after) * scale.force
-        told = {"drop of a slip": written(drop, scale.force_unit, share * abs(drop))}
+        before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
+        told = {"force before a slip": guarded(before, force, share * before)}
+        if load:
+            told["force before a slip"] += (
+                f", {guarded(before / load, '', share * before / load)} of the load"
+            )
+        told["drop of a slip"] = guarded(drop, force, share * drop)
+        if (regained := regained_by(verdict, behaviour)) is not None:
+            told["of it regained over a period"] = guarded(
+                regained * scale.force, force, share * regained * scale.force
+            )
         if behaviour.period is not None:
             later = behaviour.period / verdict.velocity
-            period = written(behaviour.period, scale.length_unit, share * behaviour.period)
-            seconds = written(later, scale.time_unit, share * later)
-            told["period"] = f"{period}, {seconds}"
+            period = guarded(behaviour.period, scale.length_unit, share * behaviour.period)
+            told["period"] = f"{period}, {guarded(later, scale.time_unit, share * later)}"
         if behaviour.slip_time is not None:
             told["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         for row in told.items():
             rows.setdefault(row, []).append(behaviour.rule)
-    for (name, value), rules in sorted(rows.items()):
+    for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
+
+
+def drop_of(behaviour: Behaviour) -> float:
+    """By how much the spring's force falls in a slip, F/(N_c <k>) (a length); of a mass its first swing."""
+    return behaviour.before - behaviour.after
+
+
+def regained_by(verdict: Verdict, behaviour: Behaviour) -> float | None:
+    """By how much the spring's force rises over a period, F/(N_c <k>) (a length), where that is clearly less than a
+    slip's drop: a mass whose contacts are out swings back before it sticks. None where it is not."""
+    machine = verdict.own.machine
+    if behaviour.rule != "mass" or behaviour.period is None or machine is None:
+        return None
+    regained = machine.spring * behaviour.period
+    return regained if drop_of(behaviour) > (1.0 + _RUNG) * regained else None
+
+
+def speed_unit(verdict: Verdict) -> str:
+    """ "m/s" where lengths are in metres, else none."""
+    return "m/s" if verdict.own.scale.length_unit == "m" else ""
 
 
 def numerical_errors(verdict: Verdict) -> str:

@@ -4,21 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolkit.scene.interfaces import remarks
-from toolkit.scene.scale import written
+from toolkit.scene.scale import guarded, written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import Behaviour
+from toolkit.verdict.hangs_on import dependence, named, others
 from toolkit.verdict.judge import Answer, Verdict
-from toolkit.verdict.table import numerical_errors, share_of, table
-
-NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
-# how the slip rules are named where a user reads of them
-NAMED = {
-    "reset": "a slip renews all contacts",
-    "reform-after": "contacts re-form after the slip",
-    "instant": "contacts re-form at once",
-    "mass": "mass, damping and delay decide",
-}
+from toolkit.verdict.table import numerical_errors, share_of, speed_unit, table
 
 
 def page(verdict: Verdict) -> list[str]:
@@ -56,15 +47,15 @@ def _kinds(verdict: Verdict) -> list[str]:
     groups = _groups(verdict.own)
     if len(groups) > 1:
         return [f"{kind} if {_rules(alike)}" for kind, alike in groups.items()]
-    others = len(verdict.answers) - 1
+    many = len(verdict.answers) - 1
     own = [f"{kind} by {verdict.own.name}" for kind in groups]
     return own + [
-        f"{kind} by {len(names)} of {others} others" for kind, names in _others(verdict).items()
+        f"{kind} by {len(names)} of {many} others" for kind, names in others(verdict).items()
     ]
 
 
 def _rules(alike: Sequence[Behaviour]) -> str:
-    return " or ".join(NAMED[one.rule] for one in alike)
+    return named([one.rule for one in alike])
 
 
 def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
@@ -85,6 +76,10 @@ def _disagreement(verdict: Verdict) -> str:
     )
     every = len(apart) == len(verdict.own.behaviours)
     where = "" if every else f" if {_rules([one for one, _ in apart])}"
+    force, unit = verdict.own.scale.force, verdict.own.scale.force_unit
+    if np.isfinite(finite.after):  # else they slide
+        ends = (written(end * force, unit) for end in (finite.before, finite.after))
+        said += f", from {' down to '.join(ends)}"
     return f"disagree: {finite.contacts:,} contacts {said}{where}, infinitely many do not"
 
 
@@ -95,9 +90,9 @@ def _without_spring(verdict: Verdict) -> str:
     if not np.isfinite(spread):
         spread = 0.0
     spread = max(spread, (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring)
-    said = f"slips on a spring softer than K* = {written(own, unit, spread)}"
+    said = f"slips on a spring softer than K* = {guarded(own, unit, spread)}"
     if len(springs) > 1:
-        ends = " to ".join(written(value, unit, spread) for value in (min(springs), max(springs)))
+        ends = " to ".join(guarded(value, unit, spread) for value in (min(springs), max(springs)))
         said += f" (from {ends} over {len(springs)} readings)"
     return f"{said}; give drive.spring for a verdict on a machine"
 
@@ -125,7 +120,7 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
 
     def reach(values: Sequence[float], unit: str) -> str:
         """One value, or the smallest and the largest where they differ as written."""
-        ends = [written(value, unit, share * abs(value)) for value in (min(values), max(values))]
+        ends = [guarded(value, unit, share * abs(value)) for value in (min(values), max(values))]
         return " to ".join(dict.fromkeys(ends))
 
     if kind == "undecided":
@@ -139,91 +134,5 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     if periods:
         every = reach(periods, scale.length_unit)
         seconds = reach([period / verdict.velocity for period in periods], scale.time_unit)
-        speed = written(verdict.velocity, "m/s" if scale.length_unit == "m" else "")
-        said += f" every {every}, {seconds} at {speed}"
+        said += f" every {every}, {seconds} at {written(verdict.velocity, speed_unit(verdict))}"
     return said
-
-
-def _others(verdict: Verdict) -> dict[str, list[str]]:
-    """The readings that say something else than the scene's own under any rule, by what they say."""
-    own = {behaviour.rule: behaviour.kind for behaviour in verdict.own.behaviours}
-    differ: dict[str, list[str]] = {}
-    for answer in verdict.answers[1:]:
-        for one in answer.behaviours:
-            if one.kind not in ("undecided", own[one.rule]):
-                names = differ.setdefault(one.kind, [])
-                names += [answer.name] if answer.name not in names else []
-    return differ
-
-
-def dependence(verdict: Verdict) -> list[str]:
-    """What the verdict hangs on: slip rule, readings, number of contacts; and what was not answered."""
-    own, lines = verdict.own, list[str]()
-    if len(own.behaviours) > 1:
-        kinds = {one.rule: one.kind for one in own.behaviours}
-        if len(set(kinds.values())) > 1:
-            each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
-            lines.append(
-                f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
-                "give drive.mass, drive.damping and [contacts.delay]"
-            )
-        elif "undecided" not in kinds.values():
-            lines.append("not the slip rule, for infinitely many contacts: all rules agree")
-    elif own.machine is not None and own.machine.mass and not own.contacts.waiting_time:
-        lines.append(
-            "the contacts' delay: none is given, so that they re-form at once; one far above the time of a slip makes "
-            "full stick-slip of most smooth sliders: give [contacts.delay]"
-        )
-    answers = verdict.answers
-    if len(answers) > 1:
-        springs = [one.critical_spring.value * one.scale.spring for one in answers]
-        factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
-        lines.append(
-            f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
-            f"{len(answers)} readings"
-        )
-        for kind, names in _others(verdict).items():
-            lines.append(f"of these, {kind}: {', '.join(names)}")
-    if own.machine is not None and own.contacts.in_time:
-        lines.append(
-            "F_s, F_k and K* of the table are those of a slider as fast as the drive; one that sticks is slower, and "
-            "contacts that wait, break by heat or age bear another force: before a slip it is that of the sentence"
-        )
-    number, machine = own.scale.contacts, own.machine
-    soft = machine is None or machine.spring < NEAR * own.critical_spring.value
-    if number is not None and machine is not None and not soft:
-        crowd = number * machine.spring**3
-        lines.append(
-            f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
-            "only where it is above some 50"
-        )
-    lines += remarks(own.contacts.thresholds)
-    for finite in verdict.finite:
-        lines.append(_of_finite(verdict, finite))
-    lines += [f"left out: {name}: {why}" for name, why in verdict.left_out.items()]
-    for behaviour in own.behaviours:
-        if behaviour.message.startswith("by the ensemble"):
-            lines.append(
-                f"the slips are means {behaviour.message}, with a standard error of some "
-                f"{behaviour.error:.0e} <x_s>: the master equation takes no such slider, or not in time"
-            )
-        if not behaviour.success:
-            lines.append(f"not as asked, {NAMED[behaviour.rule]}: {behaviour.message}")
-    return lines
-
-
-def _of_finite(verdict: Verdict, finite: Finite) -> str:
-    """What so many contacts do, in words."""
-    scale, rule = verdict.own.scale, NAMED[finite.rule]
-    if finite.kind == "unknown":
-        return f"the number of contacts was not looked at if {rule}: {finite.message}"
-    said = f"{finite.contacts:,} contacts, if {rule}: {finite.kind}"
-    if finite.kind == "smooth":
-        return said
-    force, share = finite.before * scale.force, share_of(verdict)
-    if not np.isfinite(finite.before_error):
-        return f"{said}, from {written(force, scale.force_unit, share * force)}"
-    off = max(finite.before_error * scale.force, share * force)
-    before = written(force, scale.force_unit, off)
-    error = written(finite.before_error * scale.force, scale.force_unit, digits=1)
-    return f"{said}, from {before} ± {error}"

@@ -1,0 +1,166 @@
+"""What a verdict hangs on, in lines: slip rule, readings, number of contacts; and what was not answered."""
+
+import re
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from toolkit.scene.interfaces import remarks
+from toolkit.scene.scale import with_uncertainty, written
+from toolkit.verdict.finite import Finite
+from toolkit.verdict.follow import TOLERANCE_IN_TIME
+from toolkit.verdict.judge import Verdict
+from toolkit.verdict.table import drop_of, regained_by
+
+NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
+# how the slip rules are named where a user reads of them
+NAMED = {
+    "reset": "a slip renews all contacts",
+    "reform-after": "contacts re-form after the slip",
+    "instant": "contacts re-form at once",
+    "mass": "mass, damping and delay decide",
+}
+
+
+def others(verdict: Verdict) -> dict[str, list[str]]:
+    """The readings that say something else than the scene's own under any rule, by what they say."""
+    own = {behaviour.rule: behaviour.kind for behaviour in verdict.own.behaviours}
+    differ: dict[str, list[str]] = {}
+    for answer in verdict.answers[1:]:
+        for one in answer.behaviours:
+            if one.kind not in ("undecided", own[one.rule]):
+                names = differ.setdefault(one.kind, [])
+                names += [answer.name] if answer.name not in names else []
+    return differ
+
+
+def dependence(verdict: Verdict) -> list[str]:
+    """What the verdict hangs on: slip rule, readings, number of contacts; and what was not answered."""
+    own, lines = verdict.own, list[str]()
+    if len(own.behaviours) > 1:
+        kinds = {one.rule: one.kind for one in own.behaviours}
+        if len(set(kinds.values())) > 1:
+            each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
+            lines.append(
+                f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
+                "give drive.mass, drive.damping and [contacts.delay]"
+            )
+        elif "undecided" not in kinds.values():
+            lines.append("not the slip rule, for infinitely many contacts: all rules agree")
+    elif own.machine is not None and own.machine.mass and not own.contacts.waiting_time:
+        lines.append(
+            "the contacts' delay: none is given, so that they re-form at once; one far above the time of a slip makes "
+            "full stick-slip of most smooth sliders: give [contacts.delay]"
+        )
+    answers = verdict.answers
+    if len(answers) > 1:
+        springs = [one.critical_spring.value * one.scale.spring for one in answers]
+        factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
+        lines.append(
+            f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
+            f"{len(answers)} readings"
+        )
+        for kind, names in others(verdict).items():
+            lines.append(f"of these, {kind}: {', '.join(names)}")
+    if own.machine is not None and own.contacts.in_time:
+        lines.append(
+            "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
+            "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
+            "before a slip"
+        )
+    for behaviour in own.behaviours:
+        if (regained := regained_by(verdict, behaviour)) is not None:
+            drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit
+            back = drop - (left := regained * own.scale.force)
+            lines.append(
+                f"the slider rings after a slip, while its contacts are out: of the drop of {written(drop, force)} it "
+                f"swings back by {written(back, force)} before it sticks, and the period is that of the other "
+                f"{written(left, force)}"
+            )
+    number, machine = own.scale.contacts, own.machine
+    soft = machine is None or machine.spring < NEAR * own.critical_spring.value
+    if number is not None and machine is not None and not soft:
+        crowd = number * machine.spring**3
+        lines.append(
+            f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
+            "only where it is above some 50"
+        )
+    lines += remarks(own.contacts.thresholds)
+    known = [finite for finite in verdict.finite if finite.kind != "unknown"]
+    lines += [_of_finite(verdict, finite) for finite in known]
+    unknown = [(finite.message, finite.rule) for finite in verdict.finite if finite not in known]
+    for why, rules in _by_reason(unknown).items():
+        lines.append(f"the number of contacts was not looked at if {named(rules)}: {why}")
+    for why, names in _by_reason(_left_out(verdict)).items():
+        lines.append(f"left out: {', '.join(names)}: {why}")
+    lines += [
+        f"the slips are means {behaviour.message}, with a standard error of some {behaviour.error:.0e} <x_s>: the "
+        "master equation takes no such slider, or not in time"
+        for behaviour in own.behaviours
+        if behaviour.message.startswith("by the ensemble")
+    ]
+    missed = [(one.message, one.rule) for one in own.behaviours if not one.success]
+    lines += [f"not as asked if {named(rules)}: {why}" for why, rules in _by_reason(missed).items()]
+    rough = [
+        (_after(one.message, "heat is left out"), one.rule)
+        for one in own.behaviours
+        if one.success and one.error > TOLERANCE_IN_TIME and one.kind != "undecided"
+        if not one.message.startswith("by the ensemble")
+    ]
+    lines += [
+        f"the force is known roughly if {named(rules)}: {why}"
+        for why, rules in _by_reason(rough).items()
+    ]
+    return lines
+
+
+def _after(message: str, words: str) -> str:
+    """The part of a message that begins with these words; all of it where they are not there."""
+    return message[message.find(words) :] if words in message else message
+
+
+def _by_reason(reasons: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+    """Names by the reason that they share, each once."""
+    groups = dict[str, list[str]]()
+    for why, name in reasons:
+        if name not in groups.setdefault(why, []):
+            groups[why].append(name)
+    return groups
+
+
+def _left_out(verdict: Verdict) -> list[tuple[str, str]]:
+    """Why readings have no answer, and their names; for want of a constant at all resolutions alike."""
+    reasons = list[tuple[str, str]]()
+    for name, why in verdict.left_out.items():
+        if lacks := re.match(r"contacts\.thresholds\.(material\.\w+): is missing", why):
+            reasons.append(
+                (f"they need {lacks[1]}, which is not given", name.partition(", step")[0])
+            )
+        else:
+            reasons.append((why, name))
+    return reasons
+
+
+def _of_finite(verdict: Verdict, finite: Finite) -> str:
+    """What so many contacts do, in words."""
+    said = f"{finite.contacts:,} contacts, if {NAMED[finite.rule]}: {finite.kind}"
+    if finite.kind == "smooth":
+        return said
+    force, size = verdict.own.scale.force, abs(finite.before)
+    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
+    ends = (
+        with_uncertainty(
+            mean * force,
+            error * force if 1e-9 * size < error < np.inf else 0.0,
+            verdict.own.scale.force_unit,
+        )
+        for mean, error in means
+    )
+    said += f", from {' down to '.join(ends)}"
+    if finite.kind == "stick-slip":
+        return said
+    return f"{said}, {finite.slips:.2g} times a slider on the way that was followed"
+
+
+def named(rules: Sequence[str]) -> str:
+    return " or ".join(NAMED[rule] for rule in rules)
