@@ -56,6 +56,7 @@ from origins.roughness.moments import (
     moments_of_summits,
     spectral_moments,
 )
+from origins.roughness.stated import StatedInterface
 from origins.roughness.surface import self_affine_surface
 from origins.samples.from_samples import Bootstrapped, bootstrap, bootstrap_laws, from_samples
 from origins.start import Start, boltzmann_reforming, gaussian_start

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
+from copy import copy
 from typing import Any, Literal
 
 import numpy as np
@@ -18,6 +19,8 @@ from origins.laws.rate_law import RateLaw
 from origins.laws.strengthening import Strengthening
 from origins.laws.thermal import RATE_LAWS, BreakingRate, Thermal, as_thermal
 from origins.laws.timed_law import MEAN_RATE, ChangingThresholds, TimedLaw
+from origins.roughness.interface import Interface
+from origins.roughness.stated import StatedInterface
 from origins.start import FormationLaw, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
@@ -26,7 +29,7 @@ from origins.thresholds.scipy_laws import as_thresholds
 # A law that is absent is None (stiffness: "independent"). Solvers use this list, Contacts.laws and
 # Contacts.replace; what a law is asked beside its equation stands there, see origins/laws/timed_law.py.
 LAWS = ("grains", "strengthening", "thermal", "ageing", "delay", "reforming", "stiffness")
-_ARGUMENTS = ("thresholds", "start", "thermal", "ageing", "delay", "reforming", "stiffness")
+_ARGUMENTS = ("thresholds", "start", *LAWS[2:], "interface")
 
 
 class Contacts:
@@ -57,6 +60,9 @@ class Contacts:
     stiffness : "independent" or "linked"
         "independent": k_i does not depend on the threshold, and counts as <k> (paper, Eq. Q6). "linked": k_i is
         proportional to x_si, as where f_s ~ A and k ~ A^(1/2): k_i = <k> x_si/<x_s>, <k> being the mean at birth.
+    interface : StatedInterface, optional
+        <k> and the number of contacts in SI units, for thresholds in metres that are no rough surface's, which has an
+        Interface of its own.
 
     Attributes
     ----------
@@ -68,8 +74,9 @@ class Contacts:
         too fast to hold waits once more.
     mean_threshold : float
         <x_s>, the unit in which tolerances are stated.
-    interface : Interface or None
-        Load, contact density, <k> and friction in SI units, where the thresholds come from a rough surface.
+    interface : Interface, StatedInterface or None
+        Load, contact density, <k> and friction in SI units, where the thresholds come from a rough surface; else the
+        argument.
     cut_weight : float
         Starting weight that lay beyond every threshold and was cut off; 0 by default.
     thermal, ageing, delay, reforming
@@ -95,6 +102,7 @@ class Contacts:
         delay: Delay | None = None,
         reforming: object = None,
         stiffness: Literal["independent", "linked"] = "independent",
+        interface: StatedInterface | None = None,
     ) -> None:
         """Check the parts, each by itself and together; the arguments are those above."""
         self.growing = thresholds if isinstance(thresholds, GrowingThresholds) else None
@@ -103,7 +111,9 @@ class Contacts:
         )
         if isinstance(self.growing, Strengthening) and self.growing.beta == 0.0:
             self.growing = None
-        self.interface = self.thresholds.interface
+        if interface is not None:
+            self._state(interface)
+        self._stated, self.interface = interface, self.thresholds.interface
         self.start = as_start(start)
         self.mean_threshold = _checked_mean(self.thresholds)
         self.cut_weight = FormationLaw("start", self.start, self.thresholds).cut_weight
@@ -116,9 +126,18 @@ class Contacts:
         if self.changing is not None:
             self.waiting_time += self.changing.first_pinning_time
 
+    def _state(self, interface: StatedInterface) -> None:
+        """Let the thresholds have this interface, but not those of the caller."""
+        if isinstance(self.thresholds.interface, Interface):
+            hint = "is for thresholds that are no surface's, which has its own; leave it out"
+            refuse("interface", interface, hint)
+        self.thresholds = copy(self.thresholds)
+        self.thresholds.interface = interface
+
     def __repr__(self) -> str:
         """The laws that the contacts have, each by its own repr."""
         laws = {name: getattr(self, name, None) for name in _ARGUMENTS}
+        laws["interface"] = self._stated
         if self.growing is not None:
             laws["thresholds"] = self.growing
         said = (f"{name}={law!r}" for name, law in laws.items() if law is not None)
@@ -175,6 +194,7 @@ class Contacts:
         given = {name: getattr(self, name) for name in _ARGUMENTS}
         given["reforming"] = None if self.reforming is None else self.reforming.law
         given["thresholds"] = self.thresholds if self.growing is None else self.growing
+        given["interface"] = self._stated  # that of a surface comes with its thresholds
         for name, value in changes.items():
             if name not in given:
                 refuse(name, value, f"is not what contacts have; that is {', '.join(given)}")

@@ -147,3 +147,67 @@ def test_pictures_are_written_in_other_formats_too_and_old_ones_go(capsys: Any) 
         assert ".png" in left and not left & {".pdf", ".svg"}
     line = refused(capsys, "run", name, "--format", "jpg")
     assert line == "format = 'jpg': must be among png, pdf and svg, such as --format pdf,svg"
+
+
+STATED = {"mean_stiffness": 5.0, "contact_density": 5e11, "pressure": 1e6}
+IN_METRES = {"kind": "gaussian", "mean": 4e-9, "std": 1e-9}
+TOGETHER = 5.0 * 5e11 * AREA  # N_c<k>, N/m
+
+
+def stated(**tables: Any) -> dict[str, Any]:
+    """A scene of Gaussian contacts in metres whose interface is stated, on a spring of 50 N/m."""
+    contacts = {"thresholds": IN_METRES, "interface": STATED} | tables.pop("contacts", {})
+    drive = {"spring": "50 N/m", "area": AREA, "to": 2e-8, "points": 11}
+    return scene(**({"contacts": contacts, "drive": drive} | tables))
+
+
+def test_a_stated_interface_gives_newtons_kelvins_and_springs_as_a_surface_does(
+    capsys: Any,
+) -> None:
+    """N_c<k> = 2.5e6 N/m: 50 N/m are 2e-5 of it, k_BT/<k> at 300 K is 8.28e-22 m², and F_k = <x²>/2<x> times N_c<k>."""
+    heat = {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e6}
+    warm = toolkit.load_scene(stated(contacts={"thermal": heat}))
+    assert warm.drive.spring == pytest.approx(50.0 / TOGETHER, rel=1e-12)
+    assert warm.contacts.thermal.temperature == pytest.approx(1.380649e-23 * 300.0 / 5.0, rel=1e-9)
+    assert warm.contacts.replace(thermal=None).interface == warm.contacts.interface
+    drive = {"to": 4e-7, "points": 21, "area": AREA}
+    toolkit.run(stated(drive=drive), folder="out")
+    found, law = toolkit.load("out"), warm.contacts.thresholds
+    kinetic = law.moment(2) / (2.0 * law.mean())
+    assert found.newtons(found.master.force)[-1] == pytest.approx(TOGETHER * kinetic, rel=1e-4)
+    assert found.scale.force_unit == "N" and found.scale.load == pytest.approx(1.0)
+    file = Path("mine.toml")
+    file.write_text(toolkit.scene.tables.to_toml(stated()), encoding="utf-8")
+    status, out, _ = said(capsys, "verdict", "mine.toml")
+    row = next(line for line in out if line.startswith("kinetic friction F_k"))
+    assert status == 0 and written(TOGETHER * kinetic, "N", digits=4) in row
+    assert "stick-slip" in out[2] and " mm at " not in out[2]
+    assert said(capsys, "thresholds", "mine.toml")[0] == said(capsys, "run", "mine.toml")[0] == 0
+
+
+def test_what_a_stated_interface_lacks_is_refused_with_what_to_give() -> None:
+    alone = {"interface": {"mean_stiffness": 5.0}}
+    with pytest.raises(InputError, match=r"contacts\.interface\.contact_density"):
+        toolkit.load_scene(stated(contacts=alone))
+    kelvin = {"thermal": {"law": "soft", "temperature": {"kelvin": 300.0}}}
+    with pytest.raises(InputError, match="attempt_frequency: is missing"):
+        toolkit.load_scene(stated(contacts=alone | kelvin, drive={"to": 1e-8}))
+    with pytest.raises(InputError, match="has its own; leave it out"):
+        toolkit.load_scene(stated(contacts={"thresholds": ROUGH}))
+    with pytest.raises(InputError, match=r"contacts.interface.mean_stiffness = -1"):
+        toolkit.load_scene(stated(contacts={"interface": {"mean_stiffness": -1.0}}))
+
+
+def test_samples_of_a_file_have_a_unit() -> None:
+    Path("md.csv").write_text("run,x_s\n1,4.0\n2,5.0\n3,6.5\n", encoding="utf-8")
+    table = {"kind": "from-samples", "file": "md.csv", "column": "x_s"}
+    bare = toolkit.load_scene(scene(table)).contacts.mean_threshold
+    law = table | {"unit": "nm"}
+    assert toolkit.load_scene(scene(law)).contacts.mean_threshold == pytest.approx(1e-9 * bare)
+    forces = {"kind": "from-samples", "f_s": [2.0, 3.0, 4.5], "unit": "nN", "stiffness": 5.0}
+    assert 4e-10 < toolkit.load_scene(scene(forces)).contacts.mean_threshold < 9e-10
+    with pytest.raises(InputError, match="unit = 'furlong': must be"):
+        toolkit.load_scene(scene(law | {"unit": "furlong"}))
+    del law["column"]
+    with pytest.raises(InputError, match='holds 2 columns; say which has x_s, as column = "x_s"'):
+        toolkit.load_scene(scene(law))

@@ -212,6 +212,7 @@ CALLS = {
     "[contacts.thermal]": origins.Thermal,
     "[contacts.ageing]": origins.Ageing,
     "[contacts.delay]": origins.Delay,
+    "[contacts.interface]": origins.StatedInterface,
     "[contacts.thresholds.material]": origins.Material,
 }
 

@@ -226,7 +226,7 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
         ({"spring": "50 N/m", "area": 1e-16}, "area = 1e-16: holds 9.5e-06 contacts; give over"),
         ({"spring": "50 kN"}, "must be a number and a unit"),
         ({"law": GAUSSIAN, "spring": "5 N/m", "area": 1.0}, "needs <k> in N/m"),
-        ({"law": GAUSSIAN, "spring": 0.5, "area": 1.0}, "drive.area = 1.0: is for a spring in N/m"),
+        ({"law": GAUSSIAN, "spring": 0.5, "area": 1.0}, "drive.area = 1.0: needs <k> in N/m"),
     ):
         with pytest.raises(InputError, match=rule):
             pulled(**drive)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError, between, finite, non_negative, pair, positive, refuse
+from origins.errors import InputError, between, finite, pair, positive, refuse
 from origins.roughness.moments import SpectralMoments
+from origins.roughness.stated import InSI
 from origins.thresholds.powered import Array, Bend, PowerLaw
 
-BOLTZMANN = 1.380649e-23  # J/K, exact in the SI
 _ONE_OF = "write shear_modulus, or density and sound_velocity, or contact_stiffness"
 
 
@@ -121,7 +121,7 @@ def column_stiffness(
 
 
 @dataclass(frozen=True)
-class Interface:
+class Interface(InSI):
     """Physical state of a rough contact, in SI units; its thresholds have it as `.interface`.
 
     A force F per N_c<k>, a length, is the shear stress contact_density * mean_stiffness * F: `per_area`, `newtons`.
@@ -188,24 +188,6 @@ class Interface:
         if lengths.dtype.kind not in "iuf" or not (np.isfinite(lengths) & (lengths >= 0.0)).all():
             refuse("threshold", threshold, "must be a length in m, finite and zero or above")
         return self.force_law(lengths)
-
-    def temperature(self, kelvin: float | None = None, energy: float | None = None) -> float:
-        """k_BT/<k> in m², the temperature of a contact's laws, from `kelvin` (K) or from `energy` = k_BT (J).
-        Raises InputError for both, for neither, and for values below zero."""
-        if (kelvin is None) == (energy is None):
-            raise InputError(f"kelvin = {kelvin}, energy = {energy}: write one of them")
-        joules = BOLTZMANN * non_negative("kelvin", kelvin) if energy is None else energy
-        return non_negative("energy", joules) / self.mean_stiffness
-
-    def per_area(self, shared: npt.ArrayLike) -> Array:
-        """Forces F/(N_c<k>) in m as shear stresses in Pa, or springs K/(N_c<k>) as K per nominal area in N/m³; shape as
-        given."""
-        return self.contact_density * self.mean_stiffness * np.asarray(shared, float)
-
-    def newtons(self, shared: npt.ArrayLike, area: float) -> Array:
-        """Forces F/(N_c<k>) in m on a nominal `area` in m² in N, or springs K/(N_c<k>) in N/m; shape as given. Raises
-        InputError for an area that is not above zero."""
-        return positive("area", area) * self.per_area(shared)
 
     @property
     def cautions(self) -> tuple[str, ...]:

@@ -133,7 +133,9 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
     return Verdict(
         *(scene.name, numbers, held, cautions, evidence, found, result),
         scale=scene.scale,
-        per_area=None if surface is None else float(surface.per_area(1.0)),
+        per_area=None
+        if surface is None or surface.contact_density is None
+        else float(surface.per_area(1.0)),
     )
 
 

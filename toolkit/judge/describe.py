@@ -173,7 +173,9 @@ def table_of(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...])
     for name, number in found.numbers.items():
         if name in hidden:
             continue
-        value = with_error(number.value, number.error or 0.0, 8)
+        value = with_error(number.value, number.error or 0.0, 8).replace(
+            " ± inf", ", error not known"
+        )
         row = f"  {name.replace('_', ' '):{width}}{value} {number.unit}".rstrip()
         out.append(f"{row}  ({labels[name]})" if laws and name in labels else row)
     out += [f"  {note}" for note in found.notes]

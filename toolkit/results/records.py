@@ -194,9 +194,9 @@ class Result:
         without it, N_c<k> of other thresholds and of a scene with units = "N_c<k>"."""
         if self.interface is None:
             return Scale()
-        names = ("contact_density", "mean_stiffness", "pressure")
-        density, stiffness, pressure = (self.interface[name].value for name in names)
-        return of_surface(density, stiffness, pressure, self._area, self.asked.units)
+        known = {name: number.value for name, number in self.interface.items()}
+        density, pressure = known.get("contact_density"), known.get("pressure")
+        return of_surface(density, known["mean_stiffness"], pressure, self._area, self.asked.units)
 
     @property
     def _area(self) -> float | None:
@@ -205,9 +205,9 @@ class Result:
     def per_area(self, shared: npt.ArrayLike) -> Array:
         """Forces of this result, F/(N_c<k>) in m, as shear stresses in Pa, or springs K/(N_c<k>) in N/m³; shape as
         given. Raises InputError where the thresholds are not those of a surface."""
-        if self.interface is None:
-            hint = "needs <k> in N/m, which thresholds from a rough surface know; forces are F/(N_c<k>)"
-            raise InputError(f"per_area: {hint}")
+        if self.interface is None or "contact_density" not in self.interface:
+            hint = "needs <k> and the number of contacts, which a rough surface knows, or [contacts.interface] states"
+            raise InputError(f"per_area: {hint}; forces are F/(N_c<k>)")
         density, stiffness = (self.interface[one] for one in ("contact_density", "mean_stiffness"))
         return density.value * stiffness.value * np.asarray(shared, float)
 

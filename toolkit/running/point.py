@@ -60,10 +60,11 @@ def _sliding(scene: Scene, springs: bool) -> dict[str, Column]:
             found[f"{quantity}_error"] = Column(getattr(own, f"{quantity}_error"), its)
         if not own.success and not own.critical_spring_error <= 1e-3 * own.critical_spring:
             missed.append(own.message)
-    if surface is not None:
+    if surface is not None and surface.contact_density is not None:
         stiffness = surface.contact_density * surface.mean_stiffness  # N/m for each m²
         found["kinetic_stress"] = Column(stiffness * steady.force, "Pa")
-        found["kinetic_force_over_load"] = Column(stiffness * steady.force / surface.pressure)
+        if surface.pressure is not None:
+            found["kinetic_force_over_load"] = Column(stiffness * steady.force / surface.pressure)
         if scene.area is not None:
             each = stiffness * scene.area
             found["contacts"] = Column(surface.contact_density * scene.area)

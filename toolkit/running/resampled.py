@@ -1,5 +1,7 @@
 """What other samples would have given: work on resampled laws, several at once."""
 
+import math
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
@@ -16,11 +18,13 @@ def of_resampled(
     count: int,
     work: Callable[[Thresholds], T],
     progress: Callable[[int, int], None] | None = None,
+    until: float = math.inf,
 ) -> list[T]:
     """The results of `work` on so many laws that other samples would have given, in their order.
 
     Smoothing and `work` spend their time in products of matrices, which release Python's lock: one thread a core.
-    `progress` is called as progress(done, count). An exception ends the work after the laws that are begun.
+    `progress` is called as progress(done, count). An exception ends the work after the laws that are begun, as does the
+    time `until`, in s of the monotonic clock: the results are then those of fewer laws.
     """
     found = list[T]()
     pool = ThreadPoolExecutor(min(cores_of(None), count))
@@ -29,6 +33,8 @@ def of_resampled(
             found.append(one)
             if progress is not None:
                 progress(len(found), count)
+            if time.monotonic() > until:
+                break
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
     return found

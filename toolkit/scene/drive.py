@@ -53,8 +53,10 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
         given, unit = check(key, float(read[1])), read[2]
     if unit == own.si:
         if interface is None:
-            hint = f"in {unit} needs <k> in N/m, which thresholds from a rough surface know"
-            raise InputError(f"{key}: {hint}; give a number")
+            raise InputError(f"{key}: in {unit} {laws.NEEDS_STIFFNESS}; or give a number")
+        if interface.contact_density is None:
+            hint = "needs contacts.interface.contact_density, contacts per nominal area in 1/m²; add it"
+            refuse(key, getattr(table, name), hint)
         if table.area is None:
             refuse(key, getattr(table, name), "needs drive.area, the nominal area in m²; add it")
         if (held := interface.contact_density * table.area) < 1.0:
@@ -66,7 +68,7 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
         other = f'{name} = "{given:g} {own.shared}"'
         refuse(key, given, f"{hint} the nominal area in m², or {other}")
     if table.area is not None and interface is None:
-        refuse("drive.area", table.area, 'is for a spring in N/m, as "50 N/m"; leave it out')
+        refuse("drive.area", table.area, f"{laws.NEEDS_STIFFNESS}; or leave it out")
     return given if given is None else float(given)
 
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from origins.contacts import Contacts, Thermal, too_hot
 from origins.roughness.interface import Interface
+from origins.roughness.stated import InSI
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
@@ -40,15 +41,18 @@ def with_error(value: float, error: float, digits: int) -> str:
     return f"{value:#.{max(known, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {error_text}"
 
 
-def of_interface(interface: Interface) -> dict[str, Number]:
+def of_interface(interface: InSI) -> dict[str, Number]:
     """The numbers of the interface in SI units, its fields and properties, without the law's mean."""
-    names = [field.name for field in fields(interface) if field.name != "mean_threshold"]
+    names: list[str] = [
+        field.name for field in fields(cast(Any, interface)) if field.name != "mean_threshold"
+    ]
     names += [name for name, value in vars(type(interface)).items() if isinstance(value, property)]
     numbers = {}
     for name in names:
         if isinstance(value := getattr(interface, name), float):
-            # height integrals are good to 1e-8, as tests check; these two are given
-            error = None if name in ("pressure", "patch_area") else abs(value) * 1e-8
+            # height integrals are good to 1e-8, as tests check; what is stated has no error
+            stated = name in ("pressure", "patch_area") or not isinstance(interface, Interface)
+            error = None if stated else abs(value) * 1e-8
             numbers[name] = Number(value, error, _UNITS.get(name, ""))
     return numbers
 
@@ -56,6 +60,9 @@ def of_interface(interface: Interface) -> dict[str, Number]:
 def in_a_line(numbers: Mapping[str, Number]) -> str:
     """The most important of them as a line of text."""
     value = {name: number.value for name, number in numbers.items()}
+    if "area_fraction" not in value:
+        density = f"{value['contact_density']:.3g} contacts/m², " * ("contact_density" in value)
+        return f"{density}<k> = {value['mean_stiffness']:.3g} N/m, as stated"
     return (
         f"{value['contact_density']:.3g} contacts/m², <k> = {value['mean_stiffness']:.3g} N/m, area of contact "
         f"{value['area_fraction']:.2%}; F_k/load = {value['friction_coefficient']:.3g}, "
@@ -72,7 +79,7 @@ def remarks(law: Thresholds) -> list[str]:
             f"the normal law has its mean at {law.parent_mean:g} and is cut at 0, with half or more of its weight: "
             f"what is left has <x_s> = {law.mean():.3g}"
         )
-    if law.interface is not None:
+    if isinstance(law.interface, Interface):
         said += law.interface.cautions
         if law.interface.moments.size is not None:
             said.append(
@@ -121,7 +128,7 @@ def foreseen(scene: Scene) -> list[str]:
                 f"contacts {they} about x = {middle:.3g}, and only {exceed:.0e} of all thresholds are beyond that: "
                 "they have the thresholds of that tail, and break at once"
             )
-    if surface is not None and scene.area is not None:
+    if surface is not None and surface.contact_density is not None and scene.area is not None:
         held = surface.contact_density * scene.area
         together = f"N_c<k> = {held * surface.mean_stiffness:.4g} N/m"
         few = ": so few scatter, add [eq] with as many" * (held < 1e4 and scene.eq is None)
@@ -139,7 +146,7 @@ def foreseen(scene: Scene) -> list[str]:
     }
     named["stiffness"] = "linked stiffness"
     there = ", ".join(named.get(name, name) for name in contacts.laws)
-    if surface is not None and there:
+    if isinstance(surface, Interface) and there:
         load = "F_k/load and the stress of the surface are those of its thresholds alone"
         more = "; sliding, linked contacts carry more than the load, and F may exceed mu times it"
         said.append(f"{load}, without {there}{more * (contacts.stiffness == 'linked')}")
@@ -152,8 +159,8 @@ def of_so_many(scene: Scene, regime: Any) -> str:
     surface, spring = scene.contacts.interface, scene.drive.spring or 0.0
     critical, smooth = regime.critical_spring, regime.verdict == "smooth"
     if surface is None and smooth and spring > 10.0 * max(critical, 1.0):
-        return "; spring is in units of N_c<k>, in N/m for thresholds from a surface only"
-    if surface is None or scene.units != SI:
+        return "; spring is in units of N_c<k>; in N/m of a surface, or with [contacts.interface]"
+    if surface is None or surface.contact_density is None or scene.units != SI:
         return ""
     said = f"; K* = {written(critical * scene.scale.spring, scene.scale.spring_unit, digits=4)}"
     if scene.area is None:

@@ -11,9 +11,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-import origins
 from origins.errors import InputError, positive, refuse
-from origins.roughness.interface import BOLTZMANN
+from origins.roughness.stated import BOLTZMANN
 from toolkit.processes.ranks import on_root
 from toolkit.scene.tables import did_you_mean
 
@@ -28,7 +27,10 @@ def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
 _OWN = "toolkit.scene.kinds:"
 THRESHOLDS = _origins("identical gaussian rectangular mixture gw-elastic gw-plastic gw-gaussian")
 THRESHOLDS |= _origins("persson lubricated grains growing-grains") | {"domains": f"{_OWN}domains"}
-THRESHOLDS |= {"from-samples": f"{_OWN}from_samples", "from-topography": f"{_OWN}from_topography"}
+THRESHOLDS |= {
+    "from-samples": "toolkit.scene.samples:from_samples",
+    "from-topography": f"{_OWN}from_topography",
+}
 START = _origins("gaussian", "{}_start") | {"identical": f"{_OWN}identical_start"}
 REFORMING = START | _origins("boltzmann", "{}_reforming")
 SURFACES = {"scan": f"{_OWN}open_scan", "self-affine": f"{_OWN}generate"}
@@ -40,6 +42,7 @@ SUBSTRATES = _origins("square hexagonal", "{}_substrate") | {"fourier": f"{_OWN}
 
 # keys whose value is a table: its kinds, or the one function it calls
 CONTACTS: dict[str, Mapping[str, str] | str] = {
+    "interface": "origins:StatedInterface",  # first: temperatures in kelvins need it
     "strengthening": "origins:strengthening",
     "start": START,
     "reforming": REFORMING,
@@ -58,6 +61,11 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
 
 # what the law "eyring" takes in place of its width, and in which units
 _ACTIVATION = {"kelvin": "K", "shear_strength": "Pa", "activation_volume": "m³"}
+
+# of what is given in SI units, to contacts whose <k> is not known
+NEEDS_STIFFNESS = (
+    "needs <k> in N/m, which a rough surface knows; else state it in [contacts.interface]"
+)
 
 # how messages write None, True and False, as Python has them, and as TOML says the same
 _TOML = {" = None: is missing; ": ": is missing; ", " = None: ": ": is missing; "}
@@ -167,13 +175,11 @@ def with_defaults(kinds: Mapping[str, str] | str, table: object, where: str) -> 
     return out
 
 
-def without_kelvin(
-    table: Mapping[str, Any], where: str, thresholds: origins.Thresholds
-) -> Mapping[str, Any]:
+def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mapping[str, Any]:
     """The table with its `temperature` as k_BT/<k>, a length squared, where it is given as { kelvin = 300.0 }: for
-    thresholds from a rough surface, whose contacts have a stiffness in N/m. Raises InputError for others, and for a
+    contacts whose stiffness in N/m is known by their interface `surface`. Raises InputError for others, and for a
     number that can only be meant in joules."""
-    given, surface, where = table.get("temperature"), thresholds.interface, f"{where}.temperature"
+    given, where = table.get("temperature"), f"{where}.temperature"
     if isinstance(given, float) and surface is not None:
         joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
         if 1.0 < joules < 1e4 < kelvin:  # plausible temperatures, in K
@@ -184,8 +190,11 @@ def without_kelvin(
     if set(given) != {"kelvin"}:
         refuse(where, dict(given), "must be a number, k_BT/<k>, or { kelvin = 300.0 }")
     if surface is None:
-        hint = "needs <k> in N/m, which thresholds from a rough surface know; give k_BT/<k>, the square of a length"
-        refuse(f"{where}.kelvin", given["kelvin"], hint)
+        refuse(
+            f"{where}.kelvin",
+            given["kelvin"],
+            f"{NEEDS_STIFFNESS}; or k_BT/<k>, the square of a length",
+        )
     with inside(where, {"kelvin": "kelvin"}):
         return {**table, "temperature": surface.temperature(kelvin=given["kelvin"])}
 

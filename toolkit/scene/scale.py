@@ -51,16 +51,24 @@ def scale_of(contacts: Contacts, area: float | None, units: str = SI) -> Scale:
 
 
 def of_surface(
-    density: float, stiffness: float, pressure: float, area: float | None, units: str = SI
+    density: float | None,
+    stiffness: float,
+    pressure: float | None,
+    area: float | None,
+    units: str = SI,
 ) -> Scale:
-    """The units of a surface with so many contacts per area (1/m²), <k> (N/m) under a nominal pressure (Pa)."""
+    """The units of a surface with so many contacts per area (1/m²), <k> (N/m) under a nominal pressure (Pa); a density
+    or a pressure of None is not known."""
+    if density is None:
+        return Scale(force_unit="N_c<k> m", length_unit="m", time_unit="s")
     together = density * stiffness  # N/m for each m²
     if units == SHARED:
-        load, held = pressure / together, None if area is None else density * area
+        load = None if pressure is None else pressure / together
+        held = None if area is None else density * area
         return Scale(1.0, "N_c<k> m", 1.0, "N_c<k>", "m", "s", load, held)
     if area is None:
         return Scale(together, "Pa", together, "N/m³", "m", "s", load=pressure, contacts=None)
-    each, load = together * area, pressure * area
+    each, load = together * area, None if pressure is None else pressure * area
     return Scale(each, "N", each, "N/m", "m", "s", load, density * area)
 
 

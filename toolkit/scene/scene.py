@@ -260,17 +260,19 @@ def make_contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Conta
     """The contacts with the laws that the table names, and no other."""
     thresholds = laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm)
     made: dict[str, Any] = {"thresholds": thresholds, "stiffness": table.stiffness}
+    surface = getattr(thresholds, "interface", None)
     for name, kinds in laws.CONTACTS.items():
         if (own := getattr(table, name)) is not None:
-            own = laws.without_kelvin(own, f"contacts.{name}", thresholds)
+            surface = made.get("interface", surface)
+            own = laws.without_kelvin(own, f"contacts.{name}", surface)
             own = laws.with_width(own, f"contacts.{name}")
             made[name] = laws.build(kinds, own, f"contacts.{name}", folder, comm, thresholds)
     made["thresholds"] = made.pop("strengthening", thresholds)
     thermal = table.thermal or {}
-    if thermal and thresholds.interface is not None and "attempt_frequency" not in thermal:
+    if thermal and surface is not None and "attempt_frequency" not in thermal:
         raise InputError(
-            "contacts.thermal.attempt_frequency: is missing; with thresholds from a rough surface it is in 1/s, such "
-            "as 1e12, and has no default"
+            "contacts.thermal.attempt_frequency: is missing; where lengths are in metres it is in 1/s, such as 1e12, "
+            "and has no default"
         )
     warmth = thermal.get("temperature")
     if isinstance(warmth, Mapping) and (hint := too_cold(made["thermal"].temperature, thresholds)):

@@ -83,8 +83,7 @@ def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
     made |= dict(zip(along, axes, strict=True))
     if "kelvin" in given:
         if contacts.interface is None:
-            hint = "needs <k> in N/m, which thresholds from a rough surface know; give temperature, k_BT/<k>"
-            raise InputError(f"sweep.kelvin: {hint}")
+            raise InputError(f"sweep.kelvin: {laws.NEEDS_STIFFNESS}; or temperature, k_BT/<k>")
         made["temperature"] = made["kelvin"] * contacts.interface.temperature(kelvin=1.0)
     return Sweep(tuple(along), table.critical_spring, made)
 

@@ -35,6 +35,7 @@ class ContactsTable(KeyTable, frozen=True):
     delay: dict[str, Any] | None = None
     reforming: dict[str, Any] | None = None
     stiffness: str = "independent"
+    interface: dict[str, Any] | None = None
 
 
 class DriveTable(KeyTable, frozen=True):

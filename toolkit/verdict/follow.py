@@ -164,7 +164,7 @@ def sliders(
             return pilot
         if needed > left:
             raise InputError(
-                f"{number:,} contacts would take some {needed:.2g} s, where {left:.2g} s are left: give more wall_time"
+                f"{number:,} contacts would take some {needed:,.0f} s, where {left:.0f} s are left: give more wall_time"
             )
     return eq_model.simulate(contacts, path, n_contacts=number, **asked)
 

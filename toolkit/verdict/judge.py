@@ -22,8 +22,9 @@ from toolkit.verdict.readings import readings_of
 RULES = ("reset", "reform-after", "instant")
 # s for all readings and rules together; share of what is left for the scene's own, and then for its contacts' number
 WALL_TIME, OWN = 60.0, 0.5
-# of K* and F_s of readings other than the scene's own; resampled laws of samples, and the tolerance for these
-TOLERANCE, RESAMPLES, RESAMPLED_TOLERANCE = 1e-6, 10, 1e-3
+# of K* and F_s of readings other than the scene's own; resampled laws of samples, the fewest whose scatter tells
+# something, and the tolerance for these
+TOLERANCE, RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 1e-6, 10, 4, 1e-3
 
 
 @dataclass(frozen=True)
@@ -185,14 +186,15 @@ def _answer(
     ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
     static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
     critical = Quantity(found.critical_spring, found.critical_spring_error)
-    if sampled_parts(contacts.thresholds):
-        kinetic, static, critical = _with_sampling(contacts, velocity, [kinetic, static, critical])
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
         if machine is None:
             break
         share = (until - time.monotonic()) / left
         behaviours.append(follow(machine, contacts, rule, static.value, share))
+    if sampled_parts(contacts.thresholds):
+        known = [kinetic, static, critical]
+        kinetic, static, critical = _with_sampling(contacts, velocity, known, until)
     return Answer(
         name,
         contacts,
@@ -206,9 +208,10 @@ def _answer(
 
 
 def _with_sampling(
-    contacts: Contacts, velocity: float, known: list[Quantity]
-) -> tuple[Quantity, Quantity, Quantity]:
-    """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error."""
+    contacts: Contacts, velocity: float, known: list[Quantity], until: float
+) -> list[Quantity]:
+    """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; without
+    it where there is no time for enough of them, in s of the monotonic clock."""
     import master
 
     def row(law: Thresholds) -> list[float]:
@@ -217,10 +220,11 @@ def _with_sampling(
         found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
         return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
 
-    rows = of_resampled(contacts.thresholds, RESAMPLES, row)
+    rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
+    if len(rows) < FEWEST:
+        return known
     scatter = np.std(rows, axis=0, ddof=1)
-    first, second, third = (
+    return [
         replace(quantity, sampling=float(each))
         for quantity, each in zip(known, scatter, strict=True)
-    )
-    return first, second, third
+    ]

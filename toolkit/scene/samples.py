@@ -1,0 +1,135 @@
+"""Thresholds through samples: a scene's own values, or a column of a text file, with header, weights and unit."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import shorten
+from typing import Any
+
+import numpy as np
+
+import origins
+from origins.errors import InputError, finite_array, one_of, refuse, whole
+from origins.roughness.surface import METRES
+from toolkit.scene.laws import read_file, read_text
+from toolkit.scene.tables import did_you_mean
+
+NEWTONS = {"N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12}
+
+
+def from_samples(
+    folder: Path,
+    x_s: Sequence[float] | None = None,
+    f_s: Sequence[float] | None = None,
+    file: str | None = None,
+    quantity: str = "x_s",
+    column: int | str | None = None,
+    weight_column: int | str | None = None,
+    decimal: str = ".",
+    unit: str | None = None,
+    coefficient: float | None = None,
+    stiffness: float | None = None,
+    weights: Sequence[float] | None = None,
+    comm: Any = None,
+) -> origins.Thresholds:
+    """Thresholds through samples; see origins.from_samples.
+
+    `file` is relative to the scene's folder; its columns, separated by semicolons, or by blanks or commas, count from
+    1: `column` has the values, x_s or f_s by `quantity`, and may be left out if it is the only one; `weight_column` has
+    the weights. With semicolons or blanks as separators "1,5" is 1.5, a decimal comma. # begins a comment, and the
+    first line may be a header of text, whose words name columns, too. `decimal = ","`: every comma is a decimal one.
+    `unit`, such as "nm" or "nN": x_s or f_s are in it, and become metres or newtons. Raises InputError.
+    """
+    given: dict[str, Any] = {"x_s": x_s, "f_s": f_s, "weights": weights}
+    if file is None:
+        if (column, weight_column, quantity, decimal) != (None, None, "x_s", "."):
+            hint = "quantity, column, weight_column and decimal say what a file holds; leave them out without one"
+            raise InputError(f"from_samples: {hint}")
+    else:
+        if any(values is not None for values in given.values()):
+            refuse("file", file, "holds the samples; leave x_s, f_s and weights out")
+        one_of("quantity", quantity, ("x_s", "f_s"))
+        one_of("decimal", decimal, (".", ","))
+        lines = read_file("file", file, folder, comm, read_text).splitlines()
+        place = _place("column", column, lines)
+        given[quantity] = _column(file, lines, quantity, place, decimal)
+        if weight_column is not None:
+            other = _place("weight_column", weight_column, lines)
+            if other == (place or 1):
+                refuse("weight_column", weight_column, "is that of the samples; name another")
+            given["weights"] = _column(file, lines, "weights", other, decimal)
+    if unit is not None:
+        name = "x_s" if given["x_s"] is not None else "f_s"
+        values = finite_array(name, given[name])
+        given[name] = values * in_si(unit, METRES if name == "x_s" else NEWTONS)
+    return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
+
+
+def _place(key: str, column: int | str | None, lines: list[str]) -> int | None:
+    """The number of a column that is named by the header, the first line with text, which may begin with #; InputError
+    where it names no such column."""
+    if not isinstance(column, str):
+        return column
+    names = _names(lines)
+    if column not in names:
+        hint = f"is no column of the header; {did_you_mean(column, names)}it names"
+        refuse(key, column, f"{hint} {shorten(', '.join(names), 100, placeholder=' ...')}")
+    return names.index(column) + 1
+
+
+def _names(lines: list[str]) -> list[str]:
+    """The words of the first line, which are names of columns where it is a header."""
+    header = next((line for line in lines if line.strip()), "").strip().lstrip("#").strip()
+    names = [word.strip().strip("\"'") for word in re.split(r"[;,\t]", header)]
+    return names if len(names) > 1 else header.split()
+
+
+def _column(file: str, lines: list[str], name: str, place: int | None, decimal: str) -> list[float]:
+    """The values of this column, counted from 1 (None: of the only one)."""
+    if decimal == ",":
+        lines = [line.replace(",", ".") for line in lines]
+    numbered = enumerate((_words(line.partition("#")[0]) for line in lines), start=1)
+    rows = [(number, row) for number, row in numbered if row]
+    if rows and np.isnan(rows[0][1]).all() and not re.match(r"\W*\d", lines[rows[0][0] - 1]):
+        del rows[0]  # a header, and no mistyped number
+    if not rows:
+        refuse("file", file, "holds no numbers; write one value a line")
+    width = len(rows[0][1])
+    if place is None and all(re.fullmatch(r"\s*\d+,\d+\s*", lines[n - 1]) for n, _ in rows):
+        hint = """a decimal comma? write decimal = ","; two columns? say which, as column = 2"""
+        refuse("file", file, f"holds two whole numbers a line, parted by a comma: {hint}")
+    if place is None and width > 1:
+        names = _names(lines)
+        such = f'"{names[-1]}"' if len(names) == width else width
+        refuse("file", file, f"holds {width} columns; say which has {name}, as column = {such}")
+    if (column := whole("column", 1 if place is None else place, 1)) > width:
+        refuse("file", file, f"there is no column {place} of {width}")
+    for number, row in rows:
+        # do not show the line itself: the file may be private
+        if len(row) != width:
+            refuse("file", file, f"line {number} has {len(row)} columns, the first has {width}")
+        if not 0.0 < row[column - 1] < np.inf:
+            refuse("file", file, f"line {number}: {name} must be a number > 0; else leave it out")
+    return [row[column - 1] for _, row in rows]
+
+
+def _words(line: str) -> list[float]:
+    """The columns of a line, separated by semicolons, or by blanks or commas; nan for words that are not numbers.
+
+    A comma between two digits is a decimal comma where something else separates the columns.
+    """
+    if re.search(r"\d,\d", line) and (";" in line or (len(line.split()) > 1 and ", " not in line)):
+        line = line.replace(",", ".")
+    found = []
+    for word in re.split(r"[;,\s]+", line.strip()):
+        try:
+            found.append(float(word))
+        except ValueError:
+            found += [np.nan] if word else []
+    return found
+
+
+def in_si(unit: str, known: dict[str, float]) -> float:
+    """What one of this unit is in SI units; InputError for a unit that is not known."""
+    one_of("unit", unit, tuple(known))
+    return known[unit]
