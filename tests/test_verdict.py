@@ -15,7 +15,7 @@ from tests.scenes import CONSTANTS, ROUGH, said, write
 from toolkit.scene.scale import guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import Machine
+from toolkit.verdict.follow import Behaviour, Machine
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}
@@ -124,12 +124,17 @@ def test_a_mass_beside_heat_is_told_in_words(capsys: Any) -> None:
     assert "np." not in page and "master.solve" not in page and "simulate" not in page
 
 
+def infinite(kind: str, slips: int) -> Behaviour:
+    """What infinitely many contacts do under "reset"."""
+    return Behaviour("reset", kind, 0.8, 0.5, None, slips, 0.0, True, "", 0.0)
+
+
 def test_a_slider_that_has_not_slid_is_not_called_smooth() -> None:
     """The ensemble's path ends while its contacts are only stretched."""
     machine = Machine(spring=1e-3, mass=None, damping=0.0, velocity=1.0)
     contacts = Contacts(gaussian(1.0, 0.2))
     # of an F_s of 0.1, where it is 0.8: the drive stops before the first slip
-    found = follow_finite(machine, contacts, 500.0, "reset", 0.1, False, 0, 60.0)
+    found = follow_finite(machine, contacts, 500.0, infinite("smooth", 0), 0.1, 60.0)
     assert found.kind == "unknown" and "before it slid" in found.message
 
 
@@ -166,7 +171,8 @@ def test_sliders_that_would_take_too_long_are_not_followed() -> None:
         Machine(spring=0.5, mass=None, damping=0.0, velocity=1.0),
         gaussian(1.0, 0.2),
     )
-    found = follow_finite(machine, Contacts(contacts), 1e4, "reset", 0.8, True, 5, seconds=0.0)
+    asked = infinite("stick-slip", 5)
+    found = follow_finite(machine, Contacts(contacts), 1e4, asked, 0.8, seconds=0.0)
     assert found.kind == "unknown" and "10,000 contacts would take some" in found.message
     assert "0 s are left: give more wall_time" in found.message
 

@@ -8,7 +8,15 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.verdict.follow import NOT_SLID, SLIDERS, Machine, has_slid, sliders, trace_of
+from toolkit.verdict.follow import (
+    NOT_SLID,
+    SLIDERS,
+    Behaviour,
+    Machine,
+    has_slid,
+    sliders,
+    trace_of,
+)
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
@@ -51,17 +59,15 @@ def follow_finite(
     machine: Machine,
     contacts: Contacts,
     number: float,
-    rule: str,
+    infinite: Behaviour,
     static: float,
-    slips: bool,
-    transient: int,
     seconds: float,
 ) -> Finite:
-    """Follow sliders of so many contacts; `slips`: whether infinitely many stick and slip, `transient`: how often they
-    slip before they slide, where they do.
+    """Follow sliders of so many contacts; `infinite`: what infinitely many do under the same rule.
 
     static : F_s/(N_c <k>) (a length); seconds : to be done by then, else they are not followed
     """
+    rule, slips = infinite.rule, infinite.kind == "stick-slip"
     held = max(round(number), 1)
     mean = contacts.mean_threshold
     loading = static / machine.spring + mean
@@ -70,6 +76,8 @@ def follow_finite(
     # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
     flowing = rule in FLOWING and not (rule == "mass" and contacts.waiting_time)
     lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
+    if flowing and not slips and infinite.slips:  # the spring relaxes to the force of sliding
+        lives += (static - infinite.after) / machine.spring / mean
     breaks = SLIDERS * held * lives
     if held > MOST_CONTACTS:
         return Finite(
@@ -94,7 +102,7 @@ def follow_finite(
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, held, "unknown", message=NOT_SLID)
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
-    more = counts - (0 if slips else transient)
+    more = counts - (0 if slips else infinite.slips)
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     last = int(max(counts.min() - 1, 0))
     (before, error), (after, after_error) = (

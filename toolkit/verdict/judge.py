@@ -139,18 +139,8 @@ def _finite(
     found, until = list[Finite](), time.monotonic() + seconds
     for one in own.behaviours:
         progress(f"sliders of {number:,.0f} contacts, slip rule {one.rule}")
-        found.append(
-            follow_finite(
-                own.machine,
-                own.contacts,
-                number,
-                one.rule,
-                own.static.value,
-                slips=one.kind == "stick-slip",
-                transient=one.slips,
-                seconds=until - time.monotonic(),
-            )
-        )
+        left = until - time.monotonic()
+        found.append(follow_finite(own.machine, own.contacts, number, one, own.static.value, left))
     return tuple(found)
 
 
