@@ -3,17 +3,24 @@
 import time
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from statistics import median
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from origins.contacts import check_contacts
 from origins.errors import InputError, refuse
-from origins.thresholds.law import Array
-from toolkit.judge.closed_form import closed_form
 from toolkit.judge.frontier import as_words, cheapest, slope
-from toolkit.results.beside import apart
+from toolkit.judge.reference import (
+    Answer,
+    Run,
+    exact_force,
+    finest,
+    largest_error,
+    of_witness,
+    witness_of,
+)
+from toolkit.processes.ranks import cores_of
 from toolkit.running.solvers import follow, make_ensemble, solve_master
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import EqTable
@@ -36,34 +43,6 @@ _REMARKS = {
 }
 
 
-class Answer(NamedTuple):
-    """A method's force at the points of the path that it reaches, and the error that it claims, both in lengths; None
-    where it claims none. `found` is the solver's own answer."""
-
-    force: Array
-    claimed: float | None
-    found: Any = None
-
-
-class Run(NamedTuple):
-    """A method's answer at a setting, and its median run time in s of so many `runs`."""
-
-    setting: float
-    answer: Answer
-    run_time: float
-    runs: int
-
-
-class Reference(NamedTuple):
-    """The force that the others are held against, its own error in mean thresholds, what it is in words, and at which
-    points of the path it is compared."""
-
-    force: Array
-    error: float
-    words: str
-    told: Any
-
-
 def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     """Measure the master equation, the paper's explicit scheme, the ensemble and the paper's closest-contact algorithm,
     each at its RUNGS where it takes the scene; `say` is given a line for each run.
@@ -72,8 +51,10 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     and `cheapest` (see toolkit.judge.frontier), `warm_up` of each method in s (imports and compilation), `witness`, the
     ensemble beside a reference by the master equation, and `points`, each with its `method`, `setting`, largest `error`
     over the path (None of the reference itself), `claimed_error` (None where nothing is claimed), both in mean
-    thresholds, and `run_time` in s, the median of `runs`. Raises InputError for a sweep, for a slider with mass, and
-    where the master equation has no answer.
+    thresholds, and `run_time` in s, the median of `runs`; `threads`, the same ensemble on 1, 2, ... of them, each with
+    its `run_time` in s and whether its force has the `same_bits`.
+
+    Raises InputError for a sweep, for a slider with mass, and where the master equation has no answer.
     """
     if scene.master is None and scene.eq is None:
         raise InputError("sweep: precision takes a path with [master] or [eq]; add one of them")
@@ -82,9 +63,9 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
         refuse("drive.mass", tomllib.loads(scene.text)["drive"]["mass"], hint)
     notes, warm_up, unit = list[str](), dict[str, float](), scene.contacts.mean_threshold
     methods = _methods(scene, notes)
-    exact = _exact(scene)
+    exact = exact_force(scene)
     solved = _climb("master", methods.pop("master"), notes, warm_up, needed=exact is None)
-    reference = exact or _finest(scene, solved)
+    reference = exact or finest(scene, solved, _SECONDS)
     points: list[dict[str, Any]] = []
 
     def tell(method: str, runs: list[Run]) -> None:
@@ -92,7 +73,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
             say(_line(["method", "at", "error", "claimed", "time", "runs"]))
         for run in runs:
             claimed = None if run.answer.claimed is None else run.answer.claimed / unit
-            error = _error(run.answer.force, reference, unit)
+            error = largest_error(run.answer.force, reference, unit)
             point = {"method": method, "setting": run.setting, "error": error}
             point |= {"claimed_error": claimed, "run_time": run.run_time, "runs": run.runs}
             points.append(point)
@@ -100,19 +81,21 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
             say(_line((point if known else point | {"error": f"<{reference.error:.1e}"}).values()))
 
     tell("master", solved)
-    sampled: list[Run] = []
+    sampled, threads = list[Run](), list[dict[str, Any]]()
     for method, work in methods.items():
         runs = _climb(method, work, notes, warm_up)
-        sampled = runs if method == "ensemble" else sampled
         tell(method, runs)
-    witness = None if exact or not sampled else _witness(sampled[-1], solved, unit)
+        if method == "ensemble":
+            sampled, threads = runs, _on_threads(work, runs)
+    witness = None if exact or not sampled else witness_of(sampled[-1], solved, unit)
     own = [p for p in points if p["method"] == "master" and p["error"] is not None]
     bounded = sum(point["error"] <= point["claimed_error"] + reference.error for point in own)
     measured = {point["method"] for point in points}
     said = [
         f"true error: largest over {reference.told.sum()} positions, in units of <x_s>, from {reference.words}, good "
         f"to {reference.error:.0e}, below which it tells no error",
-        *_of_witness(witness, exact is None),
+        *of_witness(witness, exact is None),
+        *_of_threads(threads),
         f"master: its claim bounds the true error in {bounded} of {len(own)} runs that differ from the reference",
         "run time: wall time on one core, median of the warm runs; imports and compilation are told apart: "
         + ", ".join(f"{method} {seconds:.2g} s" for method, seconds in warm_up.items()),
@@ -129,9 +112,36 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
         "points": points,
         "slopes": slopes,
         "cheapest": spans,
+        "threads": threads,
         "warm_up": warm_up,
         "notes": [*as_words(slopes, spans), *said, *notes],
     }
+
+
+def _on_threads(work: Callable[..., Answer], runs: list[Run]) -> list[dict[str, Any]]:
+    """The largest ensemble that takes no longer than _REPEATED, on one thread and on up to as many as there are cores,
+    twice as many each time."""
+    small = [run for run in runs if run.run_time <= _REPEATED]
+    if not small:
+        return []
+    setting, cores = small[-1].setting, cores_of(None)
+    found = list[dict[str, Any]]()
+    for threads in sorted({*(2**n for n in range(cores.bit_length())), cores}):
+        run = _timed(partial(work, threads=threads), setting)
+        same = np.array_equal(run.answer.force, small[-1].answer.force)
+        row = {"threads": threads, "contacts": int(setting), "run_time": run.run_time}
+        found.append(row | {"same_bits": bool(same)})
+    return found
+
+
+def _of_threads(found: list[dict[str, Any]]) -> list[str]:
+    """The run times on several threads in words."""
+    if not found:
+        return []
+    times = [f"{one['run_time']:.2g} s on {one['threads']}" for one in found]
+    alike = all(one["same_bits"] for one in found)
+    bits = "the same bits on all" if alike else "not the same bits: please report it"
+    return [f"threads: ensemble of {found[0]['contacts']:,} contacts, {', '.join(times)}; {bits}"]
 
 
 def _line(cells: Any) -> str:
@@ -139,7 +149,7 @@ def _line(cells: Any) -> str:
     return "  ".join(f"{cell:>9}" for cell in texts)
 
 
-def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[[float], Answer]]:
+def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[..., Answer]]:
     """What finds the force at a setting, by the name of each method that takes the scene; those that are left out are
     noted."""
     from eq_model.closest import closest
@@ -155,9 +165,9 @@ def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[[float], Answ
     def step(number: float) -> Answer:
         return Answer(explicit(contacts, path, step=unit / number).force, None)
 
-    def simulate(size: float) -> Answer:
+    def simulate(size: float, threads: int = 1) -> Answer:
         small: dict[str, Any] = {"n_contacts": int(size), "n_replicas": 1, "histograms": ()}
-        small |= {"tolerance": None, "wall_time": _SECONDS, "threads": 1}
+        small |= {"tolerance": None, "wall_time": _SECONDS, "threads": threads}
         found: Any = follow(make_ensemble(scene, asked, None, **small))
         return Answer(
             found.force, float((found.force_standard_error + found.step_error).max()), found
@@ -206,16 +216,12 @@ def _climb(
             if spent + foreseen > _SECONDS:
                 notes.append(f"{method}: no further than {runs[-1].setting:.3g}, for want of time")
                 break
-            times: list[float] = []
-            while len(times) < 5 and sum(times) < _REPEATED:
-                began = time.perf_counter()
-                answer = work(setting)
-                times.append(time.perf_counter() - began)
-            spent += sum(times)
-            if times[-1] >= _SECONDS or not np.isfinite(answer.force).all():
+            run = _timed(work, setting)
+            answer, spent = run.answer, spent + run.run_time * run.runs
+            if run.run_time >= _SECONDS or not np.isfinite(answer.force).all():
                 notes.append(f"{method}: no answer at {setting:.3g} in {_SECONDS:.0f} s")
                 break
-            runs.append(Run(setting, answer, median(times), len(times)))
+            runs.append(run)
             if method == "master" and answer.found.force_error > setting:
                 notes.append(f"{method}: no finer than {setting:.3g}; {answer.found.message}")
                 break
@@ -226,74 +232,11 @@ def _climb(
     return runs
 
 
-def _exact(scene: Scene) -> Reference | None:
-    """The closed form of the scene's force; None where there is none."""
-    if scene.drive.spring is not None or not scene.drive.forward:
-        return None
-    try:
-        check_contacts(scene.contacts, "the closed form")
-        force, error = closed_form(scene.contacts, scene.path)
-    except InputError:
-        return None
-    words = "the closed form for Gaussian thresholds"
-    return Reference(force, error, words, np.ones(force.size, bool))
-
-
-def _best(solved: list[Run]) -> Run:
-    """The run that claims the smallest error, of several the one with the tightest setting."""
-    return min(reversed(solved), key=lambda run: run.answer.claimed or 0.0)
-
-
-def _finest(scene: Scene, solved: list[Run]) -> Reference:
-    """The run of the master equation that claims the smallest error. On a spring the points of the path next to a slip
-    tell nothing, as there a slip that comes a little early is an error as large as its drop."""
-    if not solved:
-        raise InputError(f"precision: the master equation gave no answer within {_SECONDS:.0f} s")
-    best = _best(solved)
-    found, told = best.answer.found, np.ones(best.answer.force.size, bool)
-    words = f"the master equation at {best.setting:.0e} ({best.run_time:.2g} s)"
-    if found.slips is not None:
-        near, far = found.path[:-1, None], found.path[1:, None]
-        slip = (np.minimum(near, far) <= found.slips.drive) & (
-            found.slips.drive <= np.maximum(near, far)
-        )
-        told[:-1] &= ~slip.any(axis=1)
-        told[1:] &= ~slip.any(axis=1)
-        words += ", its own finest run, away from slips"
-    return Reference(best.answer.force, float(found.force_error), words, told)
-
-
-def _error(force: Array, reference: Reference, unit: float) -> float | None:
-    """The largest difference in mean thresholds where both are known, as the paper's closure of ageing may end before
-    the path does; None for the reference's own bits, of which it tells nothing."""
-    if np.array_equal(force, reference.force):
-        return None
-    both = min(force.size, reference.force.size)
-    off = np.abs(force[:both] - reference.force[:both])[reference.told[:both]]
-    return float(off.max(initial=0.0)) / unit
-
-
-def _witness(sampled: Run, solved: list[Run], unit: float) -> dict[str, Any]:
-    """The ensemble's largest run beside the master equation's finest: `contacts`, its largest `standard_error` in mean
-    thresholds, and the `worst_deviation` of both in standard errors, None where too few contacts broke to compare."""
-    best, found = _best(solved), sampled.answer.found
-    error = float(found.force_standard_error.max()) / unit
-    worst = apart(best.answer.found, found, unit).worst
-    return {"contacts": found.contacts, "standard_error": error, "worst_deviation": worst}
-
-
-def _of_witness(witness: dict[str, Any] | None, own: bool) -> list[str]:
-    """In words what an independent road says of a reference that is the master equation's `own` finest run."""
-    if witness is None:
-        only = "no independent road: master is held against its own finest run alone"
-        return [only] if own else []
-    worst, contacts = witness["worst_deviation"], witness["contacts"]
-    beside = "of which too few broke to compare, or all at once"
-    if worst is not None:
-        beside = (
-            f"which differs from it by at most {worst:.1f} standard errors; chance makes about 3"
-        )
-    return [
-        f"independent of the master equation is the ensemble of {contacts:,} contacts, {beside}; it tells no error "
-        f"below its standard error, {witness['standard_error']:.1e}"
-    ]
+def _timed(work: Callable[[float], Answer], setting: float) -> Run:
+    """The answer at a setting, and the median of its run times, repeated while that takes little."""
+    times: list[float] = []
+    while len(times) < 5 and sum(times) < _REPEATED:
+        began = time.perf_counter()
+        answer = work(setting)
+        times.append(time.perf_counter() - began)
+    return Run(setting, answer, median(times), len(times))

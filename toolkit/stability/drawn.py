@@ -221,9 +221,13 @@ def finer(contacts: Contacts, path: Array, tolerance: float, drive: Mapping[str,
     import master
 
     tighter = tolerance * (_FINER_IN_TIME if "time" in drive else _FINER)
-    found: Any = master.solve(contacts, path, tighter, wall_time=LONGEST, **drive)
-    there = found.force.size  # a path may be cut
     force, error = np.zeros(path.size), np.full(path.size, np.inf)
+    road = "the master equation at a tighter tolerance"
+    try:
+        found: Any = master.solve(contacts, path, tighter, wall_time=LONGEST, **drive)
+    except InputError:
+        return Truth(force, error, road)
+    there = found.force.size  # a path may be cut
     force[:there] = found.force / contacts.mean_threshold
     error[:there] = found.force_error
-    return Truth(force, error, "the master equation at a tighter tolerance")
+    return Truth(force, error, road)

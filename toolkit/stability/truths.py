@@ -11,8 +11,8 @@ from toolkit.stability.case import Truth
 
 
 def gaussian(contacts: Contacts, path: Array) -> Truth:
-    """F of Gaussian thresholds from one stretch, which toolkit.judge.precision derives."""
-    from toolkit.judge.precision import closed_form
+    """F of Gaussian thresholds from one stretch, which toolkit.judge.closed_form derives."""
+    from toolkit.judge.closed_form import closed_form
 
     force, error = closed_form(contacts, path)
     return Truth(force / contacts.mean_threshold, error, "closed form")

@@ -1,0 +1,100 @@
+"""The tables of docs/error-and-cost.md, of all shipped scenes: python docs/error_and_cost.py [SCENE ...]
+
+Runs `mesofriction precision` and `mesofriction cost` of each, two at a time: some ten minutes on two cores. With names
+of scenes their tables are printed, and nothing is written.
+"""
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from toolkit.running.cost import cost
+from toolkit.scene.scene import shipped_scenes
+
+PAGE = Path(__file__).with_name("error-and-cost.md")
+COMMAND = [sys.executable, "-P", "-m", "toolkit.command"]
+ERRORS = "| scene | true error, run time: master at 1e-3 | finest | ensemble, largest | cheapest |"
+COSTS = "| scene | start-up | run | memory | builds | imports, of files | leaves out |"
+
+
+def precision_of(scene: str) -> dict[str, Any] | str:
+    """What precision.json holds, or the line with which the scene is refused."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = [*COMMAND, "precision", scene, "--out", f"{folder}/out"]
+        env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+        done = subprocess.run(words, capture_output=True, text=True, env=env, check=False)
+        file = Path(folder, "out", "precision.json")
+        return json.loads(file.read_text()) if file.exists() else done.stderr.strip()
+
+
+def point(one: dict[str, Any] | None, floor: float) -> str:
+    """True error and run time of a run; the reference's own error where it tells no more."""
+    if one is None:
+        return ""
+    error = one["error"]
+    known = f"{error:.0e}" if error is not None and error >= floor else f"< {floor:.0e}"
+    return f"{known}, {one['run_time']:.1g} s"
+
+
+def error_row(scene: str, found: dict[str, Any] | str) -> str:
+    """A line of the first table."""
+    if isinstance(found, str):
+        return f"| {scene} | {found.removeprefix('mesofriction: ')} | | | |"
+    own = {
+        name: [p for p in found["points"] if p["method"] == name] for name in ("master", "ensemble")
+    }
+    floor = found["reference_error"]
+    first = next((p for p in own["master"] if p["setting"] <= 1.01e-3), None)
+    last = own["master"][-1] if own["master"] else None
+    best = own["ensemble"][-1] if own["ensemble"] else None
+    spans = [line for line in found["notes"] if line.startswith("cheapest: ")]
+    words = (
+        spans[0].removeprefix("cheapest: ").partition(";")[0] if spans else "master at every error"
+    )
+    cells = [point(first, floor), point(last, floor), point(best, floor), words]
+    return f"| {scene} | {' | '.join(cells)} |"
+
+
+def cost_row(scene: str) -> str:
+    """A line of the second table."""
+    found = cost(scene)
+    start, _, run = found["stages"]
+    files = ", ".join(f"{room} {some}/{every}" for room, (some, every) in found["rooms"].items())
+    left = ", ".join([*found["no_solvers"], *found["no_laws"], *found["no_packages"]])
+    cells = [f"{start['seconds']:.2f} s", f"{run['seconds']:.2g} s", f"{run['memory']:.0f} MB"]
+    return f"| {scene} | {' | '.join([*cells, ', '.join(found['builds']), files, left])} |"
+
+
+def table(head: str, rows: list[str]) -> str:
+    return "\n".join([head, "|---" * (head.count("|") - 1) + "|", *rows])
+
+
+def main(names: list[str]) -> None:
+    """Print the tables, or write them into the page."""
+    scenes = names or list(shipped_scenes())
+    with ThreadPoolExecutor(2) as pool:
+        errors = [
+            error_row(*pair) for pair in zip(scenes, pool.map(precision_of, scenes), strict=True)
+        ]
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = used.ru_utime + used.ru_stime
+    tables = [table(ERRORS, errors), table(COSTS, [cost_row(scene) for scene in scenes])]
+    print("\n\n".join(tables))
+    print(f"precision of {len(scenes)} scenes: {seconds:.0f} CPU-seconds", file=sys.stderr)
+    if not names:
+        text = PAGE.read_text(encoding="utf-8")
+        for name, made in zip(("errors", "costs"), tables, strict=True):
+            before, _, rest = text.partition(f"<!-- {name} -->\n")
+            _, _, after = rest.partition(f"<!-- end of {name} -->")
+            text = f"{before}<!-- {name} -->\n{made}\n<!-- end of {name} -->{after}"
+        PAGE.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,113 @@
+"""What runs of methods are held against: a closed form, else the master equation's finest run beside the ensemble."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from origins.contacts import check_contacts
+from origins.errors import InputError
+from origins.thresholds.law import Array
+from toolkit.judge.closed_form import closed_form
+from toolkit.results.beside import apart
+from toolkit.scene.scene import Scene
+
+
+class Answer(NamedTuple):
+    """A method's force at the points of the path that it reaches, and the error that it claims, both in lengths; None
+    where it claims none. `found` is the solver's own answer."""
+
+    force: Array
+    claimed: float | None
+    found: Any = None
+
+
+class Run(NamedTuple):
+    """A method's answer at a setting, and its median run time in s of so many `runs`."""
+
+    setting: float
+    answer: Answer
+    run_time: float
+    runs: int
+
+
+class Reference(NamedTuple):
+    """The force that the others are held against, its own error in mean thresholds, what it is in words, and at which
+    points of the path it is compared."""
+
+    force: Array
+    error: float
+    words: str
+    told: Any
+
+
+def exact_force(scene: Scene) -> Reference | None:
+    """The closed form of the scene's force; None where there is none."""
+    if scene.drive.spring is not None or not scene.drive.forward:
+        return None
+    try:
+        check_contacts(scene.contacts, "the closed form")
+        force, error = closed_form(scene.contacts, scene.path)
+    except InputError:
+        return None
+    words = "the closed form for Gaussian thresholds"
+    return Reference(force, error, words, np.ones(force.size, bool))
+
+
+def best_of(solved: list[Run]) -> Run:
+    """The run that claims the smallest error, of several the one with the tightest setting."""
+    return min(reversed(solved), key=lambda run: run.answer.claimed or 0.0)
+
+
+def finest(scene: Scene, solved: list[Run], seconds: float) -> Reference:
+    """The run of the master equation that claims the smallest error. On a spring the points of the path next to a slip
+    tell nothing, as there a slip that comes a little early is an error as large as its drop."""
+    if not solved:
+        raise InputError(f"precision: the master equation gave no answer within {seconds:.0f} s")
+    best = best_of(solved)
+    found, told = best.answer.found, np.ones(best.answer.force.size, bool)
+    words = f"the master equation at {best.setting:.0e} ({best.run_time:.2g} s)"
+    if found.slips is not None:
+        near, far = found.path[:-1, None], found.path[1:, None]
+        slip = (np.minimum(near, far) <= found.slips.drive) & (
+            found.slips.drive <= np.maximum(near, far)
+        )
+        told[:-1] &= ~slip.any(axis=1)
+        told[1:] &= ~slip.any(axis=1)
+        words += ", its own finest run, away from slips"
+    return Reference(best.answer.force, float(found.force_error), words, told)
+
+
+def largest_error(force: Array, reference: Reference, unit: float) -> float | None:
+    """The largest difference in mean thresholds where both are known, as the paper's closure of ageing may end before
+    the path does; None for the reference's own bits, of which it tells nothing."""
+    if np.array_equal(force, reference.force):
+        return None
+    both = min(force.size, reference.force.size)
+    off = np.abs(force[:both] - reference.force[:both])[reference.told[:both]]
+    return float(off.max(initial=0.0)) / unit
+
+
+def witness_of(sampled: Run, solved: list[Run], unit: float) -> dict[str, Any]:
+    """The ensemble's largest run beside the master equation's finest: `contacts`, its largest `standard_error` in mean
+    thresholds, and the `worst_deviation` of both in standard errors, None where too few contacts broke to compare."""
+    best, found = best_of(solved), sampled.answer.found
+    error = float(found.force_standard_error.max()) / unit
+    worst = apart(best.answer.found, found, unit).worst
+    return {"contacts": found.contacts, "standard_error": error, "worst_deviation": worst}
+
+
+def of_witness(witness: dict[str, Any] | None, own: bool) -> list[str]:
+    """In words what an independent road says of a reference that is the master equation's `own` finest run."""
+    if witness is None:
+        only = "no independent road: master is held against its own finest run alone"
+        return [only] if own else []
+    worst, contacts = witness["worst_deviation"], witness["contacts"]
+    beside = "of which too few broke to compare, or all at once"
+    if worst is not None:
+        beside = (
+            f"which differs from it by at most {worst:.1f} standard errors; chance makes about 3"
+        )
+    return [
+        f"independent of the master equation is the ensemble of {contacts:,} contacts, {beside}; it tells no error "
+        f"below its standard error, {witness['standard_error']:.1e}"
+    ]
