@@ -1,7 +1,12 @@
 """What precision and a scene cost: true errors against run time, fronts and crossings, imports."""
 
+import gc
 import json
 import os
+import re
+import sys
+from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +14,7 @@ import numpy as np
 import pytest
 from scenes import refused, said, write
 
+import eq_model
 import master
 import origins
 from toolkit.judge import frontier
@@ -37,8 +43,8 @@ def test_precision_measures_each_rung_against_a_closed_form(capsys: Any, monkeyp
     start = {"kind": "gaussian", "mean": 0.1, "std": 0.05}
     contacts = {"thresholds": {"kind": "gaussian", "mean": 2.0, "std": 0.1}, "start": start}
     file = write(contacts=contacts, drive={"to": 6.0, "points": 61}, eq=EQ)
-    assert said(capsys, "precision", file)[0] == 0
-    ends = ("csv", "json", "png", "txt")
+    assert said(capsys, "precision", file, "--format", "svg")[0] == 0
+    ends = ("csv", "json", "png", "svg", "txt")
     assert sorted(os.listdir("mine-output")) == [f"precision.{end}" for end in ends]
     head, first, *_ = Path("mine-output/precision.csv").read_text().splitlines()
     assert head == "method,setting,error [<x_s>],claimed_error [<x_s>],run_time [s],runs"
@@ -51,6 +57,9 @@ def test_precision_measures_each_rung_against_a_closed_form(capsys: Any, monkeyp
     assert [len(of) for of in points.values()] == [3, 4, 3, 2]
     for p in points["master"]:
         assert p["error"] <= p["claimed_error"] + 1e-13 and p["claimed_error"] <= p["setting"]
+    assert all(one["same_bits"] for one in written["threads"])
+    counts = [one["threads"] for one in written["threads"]]
+    assert counts[0] == 1 and len(set(counts)) == len(counts)
     # the worst of many positions: 1 to 4.4 largest standard errors in each of 400 trials
     assert all(0.5 < p["error"] / p["claimed_error"] < 5.0 for p in points["ensemble"])
 
@@ -167,3 +176,62 @@ def test_cost_tells_what_a_scene_imports_and_leaves_out(capsys: Any) -> None:
     assert status == 0 and "[master]" in left and "numba" not in left and "matplotlib" in left
     assert "master 0 of " in "".join(out) and not Path("mine-output").exists()
     assert "no shipped scene" in refused(capsys, "cost", "gausian")
+
+
+PATH = np.linspace(0.0, 3.0, 31)
+PEAK = origins.gaussian(1.0, 0.1)
+SOLVERS = {
+    "master": lambda contacts: master.solve(contacts, PATH, 1e-6),
+    "eq_model": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=500, seed=1),
+}
+# laws whose strength is none, and some
+IDLE: dict[str, Any] = {
+    "delay": origins.Delay(0.0),
+    "ageing": origins.Ageing(origins.gaussian(1.2, 0.1), 0.0),
+    "reforming": 0.0,
+    "stiffness": "independent",
+    "thermal": None,
+}
+STRONG = IDLE | {"thermal": origins.Thermal("soft", 0.1), "delay": origins.Delay(0.3)}
+STRONG |= {"ageing": origins.Ageing(origins.gaussian(1.2, 0.1), 1e-3)}
+OF_LAWS = re.compile(r"(master/survival/(heat|age|grains|integrated_rate)|origins/(laws|grains)/)")
+
+
+def work(call: Callable[[], Any]) -> Counter[tuple[str, str]]:
+    """How often each function is called within, of Python's and of C's, by file and name; compiled kernels are not."""
+    seen: Counter[tuple[str, str]] = Counter()
+
+    def look(frame: Any, event: str, function: Any) -> None:
+        if event == "call":
+            seen[frame.f_code.co_filename, frame.f_code.co_name] += 1
+        elif event == "c_call":
+            seen["", function.__name__] += 1
+
+    gc.disable()  # what it frees is called at any time
+    sys.setprofile(look)
+    try:
+        call()
+    finally:
+        sys.setprofile(None)
+        gc.enable()
+    return seen
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_law_that_is_absent_costs_no_work(solver: str) -> None:
+    """The same calls, as many of each, as without the law, and none of a law's own; where it is present, some are."""
+    solve = SOLVERS[solver]
+
+    def calls(**laws: Any) -> Counter[tuple[str, str]]:
+        contacts = origins.Contacts(PEAK, **laws)
+        solve(origins.Contacts(PEAK, **laws))  # so that nothing is compiled or imported below
+        return work(lambda: solve(contacts))
+
+    plain = calls()
+    assert sum(plain.values()) > 1000
+    assert not [file for file, _ in plain if OF_LAWS.search(file)]
+    for name, idle in IDLE.items():
+        assert calls(**{name: idle}) == plain, name
+    for name in ("thermal", "ageing", "delay"):
+        assert calls(**{name: STRONG[name]}) != plain, name
+    assert [file for file, _ in calls(ageing=STRONG["ageing"]) if OF_LAWS.search(file)]

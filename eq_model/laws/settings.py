@@ -13,20 +13,20 @@ from origins.laws.compiled import CompiledRates, called
 
 def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
+    growing, ageing = contacts.growing, contacts.ageing
+    if contacts.thermal is None and ageing is None and growing is None:
+        return contact.Cold(np.int64(tie))
     # without a thermal law, the rates of any law stand in: kernels do not use them then
     rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
     found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
     contact.RATES.setdefault(type(found.law), found)
     heat = contacts.thermal is not None, found.law, drive.unit
-    growing, ageing = contacts.growing, contacts.ageing
     if ageing is not None:
         from eq_model.laws.diffusing import make_diffusing
 
         return make_diffusing(ageing, contacts.thresholds, *heat)
     if growing is not None:
         return _growth_of(growing, drive, *heat)
-    if contacts.thermal is None:
-        return contact.Cold(np.int64(tie))
     # in holds, where the value is not used, only the logarithm of 0 is avoided
     return contact.Warm(*heat[1:], np.log(np.maximum(drive.paces / drive.unit, 1e-300)))
 
