@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test test-slow test-all promise bench docs dist lint clean
+.PHONY: demo test test-slow test-all promise bench bench-before docs dist lint clean
 
 demo: $(READY)
 	$(BIN)/mpirun -n 2 $(BIN)/mesofriction compare rough-gw-paper rough-gw-amontons rough-gw-strength \
@@ -24,8 +24,16 @@ test-all: test test-slow
 promise: $(READY)
 	FORCE_ERROR_CASES=1000 $(BIN)/python -m pytest tests/test_force_error.py -s -m ""
 
+# CPU times beside what a user would pick instead, and of every kind of ensemble; Mesa and voles are left out where they
+# cannot be installed
 bench: $(READY)
-	@set -e; for script in tests/bench/*.py; do echo "== $$script"; $(BIN)/python $$script; done
+	-@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	$(BIN)/python tests/bench/ratios.py
+	$(BIN)/python tests/bench/speed.py
+
+# run times of master beside an older version, by kind of call
+bench-before: $(READY)
+	$(BIN)/python tests/bench/bench_before.py
 
 # the site in build/site: pages, API, and a gallery of the shipped scenes, which are run for it once
 docs: $(READY)
