@@ -1,8 +1,8 @@
 """What a user would write or install instead of this toolkit, each as short as it can be for the same question.
 
-The question is F(X) of Gaussian thresholds on a rigid slider that moves forward, Fig. A02 of the paper, or the forces of
-so many single contacts. Each function here that gives F takes the path and a setting; those of contacts give the mean
-force and the number of breaks.
+The question is F(X) of Gaussian thresholds on a rigid slider that moves forward, Fig. A02 of the paper, or the force
+of so many single contacts. Each function here that gives F takes the path and a setting; those of contacts give the
+mean force and the number of breaks.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def _heap(path: Array, contacts: int, mean: float, std: float) -> tuple[Array, i
     """A binary heap of the places at which contacts break next, the usual event-driven loop."""
     place, born, count = np.empty(contacts), np.zeros(contacts), 0
     for i in range(contacts):
-        place[i] = np.random.normal(mean, std)  # noqa: NPY002 (numba has no Generator of its own seed)
+        place[i] = np.random.normal(mean, std)  # noqa: NPY002
     order = np.argsort(place)
     place, force, sum_born = place[order], np.empty(path.size), 0.0
     for k in range(path.size):
@@ -79,7 +79,7 @@ def _heap(path: Array, contacts: int, mean: float, std: float) -> tuple[Array, i
             at = place[0]
             sum_born += at - born[0]
             count += 1
-            due, i = at + np.random.normal(mean, std), 0
+            due, i = at + np.random.normal(mean, std), 0  # noqa: NPY002
             while True:  # sift down
                 child = 2 * i + 1
                 if child >= contacts:
