@@ -32,6 +32,7 @@ RANKS = (
     ("steady", "stick_slip", "soft"),
     ("paper",),
     ("solve",),
+    ("rate_state",),
 )
 Graph = dict[str, set[str]]
 

@@ -16,6 +16,7 @@ COMMANDS = {
     "thresholds": "picture and table of a scene's P_c(x)",
     "compare": "how prone to stick-slip each of several scenes is: one table, one picture",
     "verdict": "does this interface, on this machine, stick and slip? one page, one picture, in SI units",
+    "rate-state": "a, b and D_c of rate and state for a scene's contacts, and how well that law holds",
     "precision": "what precision costs: true error against run time of each method, of a scene",
     "cost": "what a scene imports, builds and runs, its start-up and memory, and what it leaves out",
     "stability": "stiff and extreme cases through both solvers, or each number of a scene pushed by decades: a table",
@@ -131,8 +132,9 @@ def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:
     commands = import_module("toolkit.commands")
     from toolkit.processes.ranks import end_together, on_root
 
-    command = getattr(commands, parsed.command)
-    if parsed.command not in commands.ON_ONE_RANK:
+    name = parsed.command.replace("-", "_")
+    command = getattr(commands, name)
+    if name not in commands.ON_ONE_RANK:
         return end_together(lambda comm: int(command(parsed, comm)), launched)
     # the other ranks take part: imports of rank 0 may start MPI, which all ranks must start together
     return end_together(lambda comm: on_root(comm, lambda: int(command(parsed))), launched)

@@ -1,0 +1,168 @@
+"""a, b and D_c of rate and state from the solved answers of contacts to velocity steps and rests."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from master.rate_state.law import EvolutionLaw, RateStateLaw
+from master.rate_state.reading import TWICE, Reading, read_steps
+from master.rate_state.rests import healing_of, rest_of
+from master.rate_state.result import CONSTANT, Misfit, Parameter, RateState, SpeedScan
+from master.rate_state.speeds import Slope, constant_between, scan_speeds, slope_at
+from master.rate_state.stability import critical_spring_of
+from master.rate_state.traces import LIVES, Rest, VelocityStep, steps_about
+from master.steady.kinetic import kinetic_curve
+from origins import Contacts
+from origins.contacts import IN_TIME, LAWS, check_contacts
+from origins.errors import InputError, between, check_tolerance, one_of, positive_array, whole
+from origins.thresholds.law import Array
+
+# of the speed: a step so small that the answer is proportional to it, for the critical spring
+SMALL_STEP = 1.1
+# after a rest the force changes by ten times as much as by a step, and a tolerance takes the longer
+LOOSER = 10.0
+
+
+def rate_state(
+    contacts: Contacts,
+    velocity: float = 1.0,
+    *,
+    ratio: float = float(np.e),
+    evolution: EvolutionLaw = "slip",
+    rests: npt.ArrayLike | None = None,
+    decades: int = 2,
+    tolerance: float = 1e-5,
+    progress: Callable[[str], None] = lambda what: None,
+) -> RateState:
+    """a, b, a - b, D_c and the healing rate of contacts on a rigid slider, by the master equation.
+
+    contacts : with a law in time that `solve` and `kinetic_curve` take; the start does not matter.
+    velocity : v > 0, length per time: the geometric mean of the speeds before and after each step.
+    ratio : of the steps up and down, 1.01 to 100.
+    evolution : "slip" or "ageing", the law of the state, see RateStateLaw.
+    rests : times at rest, shape (n,), before the slider goes on at v; None: none.
+    decades : to either side of v, over which is looked where the numbers are constant; 0: nowhere.
+    tolerance : of forces, in mean thresholds; after rests ten times this.
+    progress : called with a word on what begins.
+
+    a is the largest change of the force after a step, b = a - (a - b), and D_c that of the law that goes on like the
+    solved force; see `read_steps`, which says what the `definition` of each compares.
+
+    Raises InputError for contacts whose force does not depend on time, as `solve` and `kinetic_curve` do, and for
+    numbers outside these ranges.
+    """
+    began = time.perf_counter()
+    check_contacts(contacts, "master.rate_state", LAWS, own_rates=True)
+    if not IN_TIME.intersection(contacts.laws):
+        hint = 'give them a law in time, such as thermal = Thermal("eyring", width=0.03)'
+        raise InputError(f"contacts: a = b = 0: their force does not depend on the speed; {hint}")
+    velocity = between("velocity", velocity, 1e-100, 1e100)
+    ratio = between("ratio", ratio, 1.01, 100.0, "steps in experiments are 3 to 10")
+    one_of("evolution", evolution, ("slip", "ageing"))
+    times = np.empty(0) if rests is None else np.sort(positive_array("rests", rests))
+    decades, tolerance = whole("decades", decades, 0), check_tolerance("tolerance", tolerance)
+    contacts = contacts.replace(start=None)
+
+    progress("velocity steps")
+    curve, unit = kinetic_curve(contacts, velocity), contacts.mean_threshold
+    steps = steps_about(contacts, velocity, ratio, tolerance)
+    found, slope = read_steps(steps, evolution), slope_at(contacts, velocity)
+    law = RateStateLaw(
+        float(curve.force), velocity, found.a, found.b, found.slip_distance, evolution
+    )
+    small = steps_about(contacts, velocity, SMALL_STEP, 0.1 * tolerance)
+    speeds = np.asarray(velocity * 10.0 ** np.arange(-decades, decades + 1.0))
+    scan = scan_speeds(contacts, speeds, found, ratio, evolution, tolerance, progress)
+    solved = list[Rest]()
+    for rest in times:
+        progress(f"a rest of {rest:.3g}")
+        solved.append(rest_of(contacts, velocity, float(rest), LOOSER * tolerance))
+    law_steps = tuple(law.step(one.slip, one.before, one.after) for one in steps)
+    largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
+    critical = max(found.b - found.a, 0.0) / found.slip_distance if found.evolves else 0.0
+    own, ways = critical_spring_of(small, unit), [critical_spring_of([one], unit) for one in small]
+    success, message = _judged([*steps, *small], solved, found)
+    return RateState(
+        velocity=velocity,
+        kinetic_force=float(curve.force),
+        kinetic_force_error=float(curve.force_error) * unit,
+        **_parameters(found, slope, scan),
+        direct_slip=found.direct_slip,
+        healing=healing_of(solved),
+        law=law,
+        steps=steps,
+        law_steps=law_steps,
+        rests=tuple(solved),
+        law_rests=replace(law, evolution="ageing").after_rest(times),
+        misfit=_misfit(steps, law_steps, 0.0, largest),
+        misfit_later=_misfit(steps, law_steps, found.direct_slip, largest),
+        critical_spring=critical,
+        critical_spring_error=_error_of_spring(found, critical),
+        critical_spring_solved=own,
+        critical_spring_solved_error=max(abs(one - own) for one in ways),
+        scan=scan,
+        run_time=time.perf_counter() - began,
+        success=success,
+        message=message,
+    )
+
+
+def _parameters(found: Reading, slope: Slope, scan: SpeedScan) -> dict[str, Parameter]:
+    """The four numbers of the steps with their errors and ranges; v is in the middle of the scan."""
+    room, middle = CONSTANT * max(abs(found.a), abs(found.b)), scan.velocity.size // 2
+    values = {"a": found.a, "b": found.b, "slip_distance": found.slip_distance}
+    errors = {
+        "a": found.a_error,
+        "b": TWICE * found.a_error,
+        "slip_distance": found.slip_distance_error,
+    }
+    out = dict[str, Parameter]()
+    for column, (name, value) in enumerate(values.items()):
+        apart = float(np.abs(found.others[:, column] - value).max(initial=0.0))
+        least = CONSTANT * abs(value) if name == "slip_distance" else room
+        span = constant_between(scan.velocity, getattr(scan, name), middle, least)
+        out[name] = Parameter(value, errors[name], apart, span.low, span.high)
+    span = constant_between(scan.velocity, scan.a_minus_b, middle, room)
+    apart = abs(found.a - found.b - slope.value)
+    return out | {"a_minus_b": Parameter(slope.value, slope.error, apart, span.low, span.high)}
+
+
+def _error_of_spring(found: Reading, critical: float) -> float:
+    """What the errors of a, b and D_c make of (b - a)/D_c; 0 where a > b by more than these."""
+    if not found.evolves or found.a - found.b > (off := (1.0 + TWICE) * found.a_error):
+        return 0.0
+    return (off + critical * found.slip_distance_error) / found.slip_distance
+
+
+def _misfit(
+    steps: Sequence[VelocityStep], laws: Sequence[Array], begin: float, unit: float
+) -> Misfit:
+    """The largest one at slips from `begin` on, divided by the force `unit`."""
+    worst = Misfit(0.0, begin)
+    for one, law in zip(steps, laws, strict=True):
+        off = np.where(one.slip >= begin, np.abs(law - one.force), 0.0)
+        at = int(np.argmax(off))
+        if (share := float(off[at]) / unit) > worst.share:
+            worst = Misfit(share, float(one.slip[at]))
+    return worst
+
+
+def _judged(
+    steps: Sequence[VelocityStep], rests: Sequence[Rest], found: Reading
+) -> tuple[bool, str]:
+    """Whether all answers are known and became steady, and that there is a D_c; and a message."""
+    faults = list[str]()
+    if not all(one.settled for one in steps):
+        left = max(one.error / max(float(np.ptp(one.force)), 1e-300) for one in steps)
+        faults.append(
+            f"the force after a step is known to {left:.1e} of its change only, {LIVES[-1]:.0f} mean thresholds after "
+            "it: contacts break in step with one another there, or the change is below the tolerance"
+        )
+    if not all(one.success for one in rests):
+        faults.append("the force after a rest is not known to the tolerance")
+    if not found.evolves:
+        faults.append("b is not above its error, so that there is no D_c")
+    return not faults, "; ".join(faults) or "all answers became steady within the tolerance"

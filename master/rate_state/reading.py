@@ -1,0 +1,160 @@
+"""a, b and D_c read from the solved answers to a step up and one down, and the other readings of the same answers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from master.rate_state.law import EvolutionLaw, left_of_step
+from master.rate_state.traces import VelocityStep
+from origins.thresholds.law import Array
+
+# of the largest change: a smaller rise of the force is no direct effect; and a fall by this ends the direct effect
+NO_RISE = 1e-2
+# D_c is sought from this part of the answer's slip on, first at so many places
+SHORTEST, TRIALS = 1e-4, 60
+# an error of the forces may move D_c directly as well as by b
+TWICE = 2.0
+
+
+class Peak(NamedTuple):
+    """Where the direct effect of a step ends: the change of force for each factor e there, what sampling may make of
+    it, and the slip."""
+
+    height: float
+    sampling: float
+    slip: float
+
+
+class Evolution(NamedTuple):
+    """b (a force) and D_c (a length) of an evolution."""
+
+    b: float
+    slip_distance: float
+
+
+@dataclass(frozen=True)
+class Reading:
+    """a, b (forces) and D_c (a length) of steps, their errors, the slip at which the direct effect ends, and the same
+    three by `others`, shape (n, 3)."""
+
+    a: float
+    b: float
+    slip_distance: float
+    a_error: float
+    slip_distance_error: float
+    direct_slip: float
+    others: Array
+
+    @property
+    def evolves(self) -> bool:
+        """Whether there is a D_c."""
+        return bool(np.isfinite(self.slip_distance))
+
+
+def read_steps(steps: Sequence[VelocityStep], law: EvolutionLaw) -> Reading:
+    """a: the first maximum of the change of force for each factor e of the speed, 0 where there is none, a mean of all
+    steps; b = a - (a - b), a - b from the kinetic forces; D_c: that of the law with this b that is nearest to the
+    forces beyond the maximum, by least squares over the slip.
+
+    The other readings are those of the single steps; that of b and D_c by least squares together, whose a is the force
+    after the direct effect, extrapolated to the step; and as D_c the slip at which b has fallen to 1/e. Where b is not
+    above its error D_c is NaN.
+    """
+    slope = float(np.mean([one.slope for one in steps]))
+    peaks = [direct_effect(one) for one in steps]
+    a, sampling, slip = (float(np.mean(each)) for each in zip(*peaks, strict=True))
+    begins = [peak.slip for peak in peaks]
+    off = max(one.error / abs(one.log_ratio) for one in steps)
+    a_error, b = off + sampling, a - slope
+    if abs(b) <= a_error + off:
+        return Reading(a, b, np.nan, a_error, np.inf, slip, np.empty((0, 3)))
+    own = fit_evolution(steps, begins, law, b)
+    others = list[tuple[float, float, float]]()
+    for one, peak in zip(steps, peaks, strict=True):
+        own_b = peak.height - slope
+        others.append((peak.height, *fit_evolution([one], [peak.slip], law, own_b)))
+        others.append((a, b, _fallen(one, peak, own_b)))
+    free = fit_evolution(steps, begins, law)
+    others.append((free.b + slope, *free))
+    moved = fit_evolution(steps, begins, law, b + np.copysign(a_error, b)).slip_distance
+    return Reading(
+        a,
+        b,
+        own.slip_distance,
+        a_error,
+        TWICE * abs(moved - own.slip_distance),
+        slip,
+        np.array(others),
+    )
+
+
+def direct_effect(step: VelocityStep) -> Peak:
+    """The first maximum of the change of force, beyond which it falls by NO_RISE of the largest change at least, and
+    which is the first point where the force jumps; nothing where the force does not rise by that."""
+    change, least = step.response, NO_RISE * np.abs(step.response).max()
+    highest = np.maximum.accumulate(change)
+    fallen = np.flatnonzero(highest - change > least)
+    top = int(np.argmax(change[: fallen[0]] if fallen.size else change))
+    if change[top] <= least:
+        return Peak(0.0, 0.0, 0.0)
+    if not 0 < top < change.size - 1:
+        return Peak(float(change[top]), 0.0, float(step.slip[top]))
+    near = slice(top - 1, top + 2)
+    curve = np.polynomial.Polynomial.fit(step.slip[near], change[near], 2)
+    place = (
+        float(np.clip(curve.deriv().roots()[0].real, *step.slip[near][[0, -1]]))
+        if curve.coef[-1]
+        else step.slip[top]
+    )
+    height = float(curve(place))
+    return Peak(height, abs(height - float(change[top])), float(place))
+
+
+def fit_evolution(
+    steps: Sequence[VelocityStep],
+    begins: Sequence[float],
+    law: EvolutionLaw,
+    b: float | None = None,
+) -> Evolution:
+    """b and D_c of the law that is nearest to the forces at slips beyond `begins`, by least squares over the slip; with
+    b given D_c alone."""
+    from scipy.optimize import minimize_scalar
+
+    slips = [one.slip[one.slip >= begin] for one, begin in zip(steps, begins, strict=True)]
+    weight = np.concatenate([np.sqrt(np.gradient(slip)) for slip in slips])
+    left = [
+        (one.response - one.slope)[-slip.size :] for one, slip in zip(steps, slips, strict=True)
+    ]
+    goal = weight * np.concatenate(left)
+
+    def best_of(slip_distance: float) -> tuple[float, float]:
+        """b, and the sum of squares that it leaves."""
+        each = [
+            left_of_step(slip, slip_distance, one.after / one.before, law) / one.log_ratio
+            for slip, one in zip(slips, steps, strict=True)
+        ]
+        form = weight * np.concatenate(each)
+        size = float(form @ goal / (form @ form)) if b is None else b
+        return size, float(np.square(goal - size * form).sum())
+
+    longest = max(float(slip[-1]) for slip in slips)
+    trial = np.log(np.geomspace(SHORTEST * longest, longest, TRIALS))
+    best = int(np.argmin([best_of(np.exp(each))[1] for each in trial]))
+    ends = trial[max(best - 1, 0)], trial[min(best + 1, trial.size - 1)]
+    found = minimize_scalar(
+        lambda each: best_of(np.exp(each))[1],
+        bounds=ends,
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    distance = float(np.exp(found.x))
+    return Evolution(best_of(distance)[0], distance)
+
+
+def _fallen(step: VelocityStep, peak: Peak, b: float) -> float:
+    """The slip since the step at which what is left of the evolution first is b/e."""
+    left = step.response - step.slope
+    below = np.flatnonzero((np.abs(left) <= abs(b) / np.e) & (step.slip > peak.slip))
+    return float(step.slip[below[0]]) if below.size else float(step.slip[-1])

@@ -1,0 +1,92 @@
+"""What rate_state returns: a, b and D_c with their errors, the solved answers, and the law beside them."""
+
+from dataclasses import dataclass
+
+from master.rate_state.law import RateStateLaw
+from master.rate_state.traces import Rest, VelocityStep
+from origins.brief import brief
+from origins.thresholds.law import Array
+
+# of a number: how far it may change in the range of speeds, or of rests, in which it is constant
+CONSTANT = 0.1
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number read from solved answers: `error`, numerical, from above; `definition`, how far other readings of the
+    same answers are from it; and the speeds (of healing: the rests) from `low` to `high` between which it changes by
+    less than CONSTANT, or as far as it was looked for."""
+
+    value: float
+    error: float
+    definition: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """Largest difference of the rate-and-state law from the solved answers to the steps, as a part of the larger of
+    |a| and |b| for each factor e, and the slip since the step (a length) where it is."""
+
+    share: float
+    slip: float
+
+
+@dataclass(frozen=True)
+class SpeedScan:
+    """a, b, a - b (forces) and D_c (a length) at other speeds, arrays of shape (n,)."""
+
+    velocity: Array
+    a: Array
+    b: Array
+    a_minus_b: Array
+    slip_distance: Array
+
+
+@dataclass(frozen=True)
+class RateState:
+    """Rate and state of contacts at a speed; forces F/(N_c <k>) and slips are lengths, springs K/(N_c <k>).
+
+    velocity : v (length per time); kinetic_force : F_k there, and its error
+    a, b, a_minus_b : direct effect, evolution effect, and the slope of F_k, forces for each factor e of the speed
+    slip_distance : D_c
+    direct_slip : slip over which the direct effect comes up; the law has it at once
+    healing : rise of the largest force after a rest, for each decade of the time at rest; None without rests
+    law : the rate-and-state law with these numbers
+    steps, rests : the solved answers; law_steps, law_rests : forces of the law in their place, the latter by the
+        ageing law, as the slip law does not heal at rest
+    misfit, misfit_later : of the law, along the whole answer, and once the direct effect is over
+    critical_spring : (b - a)/D_c, 0 where a > b, with its error
+    critical_spring_solved : below which smooth sliding is unstable by the solved answer to small steps; its error is
+        how far the steps up and down are apart
+    scan : the numbers at other speeds
+    run_time : s; success, message : whether the answers are known to the tolerance and have become steady
+    """
+
+    velocity: float
+    kinetic_force: float
+    kinetic_force_error: float
+    a: Parameter
+    b: Parameter
+    a_minus_b: Parameter
+    slip_distance: Parameter
+    direct_slip: float
+    healing: Parameter | None
+    law: RateStateLaw
+    steps: tuple[VelocityStep, ...]
+    law_steps: tuple[Array, ...]
+    rests: tuple[Rest, ...]
+    law_rests: Array
+    misfit: Misfit
+    misfit_later: Misfit
+    critical_spring: float
+    critical_spring_error: float
+    critical_spring_solved: float
+    critical_spring_solved_error: float
+    scan: SpeedScan
+    run_time: float
+    success: bool
+    message: str
+
+    __repr__ = brief

@@ -1,0 +1,85 @@
+"""Over which speeds the numbers of rate and state are constant."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from master.rate_state.law import EvolutionLaw
+from master.rate_state.reading import Reading, read_steps
+from master.rate_state.result import SpeedScan
+from master.rate_state.traces import steps_about
+from master.steady.kinetic import kinetic_curve
+from origins import Contacts
+from origins.errors import InputError
+from origins.thresholds.law import Array
+
+# ln of the factor of the speed for the slope of F_k
+SLOPE_STEP = 0.25
+
+
+class Range(NamedTuple):
+    """The ends between which a number is constant, speeds or times at rest."""
+
+    low: float
+    high: float
+
+
+class Slope(NamedTuple):
+    """dF_k/d ln v, a force, and its error."""
+
+    value: float
+    error: float
+
+
+def slope_at(contacts: Contacts, velocity: float) -> Slope:
+    """dF_k/d ln v from F_k at speeds a factor e^(1/4) and e^(1/2) to either side, of fourth order in these."""
+    powers = SLOPE_STEP * np.array([-2.0, -1.0, 1.0, 2.0])
+    curve = kinetic_curve(contacts, velocity * np.exp(powers))
+    near = float(curve.force[2] - curve.force[1]) / (2.0 * SLOPE_STEP)
+    far = float(curve.force[3] - curve.force[0]) / (4.0 * SLOPE_STEP)
+    off = float(np.max(curve.force_error)) * contacts.mean_threshold
+    return Slope(near + (near - far) / 3.0, abs(near - far) / 3.0 + off / SLOPE_STEP)
+
+
+def scan_speeds(
+    contacts: Contacts,
+    speeds: Array,
+    own: Reading,
+    ratio: float,
+    evolution: EvolutionLaw,
+    tolerance: float,
+    progress: Callable[[str], None],
+) -> SpeedScan:
+    """The numbers at each of the speeds, of which the middle one has its `own` already; NaN where the contacts cannot
+    be followed or do not become steady."""
+    rows = np.full((speeds.size, 4), np.nan)
+    rows[speeds.size // 2] = own.a, own.b, own.a - own.b, own.slip_distance
+    for row, speed in zip(rows, speeds, strict=True):
+        if np.isfinite(row[0]):
+            continue
+        progress(f"steps about a speed of {speed:.3g}")
+        try:
+            steps = steps_about(contacts, float(speed), ratio, tolerance)
+        except InputError:
+            continue
+        if steps[0].settled:
+            found = read_steps(steps, evolution)
+            row[:] = found.a, found.b, found.a - found.b, found.slip_distance
+    return SpeedScan(speeds, *rows.T)
+
+
+def constant_between(at: Array, values: Array, middle: int, room: float) -> Range:
+    """The ends between which values change by less than `room` from that at the index `middle`, between points by
+    ln; values that are NaN end it."""
+    ends = list[float]()
+    for way in (-1, 1):
+        last = middle
+        while 0 <= (after := last + way) < at.size and abs(values[after] - values[middle]) < room:
+            last = after
+        end = float(at[last])
+        if 0 <= after < at.size and np.isfinite(values[after]):
+            one, other = (abs(values[k] - values[middle]) for k in (last, after))
+            end *= float((at[after] / at[last]) ** ((room - one) / (other - one)))
+        ends.append(end)
+    return Range(*ends)

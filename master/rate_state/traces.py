@@ -1,0 +1,109 @@
+"""Solved answers of a rigid slider to steps of its speed, and what rests give."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from master.solve import solve
+from master.steady.kinetic import kinetic_curve
+from origins import Contacts
+from origins.brief import brief
+from origins.thresholds.law import Array
+
+# mean thresholds of sliding before a step and after it: tried one after the other, until the force is steady
+LIVES = (8.0, 24.0, 72.0)
+# of the largest change of force in an answer: what may be left of it before a step and at its end
+SETTLED = 2e-3
+# slips at which an answer is known, in mean thresholds, even in ln(slip): heat may act over 1e-6 of a threshold
+LEAST_SLIP, POINTS = 1e-7, 240
+
+
+@dataclass(frozen=True)
+class VelocityStep:
+    """A step of the speed in steady sliding; forces F/(N_c <k>) and slips are lengths.
+
+    before, after : speeds, length per time
+    steady_before, steady_after : F_k at these
+    slip : since the step, shape (n,), from 0; force : shape (n,)
+    error : of the forces, absolute; it includes what is left of the start, and of the step at its end
+    settled : whether little is left of these
+    """
+
+    before: float
+    after: float
+    steady_before: float
+    steady_after: float
+    slip: Array
+    force: Array
+    error: float
+    settled: bool
+
+    __repr__ = brief
+
+    @property
+    def log_ratio(self) -> float:
+        """ln of the speed after the step over that before."""
+        return float(np.log(self.after / self.before))
+
+    @property
+    def slope(self) -> float:
+        """a - b, the change of F_k for each factor e between both speeds."""
+        return (self.steady_after - self.steady_before) / self.log_ratio
+
+    @property
+    def response(self) -> Array:
+        """Change of the force since the step for each factor e of the speed, shape (n,): rises to a, ends at a - b."""
+        return (self.force - self.steady_before) / self.log_ratio
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What a rest in steady sliding does; forces F/(N_c <k>) and slips are lengths.
+
+    time : at rest; relaxed : the force at its end; peak : the largest force on the way on at the speed before the rest,
+    at the slip `peak_slip` since; error : of both forces, absolute
+    """
+
+    time: float
+    relaxed: float
+    peak: float
+    peak_slip: float
+    error: float
+    success: bool
+
+
+def steps_about(
+    contacts: Contacts, velocity: float, ratio: float, tolerance: float
+) -> tuple[VelocityStep, VelocityStep]:
+    """A step up by the factor `ratio`, and one down again, between speeds whose geometric mean is the velocity.
+
+    tolerance : of forces, in mean thresholds
+    """
+    mean = contacts.mean_threshold
+    slow, fast = velocity * ratio**-0.5, velocity * ratio**0.5
+    curve = kinetic_curve(contacts, [slow, fast])
+    steady = dict(zip((slow, fast), map(float, curve.force), strict=True))
+    for lives in LIVES:
+        slip = mean * np.r_[0.0, np.geomspace(LEAST_SLIP, lives, POINTS)]
+        begin = lives * mean
+        path = np.r_[0.0, begin + slip, begin + slip[-1] + slip[1:]]
+        arrival = np.r_[0.0, begin / slow + slip / fast]
+        arrival = np.r_[arrival, arrival[-1] + slip[1:] / slow]
+        solved = solve(contacts, path, tolerance, time=arrival)
+        up, down = solved.force[1 : slip.size + 1], solved.force[slip.size :]
+        left = max(
+            abs(force[at] - steady[speed])
+            for force, at, speed in ((up, 0, slow), (up, -1, fast), (down, -1, slow))
+        )
+        change = min(float(np.ptp(up)), float(np.ptp(down)))
+        settled = bool(solved.success and left <= SETTLED * change)
+        if settled:
+            break
+    error = (solved.force_error + float(np.max(curve.force_error))) * mean + left
+
+    def step(before: float, after: float, force: Array) -> VelocityStep:
+        return VelocityStep(
+            before, after, steady[before], steady[after], slip, force, error, settled
+        )
+
+    return step(slow, fast, up), step(fast, slow, down)

@@ -1,0 +1,194 @@
+"""a, b and D_c: of the law itself, of contacts whose slope is known, of single contacts; critical springs; the page."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import eq_model
+import master
+from master.rate_state.law import EvolutionLaw, RateStateLaw, left_of_step
+from master.rate_state.reading import read_steps
+from master.rate_state.rests import healing_of
+from master.rate_state.stability import critical_spring_of
+from master.rate_state.traces import Rest, VelocityStep, steps_about
+from origins import Contacts, Delay, InputError, Thermal, gaussian
+from tests.scenes import ROUGH, refused, said, write
+
+WIDE = gaussian(1.0, 0.2)
+ALPHA = 0.03
+EYRING = Contacts(WIDE, thermal=Thermal("eyring", width=ALPHA))
+SLIP = np.r_[0.0, np.geomspace(1e-7, 8.0, 240)]
+LAWS: tuple[EvolutionLaw, ...] = ("slip", "ageing")
+
+
+def steps_of(law: RateStateLaw, ratio: float) -> tuple[VelocityStep, VelocityStep]:
+    """What solved answers would be if contacts followed the law, by its integration."""
+    slow, fast = law.velocity * ratio**-0.5, law.velocity * ratio**0.5
+
+    def steady(speed: float) -> float:
+        return law.kinetic_force + (law.a - law.b) * float(np.log(speed / law.velocity))
+
+    def step(before: float, after: float) -> VelocityStep:
+        force = law.step(SLIP, before, after)
+        return VelocityStep(before, after, steady(before), steady(after), SLIP, force, 1e-9, True)
+
+    return step(slow, fast), step(fast, slow)
+
+
+@pytest.mark.parametrize("evolution", LAWS)
+@pytest.mark.parametrize(("a", "b"), [(0.03, 0.05), (0.05, 0.02), (0.0, 0.03)])
+def test_the_law_gives_back_its_own_numbers(evolution: EvolutionLaw, a: float, b: float) -> None:
+    law = RateStateLaw(0.5, 2.0, a, b, 0.21, evolution)
+    found = read_steps(steps_of(law, 10.0), evolution)
+    assert found.a == pytest.approx(a, abs=1e-7) and found.b == pytest.approx(b, abs=1e-7)
+    assert found.slip_distance == pytest.approx(0.21, rel=1e-6)
+    assert found.direct_slip == 0.0
+
+
+@pytest.mark.parametrize("evolution", LAWS)
+def test_the_integrated_law_is_the_closed_one(evolution: EvolutionLaw) -> None:
+    law = RateStateLaw(0.5, 2.0, 0.03, 0.05, 0.21, evolution)
+    for before, after in ((0.1, 5.0), (5.0, 0.1)):
+        closed = left_of_step(SLIP, 0.21, after / before, evolution)
+        steady = 0.5 + (law.a - law.b) * np.log(after / law.velocity)
+        assert law.step(SLIP, before, after) == pytest.approx(steady + law.b * closed, abs=1e-8)
+    rests = np.geomspace(0.01, 1e6, 5)
+    rise = 0.05 * np.log1p(2.0 * rests / 0.21) if evolution == "ageing" else 0.0 * rests
+    assert law.after_rest(rests) == pytest.approx(0.5 + rise, abs=1e-8)
+
+
+def test_heat_alone_gives_its_slope_and_single_contacts_their_direct_effect() -> None:
+    """a - b = α F_k(∞) within 0.5 % over two decades of v/(ωα<x_s>) from 1e-4; a by the ensemble."""
+    high = WIDE.moment(2) / (2.0 * WIDE.mean())
+    found = master.rate_state(EYRING, 1e-3 * ALPHA, decades=1)
+    assert found.success, found.message
+    assert found.a_minus_b.value == pytest.approx(ALPHA * high, rel=5e-3)
+    assert found.a.value - found.b.value == pytest.approx(found.a_minus_b.value, abs=1e-5)
+    for number in (found.a, found.b, found.a_minus_b):
+        assert number.low <= 1e-4 * ALPHA * 1.0001 and number.high >= 1e-2 * ALPHA * 0.9999
+    assert np.abs(found.scan.a_minus_b / (ALPHA * high) - 1.0).max() < 5e-3
+    up = found.steps[0]
+    place = 12.0 + np.r_[0.0, found.direct_slip]
+    path, arrival = (
+        np.r_[0.0, place],
+        np.r_[0.0, 12.0, 12.0 + found.direct_slip * up.before / up.after],
+    )
+    run = eq_model.simulate(
+        EYRING, path, time=arrival / up.before, n_contacts=400_000, n_replicas=1, seed=1
+    )
+    rise = (run.force[-1] - up.steady_before) / up.log_ratio
+    error = run.force_standard_error[-1] / up.log_ratio
+    assert error < 0.03 * found.a.value and abs(rise - found.a.value) < 5.0 * error
+
+
+def test_a_smaller_step_gives_the_same_numbers() -> None:
+    """The law has no scale of the step: numbers per factor e differ by less than their own differences up and down."""
+    large, small = (
+        read_steps(steps_about(EYRING, 1e-3, ratio, 1e-6), "slip") for ratio in (np.e, 1.2)
+    )
+    apart = np.abs(large.others[:3, 0] - large.a).max()
+    assert abs(large.a - small.a) < 2.0 * apart + large.a_error + small.a_error
+    assert large.slip_distance == pytest.approx(small.slip_distance, rel=0.01)
+
+
+def test_healing_of_a_logarithm_is_its_slope() -> None:
+    times = np.geomspace(1e-3, 1e6, 10)
+    rests = [Rest(t, 0.1, 1.0 + 0.02 * np.log1p(t), 0.3, 1e-6, True) for t in times]
+    healing = healing_of(rests)
+    assert healing is not None and healing_of(rests[:2]) is None
+    assert healing.value == pytest.approx(0.02 * np.log(10.0), rel=0.02)
+    assert healing.low <= 10.0 and healing.high == pytest.approx(1e6)
+
+
+@pytest.mark.parametrize(("a", "b"), [(0.03, 0.05), (0.01, 0.05), (0.05, 0.03)])
+def test_the_critical_spring_of_the_law_follows_from_its_answer(a: float, b: float) -> None:
+    law = RateStateLaw(0.5, 1.0, a, b, 0.2)
+    spring = critical_spring_of(steps_of(law, 1.001), 1.0)
+    assert spring == pytest.approx(max(b - a, 0.0) / 0.2, rel=1e-3, abs=1e-12)
+
+
+DELAYED = Contacts(WIDE, delay=Delay(0.1))
+""" Their force falls with the speed, as more contacts are out."""
+
+
+def test_a_delay_has_no_direct_effect() -> None:
+    """F_k = F_0 C/(C + v τ), so that a - b is its slope; the force does not rise after a step up."""
+    found = master.rate_state(DELAYED, 1.0, decades=0)
+    cycle, force = WIDE.mean(), WIDE.moment(2) / (2.0 * WIDE.mean())
+    slope = -force * cycle * 0.1 / (cycle + 0.1) ** 2
+    assert found.success and found.a.value == 0.0 and found.direct_slip == 0.0
+    assert found.a_minus_b.value == pytest.approx(slope, abs=found.a_minus_b.error + 1e-9)
+    assert found.a_minus_b.error < 0.01 * abs(slope)
+    assert found.a.low == found.a.high == 1.0
+
+
+@pytest.mark.slow
+def test_the_solved_answer_tells_where_a_spring_makes_sliding_unstable() -> None:
+    """Small swings grow below the critical spring of the solved answer, and decay above it; (b - a)/D_c is less than
+    half of it, as the force after a step in contacts with a delay is no exponential."""
+    found = master.rate_state(DELAYED, 1.0, decades=0)
+    critical = found.critical_spring_solved
+    assert found.critical_spring < 0.5 * critical
+    edges = np.linspace(0.0, 2.0, 201)
+    steady = stats.rv_histogram((WIDE.sf(0.5 * (edges[1:] + edges[:-1])), edges), density=True)
+    contacts = DELAYED.replace(start=steady)
+    # slowly to v = 1, as a start in which all contacts hold is none of steady sliding
+    speeds = np.geomspace(0.02, 1.0, 40)
+    for spring, grows in ((0.9 * critical, True), (1.1 * critical, False)):
+        drive = float(steady.mean()) / spring + np.r_[0.0, np.cumsum(np.full(40, 0.5))]
+        times = np.r_[0.0, np.cumsum(0.5 / speeds)]
+        swung = drive[-1] + np.arange(0.02, 16.0, 0.02)
+        path = np.r_[drive, swung]
+        arrival = 1e-9 + np.r_[times, times[-1] + swung - drive[-1]]
+        given: dict[str, Any] = {"spring": spring, "slip": "instant", "time": arrival}
+        solved = master.solve(contacts, path, 1e-3, **given)
+        early, late = (float(np.ptp(solved.force[at : at + 200])) for at in (141, 641))
+        assert (late > 1.1 * early) == grows and (late < 0.9 * early) == (not grows), (early, late)
+
+
+def test_bad_input_is_refused_in_a_line() -> None:
+    for contacts, given, words in (
+        (Contacts(WIDE), {}, "a = b = 0: their force does not depend on the speed"),
+        (EYRING, {"velocity": -1.0}, "velocity = -1.0"),
+        (EYRING, {"ratio": 1.0}, "ratio = 1.0: must lie between"),
+        (EYRING, {"rests": [-1.0]}, r"rests\[0\] = -1.0"),
+        (EYRING, {"evolution": "ruina"}, "evolution = 'ruina'"),
+        (EYRING, {"decades": -1}, "decades = -1"),
+    ):
+        with pytest.raises(InputError, match=words):
+            master.rate_state(contacts, **given)
+
+
+def test_contacts_in_step_say_that_they_do_not_become_steady() -> None:
+    """Thresholds that are almost alike break together for longer than the answer is followed."""
+    narrow = Contacts(gaussian(1.0, 0.02), delay=Delay(0.1))
+    found = master.rate_state(narrow, 1.0, decades=0, tolerance=1e-4)
+    assert not found.success and "in step" in found.message
+
+
+def test_the_command(capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page in newtons and over the load, and files that hold the same numbers as the call."""
+    monkeypatch.chdir(tmp_path)
+    contacts = {"thresholds": ROUGH, "delay": {"time": 1e-3}}
+    drive = {"area": 1e-6, "velocity": 1e-6}
+    file = write(master=None, contacts=contacts, drive=drive)
+    status, out, _ = said(capsys, "rate-state", file)
+    assert status == 0, out
+    found = json.loads(Path("mine-output/rate-state.json").read_text())
+    page = "\n".join(out)
+    assert "direct effect a" in page and "slip distance D_c" in page and "softer than" in page
+    assert found["units"]["force"] == "N" and found["load"] == 1.0
+    assert found["a"]["value"] == 0.0 and found["a_minus_b"]["value"] < 0.0
+    assert f"{found['b']['value']:.3g}" in page  # over the load of 1 N
+    with Path("mine-output/rate-state.csv").open() as stream:
+        rows = list(csv.reader(stream))
+    assert rows[0][0] == "slip [m]" and len(rows[0]) == 9 and len(rows) > 200
+    assert Path("mine-output/rate-state.png").stat().st_size > 10_000
+    contacts = {"thresholds": ROUGH}
+    file = write(master=None, contacts=contacts, drive=drive)
+    assert refused(capsys, "rate-state", file).startswith("contacts: a = b = 0")

@@ -1,0 +1,1 @@
+"""The command `mesofriction rate-state`: a, b and D_c of a scene's contacts, beside the law of rate and state."""

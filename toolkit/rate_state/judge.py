@@ -1,0 +1,51 @@
+"""Rate and state of one scene, at its speed, in the scene's units."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from master import RateState
+from toolkit.scene.scale import Scale
+from toolkit.scene.scene import Scene
+
+# times at rest, in mean thresholds over the speed: eight decades
+SHORTEST_REST, LONGEST_REST, RESTS = 1e-2, 1e6, 9
+# of K*, relative to 1 + K*
+TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What rate and state says of a scene; K* is that of contacts that move forward from the scene's start.
+
+    mean_threshold : <x_s>, a length; critical_spring : K*/(N_c <k>), and its error
+    """
+
+    name: str
+    title: str
+    scale: Scale
+    found: RateState
+    mean_threshold: float
+    critical_spring: float
+    critical_spring_error: float
+
+
+def judge(scene: Scene, progress: Callable[[str], None]) -> Judged:
+    """Solve velocity steps and rests of the scene's contacts at its speed. Raises InputError as master.rate_state."""
+    import master
+
+    contacts, velocity = scene.contacts, scene.sliding
+    rests = contacts.mean_threshold / velocity * np.geomspace(SHORTEST_REST, LONGEST_REST, RESTS)
+    found = master.rate_state(contacts, velocity, rests=rests, progress=progress)
+    progress("the critical spring K*")
+    line = master.phase_line(contacts, velocity, tolerance=TOLERANCE)
+    return Judged(
+        name=scene.name,
+        title=scene.title or scene.name,
+        scale=scene.scale,
+        found=found,
+        mean_threshold=contacts.mean_threshold,
+        critical_spring=float(line.critical_spring),
+        critical_spring_error=float(line.critical_spring_error),
+    )

@@ -1,0 +1,140 @@
+"""Rate and state of a scene as one page: a table of the numbers, how well the law holds, and springs."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from master.rate_state.result import CONSTANT, Parameter
+from toolkit.rate_state.judge import Judged
+from toolkit.scene.scale import spoken, written
+
+
+def page(judged: Judged) -> list[str]:
+    """Title, table, and what the law misses, each in a sentence."""
+    found, scale = judged.found, judged.scale
+    up = found.steps[0]
+    speeds = [spoken(speed, scale.speed_unit) for speed in (up.before, up.after)]
+    said = f"Rate and state at {spoken(found.velocity, scale.speed_unit)}, from steps between {' and '.join(speeds)}"
+    lines = [judged.title, "", said, "", *table(judged), ""]
+    lines += [*_of_law(judged), *_of_rests(judged), *_of_springs(judged)]
+    if not found.success:
+        lines.append(f"not as asked: {found.message}")
+    return [*lines, "", f"run time {found.run_time:.2g} s"]
+
+
+def table(judged: Judged) -> list[str]:
+    """Each number, its part of the load, how far other readings of the same answers are, and where it is constant."""
+    load = judged.scale.load is not None
+    head = ["", "value", *(["over the load"] * load), "other readings"]
+    rows = [[*head, f"constant within {CONSTANT:.0%}"], *_rows(judged)]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return [
+        "  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def _rows(judged: Judged) -> Iterator[list[str]]:
+    """The rows of the table below its head."""
+    found, scale = judged.found, judged.scale
+    force = scale.force_unit
+    kinetic, error = found.kinetic_force * scale.force, found.kinetic_force_error * scale.force
+    own = _over_load(judged, found.kinetic_force)
+    yield ["kinetic friction F_k", written(kinetic, force, error, 4), *own, "", ""]
+    named = {
+        "direct effect a": found.a,
+        "evolution effect b": found.b,
+        "a - b = dF_k/d ln v": found.a_minus_b,
+    }
+    for name, number in named.items():
+        yield [name, *_cells(judged, number), _span(number, judged)]
+    distance = found.slip_distance
+    value, other = (
+        written(each, scale.length_unit, distance.error)
+        for each in (distance.value, distance.definition)
+    )
+    blank = [""] * len(own)
+    yield ["slip distance D_c", value, *blank, f"± {other}", _span(distance, judged)]
+    if found.healing is not None:
+        ends = [spoken(end, scale.time_unit) for end in (found.healing.low, found.healing.high)]
+        rests = f"rests of {' to '.join(ends)}"
+        yield ["healing, a decade of rest", *_cells(judged, found.healing), rests]
+
+
+def _cells(judged: Judged, number: Parameter) -> list[str]:
+    """A force to three digits, or to fewer where its numerical error leaves fewer; over the load; other readings."""
+    force, unit = judged.scale.force, judged.scale.force_unit
+    value = written(number.value * force, unit, number.error * force)
+    other = f"± {written(number.definition * force, unit, digits=2)}"
+    return [value, *_over_load(judged, number.value), other]
+
+
+def _over_load(judged: Judged, force: float) -> list[str]:
+    """A force as a coefficient; nothing where there is no load."""
+    load = judged.scale.load
+    return [] if load is None else [f"{force * judged.scale.force / load:.3g}"]
+
+
+def _span(number: Parameter, judged: Judged) -> str:
+    """The speeds between which a number is constant; "below" and "above" those at which it was not looked at."""
+    unit, speeds = judged.scale.speed_unit, judged.found.scan.velocity
+    if number.low == number.high:
+        return f"at {spoken(judged.found.velocity, unit)} alone"
+    below = "below " if number.low <= speeds[0] else ""
+    above = "above " if number.high >= speeds[-1] else ""
+    return f"{below}{spoken(number.low, unit)} to {above}{spoken(number.high, unit)}"
+
+
+def _of_law(judged: Judged) -> Iterator[str]:
+    """How far the law is from the solved force, and where."""
+    found, unit = judged.found, judged.scale.length_unit
+    if not np.isfinite(found.slip_distance.value):
+        return
+    larger = "a" if abs(found.a.value) >= abs(found.b.value) else "b"
+    slip = found.misfit.slip
+    after = f"{spoken(slip, unit)} after a step" if slip else "at the step"
+    yield (
+        f"The {found.law.evolution} law with these numbers is off by at most {found.misfit.share:.0%} of {larger}, "
+        f"{after}:"
+    )
+    if not found.direct_slip:
+        yield "the force does not rise at first, so that a is 0, and does not evolve as one exponential."
+        return
+    later = found.misfit_later
+    share = found.direct_slip / judged.mean_threshold
+    yield (
+        f"it has the direct effect at once, which takes contacts a slip of {spoken(found.direct_slip, unit)}, "
+        f"{share:.2g} <x_s>; beyond, it is off by at most {later.share:.0%}, {spoken(later.slip, unit)} after a step."
+    )
+
+
+def _of_rests(judged: Judged) -> Iterator[str]:
+    """How the law's rise after a rest differs from the solved one."""
+    found, scale = judged.found, judged.scale
+    if not found.rests or not np.isfinite(found.slip_distance.value):
+        return
+    rises = np.array([one.peak for one in found.rests]) - found.kinetic_force
+    law = found.law_rests - found.kinetic_force
+    top = int(np.argmax(rises))
+    forces = [written(each * scale.force, scale.force_unit) for each in (rises[top], law[top])]
+    yield (
+        f"After a rest of {spoken(found.rests[top].time, scale.time_unit)} the force rises to {forces[0]} above F_k, "
+        f"by the ageing law to {forces[1]}."
+    )
+    if rises[-1] < 0.99 * rises[top]:
+        yield "After longer rests it rises to less: contacts that break at rest form again relaxed."
+
+
+def _of_springs(judged: Judged) -> Iterator[str]:
+    """Three critical springs: of the law, of the solved answer, and from the start."""
+    found, scale = judged.found, judged.scale
+
+    def spring(value: float) -> str:
+        return f"on springs softer than {written(value * scale.spring, scale.spring_unit)}"
+
+    stable = "on no spring"
+    by_law = spring(found.critical_spring) if found.critical_spring else stable
+    solved = spring(found.critical_spring_solved) if found.critical_spring_solved else stable
+    yield f"Smooth sliding is unstable {solved}, by the solved answer to a small step; {by_law}, by (b - a)/D_c."
+    own = spring(judged.critical_spring) if judged.critical_spring else stable
+    yield f"From the scene's start a slider slips at least once {own}, K*."
