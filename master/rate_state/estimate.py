@@ -16,7 +16,7 @@ from master.rate_state.stability import critical_spring_of
 from master.rate_state.traces import LIVES, Rest, VelocityStep, steps_about
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
-from origins.contacts import IN_TIME, LAWS, check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError, between, check_tolerance, one_of, positive_array, whole
 from origins.thresholds.law import Array
 
@@ -56,7 +56,7 @@ def rate_state(
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.rate_state", LAWS, own_rates=True)
-    if not IN_TIME.intersection(contacts.laws):
+    if not contacts.in_time:
         hint = 'give them a law in time, such as thermal = Thermal("eyring", width=0.03)'
         raise InputError(f"contacts: a = b = 0: their force does not depend on the speed; {hint}")
     velocity = between("velocity", velocity, 1e-100, 1e100)
