@@ -1,7 +1,7 @@
 """What one slider does under one slip rule: the drive goes on until it has slipped often enough, or slides."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -25,6 +25,8 @@ TOLERANCE, TOLERANCE_IN_TIME, ENOUGH = 1e-6, 1e-3, 0.05
 # and the least delay, in times of a slip
 SLIDERS, CONTACTS, LONG_DELAY = 4, 20_000, 3.0
 SEED = 1
+# of critical damping, taken where none is given and the slider rings for too long
+DAMPED = 0.1
 # of the contacts whose sliders tell how long all of them would take, and the least number of these
 PILOT, FEW = 1 / 20, 500
 
@@ -75,6 +77,7 @@ class Behaviour:
     before, after : spring force before and after a slip, the last one; both the sliding force where it is smooth
     period : of the drive, between the last two slips; slips : how many there were
     slip_time, top_speed : of the last slip; None where slips take no time
+    damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
         sliders
     drive, force : the trace, with each slip at its own place
@@ -92,6 +95,7 @@ class Behaviour:
     run_time: float
     slip_time: float | None = None
     top_speed: float | None = None
+    damping: float | None = None
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
 
@@ -129,6 +133,13 @@ def follow(
             break
     if found.kind == "undecided" and not found.success and not alone:
         return follow_by_contacts(machine, contacts, rule, loading, until + 0.5 * wall_time)
+    if found.kind == "undecided" and machine.mass and not machine.damping:
+        damped = replace(
+            machine, damping=DAMPED * 2.0 * float(np.sqrt(machine.spring * machine.mass))
+        )
+        again = follow(damped, contacts, rule, static, until - time.monotonic())
+        if again.kind != "undecided":
+            return replace(again, damping=damped.damping)
     return found
 
 

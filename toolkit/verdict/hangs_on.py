@@ -8,7 +8,7 @@ import numpy as np
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import with_uncertainty, written
 from toolkit.verdict.finite import Finite
-from toolkit.verdict.follow import TOLERANCE_IN_TIME
+from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
 from toolkit.verdict.judge import Verdict
 from toolkit.verdict.table import drop_of, regained_by
 
@@ -69,6 +69,13 @@ def dependence(verdict: Verdict) -> list[str]:
             "before a slip"
         )
     for behaviour in own.behaviours:
+        if behaviour.damping is not None:
+            # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
+            unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
+            lines.append(
+                f"the damping: none is given, and without one the slider rings for too long; with {DAMPED:.0%} of the "
+                f"critical one, {behaviour.damping * own.scale.spring:.3g} {unit}, it does as is said: give drive.damping"
+            )
         if (regained := regained_by(verdict, behaviour)) is not None:
             drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit
             back = drop - (left := regained * own.scale.force)
