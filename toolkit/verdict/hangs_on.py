@@ -73,8 +73,8 @@ def dependence(verdict: Verdict) -> list[str]:
             # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
             unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
             lines.append(
-                f"the damping: none is given, and without one the slider rings for too long; with {DAMPED:.0%} of the "
-                f"critical one, {behaviour.damping * own.scale.spring:.3g} {unit}, it does as is said: give drive.damping"
+                f"the damping: none is given, and without one the slider rings for too long; all is told of one of "
+                f"{DAMPED:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping"
             )
         if (regained := regained_by(verdict, behaviour)) is not None:
             drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit

@@ -3,10 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from master.soft.inertia.body import Body, Mode
-from master.soft.inertia.record import Instant
+from master.soft.inertia.record import Instant, crossing
 from master.soft.inertia.slow import slow_motion
 from origins.thresholds.law import Array
 
@@ -165,6 +164,6 @@ class Following(Body):
                 (places, speeds),
                 drives,
                 at,
-                lambda k: float(brentq(rise, places[k], places[k + 1])),
+                lambda k: crossing(lambda y: float(rise(y)), places[k], places[k + 1]),
             )
         )

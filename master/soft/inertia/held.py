@@ -1,14 +1,13 @@
 """A slider with mass while none of its contacts breaks: its motion is closed, and it turns."""
 
 import numpy as np
-from scipy.optimize import brentq
 
 from master.outcome import StoppedError
 from master.soft.inertia.body import RINGS, Body, Mode
 from master.soft.inertia.closed import watch_closed
 from master.soft.inertia.oscillation import Oscillation
 from master.soft.inertia.reaction import Reaction
-from master.soft.inertia.record import Instant, Watched
+from master.soft.inertia.record import Instant, Watched, crossing
 from origins.thresholds.law import Array
 
 # Most turns in a row at which contacts break: births of all of them are summed up, 40 take some 10 s.
@@ -95,7 +94,7 @@ class Held(Body):
 
         def seen(times: Array) -> Watched:
             def when(k: int) -> float:
-                return float(brentq(lambda s: motion.speed(s) - limit, times[k], times[k + 1]))
+                return crossing(lambda s: float(motion.speed(s)) - limit, times[k], times[k + 1])
 
             def at(s: float) -> Instant:
                 return self._instant(t + s, float(motion.travel(s)), self._top)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from master.soft.inertia.reaction import Reaction
 from origins.drive import FASTER, RISE, ROOM, SLIP_SHARE
@@ -53,6 +54,15 @@ class Watched(NamedTuple):
     way: int
     at: Callable[[float], Instant]
     when: Callable[[int], float]
+
+
+def crossing(excess: Callable[[float], float], low: float, high: float) -> float:
+    """Where `excess` changes its sign; where both ends have one sign, as it was told from numbers that were rounded
+    otherwise, the end at which it is nearer to 0."""
+    first, last = excess(low), excess(high)
+    if first * last > 0.0:
+        return low if abs(first) < abs(last) else high
+    return float(brentq(excess, low, high))
 
 
 class Record:

@@ -10,7 +10,7 @@ from master.soft.inertia.delayed.body import EPSILON, DelayedBody
 from master.soft.inertia.delayed.collocation import LEAST_PASSAGE, Collocation, Solved, State
 from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, Panel
-from master.soft.inertia.record import Instant
+from master.soft.inertia.record import Instant, crossing
 from origins.thresholds.law import Array
 
 # Most panels: some 60 s.
@@ -262,7 +262,7 @@ class OnPanels(DelayedBody):
             def excess(t: float) -> float:
                 return self._way * float(panel.slope(t, POSITION)) - limit
 
-            return float(brentq(excess, times[k], times[k + 1]))
+            return crossing(excess, times[k], times[k + 1])
 
         def at(t: float) -> Instant:
             breaks = float(panel.at(t, BREAKS)) + self._past.broken_together

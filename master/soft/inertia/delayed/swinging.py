@@ -1,7 +1,6 @@
 """A slider with mass while hardly a contact breaks or forms: its motion is closed, however often it swings."""
 
 import numpy as np
-from scipy.optimize import brentq
 
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.closed import watch_closed
@@ -9,7 +8,7 @@ from master.soft.inertia.delayed.body import EPSILON, DelayedBody
 from master.soft.inertia.delayed.collocation import State
 from master.soft.inertia.oscillation import Oscillation
 from master.soft.inertia.reaction import ALIKE
-from master.soft.inertia.record import Instant, Watched
+from master.soft.inertia.record import Instant, Watched, crossing
 from origins.thresholds.law import Array
 
 # Shortest closed motion that is worth it, in periods.
@@ -101,7 +100,7 @@ class Swinging(DelayedBody):
                 def excess(t: float) -> float:
                     return self._way * float(motion.speed(t)) - limit
 
-                return float(brentq(excess, times[k], times[k + 1]))
+                return crossing(excess, times[k], times[k + 1])
 
             def at(t: float) -> Instant:
                 return self._instant(state.t + t, state.x + float(motion.travel(t)), breaks)
