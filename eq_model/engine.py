@@ -64,7 +64,7 @@ class Engine:
         self._points = points = chosen_points(histograms, drive.path.size)
         self._order = np.argsort(in_units.bin_of_point[points], kind="stable")
         furthest = float(reach.span[points].max(initial=0.0)) + reach.furthest
-        self._edges = make_edges(furthest, reach.largest, contacts)
+        self._edges = make_edges(furthest, reach.largest, reach.typical)
         watched = in_units.bin_of_point[points][self._order]
         per_x, per_y = (in_units.unit / float(edges[2] - edges[1]) for edges in self._edges)
         before = np.searchsorted(watched, np.arange(in_units.bin_ends.size + 2))
@@ -208,9 +208,10 @@ class Engine:
 class Reach:
     """How far contacts may be stretched on a drive, lengths.
 
-    furthest : the largest stretch at which contacts form; largest : the largest threshold at any time; longest : the
-    largest stretch; span : shape (n,), the range of slider positions up to each point of the path; begun : shape (n,),
-    the largest stretch up to there of contacts of the start that have not broken.
+    furthest : the largest stretch at which contacts form; largest : the largest threshold at any time; typical : what
+    old thresholds and stretches of the start are about; longest : the largest stretch; span : shape (n,), the range of
+    slider positions up to each point of the path; begun : shape (n,), the largest stretch up to there of contacts of
+    the start that have not broken.
     """
 
     def __init__(self, contacts: Contacts, drive: Drive) -> None:
@@ -224,18 +225,10 @@ class Reach:
         self.largest = tables_of(contacts)["thresholds"].largest
         born = max(abs(end) for law in laws_of(contacts).values() for end in law.span)
         self.furthest = min(born, self.largest)
-        if (growing := contacts.growing) is not None:
-            # of contacts of the start, the oldest, at the end of the drive
-            hazard = np.inf
-            if not np.isfinite(growing.at_start.support()[1]):
-                hazard = float(growing.hazard_at(self.largest, growing.start_pinned_for))
-            oldest = (growing.age or 0.0) + float(durations(drive).sum())
-            oldest -= growing.first_pinning_time
-            self.largest = max(self.largest, float(growing.threshold_at(hazard, oldest)))
-        if (ageing := contacts.ageing) is not None:
-            # less than one threshold in 1e17 diffuses by more than 9 standard deviations
-            self.largest = max(self.largest, float(ageing.final.isf(DEEPEST)))
-            self.largest += 9.0 * ageing.normal.std if ageing.normal is not None else 0.0
+        lasts = float(durations(drive).sum())
+        if (changing := contacts.changing) is not None:
+            self.largest = changing.largest_threshold(self.largest, DEEPEST, lasts)
+        self.typical = max(contacts.oldest_threshold(lasts), abs(contacts.start.mean()))
         self.longest = min(self.largest, float(self.span[-1]) + self.furthest)
 
 
@@ -244,18 +237,20 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
 
     Raises InputError where it breaks, pins again or takes steps of ageing more than 3e7 times.
     """
+    from eq_model.laws.settings import kernel_of
+
     lasts, moved = durations(drive), np.abs(np.diff(drive.path, prepend=0.0))
     total, travel = float(lasts.sum()), float(moved.sum())
-    thermal, again, grains = contacts.thermal, contacts.reforming, contacts.grains
-    often = {"ageing": 0.0 if contacts.ageing is None else total / law.longest}
+    thermal, again, changing = contacts.thermal, contacts.reforming, contacts.changing
+    often = dict[str, float]()
+    if changing is not None:
+        often[changing.law] = kernel_of(changing).often(contacts, lasts, moved, law)
     if again is not None and again.law.is_single:
         # half of the contacts break again within this distance
         stretch, thresholds = abs(again.law.mean()), contacts.thresholds
         distance = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
         often["reforming"] = travel / max(distance, 1e-300)
-    if contacts.strengthening is not None:
-        often["strengthening"] = travel / contacts.mean_threshold
-    if thermal is not None and grains is None and total > 0.0:
+    if thermal is not None and contacts.grains is None and total > 0.0:
         fresh = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
         # contacts hold longest while they are relaxed, so the number of breaks may be underestimated
         with np.errstate(over="ignore"):
@@ -263,14 +258,8 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
         often["thermal"] = total / (np.minimum(holds, total).mean() + contacts.waiting_time)
     elif thermal is not None:
         often["thermal"] = thermal.rates.scale * total
-    if grains is not None:
-        # a threshold is at most about alpha (time)^(1/3) / B^(1/2)
-        with np.errstate(all="ignore"):
-            holds = (grains.growth.alpha * lasts / (np.sqrt(grains.growth.B) * moved)) ** 1.5
-        pinned = grains.growth.first_pinning_time + np.nan_to_num(holds)
-        often["grains"] = float((lasts / pinned).sum())
-    key = max(often, key=lambda each: often[each])
-    if often[key] > 3e7:  # which take some ten seconds without interruption
+    key = max(often, key=lambda each: often[each], default="")
+    if key and often[key] > 3e7:  # which take some ten seconds without interruption
         name = "ages in steps," if key == "ageing" else "breaks"
         raise InputError(
             f"{key}: each contact {name} about {often[key]:.0e} times on the drive, which takes {total:.1g}; "

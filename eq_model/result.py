@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from eq_model.blocks import Whole
-from origins import Contacts
 from origins.brief import brief
 from origins.errors import refuse
 from origins.thresholds.law import Array
@@ -258,13 +257,9 @@ def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     return np.asarray(points % size, dtype=np.intp)
 
 
-def make_edges(reach: float, largest: float, contacts: Contacts) -> tuple[Array, Array]:
-    """Edges of bins for stretches that cannot exceed `reach` and thresholds that cannot exceed `largest` (lengths)."""
-    typical = max(contacts.mean_threshold, abs(contacts.start.mean()))
-    if contacts.ageing is not None:
-        typical = max(typical, contacts.ageing.final.mean())
-    if contacts.grains is not None:  # all are typical
-        typical = largest
+def make_edges(reach: float, largest: float, typical: float) -> tuple[Array, Array]:
+    """Edges of bins for stretches that cannot exceed `reach` and thresholds that cannot exceed `largest`; `typical`:
+    what most of them are about (lengths)."""
     # 1 % more, so that stretches of exactly `reach` lie within a bin, not at its edge
     # equal bins extend over 64 typical lengths, so that each is at most 1/32 of one wide
     reach, wide = min(1.01 * reach, largest) or largest, 64.0 * typical

@@ -10,7 +10,8 @@ import numpy as np
 from eq_model.compiling import bare, real, whole
 from eq_model.contact import AGED, BREAKS, Break, bin_of, look_at, place_of, rate_at
 from eq_model.draws.streams import STEPS, WATCHED, uniform, words_at
-from origins import Ageing, Thresholds
+from eq_model.whole_drive import WholeDrive
+from origins import Contacts
 from origins.thresholds.law import Array
 
 
@@ -36,12 +37,12 @@ class Diffusing(NamedTuple):
         return self._replace(longest=times * self.longest, coarse=times**0.25)
 
 
-def make_diffusing(
-    ageing: Ageing, fresh: Thresholds, warm: bool, rates: Any, unit: float
-) -> Diffusing:
-    """Ageing from the thresholds of `fresh`, in units of a length."""
+def make(contacts: Contacts, drive: WholeDrive, warm: bool, rates: Any, unit: float) -> Diffusing:
+    """The ageing of these contacts; see settings.KERNELS."""
     from scipy.interpolate import CubicSpline
 
+    ageing, fresh = contacts.ageing, contacts.thresholds
+    assert ageing is not None
     normal, final, diffusion = ageing.normal, ageing.final, ageing.rate / unit**2
     heat = 1.0, warm, rates, unit
     if normal is not None:
@@ -56,6 +57,11 @@ def make_diffusing(
     slopes = CubicSpline(log, final.logpdf(np.exp(log)))(log, 1)
     law = 0.0, 0.0, diffusion, slopes, float(log[0] - np.log(unit)), float(log[1] - log[0])
     return Diffusing(False, *law, 0.005 * middle**2 / ageing.rate, *heat)
+
+
+def often(contacts: Contacts, lasts: Array, moved: Array, law: Diffusing) -> float:
+    """How many steps a contact takes; see settings.KERNELS."""
+    return float(lasts.sum()) / law.longest
 
 
 @bare

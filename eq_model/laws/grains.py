@@ -12,7 +12,8 @@ import numpy as np
 from eq_model.compiling import bare, inlined, real
 from eq_model.laws.growing import GROWTHS, Growth
 from eq_model.whole_drive import WholeDrive
-from origins.grains.contact import GrainContact
+from origins import Contacts
+from origins.thresholds.law import Array
 
 
 class Grains(NamedTuple):
@@ -26,10 +27,22 @@ class Grains(NamedTuple):
     unit: float
 
 
-def make_grains(grains: GrainContact, drive: WholeDrive, *heat: Any) -> Grains:
-    """The growth of these contacts on a drive; heat : the fields warm, rates and unit."""
+def make(contacts: Contacts, drive: WholeDrive, *heat: Any) -> Grains:
+    """The growth of these contacts; see settings.KERNELS."""
+    grains = contacts.grains
+    assert grains is not None
     time, root = grains.first_pinning_time, float(np.sqrt(grains.growth.B)) * drive.unit
     return Grains(time, (grains.age or 0.0) / time - 1.0, root, *heat)
+
+
+def often(contacts: Contacts, lasts: Array, moved: Array, law: Grains) -> float:
+    """How often a contact pins, where a threshold is at most about alpha (time)^(1/3)/B^(1/2); see settings.KERNELS."""
+    assert contacts.grains is not None
+    growth = contacts.grains.growth
+    with np.errstate(all="ignore"):
+        holds = (growth.alpha * lasts / (np.sqrt(growth.B) * moved)) ** 1.5
+    pinned = growth.first_pinning_time + np.nan_to_num(holds)
+    return float((lasts / pinned).sum())
 
 
 @inlined

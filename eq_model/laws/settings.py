@@ -1,45 +1,47 @@
 """The settings of the law by which contacts break, for kernels."""
 
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from eq_model import contact
 from eq_model.whole_drive import WholeDrive
-from origins import Contacts, GrainContact, GrowingThresholds, Strengthening, Thermal
+from origins import Ageing, Contacts, GrainContact, Strengthening, Thermal
 from origins.errors import refuse
 from origins.laws.compiled import CompiledRates, called
+from origins.laws.timed_law import ChangingThresholds
+
+# The file of eq_model/laws with the kernel of each law by which thresholds change, imported where it is needed. It has
+# make(contacts, drive, warm, rates, unit), the settings of the kernel (contact.Warm has the last two), and
+# often(contacts, lasts, moved, settings), about how often a contact breaks or takes a step on legs of these durations
+# and lengths.
+KERNELS: dict[type[ChangingThresholds], str] = {
+    Ageing: "diffusing",
+    GrainContact: "grains",
+    Strengthening: "strengthening",
+}
+
+
+def kernel_of(law: ChangingThresholds) -> Any:
+    """The module of KERNELS for a law. Raises InputError for one that has none."""
+    if type(law) not in KERNELS:
+        refuse(f"contacts.{law.law}", law, "has no kernel in eq_model; use master.solve")
+    return import_module(f"eq_model.laws.{KERNELS[type(law)]}")
 
 
 def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
-    growing, ageing = contacts.growing, contacts.ageing
-    if contacts.thermal is None and ageing is None and growing is None:
+    changing = contacts.changing
+    if contacts.thermal is None and changing is None:
         return contact.Cold(np.int64(tie))
     # without a thermal law, the rates of any law stand in: kernels do not use them then
     rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
     found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
     contact.RATES.setdefault(type(found.law), found)
-    heat = contacts.thermal is not None, found.law, drive.unit
-    if ageing is not None:
-        from eq_model.laws.diffusing import make_diffusing
-
-        return make_diffusing(ageing, contacts.thresholds, *heat)
-    if growing is not None:
-        return _growth_of(growing, drive, *heat)
+    if changing is not None:
+        heat = contacts.thermal is not None, found.law, drive.unit
+        return kernel_of(changing).make(contacts, drive, *heat)
     # in holds, where the value is not used, only the logarithm of 0 is avoided
-    return contact.Warm(*heat[1:], np.log(np.maximum(drive.paces / drive.unit, 1e-300)))
-
-
-def _growth_of(growing: GrowingThresholds, drive: WholeDrive, *heat: Any) -> Any:
-    """The settings of thresholds that grow; heat : whether contacts also break at a rate, the compiled rates and the
-    unit of length. InputError for a growth that has no kernel."""
-    if isinstance(growing, GrainContact):
-        from eq_model.laws.grains import make_grains
-
-        return make_grains(growing, drive, *heat)
-    if isinstance(growing, Strengthening):
-        from eq_model.laws.strengthening import make_logarithmic
-
-        return make_logarithmic(growing, drive, *heat)
-    refuse("thresholds", growing, "eq_model.simulate takes growing_grains and strengthening alone")
+    log_slow = np.log(np.maximum(drive.paces / drive.unit, 1e-300))
+    return contact.Warm(found.law, drive.unit, log_slow)

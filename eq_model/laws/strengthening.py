@@ -12,7 +12,8 @@ from eq_model.compiling import bare, real, unsigned, whole
 from eq_model.contact import ROWS
 from eq_model.laws.growing import GROWTHS, Growth
 from eq_model.whole_drive import WholeDrive
-from origins.laws.strengthening import Strengthening
+from origins import Contacts
+from origins.thresholds.law import Array
 
 
 class Logarithmic(NamedTuple):
@@ -27,10 +28,17 @@ class Logarithmic(NamedTuple):
     unit: float
 
 
-def make_logarithmic(law: Strengthening, drive: WholeDrive, *heat: Any) -> Logarithmic:
-    """The growth of these contacts on a drive; heat : the fields warm, rates and unit."""
+def make(contacts: Contacts, drive: WholeDrive, *heat: Any) -> Logarithmic:
+    """The growth of these contacts; see settings.KERNELS."""
+    law = contacts.strengthening
+    assert law is not None
     age, share = law.start_pinned_for / law.time_unit, 1.0 / float(law.factor(law.start_pinned_for))
     return Logarithmic(law.time_unit, age, law.beta, share, *heat)
+
+
+def often(contacts: Contacts, lasts: Array, moved: Array, law: Logarithmic) -> float:
+    """How often a contact breaks at most, while thresholds are those of X = 0; see settings.KERNELS."""
+    return float(moved.sum()) / contacts.mean_threshold
 
 
 def _born(law, contact):  # type: ignore[no-untyped-def]

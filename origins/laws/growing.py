@@ -52,11 +52,6 @@ class GrowingThresholds(ChangingThresholds, ABC):
         """The law in words."""
         return f"thresholds that grow from the age {self.age:.4g} on"
 
-    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
-        """See ChangingThresholds: that of contacts of the start, the oldest."""
-        oldest = self.threshold_at(np.array([-np.log(share)]), self.start_pinned_for + duration)
-        return max(fresh, float(oldest[0]))
-
     @property
     def start_pinned_for(self) -> float:
         """Age since pinning of all contacts at X = 0, a time."""

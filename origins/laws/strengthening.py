@@ -57,6 +57,10 @@ class Strengthening(GrowingThresholds):
             "reforming": f"reforming: {relaxed}; leave it out",
         }
 
+    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
+        """See ChangingThresholds: that of contacts of the start, the oldest, which grows as all do."""
+        return self.typical_threshold(fresh, duration)
+
     def typical_threshold(self, fresh: float, duration: float) -> float:
         """See ChangingThresholds: the mean one of contacts of the start, the oldest."""
         pinned_for = self.start_pinned_for

@@ -36,7 +36,7 @@ class ChangingThresholds(TimedLaw):
     """A law by which the threshold of a contact changes while the contact holds: the contact has a memory of its own.
 
     A solver has a life, a memory under a spring and a kernel for each such law, by its class: LIVES in
-    master/survival/make.py, MEMORIES in master/soft/in_time/changing.py, KERNELS in eq_model/engine.py.
+    master/survival/make.py, MEMORIES in master/soft/in_time/changing.py, KERNELS in eq_model/laws/settings.py.
 
     law : its name in origins.contacts.LAWS and in messages
     first_pinning_time : time after a break, and after the delay, until a new contact can hold; `waiting` says why
