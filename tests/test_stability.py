@@ -17,6 +17,7 @@ from toolkit.stability.scene_map import numbers, scene_map, times
 from toolkit.stability.table import VERDICTS, extreme_cases, stability, summary
 
 QUICK = {"near-merged peaks", "heavy tails", "delay", "starts"}
+CUT = {"just below the end of a rectangle"}  # by its wall time of 10 s
 
 
 @pytest.mark.parametrize(
@@ -63,7 +64,7 @@ def _checked(found: list[Row]) -> None:
 
 
 def test_quick_extreme_cases() -> None:
-    cases = [case for case in extreme_cases() if case.group in QUICK]
+    cases = [one for one in extreme_cases() if one.group in QUICK and one.name not in CUT]
     assert len(cases) > 15
     found = stability(cases, lambda line: None)
     _checked(found)
@@ -74,7 +75,8 @@ def test_quick_extreme_cases() -> None:
 @pytest.mark.slow
 def test_all_other_extreme_cases() -> None:
     found = stability(
-        [case for case in extreme_cases() if case.group not in QUICK], lambda line: None
+        [one for one in extreme_cases() if one.group not in QUICK or one.name in CUT],
+        lambda line: None,
     )
     _checked(found)
     assert "wrong" not in summary(found)

@@ -123,8 +123,9 @@ def coverage(rows: Iterable[Row]) -> Coverage:
 
 
 def _failed(row: Row) -> bool:
-    """Whether nothing is claimed, or too little."""
-    return row.verdict == "wrong" or not np.isfinite([row.error, row.claim]).all()
+    """Whether there is no answer, or too little is claimed, or of the master equation nothing."""
+    unknown = row.solver != "ensemble" and not np.isfinite([row.error, row.claim]).all()
+    return row.verdict in ("wrong", "refused") or unknown
 
 
 def told(rows: Sequence[Row]) -> list[str]:
