@@ -83,7 +83,7 @@ def rate_state(
     law_steps = tuple(law.step(one.slip, one.before, one.after) for one in steps)
     largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
     critical = max(found.b - found.a, 0.0) / found.slip_distance if found.evolves else 0.0
-    own, ways = critical_spring_of(small, unit), [critical_spring_of([one], unit) for one in small]
+    own = critical_spring_of(small, unit)
     success, message = _judged([*steps, *small], solved, found)
     return RateState(
         velocity=velocity,
@@ -101,8 +101,8 @@ def rate_state(
         misfit_later=_misfit(steps, law_steps, found.direct_slip, largest),
         critical_spring=critical,
         critical_spring_error=_error_of_spring(found, critical),
-        critical_spring_solved=own,
-        critical_spring_solved_error=max(abs(one - own) for one in ways),
+        critical_spring_solved=own.value,
+        critical_spring_solved_error=own.error,
         scan=scan,
         run_time=time.perf_counter() - began,
         success=success,

@@ -67,7 +67,7 @@ def read_steps(steps: Sequence[VelocityStep], law: EvolutionLaw) -> Reading:
     a, sampling, slip = (float(np.mean(each)) for each in zip(*peaks, strict=True))
     begins = [peak.slip for peak in peaks]
     off = max(one.error / abs(one.log_ratio) for one in steps)
-    a_error, b = off + sampling, a - slope
+    a_error, b = float(off + sampling), a - slope
     if abs(b) <= a_error + off:
         return Reading(a, b, np.nan, a_error, np.inf, slip, np.empty((0, 3)))
     own = fit_evolution(steps, begins, law, b)

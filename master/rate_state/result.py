@@ -59,7 +59,7 @@ class RateState:
     misfit, misfit_later : of the law, along the whole answer, and once the direct effect is over
     critical_spring : (b - a)/D_c, 0 where a > b, with its error
     critical_spring_solved : below which smooth sliding is unstable by the solved answer to small steps; its error is
-        how far the steps up and down are apart
+        how far other readings of these are from it
     scan : the numbers at other speeds
     run_time : s; success, message : whether the answers are known to the tolerance and have become steady
     """

@@ -7,6 +7,7 @@ K = q Im T(iq). With rate and state R = a - b (1 - e^(-X/D_c)), and K = (b - a)/
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,20 +16,34 @@ from origins.thresholds.law import Array
 
 # per mean slip of a life: wave numbers q that are looked at
 _LEAST_WAVE, _MOST_WAVE, _WAVES = 1e-2, 1e3, 2000
-# intervals for each one of the slips at which the response is known: it is taken as straight in them
+# straight pieces, between neighbours of the slips at which the response is known, of the smooth curve through them
 _FINER = 4
 
 
-def critical_spring_of(steps: Sequence[VelocityStep], unit: float) -> float:
-    """K/(N_c <k>) below which smooth sliding is unstable, by the mean answer to small steps up and down; 0 where it is
-    stable on every spring. `unit`: a length, the mean threshold."""
+class CriticalSpring(NamedTuple):
+    """K/(N_c <k>), and how far other readings of the same answers are from it."""
+
+    value: float
+    error: float
+
+
+def critical_spring_of(steps: Sequence[VelocityStep], unit: float) -> CriticalSpring:
+    """The spring below which smooth sliding is unstable, by the mean answer to small steps up and down; 0 where it is
+    stable on every spring. Its error: how far each step alone is from it, and the answer taken as straight between the
+    slips at which it is known. `unit`: a length, the mean threshold."""
     from scipy.interpolate import PchipInterpolator
 
-    known, mean = steps[0].slip, np.mean([one.response for one in steps], axis=0)
-    slip = np.interp(
-        np.arange((known.size - 1) * _FINER + 1) / _FINER, np.arange(known.size), known
-    )
-    response = PchipInterpolator(known, mean)(slip)
+    known, each = steps[0].slip, [one.response for one in steps]
+    mean = np.mean(each, axis=0)
+    places = np.arange((known.size - 1) * _FINER + 1) / _FINER
+    slip = np.interp(places, np.arange(known.size), known)
+    value = _largest(slip, PchipInterpolator(known, mean)(slip), unit)
+    others = [_largest(known, one, unit) for one in (mean, *each)]
+    return CriticalSpring(value, max(abs(other - value) for other in others))
+
+
+def _largest(slip: Array, response: Array, unit: float) -> float:
+    """The largest spring at which Re T = 0, of a response that is straight between its points."""
     waves = np.geomspace(_LEAST_WAVE, _MOST_WAVE, _WAVES) / unit
     answer = transform(slip, response, waves)
     turns = np.flatnonzero(np.diff(np.sign(answer.real)))

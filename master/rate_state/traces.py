@@ -14,8 +14,9 @@ from origins.thresholds.law import Array
 LIVES = (8.0, 24.0, 72.0)
 # of the largest change of force in an answer: what may be left of it before a step and at its end
 SETTLED = 2e-3
-# slips at which an answer is known, in mean thresholds, even in ln(slip): heat may act over 1e-6 of a threshold
-LEAST_SLIP, POINTS = 1e-7, 240
+# slips at which an answer is known, in mean thresholds: so many even in ln(slip), as heat may act over 1e-6 of a
+# threshold, and beside them even ones, over which contacts break in turn
+LEAST_SLIP, POINTS, EVEN_STEP = 1e-7, 160, 0.02
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,8 @@ def steps_about(
     curve = kinetic_curve(contacts, [slow, fast])
     steady = dict(zip((slow, fast), map(float, curve.force), strict=True))
     for lives in LIVES:
-        slip = mean * np.r_[0.0, np.geomspace(LEAST_SLIP, lives, POINTS)]
+        even = np.arange(0.0, min(lives, LIVES[0]), EVEN_STEP)
+        slip = mean * np.union1d(even, np.geomspace(LEAST_SLIP, lives, POINTS))
         begin = lives * mean
         path = np.r_[0.0, begin + slip, begin + slip[-1] + slip[1:]]
         arrival = np.r_[0.0, begin / slow + slip / fast]

@@ -23,13 +23,13 @@ def draw_rate_state(judged: Judged) -> Any:
 
     figure = Figure(figsize=(12, 5.4), layout="constrained")
     left, right = figure.subplots(1, 2)
-    _draw_steps(left, judged)
-    _draw_rests(right, judged)
+    draw_steps(left, judged)
+    draw_rests(right, judged)
     figure.suptitle(in_lines(judged.title), fontsize="medium", parse_math=False)
     return figure
 
 
-def _draw_steps(axes: Any, judged: Judged) -> None:
+def draw_steps(axes: Any, judged: Judged) -> None:
     """The force against the slip since a step up and one down, the law beside them, and its numbers."""
     found, scale = judged.found, judged.scale
     distance = found.slip_distance.value
@@ -74,7 +74,7 @@ def _mark_numbers(axes: Any, judged: Judged, far: float) -> None:
         axes.axvline(found.slip_distance.value, color="0.5", lw=0.9, ls=":", label="$D_c$")
 
 
-def _draw_rests(axes: Any, judged: Judged) -> None:
+def draw_rests(axes: Any, judged: Judged) -> None:
     """The peak after a rest, the ageing law's, and the healing rate, against the time at rest."""
     found, scale = judged.found, judged.scale
     times = np.array([one.time for one in found.rests])

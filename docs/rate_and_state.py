@@ -1,0 +1,95 @@
+"""The numbers and the picture of docs/rate-and-state.md: python docs/rate_and_state.py"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy import stats
+
+import eq_model
+import master
+import origins
+from toolkit.pictures.axes import OKABE_ITO, name_axis
+from toolkit.rate_state.judge import Judged, judge
+from toolkit.rate_state.picture import draw_rests, draw_steps
+from toolkit.rate_state.words import page
+from toolkit.scene.scene import load_scene
+
+PICTURES = Path(__file__).parent / "pictures"
+SCENE = "rate-state"
+KELVIN = (200.0, 300.0, 400.0)
+DELAYED = origins.Contacts(origins.gaussian(1.0, 0.2), delay=origins.Delay(0.1))
+
+
+def draw_speeds(axes: Any) -> None:
+    """F_k against ln v at three temperatures, and the slope α F_k(∞) of each."""
+    speeds = np.geomspace(1e-9, 100.0, 56)
+    for number, kelvin in enumerate(KELVIN):
+        scene = load_scene(SCENE, False, changes={"contacts.thermal.kelvin": kelvin})
+        contacts, scale = scene.contacts, scene.scale
+        cold = float(master.kinetic_curve(contacts.replace(thermal=None)).force) * scale.force
+        width = dict(contacts.thermal.own)["width"]
+        force = master.kinetic_curve(contacts, speeds).force * scale.force
+        axes.plot(speeds, force, color=OKABE_ITO[number], label=f"{kelvin:.0f} K, α = {width:.2f}")
+        middle = speeds.size // 3
+        line = force[middle] + width * cold * np.log(speeds / speeds[middle])
+        axes.plot(speeds, line, ":", color=OKABE_ITO[number], lw=1.0)
+        slope = (force[middle + 1] - force[middle - 1]) / np.log(
+            speeds[middle + 1] / speeds[middle - 1]
+        )
+        print(
+            f"{kelvin:.0f} K: slope {1e3 * slope:.3f} mN, {slope / (width * cold):.4f} of α F_k(∞)"
+        )
+    axes.axhline(cold, color="0.5", lw=0.8, label="without heat")
+    axes.set_xscale("log")
+    axes.set_ylim(0.0, 1.1 * cold)
+    name_axis(axes.xaxis, "speed $v$", "m/s")
+    name_axis(axes.yaxis, "kinetic force $F_k$", "N")
+    axes.legend(fontsize="small", title="dotted: slope $α\\,F_k(∞)$", title_fontsize="small")
+
+
+def draw(judged: Judged) -> None:
+    """Speeds, steps and rests, side by side."""
+    figure = Figure(figsize=(16, 5.2), layout="constrained")
+    speeds, steps, rests = figure.subplots(1, 3)
+    draw_speeds(speeds)
+    draw_steps(steps, judged)
+    draw_rests(rests, judged)
+    figure.savefig(PICTURES / "rate_and_state.png", dpi=110)
+
+
+def swings(spring: float) -> str:
+    """Standard deviations of the spring's force in ten mean thresholds, early and late, of a slider of 400,000 contacts
+    with a delay, by the ensemble. It comes to v = 1 slowly, from stretches near those of steady sliding."""
+    contacts = DELAYED.replace(start=stats.uniform(0.0, 0.95))
+    speeds = np.geomspace(0.02, 1.0, 40)
+    drive = 0.475 / spring + np.r_[0.0, np.cumsum(np.full(40, 0.5))]
+    swung = drive[-1] + np.arange(0.05, 60.0, 0.05)
+    times = np.r_[0.0, np.cumsum(0.5 / speeds)]
+    arrival = 1e-9 + np.r_[times, times[-1] + swung - drive[-1]]
+    given: dict[str, Any] = {"spring": spring, "slip": "instant", "time": arrival}
+    path = np.r_[drive, swung]
+    run = eq_model.simulate(contacts, path, **given, n_contacts=400_000, n_replicas=1, seed=1)
+    force = np.asarray(run.force)[41:]
+    return f"{force[:200].std():.4f} early, {force[-200:].std():.4f} late"
+
+
+def print_springs() -> None:
+    """Critical springs of contacts with a delay: by rate and state, by the solved answer, and what sliders do."""
+    found = master.rate_state(DELAYED, 1.0, decades=0)
+    solved, off = found.critical_spring_solved, found.critical_spring_solved_error
+    print(f"delay: (b - a)/D_c = {found.critical_spring:.3f}, solved {solved:.3f} ± {off:.3f}")
+    for spring in (0.35, 0.42, 0.51, 0.6):
+        print(f"spring {spring}: swings {swings(spring)}")
+
+
+def main() -> None:
+    judged = judge(load_scene(SCENE, False), lambda what: None)
+    print("\n".join(page(judged)))
+    draw(judged)
+    print_springs()
+
+
+if __name__ == "__main__":
+    main()
