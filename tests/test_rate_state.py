@@ -18,6 +18,7 @@ from master.rate_state.stability import critical_spring_of
 from master.rate_state.traces import Rest, VelocityStep, steps_about
 from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.scenes import ROUGH, refused, said, write
+from toolkit.scene.scene import load_scene
 
 WIDE = gaussian(1.0, 0.2)
 ALPHA = 0.03
@@ -188,6 +189,24 @@ def test_contacts_in_step_say_that_they_do_not_become_steady() -> None:
     narrow = Contacts(gaussian(1.0, 0.02), delay=Delay(0.1))
     found = master.rate_state(narrow, 1.0, decades=0, tolerance=1e-4)
     assert not found.success and "in step" in found.message
+
+
+@pytest.mark.slow
+def test_the_page_of_the_documentation_holds() -> None:
+    """The numbers of docs/rate-and-state.md, over the load of 1 N."""
+    scene = load_scene("rate-state")
+    found = master.rate_state(scene.contacts, scene.sliding, decades=0)
+    coefficient = scene.scale.force / (scene.scale.load or 1.0)
+    for number, value, definition in (
+        (found.a, 0.0114, 0.0037),
+        (found.b, 0.0040, 0.0037),
+        (found.a_minus_b, 0.0074, 0.0),
+    ):
+        assert number.value * coefficient == pytest.approx(value, abs=5e-5)
+        assert number.definition * coefficient == pytest.approx(definition, abs=1e-4)
+    assert found.slip_distance.value == pytest.approx(4.0e-9, abs=5e-11)
+    assert found.misfit_later.share == pytest.approx(0.12, abs=0.005)
+    assert found.critical_spring == found.critical_spring_solved == 0.0
 
 
 def test_the_command(capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
