@@ -115,8 +115,10 @@ def follow(
     begin = contacts.start.mean() / machine.spring
     tolerance = TOLERANCE_IN_TIME if contacts.in_time else TOLERANCE
     alone = not _by_contacts(machine, contacts, rule)
+    undamped = machine.mass is not None and not machine.damping
     found = _refused(rule, "no time was left")
-    until = time.monotonic() + (wall_time if alone else 0.5 * wall_time)
+    # the other half is for the ensemble, or for a slider with some damping
+    until = time.monotonic() + (0.5 if undamped or not alone else 1.0) * wall_time
     for loadings in LOADINGS:
         path = begin + np.linspace(0.0, loadings * loading, POINTS)
         if (left := until - time.monotonic()) <= 0.0:
@@ -133,11 +135,12 @@ def follow(
             break
     if found.kind == "undecided" and not found.success and not alone:
         return follow_by_contacts(machine, contacts, rule, loading, until + 0.5 * wall_time)
-    if found.kind == "undecided" and machine.mass and not machine.damping:
+    if found.kind == "undecided" and undamped and machine.mass is not None:
         damped = replace(
             machine, damping=DAMPED * 2.0 * float(np.sqrt(machine.spring * machine.mass))
         )
-        again = follow(damped, contacts, rule, static, until - time.monotonic())
+        left = until + 0.5 * wall_time - time.monotonic()
+        again = follow(damped, contacts, rule, static, left)
         if again.kind != "undecided":
             return replace(again, damping=damped.damping)
     return found
