@@ -271,6 +271,16 @@ def test_wrong_words_are_status_2(words: list[str], capsys: Any) -> None:
     assert status == 2 and "usage: mesofriction" in err[0]
 
 
+def test_compare_takes_machines_without_a_path(capsys: Any) -> None:
+    """K* and F_s/F_k are those of the scene with a path; the force is drawn of a rigid slider."""
+    machine = write("machine", drive={"spring": 0.5}, master=None)
+    status, lines, _ = said(capsys, "compare", machine, write("plain", drive={"to": 4.0}))
+    found = {one["name"]: one for one in read("compare-output/compare.json")["scenes"]}
+    assert status == 0
+    assert found["machine"]["critical_spring"] == found["plain"]["critical_spring"]
+    assert any("machine: F(X) is that of a rigid slider" in line for line in lines)
+
+
 @pytest.mark.parametrize("command", ["run", "thresholds", "compare"])
 def test_bad_input_is_one_line_and_leaves_nothing(command: str, capsys: Any) -> None:
     assert "colour: unknown key" in refused(capsys, command, write(colour=1))

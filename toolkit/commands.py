@@ -172,7 +172,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     formats, changes = read_formats(arguments.format), read_changes(arguments.changes)
     for given in arguments.scene:
         with inside(given, {}):
-            scene = load_scene(given, comm=comm, changes=changes).one("compare")
+            scene = judge.read(given, comm, changes).one("compare")
         if scene.name in scenes:
             refuse("scenes", scene.name, "two scenes have this name; rename one of the files")
         scenes[scene.name] = scene

@@ -1,12 +1,13 @@
 """Scenes side by side: propensity to stick-slip by the master equation, with evidence from the ensemble."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from typing import Any
 
 import numpy as np
 
+from origins.drive import Drive
 from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
 from toolkit.processes.ranks import on_root
@@ -14,11 +15,15 @@ from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.records import Result
 from toolkit.running.runner import solve
 from toolkit.running.solvers import within
+from toolkit.scene.drive import has_path
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.laws import inside
 from toolkit.scene.scale import SHARED, Scale
-from toolkit.scene.scene import Scene
+from toolkit.scene.scene import Scene, load_scene, read_scene
+from toolkit.scene.tables import MasterTable, read_table
 
+# the force of scenes without a forward path of a rigid slider: mean thresholds, points, and what is asked of it
+REACH, POINTS, RIGID = 4.0, 201, MasterTable(tolerance=1e-3)
 _SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
 _HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
 
@@ -90,8 +95,9 @@ def common_unit(verdicts: Sequence[Verdict]) -> str:
 def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -> list[Verdict]:
     """A verdict per scene, the one most prone to stick-slip (largest K*, in the `common_unit`) first.
 
-    The scenes' own [master] and [eq] are run too, for the picture and the evidence, except where a spring pulls or the
-    slider turns: forces along such paths are not compared, and a caution says so. `comm` is as for toolkit.run;
+    The scenes' own [master] and [eq] are run too, for the picture and the evidence. Where a spring pulls, the slider
+    turns or there is no path, the force is that of a rigid slider from X = 0 on instead, and a caution says so. `comm`
+    is as for toolkit.run;
     `progress` shows progress on stderr. Raises InputError, with the name of the scene, for thresholds of infinite
     <x_s^2>: there is no kinetic force to compare with.
     """
@@ -101,6 +107,14 @@ def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -
             verdicts.append(_judge(scene, comm, progress))
     unit, ratio = common_unit(verdicts), PROPENSITY[1]
     return sorted(verdicts, key=lambda one: [-one.spring(unit).value, -one.value(ratio)])
+
+
+def read(scene: str, comm: Any, changes: Mapping[str, Any]) -> Scene:
+    """The scene to be compared, by file or name; one that names a machine, without a path for its drive, needs no
+    solver. Raises InputError as load_scene does."""
+    table = read_table(read_scene(scene, comm, changes).tables)
+    machine = table.drive is not None and not has_path(table.drive) and table.sweep is None
+    return load_scene(scene, not machine, comm, changes)
 
 
 def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
@@ -124,10 +138,18 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
     try:
         if scene.given_drive is not None:
             scene.only_forward("the picture of forces")
+        elif scene.drive_table is not None:
+            raise InputError("drive: names no path")
     except InputError as error:
-        scene = replace(scene, master=None, eq=None)
+        scene = _rigid(scene)
+        cautions = [f"F(X) is that of a rigid slider from X = 0 on: {error}", *cautions]
+    try:
+        result = solve(scene, comm, show_progress=progress)[0]
+    except InputError as error:
+        if scene.master is not RIGID:
+            raise
         cautions = [f"F(X) is left out: {error}", *cautions]
-    result = solve(scene, comm, show_progress=progress)[0]
+        result = solve(replace(scene, master=None), comm)[0]
     evidence = _evidence(result, numbers["kinetic_force"].value * unit)
     surface = contacts.interface
     return Verdict(
@@ -137,6 +159,14 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
         if surface is None or surface.contact_density is None
         else float(surface.per_area(1.0)),
     )
+
+
+def _rigid(scene: Scene) -> Scene:
+    """The scene with a rigid slider that moves by a few mean thresholds at the same speed."""
+    # close to 0 too, as lengths that differ much are drawn on a logarithmic axis
+    path = np.union1d(np.linspace(0.0, REACH, POINTS), np.geomspace(1e-3, REACH, POINTS // 4))
+    drive = Drive(path * scene.contacts.mean_threshold, scene.sliding)
+    return replace(scene, master=RIGID, eq=None, sweep=None, given_drive=drive)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:

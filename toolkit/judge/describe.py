@@ -64,6 +64,11 @@ def describe(
             _add_sampling_errors(contacts, numbers, progress)
     if law.interface is not None:
         numbers |= of_interface(law.interface)
+        pressure, kinetic = law.interface.pressure, numbers.get("kinetic_force")
+        if "friction_coefficient" not in numbers and pressure and kinetic:
+            ratio = float(law.interface.per_area(1.0)) / pressure
+            error = (kinetic.error or 0.0) * ratio
+            numbers["friction_coefficient"] = Number(kinetic.value * ratio, error, "")
     notes += remarks(law)
     return Description(numbers, tuple(notes), not missed, sampled, time.perf_counter() - began)
 
