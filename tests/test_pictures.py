@@ -301,7 +301,7 @@ def test_a_verdict_draws_the_sliders_of_so_many_contacts_that_disagree() -> None
     unknown = dataclasses.replace(found.own.behaviours[0], error=np.inf, success=False)
     answer = dataclasses.replace(found.own, behaviours=(unknown,))
     lost = dataclasses.replace(found, answers=(answer,), finite=())
-    assert not panels(draw_verdict(lost))["trace"].lines
+    assert "trace" not in panels(draw_verdict(lost))
 
 
 def test_ten_readings_have_ten_marks() -> None:
