@@ -20,6 +20,10 @@ from origins.contacts import check_contacts
 from origins.errors import positive, refuse
 
 TOLERANCE = 1e-7  # tolerance of ln v_c, and of K* with closure "exact" in units of 0.1 (1 + K*)
+# Half of the change of ln v over which the slope of the steepest fall is taken.
+NEAR = 0.01
+# Step of (Q15), in narrowest half-widths of its laws; points at which F' is looked at in each step.
+STEP, POINTS = 0.25, 100
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,8 @@ def critical_velocity(
     steeper than the spring at both speeds, or at neither; for contacts that do not age, or have other laws beside.
     """
     spring = positive("spring", spring)
-    slowest, fastest = positive("slowest", slowest), positive("fastest", fastest)
+    slowest = positive("slowest", slowest)
+    fastest = positive("fastest", fastest)
     if contacts.ageing is None:
         hint = "v_c is that of contacts that age; master.phase_line tells K* at each speed of any"
         raise InputError(f"contacts.ageing: is None; {hint}")
@@ -71,14 +76,14 @@ def critical_velocity(
     def excess(log_velocity: float) -> float:
         return fall(log_velocity).value - spring
 
-    ends = np.log([slowest, fastest])
-    slow, fast = (excess(end) for end in ends)
-    if not slow > 0.0 >= fast:
-        found = f"{slow + spring:.4g} at v = {slowest:g} and {fast + spring:.4g} at v = {fastest:g}"
+    low, high = np.log([slowest, fastest])
+    if not excess(low) > 0.0 >= excess(high):
+        at_slowest, at_fastest = fall(low).value, fall(high).value
+        found = f"{at_slowest:.4g} at v = {slowest:g} and {at_fastest:.4g} at v = {fastest:g}"
         hint = f"it must be above the spring, {spring:g}, at the former alone"
         raise InputError(f"slowest, fastest: -F' is at most {found}; {hint}")
-    root = brentq(excess, *ends, xtol=TOLERANCE)
-    slope = (excess(root - 0.01) - excess(root + 0.01)) / 0.02
+    root = brentq(excess, low, high, xtol=TOLERANCE)
+    slope = (excess(root - NEAR) - excess(root + NEAR)) / (2.0 * NEAR)
     steepest = fall(root)
     if not exact:  # finer steps move v_c by little
         finer = _printed_fall(contacts, float(np.exp(root)), 2)
@@ -91,16 +96,18 @@ def critical_velocity(
 def _printed_fall(contacts: Contacts, velocity: float, parts: int) -> Largest:
     """Where all contacts have one P_c: the first fall of (Q15), extrapolated in h² from two steps."""
     assert contacts.ageing is not None
-    step = 0.25 * narrowest_half_width(contacts)
+    step = STEP * narrowest_half_width(contacts)
     # by then nearly all contacts have broken, fresh or aged
     end = max(float(law.isf(1e-3)) for law in (contacts.thresholds, contacts.ageing.final))
     path = np.arange(0.0, end - min(contacts.start.span[0], 0.0) + 3.0 * step, step)
-    found = (paper_transient(contacts, path, step / n, velocity) for n in (parts, 2 * parts))
-    coarse, fine = (each.force for each in found)
-    x = np.linspace(0.0, path[-1], 100 * path.size)
-    down = -make_interp_spline(path, (4.0 * fine - coarse) / 3.0, k=5).derivative()(x)
-    begin = int(np.argmax(down > 0.0))
-    if not down[begin] > 0.0:
+    coarse = paper_transient(contacts, path, step / parts, velocity).force
+    fine = paper_transient(contacts, path, 0.5 * step / parts, velocity).force
+    force = make_interp_spline(path, (4.0 * fine - coarse) / 3.0, k=5)
+    x = np.linspace(0.0, path[-1], POINTS * path.size)
+    falls = -force.derivative()(x)
+    begin = int(np.argmax(falls > 0.0))
+    if not falls[begin] > 0.0:
         raise InputError("contacts: the force never falls; there is no stick-slip at any spring")
-    first = down[begin : begin + int(np.argmin(np.append(down[begin:], 0.0) > 0.0))]
-    return Largest(float(first.max()), np.nan, float(x[begin + first.argmax()]))
+    length = int(np.argmin(np.append(falls[begin:], 0.0) > 0.0))
+    steepest = begin + int(falls[begin : begin + length].argmax())
+    return Largest(float(falls[steepest]), np.nan, float(x[steepest]))

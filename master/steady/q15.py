@@ -9,7 +9,7 @@ Errors are series in even powers of the cell width, which extrapolation over hal
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import get_lapack_funcs
@@ -22,6 +22,12 @@ from origins.thresholds.law import Array
 from origins.thresholds.scipy_laws import as_thresholds
 
 PRINTED = "(Q15), the paper's closure of ageing,"
+# Grids of cells, each halved from the one before; and the cells of the first.
+GRIDS, CELLS = 5, 2000
+# Factor on the largest difference between extrapolations that leave out one of the grids.
+SAFETY = 4.0
+# Relative rounding of all values, measured by scaling.
+ROUNDING = 1e-10
 
 
 def ageing_of(contacts: Contacts) -> Ageing:
@@ -60,22 +66,30 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
     assert contacts.ageing is not None
     fresh, final = contacts.thresholds, contacts.ageing.final
     contacts.ageing.check_fresh(fresh)
-    grids, known = [_edges(fresh, final, halvings) for halvings in range(5)], list[Array]()
-    diffusion, guess, tables = contacts.ageing.rate / velocity, final.mean(), list[Array]()
-    for edges in grids:
-        found, table = _solve(fresh, final, diffusion, edges, guess)
+    diffusion = contacts.ageing.rate / velocity
+    solved = list[_OnCells]()
+    length = final.mean()
+    for halvings in range(GRIDS):
+        found = _solve(fresh, final, diffusion, _edges(fresh, final, halvings), length)
         # errors fall as the square of the width, so that the next change of C is a quarter of this one
-        guess = float(found[1] + 0.25 * (found[1] - known[-1][1] if known else 0.0))
-        known, tables = [*known, found], [*tables, table]
-    best, *others = (_extrapolated(np.array(some)) for some in (known, known[:-1], known[1:]))
-    # four times the largest difference, as all may err alike; rounding, measured by scaling; what lies beyond the table
-    off = 4.0 * (np.abs(best - others).max(axis=0) + abs(best[2] - fresh.mean())) + 1e-10 * best
-    end = float(grids[-1][-1])
+        length = found.length + (0.25 * (found.length - solved[-1].length) if solved else 0.0)
+        solved.append(found)
+    values = np.array([[one.force, one.length, one.fresh_mean] for one in solved])
+    best = _extrapolated(values)
+    others = np.array([_extrapolated(values[:-1]), _extrapolated(values[1:])])
+    # the mean of the fresh law is known: it shows errors that all extrapolations have alike
+    differ = np.abs(best - others).max(axis=0) + abs(best[2] - fresh.mean())
+    off = SAFETY * differ + ROUNDING * best
+    # what lies beyond the last cell
+    end = float(solved[-1].edges[-1])
     off += end * float(final.sf(end)) * np.array([end / best[1], 1.0, 0.0])
-    (force, length, _), (force_error, length_error, _) = best.tolist(), off / fresh.mean()
+    force, length, _ = best.tolist()
+    force_error, length_error, _ = (off / fresh.mean()).tolist()
     # weights on the coarser of the last two grids, extrapolated from both
-    weights = (4.0 * tables[-1].reshape(-1, 2).sum(axis=1) - tables[-2]) / 3.0
-    thresholds = as_thresholds(rv_histogram((np.maximum(weights, 0.0), grids[-2]), density=False))
+    coarse, fine = solved[-2:]
+    weights = (4.0 * fine.weights.reshape(-1, 2).sum(axis=1) - coarse.weights) / 3.0
+    held = np.maximum(weights, 0.0), coarse.edges
+    thresholds = as_thresholds(rv_histogram(held, density=False))
     return {
         "force": force,
         "force_error": force_error,
@@ -90,19 +104,22 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
 
 
 def _edges(fresh: Thresholds, final: Thresholds, halvings: int) -> Array:
-    """Edges of some 2,000 2^halvings cells, nearly equal over the bulk of both laws (to a survival of
+    """Edges of some CELLS 2^halvings cells, nearly equal over the bulk of both laws (to a survival of
     1e-3) and growing along a far tail (to 1e-25): they are equal in s, where x = lower + bulk sinh(s),
     so that errors extrapolate. There are edges where either law bends, jumps or has an atom."""
     lower, end = final.support()
     high = min(end, max(float(fresh.isf(1e-3)), float(final.isf(1e-3))))
-    bulk, upper = high - lower, min(end, highest(fresh, final, 1e-25))
+    upper = min(end, highest(fresh, final, 1e-25))
+    bulk = high - lower
     corners = np.concatenate([fresh.breakpoints, fresh.atoms[0], final.breakpoints, [lower, upper]])
     corners = np.unique(corners.clip(lower, upper))
     s = np.arcsinh((corners - lower) / bulk)
-    cell = s[-1] / 2000
+    cell = s[-1] / CELLS
     apart = np.append(np.diff(s) >= cell, True)  # no cells narrower than that
-    s, corners = s[apart], corners[apart]
-    s[0], corners[0] = 0.0, lower
+    s = s[apart]
+    corners = corners[apart]
+    s[0] = 0.0
+    corners[0] = lower
     cells = np.maximum(np.rint(np.diff(s) / cell), 1.0).astype(int) * 2**halvings
     place = np.append(0, cells.cumsum())
     edges = lower + bulk * np.sinh(np.interp(np.arange(place[-1] + 1), place, s))
@@ -117,11 +134,22 @@ def _extrapolated(values: Array) -> Array:
     return values[0]
 
 
+class _OnCells(NamedTuple):
+    """The steady state on cells between these edges: F_k, C and the mean of the fresh law there (lengths), and the
+    weights of P_c."""
+
+    force: float
+    length: float
+    fresh_mean: float
+    weights: Array
+    edges: Array
+
+
 def _solve(
     fresh: Thresholds, final: Thresholds, diffusion: float, edges: Array, length: float
-) -> tuple[Array, Array]:
-    """(F_k, C, mean of the fresh law), lengths, and the weights of P_c on cells, at D_X (a length). C, from a guess, is
-    the mean of P_c; from the final mean Newton's method comes to it from one side, as ageing slows down."""
+) -> _OnCells:
+    """The steady state at D_X (a length). C, of which `length` is a guess, is the mean of P_c; from the final mean
+    Newton's method comes to it from one side, as ageing slows down."""
     hops = Diffusion(final, edges)
     born = hops.weights(fresh)
     middle = 0.5 * (edges[1:] + edges[:-1])
@@ -135,10 +163,11 @@ def _solve(
         gained = age(born) - born
         by_length = age(gained) / length  # derivative by C
         change = (fresh.mean() + middle @ gained - length) / (1.0 - middle @ by_length)
-        length, gained = float(length + change), gained + change * by_length
+        length = float(length + change)
+        gained = gained + change * by_length
         if abs(change) <= 1e-8 * length:  # its square is rounding
             break
     else:  # no law is known for which it happens
         raise InputError("ageing: C of (Q15) was not found; use a final law with one peak")
     square = fresh.moment(2) + float(middle**2 @ gained)
-    return np.array([0.5 * square / length, length, float(middle @ born)]), born + gained
+    return _OnCells(0.5 * square / length, length, float(middle @ born), born + gained, edges)
