@@ -12,7 +12,8 @@ from collections.abc import Callable
 import numpy as np
 
 from master.soft.in_time.cells import Cells
-from master.soft.in_time.memory import Leg, Memory, Scales, warm_nodes
+from master.soft.in_time.memory import Memory, Scales, scales_of, warm_nodes
+from master.soft.in_time.threshold_cells import Leg, ThresholdCells
 from origins import Ageing, Contacts, GrainContact
 from origins.laws.timed_law import ChangingThresholds
 from origins.thresholds.law import Array
@@ -61,28 +62,28 @@ class AgeingMemory(Memory):
 class GrainMemory(Memory):
     """Keeps the largest hazard, that at birth, the time since pinning, and with heat A."""
 
-    error, others = 1e-13, RATE_INTEGRAL
+    error = 1e-13
 
     def __init__(self, contacts: Contacts, halvings: int, fastest: float) -> None:
         """Choose the instants at which grains pin in the start, and how far births are apart."""
-        super().__init__(contacts, halvings)
-        grains = contacts.grains
+        grains, scales = contacts.grains, scales_of(contacts)
         assert grains is not None and grains.age is not None
-        # cells are those of quantiles, whose thresholds begin at 0: what the law's cells resolve does not matter
-        self.resolves_heat = True
+        self._hot, self.exact = (
+            contacts.thermal is not None,
+            bool(contacts.thresholds.atoms[0].size),
+        )
         self._grains, first = grains, grains.growth.first_pinning_time
         self._start_since, self.largest_stretch = grains.age - first, grains.at_start.support()[1]
         self.starts = warm_nodes(halvings)
-        length = WIDTHS_OF_BIRTHS * min(self.scales.length, grains.quick_width)
-        time = FIRST_OF_GROWTH * first
-        self.scales = self.scales._replace(length=length, time=min(time, self.scales.time))
         # edges are roots of hazards, as small thresholds are proportional to these
         edges = np.linspace(0.0, LARGEST_ROOT, COARSEST_CELLS * 2 ** (halvings // 2) + 1)
         self._hazards = edges**2
-        self._set_cells(edges, np.exp(-self._hazards))
-        if contacts.thermal is not None:
-            # the rate by which fresh contacts break is that of contacts without thresholds
-            self.scales = self.scales._replace(rate=contacts.thermal.rates.scale)
+        self._cells = ThresholdCells(contacts, edges, np.exp(-self._hazards))
+        self.width = RATE_INTEGRAL + self._cells.width
+        length = WIDTHS_OF_BIRTHS * min(scales.length, grains.quick_width)
+        # the rate by which fresh contacts break is that of contacts without thresholds
+        rate = 0.0 if contacts.thermal is None else contacts.thermal.rates.scale
+        self.scales = Scales(length, min(FIRST_OF_GROWTH * first, scales.time), rate)
 
     def start(self, stretch: Array) -> Array:
         record = np.zeros((stretch.size, self.width))
@@ -108,12 +109,13 @@ class GrainMemory(Memory):
             hazards = record[:, BIRTH_HAZARD, None] + self._hazards
             limit = self._grains.threshold_at(hazards, middle)
             moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
-            out[:, RATE_INTEGRAL:] += self._rate_integral(leg._replace(largest=moved), limit)
+            out[:, RATE_INTEGRAL:] += self._cells.rate_integral(leg._replace(largest=moved), limit)
         return out
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
         passed = np.maximum(record[:, LARGEST_HAZARD] - record[:, BIRTH_HAZARD], 0.0)
-        return self._summed(record[:, RATE_INTEGRAL:], stretch, np.sqrt(passed), np.exp(-passed))
+        integrals, least = record[:, RATE_INTEGRAL:], np.sqrt(passed)
+        return self._cells.survival_and_force(integrals, stretch, least, np.exp(-passed))
 
 
 # The memory of contacts whose thresholds change, by the class of the law: made of the contacts, how often steps are

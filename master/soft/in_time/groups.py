@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from master.numerics.averages import StretchNodes
-from master.soft.in_time.memory import Leg, Memory
+from master.soft.in_time.memory import Memory
+from master.soft.in_time.threshold_cells import Leg
 from origins.thresholds.law import Array
 
 

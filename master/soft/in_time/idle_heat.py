@@ -10,7 +10,7 @@ import numpy as np
 
 from master.numerics.averages import stretch_nodes
 from master.renewal.births import reforming_law
-from master.soft.in_time.memory import Memory, cold_nodes
+from master.soft.in_time.memory import Memory, ThresholdMemory, cold_nodes
 from master.survival.age.extent import narrowest
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
@@ -60,14 +60,21 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
     so weak that the answer without it is known better than steps would know it."""
     effect, often = largest_effect(contacts, duration, EARLY * tolerance), loads(contacts, drive)
     cold = contacts.replace(thermal=None)
-    if effect * often < IDLE * tolerance and not Memory(contacts, USUAL_HALVINGS).resolves_heat:
+    if (
+        effect * often < IDLE * tolerance
+        and not ThresholdMemory(contacts, USUAL_HALVINGS).resolves_heat
+    ):
         return Idle(cold, effect, often, "heat is left out: it changes the force by at most")
     effect = largest_effect(contacts, duration, WHOLE_EARLY)
     # without heat such contacts are followed without steps
     stepless = not {"delay", "reforming"}.intersection(contacts.laws)
     if drive.slip == "reform-after":
         stepless &= float(drive.spring or 0.0) < NONE_HOLDS_ON
-    if stepless and effect * often < WEAK and not Memory(contacts, MOST_HALVINGS).resolves_heat:
+    if (
+        stepless
+        and effect * often < WEAK
+        and not ThresholdMemory(contacts, MOST_HALVINGS).resolves_heat
+    ):
         missed = "heat is left out, as steps in time miss it: it may change the force by up to"
         return Idle(cold, effect, often, missed)
     return Idle(contacts)

@@ -9,7 +9,7 @@ from master.outcome import Progress, StoppedError
 from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.cohorts import COMPARED, MOST_STEPS, MOST_WORK, Cohorts
 from master.soft.in_time.extrapolation import extrapolated
-from master.soft.in_time.memory import MeanRateMemory, Memory
+from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
 from master.soft.in_time.slider import Slider
 from master.soft.in_time.steps import CONTROL
 from master.soft.regime import Followed
@@ -32,7 +32,7 @@ def memory_of(contacts: Contacts, halvings: int, fastest: float) -> Memory:
             return made(contacts, halvings, fastest)
     if contacts.thermal is not None and contacts.thermal.closure == "paper":
         return MeanRateMemory(contacts, halvings)
-    return Memory(contacts, halvings)
+    return ThresholdMemory(contacts, halvings)
 
 
 def balance_of(contacts: Contacts, drive: Drive) -> float:
