@@ -24,6 +24,7 @@ those of the memory, rounding and what steps cannot resolve are added (`extrapol
 
 In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `cohorts.py`, `groups.py`,
 `breaks.py`, `extrapolation.py`, and `near_slip.py`, which tells if steps leave open whether a slip comes before a turn.
-Then the memories: `memory.py` for thresholds that stay, `changing.py` for those that change (with `cells.py` and the
-compiled `cells_kernel.py` where they age); and `idle_heat.py`, for heat too weak for steps to see.
+Then the memories: `memory.py` (what a memory is, and thresholds that stay), `threshold_cells.py` (integrals of rates at
+the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where
+they age; and `idle_heat.py`, for heat too weak for steps to see. A plain twin: `tests/plain_in_time.py`.
 """

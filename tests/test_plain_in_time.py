@@ -1,0 +1,31 @@
+"""The plain twin of soft sliders in steps of time: its order, and its limit beside the solver."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from plain_in_time import pulled
+
+import master
+from origins import Contacts, Delay, Thermal, gaussian
+
+WIDE = gaussian(1.0, 0.2)
+CASES = {
+    "delay": Contacts(WIDE, delay=Delay(0.25)),
+    "heat": Contacts(WIDE, thermal=Thermal("soft", 0.1)),
+}
+SPRING, VELOCITY = 2.0, 1.0
+# of the twin's cells of thresholds, measured by halving them
+OF_CELLS = 1e-5
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force(name: str) -> None:
+    solved = master.solve(CASES[name], [1.0], 1e-4, velocity=VELOCITY, spring=SPRING)
+    assert solved.success and not solved.slips.drive.size
+    coarse, middle, fine = (
+        pulled(CASES[name], SPRING, VELOCITY, 1.0, steps)[-1] for steps in (16, 32, 64)
+    )
+    assert abs(np.log2((coarse - middle) / (middle - fine)) - 2.0) < 0.2
+    limit = fine + (fine - middle) / 3.0
+    assert abs(limit - solved.force[0]) < solved.force_error + OF_CELLS
