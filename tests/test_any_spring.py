@@ -98,6 +98,29 @@ def test_a_turn_after_steady_sliding_is_that_of_any_place():
     assert np.abs(near.force - far.force).max() <= near.force_error + far.force_error + 1e-9
 
 
+@pytest.mark.parametrize(
+    "contacts, spring, rule, words",
+    [
+        (origins.Contacts(stats.lognorm(1.0)), 1e-6, "instant", r"are followed for 500"),
+        (origins.Contacts(stats.lognorm(1.0)), 1e-9, "reset", r"are followed for 500"),
+        (origins.Contacts(WIDE, delay=origins.Delay(1e4)), 1e-6, "reform-after", r"up to 8e\+03"),
+        (origins.Contacts(WIDE, delay=origins.Delay(1e3)), 1e-4, "instant", r"up to 80"),
+    ],
+)
+def test_what_would_not_end_is_refused_before_the_work(contacts, spring, rule, words):
+    """And shorter paths, or with a delay another rule, are solved."""
+    end = contacts.thresholds.moment(2) / contacts.mean_threshold / spring
+    with pytest.raises(
+        origins.InputError, match=rf"^path\[-1\] = .*{words}.*; end the path before"
+    ):
+        master.solve(contacts, [0.0, 1.5 * end], 1e-4, spring=spring, slip=rule)
+    if contacts.delay is None:
+        assert master.solve(contacts, [0.0, 0.1 * end], 1e-4, spring=spring, slip=rule).success
+    else:
+        found = master.solve(contacts, [0.0, 1.5 * end], 1e-4, spring=spring, slip="reset")
+        assert found.success and found.slips.drive.size
+
+
 @pytest.mark.parametrize("delay", [3.0, 10.0])
 def test_a_delay_on_a_soft_spring_puts_off_the_next_slip_by_itself(delay):
     """Few contacts come back before the others, hold the spring for a moment and slip, which no list of slips tells."""

@@ -21,6 +21,10 @@ from origins.thresholds.law import Array
 MOST_TOGETHER = 2000
 # Way on which they are counted first, in mean thresholds.
 FIRST_WAY = 50.0
+# Longest life of contacts, in mean thresholds, up to which breaks are followed until they are steady: some 25 s.
+LONGEST_LIFE = 500.0
+# Thresholds at which the first breaks are looked at.
+QUANTILES = 2000
 
 
 class ColdSlider:
@@ -55,6 +59,8 @@ class ColdSlider:
         self.shares = list[float]()  # the same of each slip; nan where contacts form again at once
         if self.slip == "instant" and cold.life.atoms.size and drive.forward:
             self._refuse_endless_slips(contacts)
+        if cold.life.largest_stretch > LONGEST_LIFE * cold.unit and drive.forward:
+            self._refuse_long_lives(contacts)
 
     def _refuse_endless_slips(self, contacts: Contacts) -> None:
         """InputError where exact thresholds, which re-form at once, break together too often on the path.
@@ -79,6 +85,30 @@ class ColdSlider:
             what = f"together more than {MOST_TOGETHER:,} times on the way"
             hint = 'give the values a width, end the path sooner, or take "reset" or "reform-after"'
             refuse("path[-1]", self.path[-1], f"{fault} {what}; {hint}")
+
+    def _refuse_long_lives(self, contacts: Contacts) -> None:
+        """InputError where the slider goes with its drive for longer than contacts of a heavy tail can be followed.
+
+        From relaxed contacts F is at most <x_s^2>/<x_s>, by Lorden's inequality of renewal theory. A slip that leaves
+        no contact as it was ends this way; up to second breaks F' is 1 - X P_c(X), and tells whether there is one.
+        """
+        law, unit, longest = (
+            contacts.thresholds,
+            self.contacts.unit,
+            self.contacts.life.largest_stretch,
+        )
+        latest = law.moment(2) / law.mean() / self.spring
+        way = float(self.path[-1]) - latest
+        relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
+        if not (relaxed and contacts.stiffness == "independent" and way > LONGEST_LIFE * unit):
+            return
+        x = law.isf((np.arange(QUANTILES) + 0.5) / QUANTILES)
+        slips = float((x * law.pdf(x)).max()) > 1.0 + self.spring
+        if self.slip == "instant" or not slips:
+            fault = f"contacts of a heavy tail, that hold for up to {longest / unit:.3g} mean thresholds, are followed"
+            most = f"for {LONGEST_LIFE:g}, and the slider goes on by {way / unit:.3g}"
+            hint = f"end the path before {latest + LONGEST_LIFE * unit:.4g}, or cut the tail"
+            refuse("path[-1]", self.path[-1], f"{fault} {most}; {hint}")
 
     def follow(self) -> Followed:
         """The results along the path, as far as work and time allow."""

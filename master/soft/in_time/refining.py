@@ -20,6 +20,11 @@ from origins.errors import refuse
 AT_BALANCE = 1e-12
 # Slips in which F changes by less than this part of the tolerance are not listed.
 UNLISTED = 1.0 / 3.0
+# A delay is too long to be followed where the drive moves by this many mean thresholds in it, and the spring's force
+# rises by this part of one: in all of 8 cases with thresholds 1 +- 0.2 steps had no answer, below in none of 5.
+LONG_DELAY, LOADED = 30.0, 8e-3
+# Thresholds at which the first breaks are looked at.
+QUANTILES = 2000
 # The next halving takes twice the steps, each of which has twice the groups; and errors below this many times that of
 # the memory are not made smaller by it.
 MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
@@ -63,6 +68,7 @@ def refined(
     """
     if time.monotonic() <= until:
         refuse_long_slides(contacts, drive)
+        refuse_long_delays(contacts, drive)
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     sliders, best, halvings = list[Slider](), None, 0
@@ -111,3 +117,27 @@ def refuse_long_slides(contacts: Contacts, drive: Drive) -> None:
         goes = f'by {way:.3g} or more with its drive under "instant", in {steps:.2g} steps'
         hint = f"end the path before {latest + way * most / steps:.4g}"
         refuse("path[-1]", drive.path[-1], f"the slider goes {goes}, above {most:.2g}; {hint}")
+
+
+def refuse_long_delays(contacts: Contacts, drive: Drive) -> None:
+    """InputError where slips have no end that can be followed: contacts that broke within a delay of a slip come back
+    one after another, hold the slider, and let it slip again, for as long as the delay.
+
+    From relaxed contacts the first slip comes before X_T = <x_s^2>/(<x_s> K), see above, if F' = 1 - X P_c(X), without
+    second breaks, falls below -K.
+    """
+    law, spring, unit = contacts.thresholds, float(drive.spring or 0.0), contacts.mean_threshold
+    relaxed = contacts.start.span == (0.0, 0.0) and contacts.stiffness == "independent"
+    way = drive.velocity * contacts.waiting_time
+    follows = drive.slip == "reset" or drive.time is not None or not drive.forward
+    short = way < LONG_DELAY * unit or spring * way < LOADED * unit
+    latest = law.moment(2) / law.mean() / spring
+    if follows or short or contacts.laws != ("delay",) or not relaxed or drive.path[-1] < latest:
+        return
+    x = law.isf((np.arange(QUANTILES) + 0.5) / QUANTILES)
+    if law.atoms[0].size or float((x * law.pdf(x)).max()) <= 1.0 + spring:
+        return
+    fault = f"contacts come back one by one for a delay after a slip, in which the drive moves by {way / unit:.3g}"
+    most = f"mean thresholds; that is followed up to {max(LONG_DELAY, LOADED / spring):.3g}"
+    hint = f'end the path before {latest:.4g}, shorten the delay, or take "reset"'
+    refuse("path[-1]", drive.path[-1], f"{fault} {most}; {hint}")
