@@ -23,9 +23,8 @@ class Growth(NamedTuple):
     """
 
     born: Callable[..., Any]  # (law, contact): its age since pinning and its goal
-    lost: Callable[
-        ..., Any
-    ]  # (law, pace): contacts that pin on a leg with goals up to this never hold
+    # (law, pace): contacts that pin on a leg with goals up to this never hold
+    lost: Callable[..., Any]
     # (law, near, pace, room, age, goal): ticks of the clock until a contact that is stretched further, from `near` on,
     # meets its threshold, inf if not by `room`; it holds at 0 ticks, and ages by `pace` in each
     meeting: Callable[..., Any]

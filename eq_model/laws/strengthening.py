@@ -53,18 +53,11 @@ def _meeting(near, pace, room, age, goal, beta):  # type: ignore[no-untyped-def]
     Where f falls, or hardly rises, the step is that of the iteration near + t = threshold, which approaches the root
     from its side. A step of Newton's leads above the root, and all that follow stay there.
     """
-    later = 1.0 + age
-    log_later = np.log(later) if age > 0.0 else 0.0
-    at = max(goal * (1.0 + beta * log_later) - near, 0.0)
+    at = max(goal * (1.0 + beta * np.log1p(age)) - near, 0.0)
     for _ in range(200):
-        more = (age + pace * at - (later - 1.0)) / later
-        later += more * later
-        if abs(more) < 0.01:  # to 1e-13, in a fraction of the time of a logarithm
-            log_later += more * (1.0 - more * (0.5 - more * (1 / 3 - more * (0.25 - more * 0.2))))
-        else:
-            log_later = np.log(later)
+        later = 1.0 + age + pace * at
         slope = 1.0 - goal * beta * pace / later
-        step = near + at - goal * (1.0 + beta * log_later)
+        step = near + at - goal * (1.0 + beta * np.log(later))
         if slope > 0.1:
             step /= slope
         at -= step
