@@ -146,7 +146,12 @@ def _legs(drive: Drive, stand: float) -> tuple[Array, Array]:
     step, lasts = np.diff(drive.path, prepend=0.0), durations(drive)
     taken = np.flatnonzero(lasts > 0.0)
     speed, new = step[taken] / lasts[taken], np.zeros(step.size, np.intp)
-    new[taken[1:]] = np.abs(np.diff(speed)) > 1e-12 * np.abs(speed[:-1])  # else one leg
+    # where the speed is one but for the rounding of positions and times, it is one leg
+    with np.errstate(all="ignore"):
+        share = np.abs(drive.path[taken] / step[taken]) + np.cumsum(lasts)[taken] / lasts[taken]
+        doubt = (1e-12 + 4.0 * np.finfo(float).eps * share) * np.abs(speed)
+    doubt[speed == 0.0] = 0.0
+    new[taken[1:]] = np.abs(np.diff(speed)) > np.minimum(doubt[:-1], doubt[1:])
     leg = np.cumsum(new)
     legs = np.array([np.bincount(leg, weights=each) for each in (step, lasts)])
     stands = np.bincount(leg, weights=np.abs(step)) == 0.0

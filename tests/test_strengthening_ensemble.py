@@ -8,7 +8,8 @@ from solving import gauss
 
 import eq_model
 import origins
-from origins import Contacts, Delay, InputError, Thermal, strengthening
+from eq_model.whole_drive import whole_drive
+from origins import Contacts, Delay, Drive, InputError, Thermal, strengthening
 
 PC = origins.gaussian(mean=1.0, std=0.2)
 TIME = 2.0  # τ_0
@@ -203,3 +204,12 @@ def test_a_spring_refuses_them():
     contacts = Contacts(strengthening(PC, 0.03, TIME))
     with pytest.raises(InputError, match=r"contacts\.strengthening: .*does not take it yet"):
         eq_model.simulate(contacts, [1.0], spring=0.5)
+
+
+def test_a_path_of_many_points_has_the_legs_of_its_corners():
+    """A late rest leaves rounding in the times of points; legs of one speed stay one, on which contacts are quick."""
+    times = np.concatenate([np.linspace(0.0, 8.0, 161), np.linspace(1008.0, 1013.0, 134)])
+    path = np.concatenate([np.linspace(0.0, 8.0, 161), np.linspace(8.0, 13.0, 134)])
+    assert whole_drive(Drive(path, time=times), 1.0, 10.0, False).paces.size == 3
+    slower = times + 1e-11 * np.maximum(np.arange(times.size) - 220, 0)
+    assert whole_drive(Drive(path, time=slower), 1.0, 10.0, False).paces.size == 4
