@@ -11,9 +11,9 @@ from master.paper.q15_transient import AgeingTransient, solve_q15
 from master.rigid import motion_of, solve_rigid
 from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
-from master.survival.make import TAKEN, life_of
+from master.survival.make import life_of
 from origins import Contacts, Drive, InputError
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
 
@@ -86,7 +86,7 @@ def solve(
     tolerance = check_tolerance("tolerance", tolerance)
     drive = Drive(path, velocity, time, spring, slip, mass, damping)
     until = np.inf if wall_time is None else clock.monotonic() + positive("wall_time", wall_time)
-    check_contacts(contacts, "master.solve", TAKEN, own_rates=True)
+    check_contacts(contacts, "master.solve", LAWS, own_rates=True)
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
         drive.only_forward("the paper's closure of ageing")
         if drive.time is not None:

@@ -73,7 +73,7 @@ QUESTIONS = {
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "what survives with heat; by one mean rate": ("master:ThermalLife", "master:MeanRateLife"),
     "the law of ageing; what survives": ("origins:Ageing", "master:AgeingLife"),
-    "growing grains; what survives of them": ("origins:GrainContact", "master:GrainLife"),
+    "growing grains; what survives of them": ("origins:GrainContact", "master:GrowingLife"),
     "ageing: first passage; births of earlier legs": (
         "master:Passage",
         "master:StrandBirths",

@@ -16,10 +16,10 @@ import numpy.typing as npt
 from master.outcome import WELL, judged
 from master.steady.steady import state_at
 from master.steady.sums import SURE, is_summed, summed
-from master.survival.make import TAKEN, steady_life
+from master.survival.make import steady_life
 from origins import Ageing, Contacts, Delay, Thermal
 from origins.brief import brief
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError, between, non_negative, refuse
 from origins.thresholds.law import Array
 
@@ -144,7 +144,7 @@ def kinetic_curve(
     broadcast, for a temperature or a rate of contacts without that law, and for speeds so low that squares of stretches
     at a break underflow.
     """
-    check_contacts(contacts, "master.kinetic_curve", TAKEN, own_rates=True)
+    check_contacts(contacts, "master.kinetic_curve", LAWS, own_rates=True)
     asked = {"velocity": velocity, "temperature": temperature, "rate": rate, "delay": delay}
     points = Points(contacts.replace(start=None), **asked)
     cases, which = np.unique(points.rows[:, :3], axis=0, return_inverse=True)

@@ -14,9 +14,9 @@ from master.steady.cycle import Cycle
 from master.steady.q15 import paper_steady
 from master.steady.sums import is_summed, summed
 from master.survival.life import Life
-from master.survival.make import TAKEN, steady_life
+from master.survival.make import steady_life
 from origins import Contacts, Thresholds
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import between
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import gauss
@@ -66,7 +66,7 @@ def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
     Raises InputError where <x_s^2>, with linked stiffness <x_s^3>, is infinite: then the force grows for ever and there
     is no steady state; and where contacts break at once.
     """
-    check_contacts(contacts, "master.steady_state", TAKEN, own_rates=True)
+    check_contacts(contacts, "master.steady_state", LAWS, own_rates=True)
     return state_at(contacts, between("velocity", velocity, 1e-100, 1e100))
 
 

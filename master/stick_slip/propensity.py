@@ -11,9 +11,8 @@ from master.outcome import judged
 from master.steady.kinetic import Along, Points
 from master.stick_slip.extremes import extremes, unit_of
 from master.stick_slip.roots import decoherence_length
-from master.survival.make import TAKEN
 from origins import Contacts, InputError
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import between, check_tolerance
 from origins.thresholds.law import Array
 
@@ -62,7 +61,7 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     """
     began = time.perf_counter()
     tolerance = check_tolerance("tolerance", tolerance)
-    check_contacts(contacts, "master.propensity", TAKEN, own_rates=True)
+    check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
     velocity = between("velocity", velocity, 1e-100, 1e100)
     fall, static, cycle = extremes(contacts, velocity, tolerance)
     kinetic, off = cycle.force()
@@ -120,7 +119,7 @@ def phase_line(
     v is the speed of the slider itself: that of a soft slider's drive is 1 + F'/K times higher while the force rises.
     Raises InputError as `propensity` does, and for points as `kinetic_curve` does.
     """
-    check_contacts(contacts, "master.phase_line", TAKEN, own_rates=True)
+    check_contacts(contacts, "master.phase_line", LAWS, own_rates=True)
     tolerance = check_tolerance("tolerance", tolerance)
     points = Points(contacts, velocity=velocity, temperature=temperature, rate=rate, delay=delay)
     cases, which = np.unique(points.rows, axis=0, return_inverse=True)

@@ -13,10 +13,9 @@ from master.numerics import polynomials
 from master.steady.cycle import Cycle
 from master.stick_slip.extremes import cycle_table, forward_march
 from master.stick_slip.roots import BROAD, Complex, Transform, crowding, deepest_wave, leading_roots
-from master.survival.make import TAKEN
 from origins import Contacts, InputError
 from origins.brief import brief
-from origins.contacts import check_contacts
+from origins.contacts import LAWS, check_contacts
 from origins.errors import between, refuse, whole
 from origins.thresholds.law import Array
 from origins.thresholds.tail import tail_rate
@@ -104,7 +103,7 @@ def decoherence_spectrum(
     slower than any exponential; for lives of 10,000 means; for waits above 400 of them; and as `steady_state` does.
     """
     began = time.perf_counter()
-    check_contacts(contacts, "master.decoherence_spectrum", TAKEN, own_rates=True)
+    check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = between("velocity", velocity, 1e-100, 1e100), whole("n_roots", n_roots, 1)
     cycle, start = cycle_table(contacts, velocity, TOLERANCE), contacts.start
     wait, unit = cycle.wait, contacts.mean_threshold

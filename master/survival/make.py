@@ -5,19 +5,16 @@ import numpy as np
 from master.motion import Motion
 from master.survival.age.ageing import AgeingLife
 from master.survival.changing import ChangingLife
-from master.survival.grains import GrainLife
+from master.survival.growing import GrowingLife
 from master.survival.heat import COEFFICIENT_LIMIT, MeanRateLife, ThermalLife
 from master.survival.life import ColdLife, Life
-from origins import Ageing, Contacts, GrainContact, InputError
-from origins.contacts import LAWS
+from origins import Ageing, Contacts, GrowingThresholds, InputError
 from origins.laws.timed_law import ChangingThresholds
 
-# Laws of contacts of which the master equation knows the life.
-TAKEN = tuple(law for law in LAWS if law != "strengthening")
 # The life of contacts whose thresholds change, by the class of the law.
 LIVES: dict[type[ChangingThresholds], type[ChangingLife]] = {
     Ageing: AgeingLife,
-    GrainContact: GrainLife,
+    GrowingThresholds: GrowingLife,
 }
 
 

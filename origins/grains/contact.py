@@ -27,7 +27,7 @@ class GrainContact(GrowingThresholds):
 
     law = "grains"
     waiting = "grains grow, unpinned, for so long that "
-    older_at_start = True
+    older_at_start = begins_at_0 = True
 
     def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):

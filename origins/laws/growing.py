@@ -23,17 +23,20 @@ class GrowingThresholds(ChangingThresholds, ABC):
     `first_pinning_time` before. While |x| changes at one speed, the hazard at the contact's stretch first falls and
     then rises, or only one of the two, so that the largest is that at one end of the leg.
 
-    age : of all contacts at X = 0, since their last break, a time; None: not
-    given, which origins.Contacts refuses. interface : the rough surface behind them, or None. time_unit : a time, over
-    which fresh thresholds grow. quick_width : a length over which breaks of contacts that have just pinned change, inf
-    where the law at X = 0 says it. bends : sorted finite hazards above 0 at which thresholds are no smooth function of
-    the hazard; thresholds there, at an age, are threshold_at(bends, age).
+    age : of all contacts at X = 0, since their last break, a time; None: not given, which origins.Contacts refuses
+    interface : the rough surface behind them, or None
+    time_unit : a time, over which fresh thresholds grow
+    begins_at_0 : whether all thresholds are 0 as contacts pin
+    quick_width : a length over which breaks of contacts just pinned change, inf where the law at X = 0 says it
+    bends : sorted finite hazards above 0 at which thresholds are no smooth function of the hazard; thresholds there, at
+        an age, are threshold_at(bends, age)
     """
 
     age: float | None
     interface: Any = None
     time_unit: float
     quick_width: float = np.inf
+    begins_at_0 = False
     bends: Array = np.empty(0)
 
     @property

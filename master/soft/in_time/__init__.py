@@ -1,4 +1,4 @@
-"""Soft sliders in steps of time: heat, ageing, growing grains, delay; re-forming backward and turns.
+"""Soft sliders in steps of time: heat, ageing, thresholds that grow, delay; re-forming backward and turns.
 
 State (`Cohorts`): X, the time, and contacts in groups that were born together at one stretch. A group is a stretch x,
 its largest |x| so far, a weight (the share of all contacts born in it), and a record, the numbers by which a `Memory`

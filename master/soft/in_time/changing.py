@@ -1,10 +1,10 @@
-"""Contacts whose thresholds change under a spring: those that age (closure "exact"), and growing grains.
+"""Contacts whose thresholds change under a spring: those that age (closure "exact"), and those whose thresholds grow.
 
 Of contacts that age every group carries the density of its thresholds, on the cells of master.soft.in_time.cells.
 
-Of growing grains each contact keeps its quantile for life (paper, Sec. VI). Of those that pinned together the fraction
+Where thresholds grow each contact keeps its quantile for life. Of those that formed together the fraction
 e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of their law at their stretch and age so far
-(master.survival.grains). With heat they also break earlier, see Memory: here the cells are those of the quantile.
+(master.survival.growing). With heat they also break earlier, see Memory: here the cells are those of the quantile.
 """
 
 from collections.abc import Callable
@@ -12,9 +12,18 @@ from collections.abc import Callable
 import numpy as np
 
 from master.soft.in_time.cells import Cells
-from master.soft.in_time.memory import Memory, Scales, scales_of, warm_nodes
+from master.soft.in_time.memory import (
+    Memory,
+    Scales,
+    cell_edges,
+    largest_stretch,
+    resolves_heat,
+    scales_of,
+    warm_nodes,
+)
 from master.soft.in_time.threshold_cells import Leg, ThresholdCells
-from origins import Ageing, Contacts, GrainContact
+from master.survival.growing import GrowingLife
+from origins import Ageing, Contacts, GrowingThresholds, InputError
 from origins.laws.timed_law import ChangingThresholds
 from origins.thresholds.law import Array
 
@@ -22,8 +31,8 @@ from origins.thresholds.law import Array
 LARGEST_HAZARD, BIRTH_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(4)
 # Births change over this many of the narrowest widths of the laws.
 WIDTHS_OF_BIRTHS = 2.0
-# First step of a hold: of contacts that age in times in which thresholds spread by the narrowest width, of grains in
-# times until they pin.
+# First step of a hold: of contacts that age in times in which thresholds spread by the narrowest width, of growing ones
+# in their unit of time.
 FIRST_OF_AGEING, FIRST_OF_GROWTH = 1e-3, 0.05
 # Largest root of the hazard at an edge: the survival there is 2e-14. Cells on the coarsest steps; they are halved with
 # every second one.
@@ -59,68 +68,88 @@ class AgeingMemory(Memory):
         return np.stack([held, stretch * held])
 
 
-class GrainMemory(Memory):
+class GrowingMemory(Memory):
     """Keeps the largest hazard, that at birth, the time since pinning, and with heat A."""
 
     error = 1e-13
 
     def __init__(self, contacts: Contacts, halvings: int, fastest: float) -> None:
-        """Choose the instants at which grains pin in the start, and how far births are apart."""
-        grains, scales = contacts.grains, scales_of(contacts)
-        assert grains is not None and grains.age is not None
-        self._hot, self.exact = (
-            contacts.thermal is not None,
-            bool(contacts.thresholds.atoms[0].size),
-        )
-        self._grains, first = grains, grains.growth.first_pinning_time
-        self._start_since, self.largest_stretch = grains.age - first, grains.at_start.support()[1]
-        self.starts = warm_nodes(halvings)
-        # edges are roots of hazards, as small thresholds are proportional to these
-        edges = np.linspace(0.0, LARGEST_ROOT, COARSEST_CELLS * 2 ** (halvings // 2) + 1)
-        self._hazards = edges**2
+        """Choose the cells, and over what births and steps change."""
+        growing, scales, hot = contacts.growing, scales_of(contacts), contacts.thermal is not None
+        assert growing is not None
+        if refusal := GrowingLife.why_not(contacts):
+            raise InputError(refusal)
+        self._growing, self._hot, self.starts = growing, hot, warm_nodes(halvings)
+        self.largest_stretch, rate = growing.at_start.support()[1], scales.rate
+        if growing.begins_at_0:
+            # edges are roots of hazards, as small thresholds are proportional to these
+            edges = np.linspace(0.0, LARGEST_ROOT, COARSEST_CELLS * 2 ** (halvings // 2) + 1)
+            self._hazards = edges**2
+            # the rate by which fresh contacts break is that of contacts without thresholds
+            rate = 0.0 if contacts.thermal is None else contacts.thermal.rates.scale
+        else:
+            law = contacts.thresholds
+            edges = cell_edges(law, largest_stretch(law), halvings)
+            self._hazards = growing.hazard_at(edges, growing.start_pinned_for)
+            self.resolves_heat = resolves_heat(contacts, edges)
         self._cells = ThresholdCells(contacts, edges, np.exp(-self._hazards))
         self.width = RATE_INTEGRAL + self._cells.width
-        length = WIDTHS_OF_BIRTHS * min(scales.length, grains.quick_width)
-        # the rate by which fresh contacts break is that of contacts without thresholds
-        rate = 0.0 if contacts.thermal is None else contacts.thermal.rates.scale
-        self.scales = Scales(length, min(FIRST_OF_GROWTH * first, scales.time), rate)
+        length = WIDTHS_OF_BIRTHS * min(scales.length, growing.quick_width)
+        self.scales = Scales(length, min(FIRST_OF_GROWTH * growing.time_unit, scales.time), rate)
 
     def start(self, stretch: Array) -> Array:
         record = np.zeros((stretch.size, self.width))
-        record[:, PINNED_FOR] = self._start_since
-        hazard = self._grains.hazard_at(stretch, record[:, PINNED_FOR])
+        record[:, PINNED_FOR] = self._growing.start_pinned_for
+        hazard = self._growing.hazard_at(stretch, record[:, PINNED_FOR])
         record[:, LARGEST_HAZARD] = record[:, BIRTH_HAZARD] = hazard
         return record
 
     def fresh(self, stretch: Array, speed: float) -> Array:
         """See Memory; contacts that are stretched faster than their thresholds grow never hold."""
         record = np.zeros((stretch.size, self.width))
-        record[:, LARGEST_HAZARD] = self._grains.lost_hazard(speed)
+        record[:, LARGEST_HAZARD] = self._growing.lost_hazard(speed)
         return record
 
     def advance(self, record: Array, leg: Leg) -> Array:
         """See Memory; the rate is that of thresholds in the middle of the move."""
         out = record.copy()
         out[:, PINNED_FOR] += leg.duration
-        hazard = self._grains.hazard_at(leg.end, out[:, PINNED_FOR])
+        hazard = self._growing.hazard_at(leg.end, out[:, PINNED_FOR])
         out[:, LARGEST_HAZARD] = np.maximum(out[:, LARGEST_HAZARD], hazard)
         if self._hot and leg.duration:
             middle = record[:, PINNED_FOR, None] + 0.5 * leg.duration
-            hazards = record[:, BIRTH_HAZARD, None] + self._hazards
-            limit = self._grains.threshold_at(hazards, middle)
+            limit = self._thresholds(record[:, BIRTH_HAZARD], middle)
             moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
             out[:, RATE_INTEGRAL:] += self._cells.rate_integral(leg._replace(largest=moved), limit)
         return out
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
         passed = np.maximum(record[:, LARGEST_HAZARD] - record[:, BIRTH_HAZARD], 0.0)
-        integrals, least = record[:, RATE_INTEGRAL:], np.sqrt(passed)
-        return self._cells.survival_and_force(integrals, stretch, least, np.exp(-passed))
+        held = np.exp(-passed)
+        if not self._hot:
+            return np.stack([held, stretch * held])
+        return self._cells.survival_and_force(
+            record[:, RATE_INTEGRAL:], stretch, self._edge_of(passed), held
+        )
+
+    def _thresholds(self, birth_hazard: Array, pinned_for: Array) -> Array:
+        """Thresholds at the edges of cells, (n, k), of groups with these hazards at birth (n,) and ages (n, 1)."""
+        out = np.empty((birth_hazard.size, self._hazards.size))
+        for hazard in np.unique(birth_hazard):  # one for all births
+            same = birth_hazard == hazard
+            out[same] = self._growing.threshold_at(hazard + self._hazards, pinned_for[same])
+        return out
+
+    def _edge_of(self, passed: Array) -> Array:
+        """Where these hazards beyond that at birth lie among the edges of cells."""
+        if self._growing.begins_at_0:
+            return np.sqrt(passed)
+        return self._growing.threshold_at(passed, self._growing.start_pinned_for)
 
 
 # The memory of contacts whose thresholds change, by the class of the law: made of the contacts, how often steps are
 # halved, and the drive's largest speed.
 MEMORIES: dict[type[ChangingThresholds], Callable[[Contacts, int, float], Memory]] = {
     Ageing: AgeingMemory,
-    GrainContact: GrainMemory,
+    GrowingThresholds: GrowingMemory,
 }

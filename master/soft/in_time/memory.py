@@ -97,10 +97,10 @@ class ThresholdMemory(Memory):
         self._is_summed = self._hot or contacts.stiffness != "independent"
         self.exact = bool(law.atoms[0].size)
         self.starts = warm_nodes(halvings) if self._hot else cold_nodes(halvings)
-        self.largest_stretch, self.scales = _largest_stretch(law), scales_of(contacts)
-        edges = _cell_edges(law, self.largest_stretch, halvings)
+        self.largest_stretch, self.scales = largest_stretch(law), scales_of(contacts)
+        edges = cell_edges(law, self.largest_stretch, halvings)
         self._cells = ThresholdCells(contacts, edges, law.sf(edges))
-        self.width, self.resolves_heat = self._cells.width, _resolves_heat(contacts, edges)
+        self.width, self.resolves_heat = self._cells.width, resolves_heat(contacts, edges)
 
     def start(self, stretch: Array) -> Array:
         return np.zeros((stretch.size, self.width))
@@ -128,7 +128,7 @@ class MeanRateMemory(Memory):
         self._life, law = MeanRateLife(contacts), contacts.thresholds
         # rounding in tables of H is some 1e-12
         self.width, self.starts, self.error = 2, cold_nodes(halvings), self._life.error + 1e-12
-        self.exact, self.largest_stretch = bool(law.atoms[0].size), _largest_stretch(law)
+        self.exact, self.largest_stretch = bool(law.atoms[0].size), largest_stretch(law)
         rate = float(self._life.rate(np.zeros(1))[0])
         self.scales = scales_of(contacts)._replace(rate=rate)
 
@@ -159,12 +159,12 @@ def scales_of(contacts: Contacts) -> Scales:
     return scales._replace(time=1.0 / thermal.rates.scale, rate=rate)
 
 
-def _largest_stretch(law: Thresholds) -> float:
+def largest_stretch(law: Thresholds) -> float:
     """The stretch beyond which no contact holds."""
     return max([min(float(law.support()[1]), float(law.isf(STRONGEST))), *law.atoms[0]])
 
 
-def _cell_edges(law: Thresholds, largest: float, halvings: int) -> Array:
+def cell_edges(law: Thresholds, largest: float, halvings: int) -> Array:
     """Ends of cells of thresholds."""
     ends = np.concatenate([law.ppf(RANKS), law.isf(RANKS), law.breakpoints, [largest]])
     # a very narrow cell for each exact threshold
@@ -175,7 +175,7 @@ def _cell_edges(law: Thresholds, largest: float, halvings: int) -> Array:
     return np.unique([np.linspace(*two, cells + 1) for two in pairwise(ends)])
 
 
-def _resolves_heat(contacts: Contacts, edges: Array) -> bool:
+def resolves_heat(contacts: Contacts, edges: Array) -> bool:
     """Whether A is told apart from 0 at the far edge of all cells of the bulk."""
     thermal, law = contacts.thermal, contacts.thresholds
     if thermal is None or thermal.closure == "paper":

@@ -1,7 +1,7 @@
-"""Contacts whose thresholds grow with their age, as coalescing grains do (paper, Sec. VI).
+"""Contacts whose thresholds grow with their age, as those of coalescing grains do (paper, Sec. VI), or by any law.
 
 Each contact keeps its quantile for life. It breaks where the cumulative hazard H(|x|; age) of the law
-of thresholds at its age reaches that of its quantile, so that of the contacts that pinned together
+of thresholds at its age reaches that of its quantile, so that of the contacts that formed together
 
     fraction that holds = exp(-(H_worst - H_0)),      H_worst = the largest H since the birth,
 
@@ -26,7 +26,7 @@ from master.numerics.averages import integrals_above
 from master.numerics.polynomials import Rows
 from master.survival.changing import ChangingLife
 from master.survival.life import MARGIN, Survivors
-from origins import Contacts, GrainContact
+from origins import Contacts, GrowingThresholds
 from origins.errors import refuse
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -36,8 +36,9 @@ LARGEST_HAZARD, NEGLECTED = 39.2, 1e-17
 # Edges of the first pieces of sums over quantiles, as η - H_worst.
 HAZARDS = np.array([0.0, 0.25, 4.0, LARGEST_HAZARD])
 # Last coefficients below which pieces are not halved, of these sums and, relative to 1 + A, of A over the logarithm of
-# time: errors are about the square.
-COEFFICIENT_LIMIT = 1e-6
+# time: errors are about the square. The second where thresholds do not begin at 0: heat then breaks contacts within a
+# narrow band of thresholds, and to the first errors of 1e-8 would make tables rough (measured).
+COEFFICIENT_LIMIT, LIMIT_OF_BAND = 1e-6, 1e-7
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
 WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 1000
@@ -45,48 +46,57 @@ WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 1000
 MOST_LOST = 300.0
 
 
-class GrainLife(ChangingLife):
-    """Life (see master.survival.life) of contacts with growing grains; with heat, on one leg only.
+class GrowingLife(ChangingLife):
+    """Life (see master.survival.life) of contacts with GrowingThresholds; with heat, on one leg only.
 
     longest : the latest time > 0 at which `survival_and_force` is called
 
     Contacts born with the law `contacts.start`, the same object, or at single stretches other than 0 are those of t = 0
-    and have the grains' starting age; all others pin at birth, at the stretch 0 and the age tau_m.
+    and have the starting age; all others pin at birth, at the stretch 0 (of grains at the age tau_m).
     """
 
     error = 1e-13  # of the survival, by rounding of the hazards
     neglected = NEGLECTED
-    start_as_births = False
-    no_density = (
-        "contacts.grains: Q(x;X) is not known yet along paths of several legs where thresholds grow"
-    )
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         """Find how far contacts may be stretched, and how finely their survival varies."""
-        grains = contacts.grains
-        assert grains is not None and grains.age is not None
-        self.grains: GrainContact = grains
-        self.start = contacts.start
-        self._thermal = contacts.thermal
+        growing = contacts.growing
+        assert growing is not None
+        self._growing: GrowingThresholds = growing
+        self.start, self._thermal = contacts.start, contacts.thermal
         self._is_of_start = False  # set for each query, in a copy
-        self._start_pinned_for = grains.age - grains.growth.first_pinning_time
-        fraction = -np.expm1(-LARGEST_HAZARD)
-        self.largest_stretch = float(grains.quantile(fraction, grains.age + longest))
+        self.start_as_births = not growing.older_at_start
+        start_law = growing.at_start
+        # a contact that starts in the far tail has a threshold even farther out
+        held = float(start_law.sf(max(abs(end) for end in contacts.start.span)))
+        share = NEGLECTED * max(held, 1e-280)  # less underflows
+        furthest = min(float(start_law.isf(share)), start_law.support()[1])
+        self.largest_stretch = growing.largest_threshold(furthest, share, longest)
         # no contact of the start is stretched beyond the largest threshold at t = 0
-        self.largest_birth_stretch = grains.at_start.support()[1]
-        self.resolution_length = 0.25 * grains.at_start.std()  # a first guess
+        self.largest_birth_stretch = start_law.support()[1]
+        self.resolution_length = 0.25 * min(start_law.std(), start_law.mean())  # a first guess
+        unknown = "is not known yet along paths of several legs where thresholds grow"
+        self.no_density = f"contacts.{growing.law}: Q(x;X) {unknown}"
         if contacts.thermal is not None:
             self.pair_work = WARM_WORK
             self.coefficient_limit = WARM_COEFFICIENT_LIMIT
+        self._limit = COEFFICIENT_LIMIT if growing.begins_at_0 else LIMIT_OF_BAND
 
     @classmethod
-    def made(cls, contacts: Contacts, tolerance: float, motion: Motion, until: float) -> GrainLife:
+    def made(
+        cls, contacts: Contacts, tolerance: float, motion: Motion, until: float
+    ) -> GrowingLife:
         """See ChangingLife."""
         return cls(contacts, float(motion.times[-1]))
 
     @classmethod
     def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
-        """See ChangingLife: with heat a survival is known on one leg alone."""
+        """See ChangingLife: exact values would break together, which no panel resolves, and with heat a survival is
+        known on one leg alone."""
+        if contacts.thresholds.atoms[0].size:
+            fault = "holds exact values, which the master equation does not follow while they grow"
+            instead = "give them a width, as in gaussian(mean, std), or use eq_model.simulate"
+            return f"contacts.thresholds: {fault}; {instead}"
         if contacts.thermal is None or one_leg:
             return ""
         fault = (
@@ -98,18 +108,18 @@ class GrainLife(ChangingLife):
     @classmethod
     def longest(cls, contacts: Contacts, velocity: float) -> float:
         """See ChangingLife: until even the strongest contacts of the start are broken."""
-        grains = contacts.grains
-        assert grains is not None and grains.age is not None
-        grains.check_speed(velocity)
-        lost = grains.lost_hazard(velocity)
+        growing = contacts.growing
+        assert growing is not None
+        growing.check_speed(velocity)
+        lost = growing.lost_hazard(velocity)
         if lost > MOST_LOST:
             few = f"none holds but a fraction exp(-{lost:.4g})"
             why = "they are stretched before their grains have grown"
             hint = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
             refuse("velocity", velocity, hint)
-        longest = grains.growth.first_pinning_time
+        longest, strongest = growing.time_unit, float(contacts.thresholds.isf(NEGLECTED))
         to_0 = max(-contacts.start.span[0], 0.0)  # distance that the start has to go to x = 0
-        while float(grains.quantile(1.0, grains.age + longest)) > velocity * longest - to_0:
+        while growing.largest_threshold(strongest, NEGLECTED, longest) > velocity * longest - to_0:
             longest *= 1.5
         return longest
 
@@ -117,19 +127,21 @@ class GrainLife(ChangingLife):
         """See Life."""
         life = copy(self)
         life._is_of_start = born is self.start if isinstance(born, Start) else bool(np.any(born))
-        return super(GrainLife, life).survival_and_force(born, history)
+        return super(GrowingLife, life).survival_and_force(born, history)
 
     def survivors(self, born: Array, side: Array, history: History) -> Survivors:
         """See Life."""
         displacement, duration, speed = history.legs()
         stretch = born[:, None] + displacement
-        pinned_for = np.insert(duration, 0, self._start_pinned_for * self._is_of_start, axis=1)
+        pinned_for = np.insert(
+            duration, 0, self._growing.start_pinned_for * self._is_of_start, axis=1
+        )
         pinned_for = np.cumsum(pinned_for, axis=1)
-        hazards = self.grains.hazard_at(stretch, pinned_for)
+        hazards = self._growing.hazard_at(stretch, pinned_for)
         worst = hazards.max(axis=1)
         if not self._is_of_start:
             # right after pinning some are stretched faster than their thresholds grow
-            lost = np.array([self.grains.lost_hazard(abs(float(v))) for v in speed])
+            lost = np.array([self._growing.lost_hazard(abs(float(v))) for v in speed])
             has_moved = duration.any(axis=1)
             birth_leg = np.where(has_moved, np.argmax(duration > 0.0, axis=1), speed.size - 1)
             worst = np.maximum(worst, lost[birth_leg])
@@ -157,7 +169,7 @@ class GrainLife(ChangingLife):
             return np.exp(worst[row, None] - hazard - integrated)[None]
 
         ends = worst[:, None] + HAZARDS
-        found = integrals_above(survival, worst, ends, True, COEFFICIENT_LIMIT)
+        found = integrals_above(survival, worst, ends, True, self._limit)
         sums_error = MARGIN * float(found.missed[0].max(initial=0.0))
         return found.value[0], sums_error + max(rate_errors)
 
@@ -167,7 +179,7 @@ class GrainLife(ChangingLife):
         """A of contacts whose quantiles have these hazards (n, k), with stretches and times since pinning at both ends
         of a leg (n, 2), shape (n, k); and the error of e^-A."""
         assert self._thermal is not None
-        rates, growth = self._thermal.rates, self.grains.growth
+        rates, unit = self._thermal.rates, self._growing.time_unit
         count = hazard.shape[1]
         first, last = stretch.T
         begin, end = pinned_for.T
@@ -175,8 +187,7 @@ class GrainLife(ChangingLife):
         # the rate bends where x = 0
         crosses_0 = first * last < 0.0
         at_0 = np.where(crosses_0, begin - first / np.where(speed, speed, 1.0), end)
-        # grains grow in the logarithm of the time; at the end the rate may vanish as a root
-        unit = growth.first_pinning_time
+        # thresholds grow in the logarithm of the time; at the end the rate may vanish as a root
         log_times = np.log1p(np.stack([begin, at_0, end], axis=1) / unit)
         before_ends = np.repeat((log_times[:, -1:] - log_times)[:, ::-1], count, axis=0)
         span = log_times[:, -1] - log_times[:, 0]
@@ -186,15 +197,13 @@ class GrainLife(ChangingLife):
             row = owner // count
             time = unit * np.expm1(log_times[row, -1:] - before_end)
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
-            threshold = self.grains.threshold_at(hazard.ravel()[owner, None], time)
+            threshold = self._growing.threshold_at(hazard.ravel()[owner, None], time)
             rate = rates.rate(np.minimum(x, threshold), threshold, 1.0) * (unit + time)
             return np.stack([rate, rate + 1.0 / span[row, None]])
 
         # the survival e^-A is as good as the error of A relative to 1 + A, the integral of the second function
         least = np.zeros(hazard.size)
-        found = integrals_above(
-            rate_and_1, least, before_ends, True, COEFFICIENT_LIMIT, relative=True
-        )
+        found = integrals_above(rate_and_1, least, before_ends, True, self._limit, relative=True)
         integrated = found.value[0].reshape(hazard.shape)
         error = found.missed[0] / np.maximum(found.value[1], 1.0)
         return integrated, MARGIN * float(error.max(initial=0.0))
