@@ -22,38 +22,61 @@ _LINES = 8  # as can be distinguished
 
 def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
     """A column with its errors, in the unit of the result's scale, along the key that was swept first, a line for each
-    combination of the others."""
+    combination of the others; of sliders on springs the forces before and after a slip beside F_k."""
     sweep: Any = result.sweep
     first, *others = sweep.along
     x, unit = _numbers(sweep[first])
-    factor = _factors(result)
-    value, error = (sweep.columns.get(key, np.zeros(len(sweep))) for key in (name, f"{name}_error"))
-    value, error = factor * value, factor * error
+    columns = {name: ""}
+    if name == "kinetic_force" and (slips := _of_slips(sweep)):
+        columns = slips if others else slips | {name: "kinetic force $F_k$, rigid slider"}
     lines = [", ".join(f"{key} = {sweep[key][row]}" for key in others) for row in range(len(sweep))]
-    names = list(dict.fromkeys(lines))
-    for number, k in enumerate(some_of(len(names), _LINES)):
-        rows = np.flatnonzero([line == names[k] for line in lines])
-        rows = rows[np.argsort(x[rows], kind="stable")]
-        own = np.where(np.isfinite(error[rows]), error[rows], 0.0)
-        style = style_of(number) | {"ms": 4, "lw": 1.2, "capsize": 2, "label": names[k]}
-        axes.errorbar(
-            x[rows], np.where(np.isfinite(value[rows]), value[rows], np.nan), own, **style
-        )
+    names, number = list(dict.fromkeys(lines)), 0
+    for column, said in list(columns.items())[: 1 if others else None]:
+        value, error = _with_error(result, column)
+        for k in some_of(len(names), _LINES):
+            rows = np.flatnonzero([line == names[k] for line in lines])
+            rows = rows[np.argsort(x[rows], kind="stable")]
+            style = style_of(number) | {"ms": 4, "lw": 1.2, "capsize": 2, "label": names[k] or said}
+            axes.errorbar(x[rows], value[rows], error[rows], **style)
+            number += 1
     if x.min() > 0.0 and x.max() > 30.0 * x.min():
         axes.set_xscale("log")
     units = {"drive.velocity": result.scale.speed_unit, "contacts.thresholds.pressure": "Pa"}
     name_axis(axes.xaxis, first, unit or units.get(first, ""))
-    if name == "kinetic_force":
-        name_axis(axes.yaxis, *force_name(result.scale, "F_k"))
-    elif name == "eq_force_swing":
-        whole, own_unit = force_name(result.scale)
-        name_axis(axes.yaxis, f"swing of spring {whole}\n", own_unit)
-    else:
-        axes.set_ylim(0.0, None)
-        name_axis(axes.yaxis, *spring_name(result.scale.spring_unit))
-    if others:
+    name_axis(axes.yaxis, *_axis_of(name, columns, result))
+    value, _ = _with_error(result, name)
+    if name == "critical_spring" or np.nanmax(value) - np.nanmin(value) < 1e-6 * np.nanmax(value):
+        axes.set_ylim(0.0, 1.15 * max(axes.get_ylim()[1], np.nanmax(value)))
+    if others or len(columns) > 1:
         legend_above(axes)
     return axes
+
+
+def _of_slips(sweep: PointsRecord) -> dict[str, str]:
+    """The columns of the forces of slips that are known at some point, and what they are; empty without slips."""
+    named = {
+        "force_before_slip": "before the last slip",
+        "force_after_slip": "after it",
+        "eq_force_before_slip": "before a slip, ensemble",
+    }
+    there = {name: said for name, said in named.items() if name in sweep.columns}
+    return {name: said for name, said in there.items() if np.isfinite(sweep[name]).any()}
+
+
+def _with_error(result: Result, name: str) -> tuple[Array, Array]:
+    """A column and its error, 0 where it is not known, in the unit of the scale; nan where there is no value."""
+    sweep: Any = result.sweep
+    value, error = (sweep.columns.get(key, np.zeros(len(sweep))) for key in (name, f"{name}_error"))
+    value, error = _factors(result) * value, _factors(result) * error
+    return np.where(np.isfinite(value), value, np.nan), np.where(np.isfinite(error), error, 0.0)
+
+
+def _axis_of(name: str, columns: dict[str, str], result: Result) -> tuple[str, str]:
+    """Name and unit of the axis on which these columns are drawn."""
+    if name == "critical_spring":
+        return spring_name(result.scale.spring_unit)
+    whole, unit = force_name(result.scale, "F_k" if list(columns) == ["kinetic_force"] else "F")
+    return (f"swing of spring {whole}\n" if name == "eq_force_swing" else whole), unit
 
 
 def _factors(result: Result) -> Array:
