@@ -8,9 +8,10 @@ import numpy as np
 import master
 import origins
 from master.paper.q15_transient import AgeingTransient, paper_transient
+from toolkit.pictures.axes import OKABE_ITO
 
 PICTURES = Path(__file__).parent / "pictures"
-BLUE, RED, GREEN, GREY = "#1f4e79", "#c0392b", "#2e7d32", "0.55"
+BLUE, RED, GREEN, PURPLE, GREY = (*OKABE_ITO[:4], "0.55")
 FORCE = r"$F_k/(N_c\langle k\rangle)$"
 FORCE_OF_X = r"$F/(N_c\langle k\rangle)$"
 
@@ -246,7 +247,7 @@ def draw_temperature() -> None:
     figure.savefig(PICTURES / "laws_temperature.png", dpi=130)
 
 
-TEMPERATURES = ((0.01, BLUE), (0.1, GREEN), (0.3, "#b8860b"), (1.0, RED))
+TEMPERATURES = ((0.01, BLUE), (0.1, GREEN), (0.3, PURPLE), (1.0, RED))
 STYLES = (("soft", "-"), ("stiff", "--"))
 
 
@@ -265,7 +266,7 @@ def _draw_speeds(axes: Any) -> None:
         few,
         paper.force,
         "o",
-        color="#b8860b",
+        color=PURPLE,
         ms=4,
         mfc="none",
         label="T = 0.3, the paper's closure",
@@ -276,7 +277,7 @@ def _draw_speeds(axes: Any) -> None:
 
 def _draw_temperatures(axes: Any) -> None:
     temperatures = np.geomspace(1e-3, 10.0, 60)
-    for velocity, ink in ((0.01, BLUE), (0.1, GREEN), (1.0, "#b8860b"), (10.0, RED)):
+    for velocity, ink in ((0.01, BLUE), (0.1, GREEN), (1.0, PURPLE), (10.0, RED)):
         for law, dashes in STYLES:
             curve = master.kinetic_curve(warm(law, 1.0), velocity, temperature=temperatures)
             label = f"v = {velocity:g}" if law == "soft" else None

@@ -304,6 +304,12 @@ def test_a_verdict_draws_the_sliders_of_so_many_contacts_that_disagree() -> None
     assert "trace" not in panels(draw_verdict(lost))
 
 
+def test_a_verdict_is_a_table_in_a_notebook() -> None:
+    tables = scene(drive={"spring": 0.5}, master=None) | {"verdict": {"rules": ["reset"]}}
+    found = verdict(toolkit.load_scene(tables, solved=False))._repr_html_()
+    assert "slip rule reset</th><td>stick-slip" in found and "critical spring K*" in found
+
+
 def test_ten_readings_have_ten_marks() -> None:
     tables = scene(ROUGH, drive={"area": 1e-6}, master=None)
     tables["verdict"] = {"readings": ["gw/amontons"]}
@@ -329,6 +335,20 @@ def test_a_picture_of_a_sweep_has_a_line_for_each_value_of_the_second_quantity()
     ]
     second = axes[0].containers[1].lines[0].get_ydata()
     np.testing.assert_array_equal(second, result.sweep.force[:, 1])
+
+
+def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:
+    sweep = {"drive.spring": [0.3, 0.6, 3.0]}
+    table = GAUSSIAN | {"std": 0.2}
+    result = toolkit.run(scene(table, drive={"to": 8.0, "points": 81}, sweep=sweep))
+    axes = Figure().subplots(1, 2)
+    toolkit.plot(result, axes)
+    names = [text.get_text() for text in axes[0].get_legend().get_texts()]
+    assert names[0] == "before the last slip" and "kinetic force" in names[-1]
+    before = axes[0].containers[0].lines[0].get_ydata()
+    np.testing.assert_array_equal(before, result.sweep["force_before_slip"])
+    assert np.isfinite(before[:2]).all() and np.isnan(before[2])
+    assert "force_before_slip" in result.sweep._ipython_key_completions_()
 
 
 def test_what_is_not_solved_is_not_drawn() -> None:

@@ -97,14 +97,19 @@ def save_thresholds_picture(law: Thresholds, curve: ThresholdCurve, title: str, 
 
 
 def save_barriers(domains: DomainSamples, path: Path) -> None:
-    """Barrier of each island that was drawn, against its angle in degrees; larger islands darker. The format is that of
-    the path's suffix."""
+    """Barrier of each island that was drawn, against its angle in degrees; of several sizes larger ones darker. The
+    format is that of the path's suffix."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7, 4), layout="constrained")
     axes, some = figure.subplots(), slice(_ISLANDS)
     place = np.degrees(domains.angles[some]), domains.barriers[some]
-    shown = axes.scatter(*place, c=domains.n_atoms[some], cmap="viridis_r", s=3.0, lw=0.0)
-    figure.colorbar(shown, label="atoms")
+    atoms = domains.n_atoms[some]
+    if np.ptp(atoms):
+        shown = axes.scatter(*place, c=atoms, cmap="viridis_r", s=3.0, lw=0.0)
+        figure.colorbar(shown, label="atoms")
+    else:  # a scale of one size would say nothing
+        axes.scatter(*place, color=INK["thresholds"], s=3.0, lw=0.0)
+        axes.set_title(f"{atoms[0]:,} atoms")
     axes.set(xlabel="angle (degrees)", ylabel=r"barrier $\epsilon_a$ (energy)", ylim=(0.0, None))
     figure.savefig(path, dpi=150, format=path.suffix[1:])

@@ -1,5 +1,6 @@
 """A result as a table in a notebook."""
 
+from collections.abc import Iterable
 from html import escape
 from typing import Any
 
@@ -34,10 +35,15 @@ def as_html(result: Any) -> str:
         if (answer := getattr(result, name)) is not None:
             told = "as asked" if answer.success else f"not as asked: {answer.message}"
             rows.append((name, f"{told}, run time {answer.run_time:.2g} s"))
+    return as_table(result.title or result.name, rows, result.notes)
+
+
+def as_table(caption: str, rows: Iterable[tuple[str, str]], notes: Iterable[str] = ()) -> str:
+    """A table of names and what is said of them, with a caption, and notes below."""
     cells = "".join(
         f"<tr><th style='text-align:left'>{escape(name)}</th><td>{escape(said)}</td></tr>"
         for name, said in rows
     )
-    notes = "".join(f"<li>{escape(note)}</li>" for note in result.notes)
-    head = f"<caption>{escape(result.title or result.name)}</caption>"
-    return f"<table>{head}{cells}</table>" + (f"<ul>{notes}</ul>" if notes else "")
+    below = "".join(f"<li>{escape(note)}</li>" for note in notes)
+    table = f"<table><caption>{escape(caption)}</caption>{cells}</table>"
+    return table + (f"<ul>{below}</ul>" if below else "")

@@ -34,6 +34,10 @@ class PointsRecord:
         """A column by its name."""
         return self.columns[name]
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """What a notebook offers after ``record["``."""
+        return list(self.columns)
+
     def __len__(self) -> int:
         return len(next(iter(self.columns.values())))
 

@@ -10,9 +10,10 @@ from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
+from toolkit.results.html import as_table
 from toolkit.running.resampled import of_resampled
 from toolkit.running.solvers import within
-from toolkit.scene.scale import Scale, scale_of
+from toolkit.scene.scale import Scale, scale_of, with_uncertainty
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.finite import Finite, follow_finite
@@ -82,6 +83,21 @@ class Verdict:
     def success(self) -> bool:
         """Whether all solves of the own reading met their tolerance."""
         return all(behaviour.success for behaviour in self.own.behaviours)
+
+    def _repr_html_(self) -> str:
+        """The own reading's numbers and what the slider does, as a table in a notebook; `words.page` says it all."""
+        own, scale = self.own, self.own.scale
+        numbers = {
+            "kinetic friction F_k": (own.kinetic, scale.force, scale.force_unit),
+            "static friction F_s": (own.static, scale.force, scale.force_unit),
+            "critical spring K*": (own.critical_spring, scale.spring, scale.spring_unit),
+        }
+        rows = [
+            (name, with_uncertainty(one.value * factor, (one.sampling or one.error) * factor, unit))
+            for name, (one, factor, unit) in numbers.items()
+        ]
+        rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
+        return as_table(self.title, rows)
 
 
 def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -> Verdict:
