@@ -124,32 +124,15 @@ class EarlierLegs:
         return (series * weights).sum(axis=-1), missed
 
     def _pieces(self, t: Array) -> Pieces:
-        """Pieces of the births on each leg, for each target, with ends where the survival bends.
-
-        Contacts born at s, at the one stretch r, have had stretches from r + low - X(s) to r + high - X(s), low
-        and high being the ends of the way since then, and have r + now - X(s). Survival bends, or its force
-        does, at births where X(s) - r is one of `goals`: the largest stretch is a mark (high - mark) or the
-        smallest is minus a mark (low + mark), a mark being a bend of P_c, |r| or the end of P_c; both are
-        equally far from 0 (middle); or one of the three is 0 (now, high, low).
-        """
-        motion, law, life, legs = self._motion, self._births.law, self._life, self._legs
+        """Pieces of the births on each leg, for each target, with ends where the survival bends; without those of which
+        none holds."""
+        motion, law, legs = self._motion, self._births.law, self._legs
         # arrays of shape (targets, legs, ends of pieces)
         ends = motion.times[legs], motion.times[legs + 1]
         first, last = np.clip(ends, *self._born.ends[[0, -1]])[:, None, :, None]
         cuts = [np.broadcast_to(end, (t.size, legs.size, 1)) for end in (first, last)]
         if law.is_single:
-            r, now = law.mean(), motion.at(t)[:, None, None]
-            tops, bottoms = motion.knots_between(self._leg, legs)
-            high, low = np.maximum(now, tops[:, None]), np.minimum(now, bottoms[:, None])
-            marks = np.append(life.bends, [abs(r), life.largest_stretch])
-            middle = 0.5 * (high + low)
-            now = np.broadcast_to(now, middle.shape)
-            goals = [high - marks, low + marks, middle, now, high, low]
-            begin, speed = motion.positions[legs, None], motion.speeds[legs, None]
-            distances = r + np.concatenate(goals, axis=2) - begin
-            into_leg = np.zeros(distances.shape)
-            np.divide(distances, speed, out=into_leg, where=speed != 0.0)
-            cuts.append(np.clip(motion.times[legs, None] + into_leg, first, last))
+            cuts.append(np.clip(self._bends(t, law.mean()), first, last))
         edges = np.concatenate(cuts, axis=2).reshape(t.size * legs.size, -1)
         owner, begin, end = Pieces.between(edges)
         target = owner // legs.size
@@ -158,3 +141,25 @@ class EarlierLegs:
         place = begin[:, None] + (end - begin)[:, None] * places
         held = self._births.may_hold(law, motion.history(t[target, None], place))
         return Pieces(target, begin, end).pick(held)
+
+    def _bends(self, t: Array, born: float) -> Array:
+        """Times of birth, at the one stretch `born`, for which the survival at t bends or its force does, an array of
+        shape (targets, legs, bends); some lie outside the leg.
+
+        Contacts born at s have had stretches from born + low - X(s) to born + high - X(s), low and high being the ends
+        of the way since then, and have born + now - X(s). There is a bend where X(s) - born is one of `goals`: the
+        largest stretch is a mark (high - mark) or the smallest is minus a mark (low + mark), a mark being a bend of
+        P_c, |born| or the end of P_c; both are equally far from 0 (middle); or one of the three is 0 (now, high, low).
+        """
+        motion, legs = self._motion, self._legs
+        now = motion.at(t)[:, None, None]
+        tops, bottoms = motion.knots_between(self._leg, legs)
+        high, low = np.maximum(now, tops[:, None]), np.minimum(now, bottoms[:, None])
+        marks = np.append(self._life.bends, [abs(born), self._life.largest_stretch])
+        middle = 0.5 * (high + low)
+        now = np.broadcast_to(now, middle.shape)
+        goals = [high - marks, low + marks, middle, now, high, low]
+        begin, speed = motion.positions[legs, None], motion.speeds[legs, None]
+        way = born + np.concatenate(goals, axis=2) - begin
+        into_leg = np.divide(way, speed, out=np.zeros(way.shape), where=speed != 0.0)
+        return np.asarray(motion.times[legs, None] + into_leg)

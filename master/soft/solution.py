@@ -85,7 +85,7 @@ def solve_soft(
                 f"contacts.start: stretches {fault}; give the exact values a width, too"
             )
         found = refined(contacts, drive, balance_of(contacts, drive), tolerance, progress, until)
-        error = idle.effect * idle.loads
+        error = idle.error
         later = error * contacts.mean_threshold / float(drive.spring or 0.0)
         slips = replace(found.slips, drive_error=found.slips.drive_error + later)
         found = found._replace(error=found.error + error, slips=slips)

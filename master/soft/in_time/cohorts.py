@@ -69,9 +69,11 @@ class Cohorts:
 
     def __init__(self, contacts: Contacts, memory: Memory, halvings: int, until: float) -> None:
         """All contacts at the beginning; `until` is a reading of time.monotonic() at which to stop."""
-        self.memory, self.delay, self._until = memory, contacts.waiting_time, until
-        self.halvings, self.steps, self.work, self.unresolved = halvings, 0, 0.0, 0.0
-        self.position, self.now, self.unit = 0.0, 0.0, contacts.mean_threshold
+        self.memory, self._until = memory, until
+        self.delay = contacts.waiting_time
+        self.halvings, self.steps, self.work = halvings, 0, 0.0
+        self.position = self.now = self.unresolved = 0.0
+        self.unit = contacts.mean_threshold
         self.largest_stiffness = float(contacts.relative_stiffness(memory.largest_stretch))
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
         self.jumps = bool((law.pdf(ends[ends > 0.0]) > 0.0).any())

@@ -3,7 +3,7 @@
 Errors of the answers fall about as the square of the step, faster with ageing, more slowly where thresholds grow
 or births jump; all are extrapolated as if by the square. The error estimate is three times, with ageing once, the last
 change of the extrapolated or of the plain answers, whichever is smaller, plus the error of the contacts' memory and
-rounding, or what the steps do not resolve if that is larger. The error of the force, and of the load at slips, is
+rounding, or what the steps do not resolve if that is larger. The error of the force, and of the load K X_T at slips, is
 claimed.
 """
 
@@ -86,8 +86,7 @@ def _answer(slider: Slider, times: Array) -> Answer:
     """What one slider answers at times (n,)."""
     unit = slider.contacts.unit
     force, holding = read(slider.sections, times)
-    # rows of Slider.slips: time, K X_T, F before and after
-    slips = np.array(slider.slips).reshape(-1, 4).T[1:]
+    slips = np.reshape([slip[1:] for slip in slider.slips], (-1, 3)).T
     return Answer(force / unit, holding, slips / unit)
 
 
@@ -95,7 +94,7 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
     """The answer at step 0 of three sliders with as many slips."""
     answers = [_answer(one, times) for one in sliders]
     force, holding, slips = (np.array(part) for part in zip(*answers, strict=True))
-    instants = [np.array([slip[0] for slip in one.slips]) for one in sliders]
+    instants = [np.array([slip.time for slip in one.slips]) for one in sliders]
     # at times between two sliders' slips F changes by its drop, which is no error; K X_T says how far F is off
     beside = np.any([_beside(times, *pair) for pair in pairwise(instants)], axis=0)
     of_slips = _changes(slips.reshape(COMPARED, -1))

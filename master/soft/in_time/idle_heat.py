@@ -46,58 +46,63 @@ class Idle(NamedTuple):
     """Contacts without the heat that was left out, and what the message says before the error.
 
     effect : of this heat on the force of relaxed contacts at a given X, at most (mean thresholds)
-    loads : how often such an effect adds up along the drive's path
+    repeats : how often such an effect adds up along the drive's path
     """
 
     contacts: Contacts
     effect: float = 0.0
-    loads: float = 1.0
+    repeats: float = 1.0
     message: str = ""
+
+    @property
+    def error(self) -> float:
+        """What leaving it out changes in the force along the path, at most (mean thresholds)."""
+        return self.effect * self.repeats
 
 
 def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, tolerance: float) -> Idle:
     """The contacts without heat, where its skin is too thin for the cells, and its effect is far below the tolerance or
     so weak that the answer without it is known better than steps would know it."""
-    effect, often = largest_effect(contacts, duration, EARLY * tolerance), loads(contacts, drive)
-    cold = contacts.replace(thermal=None)
-    if (
-        effect * often < IDLE * tolerance
-        and not ThresholdMemory(contacts, USUAL_HALVINGS).resolves_heat
-    ):
-        return Idle(cold, effect, often, "heat is left out: it changes the force by at most")
-    effect = largest_effect(contacts, duration, WHOLE_EARLY)
+
+    def missed_by_cells(halvings: int) -> bool:
+        return not ThresholdMemory(contacts, halvings).resolves_heat
+
+    repeats = repeats_of_effect(contacts, drive)
+    idle = Idle(contacts.replace(thermal=None), 0.0, repeats)
+    idle = idle._replace(effect=largest_effect(contacts, duration, EARLY * tolerance))
+    if idle.error < IDLE * tolerance and missed_by_cells(USUAL_HALVINGS):
+        return idle._replace(message="heat is left out: it changes the force by at most")
+    idle = idle._replace(effect=largest_effect(contacts, duration, WHOLE_EARLY))
     # without heat such contacts are followed without steps
     stepless = not {"delay", "reforming"}.intersection(contacts.laws)
     if drive.slip == "reform-after":
         stepless &= float(drive.spring or 0.0) < NONE_HOLDS_ON
-    if (
-        stepless
-        and effect * often < WEAK
-        and not ThresholdMemory(contacts, MOST_HALVINGS).resolves_heat
-    ):
-        missed = "heat is left out, as steps in time miss it: it may change the force by up to"
-        return Idle(cold, effect, often, missed)
+    if stepless and idle.error < WEAK and missed_by_cells(MOST_HALVINGS):
+        told = "heat is left out, as steps in time miss it: it may change the force by up to"
+        return idle._replace(message=told)
     return Idle(contacts)
 
 
 def without_weak_heat(contacts: Contacts, drive: Drive, duration: float) -> Idle:
     """The contacts without heat, where it changes the force by less than WEAK, for a slider that is followed at T = 0
     only; else as they are, with its effect."""
-    effect, often = largest_effect(contacts, duration, WHOLE_EARLY), loads(contacts, drive)
-    if not effect * often < WEAK:
-        return Idle(contacts, effect, often)
+    effect = largest_effect(contacts, duration, WHOLE_EARLY)
+    idle = Idle(contacts, effect, repeats_of_effect(contacts, drive))
+    if not idle.error < WEAK:
+        return idle
     told = "heat is left out beside a mass: it may change the force by up to"
-    return Idle(contacts.replace(thermal=None), effect, often, told)
+    return idle._replace(contacts=contacts.replace(thermal=None), message=told)
 
 
 def unresolved_heat(contacts: Contacts, memory: Memory, drive: Drive, duration: float) -> float:
     """The error of the force (mean thresholds) due to heat that the memory's cells do not resolve, 0 where they do."""
     if memory.resolves_heat:
         return 0.0
-    return WRONG_EFFECT * largest_effect(contacts, duration, WHOLE_EARLY) * loads(contacts, drive)
+    effect = largest_effect(contacts, duration, WHOLE_EARLY)
+    return WRONG_EFFECT * effect * repeats_of_effect(contacts, drive)
 
 
-def loads(contacts: Contacts, drive: Drive) -> float:
+def repeats_of_effect(contacts: Contacts, drive: Drive) -> float:
     """How often the drive's path loads contacts up to slips, at least 1: K X_T of each slip is as much off as the force
     before it, and so is what comes after."""
     travel = float(np.abs(np.diff(drive.path, prepend=0.0)).sum()) / contacts.mean_threshold

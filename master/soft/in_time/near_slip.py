@@ -29,7 +29,7 @@ def _way_since_slip(slider: Slider, end: float) -> float:
     """X at a time, relative to where the last slip before it ended, or where what broke in it formed again (a length):
     few contacts hold in between, and where the slider stood then does not matter."""
     until = [section for section in slider.sections if section[0].time < end]
-    slipped = [time for time, *_ in slider.slips if time <= until[-1][0].time]
+    slipped = [slip.time for slip in slider.slips if slip.time <= until[-1][0].time]
     if not slipped:
         return until[-1][-1].position
     after = [section for section in until if section[0].time >= slipped[-1]]
@@ -44,7 +44,7 @@ def _to_slip(slider: Slider, end: float) -> float:
     X_T, as a function of X, is largest there; the parabola through the last three steps tells where.
     """
     assert slider.motion is not None
-    slipped = any(time == end for time, *_ in slider.slips)
+    slipped = any(slip.time == end for slip in slider.slips)
     nodes = next((nodes[-3:] for nodes in slider.sections if nodes[-1].time == end), [])
     if slipped or len(nodes) < 3:
         return np.inf

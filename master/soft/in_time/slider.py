@@ -10,7 +10,6 @@ from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Steps
 from origins.drive import Drive
-from origins.thresholds.law import Array
 
 # Least size of a step before the end of a section, in steps: rounding of times would make it 0.
 SHORTEST = 1e-6
@@ -26,6 +25,15 @@ class Node(NamedTuple):
     position: float
 
 
+class Slip(NamedTuple):
+    """A slip: its time, K X_T, and F before and after it (lengths)."""
+
+    time: float
+    load: float
+    force_before: float
+    force_after: float
+
+
 class Slider:
     """The solution along the whole path, with steps of 2^-halvings of the coarsest.
 
@@ -33,16 +41,17 @@ class Slider:
     sections : nodes of each smooth section
     least_drop : change of F (a length) below which a slip is not listed, but counted as an error of F: after a slip the
         few contacts that come back first hold a soft spring for a moment and slip, as often as steps happen to fall
-    slips : time, K X_T, F before and after (lengths) of each slip
+    slips : in order
     """
 
     def __init__(
         self, contacts: Cohorts, drive: Drive, motion: Motion | None, least_drop: float
     ) -> None:
-        self._least_drop = least_drop
-        self.contacts, self._rule, self._spring = contacts, drive.slip, float(drive.spring or 0.0)
-        self.motion, self._size = motion, 0.5**contacts.halvings  # of a step
-        self.sections, self.slips = list[list[Node]](), list[Array]()
+        self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
+        self._rule, self._spring = drive.slip, float(drive.spring or 0.0)
+        self._size = 0.5**contacts.halvings  # of a step
+        self.sections = list[list[Node]]()
+        self.slips = list[Slip]()
 
     def run(self) -> None:
         """Follow the drive to its end, leg by leg; sections of a leg end where births jump, and at slips."""
@@ -96,5 +105,4 @@ class Slider:
         if drop < self._least_drop:
             contacts.unresolved = max(contacts.unresolved, drop)
         else:
-            slip = [contacts.now, self._spring * drive, force, contacts.force]
-            self.slips.append(np.array(slip))
+            self.slips.append(Slip(contacts.now, self._spring * drive, force, contacts.force))

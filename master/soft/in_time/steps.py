@@ -75,7 +75,8 @@ class StepCount:
     """
 
     def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
-        self._begin, self._end, self._rate, self._first = begin, end, rate, min(first, end - begin)
+        self._begin, self._end = begin, end
+        self._rate, self._first = rate, min(first, end - begin)
         self._per_e_fold = 0.0
         if not rate:
             self._per_e_fold = CONTROL.per_e_fold_of_hold

@@ -134,7 +134,7 @@ def solve_inertial(
             progress(error)
     left_out = 1e-14 * (1.0 + spring * float(np.abs(drive.path).max()) / unit)  # rounding
     if idle.message:
-        left_out += idle.effect * idle.loads
+        left_out += idle.error
     found = Followed(
         balance=best.balance,
         force=best.force,
@@ -149,7 +149,7 @@ def solve_inertial(
     solved = slice(0, found.force.size)
     common = common_fields((given, contacts), drive, found, tolerance, until)
     if idle.message:
-        common["message"] += f"; {idle.message} {idle.effect * idle.loads:.1e} mean thresholds"
+        common["message"] += f"; {idle.message} {idle.error:.1e} mean thresholds"
     return InertialSolution(
         **common,
         position=record.place[solved],
@@ -170,7 +170,7 @@ def _check(contacts: Contacts, drive: Drive, idle: Idle) -> None:
     """Refuse contacts whose motion with a mass is not solved, heat among them that is not `idle`."""
     others = sorted(set(contacts.laws) - {"delay"})
     if others == ["thermal"]:
-        effect = f"{idle.effect * idle.loads:.1g}" if np.isfinite(idle.effect) else "unknown"
+        effect = f"{idle.error:.1g}" if np.isfinite(idle.effect) else "unknown"
         hint = "a slider with mass is followed at T = 0, as if heat changed the force by less than"
         change = f"{WEAK:g} mean thresholds; here the bound is {effect}"
         refuse(
