@@ -37,6 +37,12 @@ LOG_OF_LAYER, THIN_LAYER = -25.0, 0.8
 LEAST_STRETCH = 1e-3
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
+# Tightest tolerance, in changes of a survival over the last place of a position: rounding moves it by half of that, and
+# panels keep at least 0.4 of a tolerance. Tighter, panels of narrow laws are halved until `wall_time` is over.
+FROM_ROUNDED_POSITIONS = 1.25
+# Farthest position that counts there, in mean thresholds: default tolerances stay what they are for laws wider than a
+# millionth.
+FAR = 50.0
 
 
 def solve_rigid(
@@ -53,7 +59,8 @@ def solve_rigid(
     began, mean = clock.perf_counter(), contacts.mean_threshold
     motion, arrivals = motion_of(drive, mean, life.timeless and not contacts.waiting_time)
     check_lives(contacts, motion, life)
-    march = march_of(contacts, motion, life, tolerance, until).run()
+    march = march_of(contacts, motion, life, max(tolerance, finest(motion, life, mean)), until)
+    march.run()
     # a march that was stopped has solved the points up to the end of its last panel; without a panel not even X = 0
     solved_until = march.reached * (1.0 + 1e-12) if march.begin.size else -np.inf
     kept = arrivals <= (solved_until if march.unfinished else np.inf)
@@ -164,6 +171,12 @@ def march_of(
         raise InputError(f"thresholds: {fault}; {hint}")
     guess = first_width(life, budget.panels)
     return March(births, contacts.start, plan.times, budget.panels, guess, stretch)
+
+
+def finest(motion: Motion, life: Life, mean: float) -> float:
+    """The tightest tolerance that rounded positions allow for."""
+    farthest = min(float(np.abs(motion.positions).max()), FAR * mean)
+    return float(FROM_ROUNDED_POSITIONS * np.spacing(farthest) / life.resolution_length)
 
 
 def longest_stretch(contacts: Contacts, motion: Motion, life: Life) -> float:

@@ -25,7 +25,9 @@ from oracle.calls import evaluated
 from oracle.judge import Given, load
 
 import master
+import origins
 from toolkit.command import main
+from toolkit.judge.closed_form import closed_form
 from toolkit.stability.case import SIGMAS, Answer, Question, Row, Truth
 from toolkit.stability.coverage import coverage, told
 from toolkit.stability.table import answered
@@ -128,6 +130,18 @@ def test_drawn_cases_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixtur
     roads = [row["road"] for row in kept["rows"] if row["solver"] == "master"]
     assert sum("tighter" not in road for road in roads) >= 9
     assert "errors within 3 standard errors; 99.7 ± " in page
+
+
+def test_what_rounded_positions_do_not_allow_is_missed_at_once() -> None:
+    """Thresholds a millionth to a thousandth wide, where a last place of X changes survivals by 1e-13 to 1e-10."""
+    path = np.linspace(0.0, 3.0, 61)
+    for width in (1e-3, 1e-6):
+        contacts = origins.Contacts(origins.gaussian(1.0, width))
+        found = master.solve(contacts, path, 1e-13, wall_time=60.0)
+        exact, known = closed_form(contacts, path)
+        assert not found.success and found.force.size == path.size
+        assert np.abs(found.force - exact).max() <= found.force_error + known
+        assert found.force_error < 1e-6 * 1e-9 / width
 
 
 def test_errors_beyond_their_bars_are_told() -> None:

@@ -35,6 +35,17 @@ def widths() -> list[Case | Question]:
                 truths.gaussian,
             )
         )
+    found.append(
+        Case(
+            group,
+            "gaussian, std/mean = 1e-3, tighter than round-off",
+            partial(Contacts, origins.gaussian(1.0, 1e-3)),
+            np.linspace(0.3, 30.0, 12),
+            truths.gaussian,
+            tolerance=1e-13,
+            n_contacts=0,
+        )
+    )
     for width in (1.0, 3.0, 10.0):
         spread = math.sqrt(math.log1p(width**2))
         law = scipy.stats.lognorm(spread, scale=math.exp(-0.5 * spread**2))
