@@ -12,10 +12,12 @@ import pytest
 import master
 from origins import Contacts, InputError, gaussian
 from tests.scenes import CONSTANTS, ROUGH, said, write
+from toolkit.processes.signals import TimeIsUp
 from toolkit.scene.scale import guarded, scale_of, written
 from toolkit.scene.scene import load_scene
+from toolkit.verdict import judge
 from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import Behaviour, Machine
+from toolkit.verdict.follow import NO_TIME, Behaviour, Machine
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}
@@ -28,7 +30,8 @@ def _in_tmp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def judged(capsys: Any, **tables: Any) -> tuple[int, str, dict[str, Any]]:
     """Status, page and verdict.json of the command for a scene of these tables."""
-    status, out, _ = said(capsys, "verdict", write(master=None, **tables))
+    # so long that nothing hangs on the speed of the machine
+    status, out, _ = said(capsys, "verdict", write(**({"master": None, "wall_time": 1e4} | tables)))
     return status, "\n".join(out), json.loads(Path("mine-output/verdict.json").read_text())
 
 
@@ -341,3 +344,21 @@ def test_bad_input_is_one_line_and_writes_nothing(
     status, out, err = said(capsys, "verdict", write(**tables))
     assert status == 2 and not out and named in err[-1]
     assert not Path("mine-output").exists()
+
+
+def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:
+    """The time is over while other samples are looked at, or a slider is followed: K* and F_k are told all the same."""
+    samples = np.random.default_rng(1).normal(1.0, 0.2, 40).tolist()
+    tables = {"thresholds": {"kind": "from-samples", "x_s": samples}, "drive": {"spring": 0.5}}
+
+    def late(*arguments: Any, **named: Any) -> None:
+        raise TimeIsUp
+
+    monkeypatch.setattr(judge, "of_resampled", late)
+    _, page, found = judged(capsys, verdict=RESET, **tables)
+    assert page.splitlines()[2].startswith("stick-slip") and "other samples" in page
+    assert found["readings"][0]["kinetic"]["sampling"] is None
+    monkeypatch.setattr(judge, "follow", late)
+    status, page, found = judged(capsys, verdict=RESET, **tables)
+    assert status == 1 and page.splitlines()[2] == f"not decided ({NO_TIME})"
+    assert 0.4 < found["readings"][0]["kinetic"]["value"] < 0.7

@@ -32,7 +32,10 @@ PILOT, FEW = 1 / 20, 500
 
 # mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
 SLID = 10.0
-NOT_SLID = "its path ended before it slid or slipped"
+NOT_SLID, NO_TIME = (
+    "its path ended before it slid or slipped",
+    "no time was left: give more wall_time",
+)
 
 
 @dataclass(frozen=True)
@@ -116,7 +119,7 @@ def follow(
     tolerance = TOLERANCE_IN_TIME if contacts.in_time else TOLERANCE
     alone = not _by_contacts(machine, contacts, rule)
     undamped = machine.mass is not None and not machine.damping
-    found = _refused(rule, "no time was left")
+    found = not_followed(rule, NO_TIME)
     # the other half is for the ensemble, or for a slider with some damping
     until = time.monotonic() + (0.5 if undamped or not alone else 1.0) * wall_time
     for loadings in LOADINGS:
@@ -128,7 +131,7 @@ def follow(
                 contacts, path, tolerance, wall_time=left, **machine.keywords(rule)
             )
         except InputError as error:
-            found = _refused(rule, str(error))
+            found = not_followed(rule, str(error))
             break
         found = _behaviour(rule, solved)
         if found.kind != "undecided" or not solved.success:
@@ -194,7 +197,7 @@ def follow_by_contacts(
             machine, contacts, rule, path, CONTACTS, until - time.monotonic(), or_fewer=True
         )
     except InputError as refused:
-        return _refused(rule, str(refused))
+        return not_followed(rule, str(refused))
     slips, unit = found.slips, contacts.mean_threshold
     drive, force = trace_of(found, 0)
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
@@ -203,7 +206,7 @@ def follow_by_contacts(
     after = slips.mean("force_after", common - 1)[0] if slipped else force[-1]
     error = scatter if slipped else float(found.force_standard_error[-1])
     if not common and not has_slid(found, unit):
-        return _refused(rule, NOT_SLID)
+        return not_followed(rule, NOT_SLID)
     return Behaviour(
         rule=rule,
         kind="stick-slip" if slipped else "smooth",
@@ -227,7 +230,7 @@ def has_slid(found: Any, mean: float) -> bool:
     return bool((found.positions[:, -1] - found.positions[:, 0]).min() >= SLID * mean)
 
 
-def _refused(rule: str, why: str) -> Behaviour:
+def not_followed(rule: str, why: str) -> Behaviour:
     """A behaviour that could not be found, and why."""
     nan = float("nan")
     return Behaviour(rule, "undecided", nan, nan, None, 0, float("inf"), False, why, 0.0)

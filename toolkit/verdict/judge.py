@@ -2,7 +2,9 @@
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
+from toolkit.processes.signals import TimeIsUp
 from toolkit.results.html import as_table
 from toolkit.running.resampled import of_resampled
 from toolkit.running.solvers import within
@@ -17,7 +20,14 @@ from toolkit.scene.scale import Scale, scale_of, with_uncertainty
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.finite import Finite, follow_finite
-from toolkit.verdict.follow import Behaviour, Machine, follow, machine_of
+from toolkit.verdict.follow import (
+    NO_TIME,
+    Behaviour,
+    Machine,
+    follow,
+    machine_of,
+    not_followed,
+)
 from toolkit.verdict.readings import readings_of
 
 RULES = ("reset", "reform-after", "instant")
@@ -193,14 +203,15 @@ def _answer(
     static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
     critical = Quantity(found.critical_spring, found.critical_spring_error)
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
-    for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
-        if machine is None:
-            break
-        share = (until - time.monotonic()) / left
-        behaviours.append(follow(machine, contacts, rule, static.value, share))
-    if sampled_parts(contacts.thresholds):
-        known = [kinetic, static, critical]
-        kinetic, static, critical = _with_sampling(contacts, velocity, known, until)
+    asked = rules if machine is not None else ()
+    with suppress(TimeIsUp):  # what is found by then is told
+        for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
+            share = (until - time.monotonic()) / left
+            behaviours.append(follow(cast(Machine, machine), contacts, rule, static.value, share))
+        if sampled_parts(contacts.thresholds):
+            known = [kinetic, static, critical]
+            kinetic, static, critical = _with_sampling(contacts, velocity, known, until)
+    behaviours += [not_followed(rule, NO_TIME) for rule in asked[len(behaviours) :]]
     return Answer(
         name,
         contacts,
