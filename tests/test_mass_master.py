@@ -16,7 +16,6 @@ STRETCHED = origins.Contacts(
     origins.gaussian(1.0, 0.05), start=origins.gaussian_start(mean=0.2, std=0.05)
 )
 ELASTIC = origins.Contacts(origins.gw_elastic(1.0))
-SLIPS = ("drive", "force_before", "force_after", "duration", "top_speed")
 
 
 @pytest.mark.parametrize("mass, damping", [(0.1, 0.0), (1e-3, 1e-3), (0.1, 3.0)])
@@ -93,34 +92,6 @@ def test_energy_is_kept_and_breaks_only_release(damping: float) -> None:
     assert found.success and np.abs(off).max() < 1e-6 * energy.drive[-1]
     assert np.diff(energy.released).min() > -1e-7 and (np.diff(energy.damped) >= 0.0).all()
     assert (energy.damped[-1] > 0.01) == (damping > 0.0)
-
-
-MOTIONS = [(0.02, 0.05, WIDE), (0.02, 0.0, NARROW), (0.05, 0.02, STRETCHED)]
-
-
-@pytest.mark.parametrize("mass, damping, contacts", MOTIONS, ids=["wide", "narrow", "stretched"])
-def test_the_ensemble_has_the_same_first_slip(
-    mass: float, damping: float, contacts: origins.Contacts
-) -> None:
-    """Means of N contacts, extrapolated in N^(-2/3), in standard errors; and the test finds a spring 1 % off."""
-    machine = {"spring": 0.3, "mass": mass, "damping": damping}
-    found = master.solve(contacts, [6.0], 1e-6, **machine)
-    off = master.solve(contacts, [6.0], 1e-6, **(machine | {"spring": 0.303}))
-    sizes, means = [2_000, 16_000, 128_000], []
-    for size, replicas in zip(sizes, (160, 60, 20), strict=True):
-        asked = {"n_contacts": size, "n_replicas": replicas, "seed": 5}
-        drawn = eq_model.simulate(contacts, [6.0], **machine, **asked)
-        means.append([drawn.slips.mean(name, 0) for name in SLIPS])
-    value, error = np.moveaxis(np.array(means), 2, 0)
-    scale = np.array(sizes, float) ** (-2 / 3)
-    for k, name in enumerate(SLIPS):
-        design = np.stack([np.ones(3), scale], axis=1) / error[:, k, None]
-        inverse = np.linalg.pinv(design)
-        infinite, own = inverse[0] @ (value[:, k] / error[:, k]), np.hypot.reduce(inverse[0])
-        exact = float(getattr(found.slips, name)[0])
-        assert abs(infinite - exact) < 4.0 * own + 1e-5, name
-        if name == "drive":
-            assert abs(infinite - off.slips.drive[0]) > 4.0 * own
 
 
 def test_identical_contacts_move_as_one() -> None:

@@ -1,0 +1,88 @@
+"""Sliders with mass by both solvers, slip by slip: means of N contacts, extrapolated, against the master equation.
+
+The mean of a slip's X_T and forces differs from that of infinitely many contacts by N^(-2/3), as the slider is slow
+where F' = -K, and by the next order, N^(-1): three N give the value without both. The test has power: it tells machines
+apart whose mass, damping or delay differs by 2 %.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import eq_model
+import master
+import origins
+
+SLIPS = ("drive", "force_before", "force_after", "duration", "top_speed")
+# sliders of each N; without a delay more, as their slips differ less between machines
+SIZES, REPLICAS = np.array([4_000, 32_000, 256_000]), np.array([120, 40, 10])
+MORE = 5
+# weights of the means at three N in their value without the powers 2/3 and 1 of 1/N
+WEIGHTS = np.linalg.inv(np.stack([SIZES**-power for power in (0.0, 2 / 3, 1.0)], axis=1))[0]
+MASS, VELOCITY = 0.1, 0.3
+DAMPED = 0.25  # in units of critical damping of mass and spring
+FURTHEST = 4.0  # largest difference, in standard errors
+SEEN = 0.02  # change of a number of the machine that the test sees
+
+
+class Pulled(NamedTuple):
+    """Contacts at their start, the spring, and how far it is pulled without a delay and with one."""
+
+    thresholds: Any
+    start: Any
+    spring: float
+    ends: tuple[float, float]
+
+
+PULLED = {
+    "gaussian": Pulled(origins.gaussian(1.0, 0.2), 0.0, 0.1, (11.0, 22.0)),
+    "lubricated": Pulled(origins.lubricated(1.0), 0.0, 0.05, (21.0, 22.0)),
+    "persson": Pulled(
+        origins.persson(1.0, 0.5), origins.gaussian_start(0.1, 0.1), 0.1, (11.0, 14.0)
+    ),
+}
+CASES = [(law, damped, delay) for law in PULLED for damped in (0, 1) for delay in (0.0, 0.3, 3.0)]
+FAST = [("lubricated", 0, 0.0), ("persson", 1, 3.0)]
+
+
+def asked(law: str, **numbers: float) -> dict[str, Any]:
+    """Arguments of both solvers for a machine with these mass, damping and delay; without a delay if it is 0."""
+    pulled, delay = PULLED[law], numbers.pop("delay")
+    contacts = origins.Contacts(
+        pulled.thresholds, pulled.start, delay=origins.Delay(delay) if delay else None
+    )
+    machine = {"spring": pulled.spring, "velocity": VELOCITY} | numbers
+    return {"contacts": contacts, "path": [pulled.ends[delay > 0.0]]} | machine
+
+
+@pytest.mark.parametrize(
+    "law, damped, delay",
+    [pytest.param(*case, marks=() if case in FAST else pytest.mark.slow) for case in CASES],
+)
+def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float) -> None:
+    damping = DAMPED * damped * 2.0 * (PULLED[law].spring * MASS) ** 0.5
+    numbers = {"mass": MASS, "damping": damping, "delay": delay}
+    found = master.solve(**asked(law, **numbers), tolerance=3e-5)
+    count, replicas = found.slips.drive.size, REPLICAS * (1 if delay else MORE)
+    assert found.success and count > 0
+    drawn = [
+        eq_model.simulate(**asked(law, **numbers), n_contacts=n, n_replicas=many, seed=1).slips
+        for n, many in zip(SIZES.tolist(), replicas.tolist(), strict=True)
+    ]
+    means = np.array(
+        [[[one.mean(name, k) for name in SLIPS] for k in range(count)] for one in drawn]
+    )
+    value = np.tensordot(WEIGHTS, means[..., 0], 1)
+    error = np.tensordot(WEIGHTS**2, means[..., 1] ** 2, 1) ** 0.5
+
+    def off(other: Any) -> float:
+        exact = np.array([getattr(other.slips, name) for name in SLIPS]).T
+        both = min(len(exact), count)
+        return float((np.abs(exact - value)[:both] / error[:both]).max())
+
+    assert off(found) < FURTHEST
+    for name in [name for name, number in numbers.items() if number]:
+        changed = numbers | {name: (1.0 + SEEN) * numbers[name]}
+        other = master.solve(**asked(law, **changed), tolerance=3e-4)
+        assert off(other) > FURTHEST, name
