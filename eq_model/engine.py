@@ -185,8 +185,8 @@ class Engine:
             typical = np.maximum(stretch, float(np.sqrt(law.moment(2))))
             stretch = stretch * typical / contacts.mean_threshold
         rounding = self._work.drive.unit**2 / self._work.drive.square  # of squares of stretches
-        # a start so narrow that its variance is lost in rounding may still have that much
-        least = 0.0 if start.is_single else rounding
+        # stretches or stiffnesses so narrow that their variance is lost in rounding may still have that much
+        least = 0.0 if start.is_single and contacts.stiffness != "linked" else rounding
         return np.maximum(np.where(seen < rounding, least, seen), stretch**2 * share)
 
     def _step_error(self, done: list[range], sums: Whole) -> Array:

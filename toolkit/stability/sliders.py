@@ -112,6 +112,14 @@ def starts() -> list[Case | Question]:
         Case(group, "at the thresholds' mean", lambda: Contacts(NARROW, 0.999), FORWARD),
         Case(group, "just below the end of a rectangle", lambda: Contacts(box, near), FORWARD),
         Case(group, "beyond every threshold", lambda: Contacts(box, 1.5), FORWARD),
+        Case(
+            group,
+            "linked stiffness that varies by 1e-5, no break",
+            lambda: Contacts(origins.rectangular(1.0 - 1e-5, 1.0 + 1e-5), stiffness="linked"),
+            np.array([0.13, 0.5, 0.0434]),
+            truths.no_break,
+            n_contacts=5_000,
+        ),
     ]
 
 
