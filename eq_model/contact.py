@@ -1,7 +1,7 @@
 """Compiled functions of one contact: its break under laws that do not change its threshold, and its sums.
 
 The loops select a law by the type of its settings: BREAKS holds the function that breaks a contact, AGED the one that
-returns its threshold at a later instant.
+returns its threshold at a later instant. Cold contacts have none in BREAKS: they break in rows (row_breaks.py).
 """
 
 from collections.abc import Callable
@@ -54,9 +54,13 @@ class Work(NamedTuple):
     exposures: QuantileTable  # logs of the integrals of rates at which contacts break
     law: Any
     forward: bool  # whether it is a Forward
+    at_once: (
+        bool  # whether contacts that break form again at once, relaxed and of the same stiffness
+    )
     drive: WholeDrive
     mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
+    ticks: Any  # (m,): of the clock in that time, on each leg
     needs_exposure: bool  # whether the law breaks contacts at a rate, or at a hazard
     linked: bool  # whether stiffness is proportional to the threshold
     measured: bool  # whether squares are summed for the variance
@@ -187,20 +191,6 @@ def look_at(k, birth, threshold, drive, counts):  # type: ignore[no-untyped-def]
     counts[k, 1, whole(min(max(y, 0.0), many - 1.0))] += 1
 
 
-def _at_threshold(law, contact, drive, counts):  # type: ignore[no-untyped-def]
-    """The break of a contact at T = 0."""
-    leg, clock, legs = contact.leg, contact.clock, drive.directions.size
-    birth = place_of(clock, leg, drive) - contact.stretch
-    while leg < legs:
-        then = unsigned(leg + 1)
-        beyond = abs(drive.positions[then] - birth) - contact.threshold
-        if beyond >= 0 or (beyond >= -law.tie and leg + 1 < legs):
-            # the threshold is reached on this leg; within `tie` of a turn it counts as reached at the turn
-            return Break(max(drive.begins[then] - max(beyond, 0), clock), leg, contact.drawn)
-        leg += 1
-    return Break(drive.begins[legs] + 1, leg, contact.drawn)
-
-
 @inlined
 def _integral(law, x, threshold, k):  # type: ignore[no-untyped-def]
     """The integral of the rate over the stretch from 0 to x (whole units), an odd function; threshold : a length."""
@@ -271,7 +261,7 @@ def _by_rate(law, contact, drive, counts):  # type: ignore[no-untyped-def]
     return Break(clock + 1, leg, contact.drawn)
 
 
-BREAKS |= {Cold: _at_threshold, Warm: _by_rate}
+BREAKS[Warm] = _by_rate
 AGED |= dict.fromkeys((Cold, Warm), lambda law, contact, drive, instant: real(contact.threshold))
 ROWS[Warm] = _in_row
 # breaks_in_row(law, n, x, breaks_at, lanes, work): the stretches at which contacts break in steady motion, or their

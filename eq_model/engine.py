@@ -8,7 +8,7 @@ import numpy.typing as npt
 from eq_model.blocks import BLOCK, Blocks, State, Whole
 from eq_model.draws.tables import DEEPEST
 from eq_model.result import BINS, chosen_points, histogram, make_edges
-from eq_model.whole_drive import STIFFNESS_UNIT, TIE, durations, whole_drive
+from eq_model.whole_drive import STIFFNESS_UNIT, TIE, durations, ticks_of, whole_drive
 from origins import Contacts, Drive
 from origins.contacts import LAWS, check_contacts
 from origins.errors import InputError
@@ -43,8 +43,8 @@ class Engine:
             )
         from eq_model.contact import Work
         from eq_model.draws.births import births_of, exposures
-        from eq_model.lanes import Forward
         from eq_model.laws.settings import law_of
+        from eq_model.row_breaks import Forward
 
         self.contacts, self._seed, self._drive = contacts, seed, drive
         # the same law all along the path: without laws nothing depends on time
@@ -77,9 +77,11 @@ class Engine:
             exposures=exposures(),
             law=Forward(law) if forward else law,
             forward=forward,
+            at_once=contacts.waiting_time == 0.0 and contacts.reforming is None and not linked,
             drive=in_units,
             mean=scale / in_units.unit,
             wait=contacts.waiting_time,
+            ticks=ticks_of(in_units, contacts.waiting_time),
             needs_exposure=contacts.grains is not None
             or (contacts.thermal is not None and contacts.growing is None),
             linked=linked,
@@ -146,7 +148,7 @@ class Engine:
         whole = limbs[0].astype(object) * (1 << 32) + limbs[1].astype(object)
         count, ky, square, *rest = whole.T
         k, kky, kk = rest or (count * part, ky, count * part)
-        places, per_square = drive.bin_positions.astype(object), round(1.0 / drive.square)
+        places, per_square = drive.bin_positions[:-1].astype(object), round(1.0 / drive.square)
         far = square * (per_square * part) + places * (2 * part * kky + kk * places)
         born, squares_born = ky * part + k * places, kky * part + kk * places
         changes = np.cumsum([count, k, born, kk, squares_born, far], axis=1)

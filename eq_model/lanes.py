@@ -1,140 +1,154 @@
 """Contacts of one block in lanes: drawn, followed until they break, and drawn again.
 
 A lane follows one contact of the block after another. In each row of draws every lane takes one threshold, with which
-its contact forms anew: at X = 0 where the one before held to the end. The loop is compiled for each type of law, so
-that absent laws cost nothing, and cached on disk, which closures cannot be.
-
-Under any law a contact holds until `break_of` breaks it, and is out for the delay if there is one. In steady forward
-motion, cold or warm (`Forward`), a contact that breaks at the stretches x1, x2, ... is relaxed again at x1, x1 + x2,
-... of the slider; released stretches are summed in the breaks' bins. Loops of up to four arrays become vector code.
+its contact forms anew: at X = 0 where the one before held to the end. A row is a few short loops over all its lanes,
+whatever the path and the laws: where the contacts break (`breaks_of`), in which bins, what that adds to the sums, when
+the delay is over, and where they form again. What is unpredictable is computed without branches, as a wrong guess of
+the processor costs as much as the rest. The loops are compiled for each type of law, so that absent laws cost nothing,
+and cached on disk, which closures cannot be; those without tables become vector code.
 """
 
-from typing import Any, NamedTuple
-
 import numpy as np
-import numpy.typing as npt
 
-from eq_model.blocks import Whole
-from eq_model.compiling import compiled, real, unsigned, whole
-from eq_model.contact import (
-    Contact,
-    aged_threshold,
-    bin_of,
-    break_of,
-    breaks_in_row,
-    by_law,
-    count_event,
-    later,
-    look_at,
-    place_of,
-)
-from eq_model.draws.births import LEVEL_UNIT, draw_stretches, draw_thresholds, draw_values
+from eq_model.compiling import compiled, inlined, real, unsigned, whole
+from eq_model.contact import aged_threshold, bin_of, by_law, count_event, later, look_at
+from eq_model.draws.births import draw_stretches, draw_thresholds, draw_values
 from eq_model.draws.streams import EXPOSURES, LANES
-from origins.thresholds.law import Array
+from eq_model.row_breaks import Forward, Lanes, breaks_of, contact_of
 
 
-class Forward(NamedTuple):
-    """Steady forward motion by a law that breaks whole rows; the instants of lanes are then positions of the slider."""
-
-    law: Any
-
-
-class Lanes(NamedTuple):
-    """Arrays of one block: the contact of each lane, what one row of draws gave it, and scratch; of shape (LANES,)."""
-
-    number: Whole  # index in the block; the lane's next contact is LANES further
-    initial: Whole  # 1 for a contact of the start that has not broken
-    instant: Whole  # of the drive's clock, at which it forms; beyond the end once `Forward` has no contact left for it
-    leg: Whole
-    drawn: Whole  # steps for which the laws have drawn words in the lane
-    threshold: Whole
-    stretch: Whole  # at which the contact forms
-    log_exposure: Whole
-    breaks_at: Whole  # where its rate breaks it if the leg goes on, as contact.breaks_in_row has it
-    square: Whole  # the slider at the end of the break's bin; then the change of the sum of squares by the break
-    log_amount: Array  # ln of the integral of the rate over the way to the break
-    bins: npt.NDArray[np.int32]
+@inlined
+def _look(law, n, work, lanes, counts):  # type: ignore[no-untyped-def]
+    """Count n contacts at the watched points between their births and their breaks."""
+    drive = work.drive
+    for i in range(n):
+        contact = contact_of(i, work, lanes)
+        for k in range(drive.before[lanes.born_in[i]], drive.before[lanes.bins[i]]):
+            instant = drive.bin_ends[drive.watched[k]]
+            threshold = aged_threshold(law, contact, drive, instant)
+            if threshold >= 0.0:
+                look_at(k, lanes.birth[i], threshold, drive, counts)
 
 
-def _advance_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
-    """Move n contacts forward to their breaks, by a law for lanes. Returns the number of breaks."""
-    drive, breaks, end, many = work.drive, whole(0), work.drive.end, work.drive.bin_ends.size
-    instant, bins, square = lanes.instant, lanes.bins, lanes.square
-    x = breaks_in_row(law.law, n, lanes.threshold, lanes.breaks_at, lanes, work)
-    # from here on, the slider's position at which the contact is relaxed
-    for i in range(unsigned(0 if work.again.relaxed else n)):
-        instant[i] -= lanes.stretch[i]
-        lanes.initial[i] = whole(instant[i] + x[i] > end)
-    for i in range(n if counts.shape[0] or not drive.even else 0):
-        born, broken = instant[i] + lanes.stretch[i], instant[i] + x[i]
-        bins[i] = np.int32(many if broken > end else bin_of(broken, drive))
-        square[i] = drive.bin_positions[min(bins[i], many - 1)]
-        if born <= end:
-            for k in range(drive.before[bin_of(born, drive)], drive.before[bins[i]]):
-                look_at(k, instant[i], real(lanes.threshold[i]), drive, counts)
-    for i in range(unsigned(n)):
-        broken = instant[i] + x[i]
-        over = broken > end
-        if drive.even:
-            bins[i] = np.int32(min(max((broken + drive.offset) >> drive.shift, whole(0)), many))
-        number = lanes.number[i] + (whole(LANES) if over else whole(0))
-        again = whole(0) if number < count else end + 1
-        lanes.number[i], instant[i] = number, again if over else broken
-        breaks += whole(not over)
+@inlined
+def _bins_of(instants, n, drive, bins):  # type: ignore[no-untyped-def]
+    """Set the bins of n instants; those beyond the end have the one after the last."""
+    many, end = drive.bin_ends.size, drive.end
+    for i in range(unsigned(n if drive.even else 0)):
+        bins[i] = np.int32(min(max((instants[i] + drive.offset) >> drive.shift, whole(0)), many))
+    for i in range(0 if drive.even else n):
+        bins[i] = np.int32(many if instants[i] > end else bin_of(instants[i], drive))
+
+
+@inlined
+def _count_lives(n, work, lanes, sums):  # type: ignore[no-untyped-def]
+    """Add births and breaks of n contacts to the sums of their bins."""
+    for i in range(n):
+        k = real(lanes.threshold[i]) / work.mean if work.linked else 1.0
+        count_event(whole(1), k, lanes.birth[i], lanes.born_in[i], work, sums)
+        count_event(whole(-1), k, lanes.birth[i], lanes.bins[i], work, sums)
+
+
+@inlined
+def _count_changes(n, place, work, lanes, sums):  # type: ignore[no-untyped-def]
+    """Add to the sums the breaks of n contacts that form again at once, all else being equal, where the slider is: only
+    the position at which each is relaxed changes."""
+    birth, square, bins = lanes.birth, lanes.square, lanes.bins
+    drive = work.drive
     measured = unsigned(n if work.measured else 0)
-    for i in range(measured if drive.even else unsigned(0)):
-        square[i] = drive.bin_positions[0] + (whole(bins[i]) << drive.shift)
     for i in range(measured):
-        change = real(x[i]) * real(2 * (instant[i] - square[i]) - x[i]) * drive.square
+        square[i] = drive.bin_positions[unsigned(bins[i])]
+    for i in range(measured):
+        way = place[i] - birth[i]
+        change = real(way) * real(2 * (place[i] - square[i]) - way) * drive.square
         square[i] = whole(np.floor(0.5 + change))
     for i in range(unsigned(n)):
-        sums[unsigned(bins[i]), 1] += x[i]
+        sums[unsigned(bins[i]), 1] += place[i] - birth[i]
         if work.measured:
             sums[unsigned(bins[i]), 2] += square[i]
-    return breaks
 
 
-def _follow_row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
-    """Follow one life in each of n lanes, by any law. Returns the number of breaks."""
-    breaks, drive = whole(0), work.drive
-    breaks_at = breaks_in_row(law, n, lanes.threshold, lanes.breaks_at, lanes, work)
+@inlined
+def _wait(n, work, lanes):  # type: ignore[no-untyped-def]
+    """Move the instants and legs of n breaks on to the next births, as the delay passes."""
+    drive, on, waiting, left = work.drive, lanes.breaks_on, lanes.waiting, whole(0)
+    broken, instant = lanes.instant, lanes.broken  # the births before are not needed any more
     for i in range(unsigned(n)):
-        number = lanes.number[i]
-        if number >= count:
-            continue
-        clock, leg, initial, drawn = (
-            lanes.instant[i],
-            lanes.leg[i],
-            lanes.initial[i],
-            lanes.drawn[i],
+        broken[i] = instant[i]
+    for i in range(unsigned(n)):
+        leg = unsigned(on[i])
+        until = drive.begins[leg + unsigned(1)]
+        instant[i] = max(min(broken[i] + work.ticks[leg], until), broken[i])
+        waiting[unsigned(left)] = whole(i)
+        left += whole(
+            (broken[i] <= until) & (work.wait > real(until - broken[i]) * drive.paces[leg])
         )
-        x, r, e = lanes.threshold[i], lanes.stretch[i], real(lanes.log_exposure[i]) * LEVEL_UNIT
-        k = real(x) / work.mean if work.linked else 1.0
-        contact = Contact(clock, leg, r, x, e, breaks_at[i], k, initial == 0, i, drawn, work.stream)
-        birth = place_of(clock, leg, drive) - r
-        found = break_of(law, contact, drive, counts)
-        instant, leg, holds = found.clock, found.leg, found.clock > drive.end
-        born, broken = bin_of(clock, drive), drive.bin_ends.size
-        count_event(whole(1), k, birth, born, work, sums)
-        if not holds:
-            broken = bin_of(instant, drive)
-            count_event(whole(-1), k, birth, broken, work, sums)
-            breaks += whole(instant > clock)
-        if counts.shape[0]:
-            for j in range(drive.before[born], drive.before[broken]):
-                threshold = aged_threshold(law, contact, drive, drive.bin_ends[drive.watched[j]])
-                if threshold >= 0.0:
-                    look_at(j, birth, threshold, drive, counts)
-        if not holds and work.wait > 0.0:
-            instant, leg = later(instant, leg, work.wait, drive)
-        over = instant > drive.end
-        lanes.drawn[i], lanes.initial[i] = found.drawn, whole(over)
-        lanes.instant[i], lanes.leg[i] = (whole(0), whole(0)) if over else (instant, leg)
-        lanes.number[i] += LANES if over else 0
+    for j in range(unsigned(left)):  # their delay goes on after the end of the leg
+        lane = unsigned(waiting[j])
+        instant[lane], leg_then = later(broken[lane], on[lane], work.wait, drive)
+        on[lane] = min(leg_then, whole(drive.paces.size - 1))
+
+
+def _on_path(law, n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
+    """Set when and on which legs the next contacts form, and where the slider then is, which is returned."""
+    drive, on = work.drive, lanes.breaks_on
+    for i in range(unsigned(n)):  # the leg of a contact that holds to the end does not matter
+        on[i] = on[i] if broken[i] <= drive.end else whole(0)
+    if work.wait > 0.0:
+        _wait(n, work, lanes)
+    for i in range(unsigned(n)):
+        leg, then = unsigned(on[i]), unsigned(on[i] + 1)
+        far, until = drive.positions[then], drive.begins[then]
+        lanes.far[i], lanes.until[i] = far, until
+        place[i] = far - drive.directions[leg] * (until - broken[i])
+    first_far, first_until = drive.positions[1], drive.begins[1]
+    for i in range(unsigned(n)):
+        over = broken[i] > drive.end
+        lanes.leg[i] = whole(0) if over else on[i]
+        lanes.far[i] = first_far if over else lanes.far[i]
+        lanes.until[i] = first_until if over else lanes.until[i]
+    return place
+
+
+def _ahead(law, n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
+    """As `_on_path` in steady forward motion, where each forms at once and the clock is the slider's position."""
+    return broken
+
+
+form_again = by_law(lambda law: _ahead if law is Forward else _on_path)
+
+
+@inlined
+def _row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
+    """Follow one life in each of n lanes. Returns the number of breaks."""
+    drive, end = work.drive, work.drive.end
+    instant, birth, broken = lanes.instant, lanes.birth, lanes.broken
+    for i in range(unsigned(0 if work.again.relaxed else n)):
+        birth[i] -= lanes.stretch[i]
+    breaks = breaks_of(law, n, work, lanes, counts)
+    _bins_of(broken, n, drive, lanes.bins)
+    looks = counts.shape[0] > 0
+    if looks or not work.at_once:
+        _bins_of(instant, n, drive, lanes.born_in)
+    if looks:
+        _look(law, n, work, lanes, counts)
+    if not work.at_once:
+        _count_lives(n, work, lanes, sums)
+    place = form_again(law, n, work, lanes, broken, lanes.place)
+    if work.at_once:
+        _count_changes(n, place, work, lanes, sums)
+    for i in range(unsigned(n)):
+        over = broken[i] > end
+        number = lanes.number[i] + (whole(LANES) if over else whole(0))
+        again = whole(0) if number < count else end + 1
+        lanes.number[i] = number
+        birth[i] = again if over else place[i]
+    for i in range(unsigned(n if looks or not (work.forward and work.again.relaxed) else 0)):
+        over = broken[i] > end
+        again = whole(0) if lanes.number[i] < count else end + 1
+        instant[i] = again if over else broken[i]
+        lanes.initial[i] = whole(over)
     return breaks
-
-
-_row = by_law(lambda law: _advance_row if law is Forward else _follow_row)
 
 
 @compiled
@@ -150,14 +164,21 @@ def follow(work, scratch, count, sums, counts):  # type: ignore[no-untyped-def]
         out = starting[part * LANES :]
         draw_stretches(whole(LANES), part & 3, part >> 2, stream, starts, scratch, out)
     starting = starting[: count if starts.drawn else 1]
-    if work.forward:  # rows count no births
+    if work.at_once:  # rows count no births
         for stretch in starting:
             count_event(whole(1) if starts.drawn else count, 1.0, -stretch, 0, work, sums)
     # allocated in the kernel, which then knows that they do not overlap
-    m, log_amount, bins = np.zeros((10, LANES), whole), np.zeros(LANES), np.zeros(LANES, np.int32)
+    m, log_amount, bins = (
+        np.zeros((17, LANES + 8), whole),
+        np.zeros(LANES),
+        np.zeros((2, LANES), np.int32),
+    )
     for i in range(LANES):
         m[0, i], m[1, i] = i, 1
-    lanes = Lanes(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], log_amount, bins)
+        m[4, i], m[5, i] = work.drive.positions[1], work.drive.begins[1]
+    early = m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10]
+    more = m[11], m[12], m[13], m[14], m[15], m[16], log_amount, bins[0], bins[1]
+    lanes = Lanes(*early, *more)
     n, turn, breaks, least = min(LANES, count), whole(0), whole(0), whole(0)
     while least < count:
         for row in range(whole(4)):
@@ -172,6 +193,6 @@ def follow(work, scratch, count, sums, counts):  # type: ignore[no-untyped-def]
                 draw_values(n, row, turn, stream, EXPOSURES, work.exposures, words, scratch, e)
             breaks += _row(work.law, n, count, work, lanes, sums, counts)
         turn, least = turn + 1, lanes.number[0]
-        for number in lanes.number:
-            least = min(least, number)
+        for i in range(LANES):
+            least = min(least, lanes.number[i])
     return breaks

@@ -34,7 +34,9 @@ class WholeDrive(NamedTuple):
     directions: Whole  # (m,): of the motion, 0 in a hold
     paces: Array  # (m,): time in one unit of the clock
     bin_ends: Whole  # (n,): the last instant that belongs to each bin
-    bin_positions: Whole  # (n,): the slider there, to which stretches of the bin's events refer
+    bin_positions: (
+        Whole  # (n + 1,): the slider there, to which stretches of the bin's events refer; and 0
+    )
     first_bin: npt.NDArray[np.int32]  # the first bin that ends in each cell of the clock or later
     shift: np.int64  # a cell is 2^shift long
     even: bool  # whether each cell is a bin, that of (clock + offset) >> shift
@@ -100,7 +102,7 @@ def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeD
         directions,
         paces=legs[1] / ticks,
         bin_ends=ends,
-        bin_positions=positions[leg] + directions[leg] * (whole - begins[leg]),
+        bin_positions=np.append(positions[leg] + directions[leg] * (whole - begins[leg]), 0),
         first_bin=np.minimum(first, ends.size - 1).astype(np.int32),
         shift=np.int64(shift),
         even=bool(spacing),
@@ -108,6 +110,13 @@ def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeD
         end=ends[-1],
         square=2.0 ** min(free - 2 * (room + bits), 0.0),
     )
+
+
+def ticks_of(drive: WholeDrive, wait: float) -> Whole:
+    """Ticks of the clock in a time, on each leg, shape (m,); far beyond the end where the clock runs that fast."""
+    paces = drive.paces
+    ticks = np.divide(wait, paces, out=np.zeros(paces.size), where=paces > 0.0)
+    return np.floor(np.minimum(ticks, 2.0**62) + 0.5).astype(np.int64)
 
 
 def _bits(number: float) -> int:

@@ -89,8 +89,8 @@ QUESTIONS = {
     "the barrier of an island": ("origins:barrier",),
     "the draw of a threshold in the ensemble": ("eq_model:draw_thresholds",),
     "its break there: forward; cold; warm": (
-        "eq_model:_advance_row",
-        "eq_model:_at_threshold",
+        "eq_model:_forward",
+        "eq_model:_cold",
         "eq_model:_by_rate",
     ),
     "an avalanche of the ensemble": ("eq_model:slide",),
