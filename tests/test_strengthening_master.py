@@ -224,6 +224,34 @@ def test_after_a_rest_the_next_peak_rises_by_beta_per_logarithm_of_time():
     np.testing.assert_allclose(peaks, peaks[0], rtol=0.05)
 
 
+def left_one_by_one(law, beta, start, until, thermal):
+    """Share of those that began at a stretch and hold on TIMES, PLACES: over thresholds, by midpoints of time."""
+    ends = np.unique(np.append(np.array(TIMES)[np.array(TIMES) < until], until))
+    graded = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 1.0, 401))
+    t = np.unique(ends[:-1, None] + np.diff(ends)[:, None] * graded)
+    x = np.abs(start + np.interp(t, TIMES, PLACES))
+    least = max(float((x / growth(beta, t)).max()), abs(start))
+    fresh, shares = gauss(np.linspace(least, float(law.isf(1e-15)), 60), 8)
+    middle = 0.5 * (t[1:] + t[:-1])
+    limit = fresh[:, None] * growth(beta, middle)
+    spent = thermal.rate(np.minimum(0.5 * (x[1:] + x[:-1]), limit), limit) @ np.diff(t)
+    return float((shares * law.pdf(fresh)) @ np.exp(-spent) / law.sf(abs(start)))
+
+
+@pytest.mark.parametrize(
+    "thermal", [Thermal("eyring", width=0.05, attempt_frequency=3.0), Thermal("stiff", 0.1, 0.5)]
+)
+def test_with_heat_what_holds_on_a_path_that_turns_and_rests_is_a_sum_over_thresholds(thermal):
+    """Of the first contacts alone: broken ones stay out."""
+    contacts = Contacts(strengthening(PC, 0.2, TAU), 0.1, thermal, delay=Delay(1e3))
+    time = np.array([1.0, 1.5, 2.2, 2.5, 4.0, 4.6, 5.0])
+    found = master.solve(contacts, np.interp(time, TIMES, PLACES), 1e-4, time=time)
+    exact = [left_one_by_one(PC, 0.2, 0.1, t, thermal) for t in time]
+    assert found.success and np.abs(found.holding - exact).max() < found.force_error + 3e-5
+    without = [left_one_by_one(PC, 0.1, 0.1, t, thermal) for t in time]
+    assert np.abs(found.holding - without).max() > 1e-2
+
+
 T = np.linspace(0.5, 5.0, 10)
 TOGETHER = {
     "a path that turns and rests, with a delay": (
@@ -234,6 +262,10 @@ TOGETHER = {
         Contacts(strengthening(PC, 0.3, 2.0), thermal=EYRING),
         {"path": np.linspace(0.3, 3.0, 10), "velocity": 1e-3},
     ),
+    "heat and a velocity step": (
+        Contacts(strengthening(PC, 0.3, 2.0), thermal=EYRING),
+        {"path": [1.0, 2.0, 2.05, 2.2, 2.6], "time": [1e3, 2e3, 2005.0, 2020.0, 2060.0]},
+    ),
 }
 
 
@@ -241,11 +273,11 @@ TOGETHER = {
 def test_the_ensemble_agrees(name):
     """At all points, in standard errors; a growth that is a tenth weaker does not agree."""
     contacts, drive = TOGETHER[name]
-    solved = master.solve(contacts, tolerance=1e-4, **drive)
+    solved = master.solve(contacts, tolerance=1e-3, **drive)
     drawn = eq_model.simulate(contacts, n_contacts=40_000, seed=5, **drive)
     growing = contacts.strengthening
     weaker = strengthening(PC, 0.9 * growing.beta, growing.time_unit)
-    other = master.solve(contacts.replace(thresholds=weaker), tolerance=1e-4, **drive)
+    other = master.solve(contacts.replace(thresholds=weaker), tolerance=1e-3, **drive)
 
     def away(force):
         return float((np.abs(drawn.force - force) / (drawn.force_error + 1e-4)).max())
@@ -283,13 +315,8 @@ def test_the_first_slip_is_where_the_force_falls_as_steeply_as_the_spring(slip):
 
 # -- refusals --------------------------------------------------------------------------------------
 
-HOT = Contacts(strengthening(PC, 0.1, 1.0), thermal=EYRING)
 EXACT = Contacts(strengthening(origins.identical(1.0), 0.1, 1.0))
 REFUSED = {
-    "heat on a path that turns": (
-        lambda: master.solve(HOT, [1.0, 0.0], 1e-3),
-        r"contacts\.thermal: heat beside thresholds that grow is taken at one speed alone",
-    ),
     "exact values": (
         lambda: master.steady_state(EXACT),
         r"contacts\.thresholds: holds exact values",

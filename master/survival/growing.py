@@ -42,12 +42,14 @@ COEFFICIENT_LIMIT, LIMIT_OF_BAND = 1e-6, 1e-7
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
 WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 1000
+# Part of a contact's age, in the logarithm of time, from which on a leg is told apart from none; and the least.
+SHORTEST, TINY = 1e-14, 1e-200
 # Largest hazard lost right after pinning: the survival e^-300 is close to underflow.
 MOST_LOST = 300.0
 
 
 class GrowingLife(ChangingLife):
-    """Life (see master.survival.life) of contacts with GrowingThresholds; with heat, on one leg only.
+    """Life (see master.survival.life) of contacts with GrowingThresholds.
 
     longest : the latest time > 0 at which `survival_and_force` is called
 
@@ -91,13 +93,15 @@ class GrowingLife(ChangingLife):
 
     @classmethod
     def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
-        """See ChangingLife: exact values would break together, which no panel resolves, and with heat a survival is
-        known on one leg alone."""
+        """See ChangingLife: exact values would break together, which no panel resolves, and with heat the births of
+        contacts whose thresholds begin at 0 take minutes on a path of several legs."""
+        growing = contacts.growing
+        assert growing is not None
         if contacts.thresholds.atoms[0].size:
             fault = "holds exact values, which the master equation does not follow while they grow"
             instead = "give them a width, as in gaussian(mean, std), or use eq_model.simulate"
             return f"contacts.thresholds: {fault}; {instead}"
-        if contacts.thermal is None or one_leg:
+        if contacts.thermal is None or one_leg or not growing.begins_at_0:
             return ""
         fault = (
             "heat beside thresholds that grow is taken at one speed alone, by the master equation"
@@ -160,7 +164,7 @@ class GrowingLife(ChangingLife):
         self, stretch: Array, pinned_for: Array, worst: Array
     ) -> tuple[Array, float]:
         """Fraction that heat has not broken of contacts with quantiles beyond the hazards `worst`, (n,), by stretches
-        and times since pinning at both ends of one leg, (n, 2); and its error."""
+        and times since pinning at the ends of all legs, (n, legs + 1); and its error."""
         rate_errors = [0.0]
 
         def survival(row: Rows, hazard: Array) -> Array:
@@ -176,8 +180,22 @@ class GrowingLife(ChangingLife):
     def _integrated_rate(
         self, hazard: Array, stretch: Array, pinned_for: Array
     ) -> tuple[Array, float]:
-        """A of contacts whose quantiles have these hazards (n, k), with stretches and times since pinning at both ends
-        of a leg (n, 2), shape (n, k); and the error of e^-A."""
+        """A of contacts whose quantiles have these hazards (n, k), with stretches and times since pinning at the ends
+        of legs (n, legs + 1), shape (n, k); and the error of e^-A."""
+        integrated, error = np.zeros(hazard.shape), 0.0
+        for leg in range(stretch.shape[1] - 1):
+            ends = np.s_[leg : leg + 2]
+            begin, end = np.log1p(pinned_for[:, ends].T / self._growing.time_unit)
+            lasts = end - begin > SHORTEST * end + TINY  # others are over in the rounding of times
+            if lasts.any():
+                on_leg = hazard[lasts], stretch[lasts, ends], pinned_for[lasts, ends]
+                added, missed = self._on_one_leg(*on_leg)
+                integrated[lasts] += added
+                error += missed
+        return integrated, error
+
+    def _on_one_leg(self, hazard: Array, stretch: Array, pinned_for: Array) -> tuple[Array, float]:
+        """As `_integrated_rate`, on one leg: of shape (n, 2)."""
         assert self._thermal is not None
         rates, unit = self._thermal.rates, self._growing.time_unit
         count = hazard.shape[1]
