@@ -16,7 +16,7 @@ from master.rate_state.reading import read_steps
 from master.rate_state.rests import healing_of
 from master.rate_state.stability import critical_spring_of
 from master.rate_state.traces import Rest, VelocityStep, steps_about
-from origins import Contacts, Delay, InputError, Thermal, gaussian
+from origins import Contacts, Delay, InputError, Thermal, gaussian, strengthening
 from tests.scenes import ROUGH, refused, said, write
 from toolkit.scene.scene import load_scene
 
@@ -127,6 +127,52 @@ def test_a_delay_has_no_direct_effect() -> None:
     assert found.a_minus_b.value == pytest.approx(slope, abs=found.a_minus_b.error + 1e-9)
     assert found.a_minus_b.error < 0.01 * abs(slope)
     assert found.a.low == found.a.high == 1.0
+
+
+BETA = 0.03
+STRONGER = strengthening(WIDE, beta=BETA, time=1e-3)
+
+
+def test_strengthening_has_no_direct_effect_and_heals() -> None:
+    """a is 0, and b some β of the force of fresh contacts: as F_k grows by g = 1 + β ln(age at a break), and that age by
+    g, it is β/(1 - β/g) of it. The peak after a rest is that of single contacts."""
+    fresh = WIDE.moment(2) / (2.0 * WIDE.mean())
+    rests = [1e2, 1e3, 1e4]
+    found = master.rate_state(Contacts(STRONGER), 1.0, decades=0, rests=rests)
+    assert found.success and found.a.value == 0.0
+    exact = BETA * fresh / (1.0 - BETA * fresh / found.kinetic_force)
+    assert found.b.value == pytest.approx(exact, rel=3e-3)
+    assert found.a_minus_b.value == pytest.approx(-exact, rel=3e-3)
+    rest = found.rests[1]
+    path, arrival = np.r_[0.0, 12.0, 12.0], np.r_[0.0, 12.0, 12.0 + rest.time]
+    path, arrival = np.r_[path, 12.0 + rest.peak_slip], np.r_[arrival, arrival[-1] + rest.peak_slip]
+    given: dict[str, Any] = {"time": arrival, "n_contacts": 200_000, "n_replicas": 1, "seed": 1}
+    run = eq_model.simulate(Contacts(STRONGER), path, **given)
+    error = 5.0 * run.force_standard_error[-1]
+    assert error < 0.01 and abs(run.force[-1] - rest.peak) < error + rest.error
+    healing = found.healing
+    assert healing is not None and healing.low == 1e2 and healing.high == 1e4
+    # each contact holds β ln t longer; those that are about to break bear the most, so that F grows by somewhat less
+    assert 0.9 * BETA < healing.value / np.log(10.0) < BETA
+
+
+@pytest.mark.slow
+def test_heat_and_strengthening_together_are_followed_on_a_stiff_spring() -> None:
+    """a and the force after the step are those of single contacts on a rigid slider."""
+    contacts = Contacts(STRONGER, thermal=EYRING.thermal)
+    found = master.rate_state(contacts, 1e-3, decades=0)
+    assert found.success, found.message
+    assert found.a.value > found.b.value > 0.5 * found.a.value
+    up = found.steps[0]
+    places = np.array([0.0, found.direct_slip, 1.0])
+    path = np.r_[0.0, 24.0 + places]
+    arrival = np.r_[0.0, 24.0 / up.before + places / up.after]
+    given: dict[str, Any] = {"time": arrival, "n_contacts": 1_000_000, "n_replicas": 1, "seed": 1}
+    run = eq_model.simulate(contacts, path, **given)
+    force = np.interp(places, up.slip, up.force)
+    error = 5.0 * run.force_standard_error[1:] + up.error
+    assert (error < 0.2 * found.a.value).all()
+    assert (np.abs(run.force[1:] - force) < error).all()
 
 
 def slowly_to_one(spring: float, force: float, after: float) -> tuple[np.ndarray, np.ndarray]:

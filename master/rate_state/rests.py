@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from master.rate_state.result import CONSTANT, Parameter
-from master.rate_state.traces import LIVES, Rest
-from master.solve import solve
+from master.rate_state.traces import LIVES, Rest, followed
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
 
@@ -24,10 +23,11 @@ def rest_of(contacts: Contacts, velocity: float, rest: float, tolerance: float) 
         begin = lives * mean
         path = np.r_[0.0, begin, begin + slip]
         arrival = np.r_[0.0, begin / velocity, begin / velocity + rest + slip / velocity]
-        solved = solve(contacts, path, tolerance, time=arrival)
+        solved = followed(contacts, path, arrival, tolerance)
         before, relaxed, onward = solved.force[1], solved.force[2], solved.force[2:]
         left = abs(float(before) - steady)
-        if left <= SETTLED * steady:
+        settled = left <= max(SETTLED * steady, float(solved.force_error) * mean)
+        if settled:
             break
     top = int(np.argmax(onward))
     return Rest(
@@ -36,7 +36,7 @@ def rest_of(contacts: Contacts, velocity: float, rest: float, tolerance: float) 
         peak=float(onward[top]),
         peak_slip=float(slip[top]),
         error=solved.force_error * mean + left,
-        success=bool(solved.success and left <= SETTLED * steady),
+        success=bool(solved.success and settled),
     )
 
 

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from master.paper.q15_transient import AgeingTransient
+from master.soft.solution import SoftSolution
+from master.solution import Solution
 from master.solve import solve
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
@@ -17,6 +20,8 @@ SETTLED = 2e-3
 # slips at which an answer is known, in mean thresholds: so many even in ln(slip), as heat may act over 1e-6 of a
 # threshold, and beside them even ones, over which contacts break in turn
 LEAST_SLIP, POINTS, EVEN_STEP = 1e-7, 160, 0.02
+# K/(N_c <k>) of a spring in place of a rigid slider, which lags by a 300th of each change of force, and the tolerance
+STIFF, SPRING_TOLERANCE = 300.0, 1e-3
 
 
 @dataclass(frozen=True)
@@ -91,14 +96,16 @@ def steps_about(
         path = np.r_[0.0, begin + slip, begin + slip[-1] + slip[1:]]
         arrival = np.r_[0.0, begin / slow + slip / fast]
         arrival = np.r_[arrival, arrival[-1] + slip[1:] / slow]
-        solved = solve(contacts, path, tolerance, time=arrival)
+        solved = followed(contacts, path, arrival, tolerance)
         up, down = solved.force[1 : slip.size + 1], solved.force[slip.size :]
         left = max(
             abs(force[at] - steady[speed])
             for force, at, speed in ((up, 0, slow), (up, -1, fast), (down, -1, slow))
         )
         change = min(float(np.ptp(up)), float(np.ptp(down)))
-        settled = bool(solved.success and left <= SETTLED * change)
+        # below the solver's own error nothing more is known
+        least = max(SETTLED * change, float(solved.force_error) * mean)
+        settled = bool(solved.success and left <= least)
         if settled:
             break
     error = (solved.force_error + float(np.max(curve.force_error))) * mean + left
@@ -109,3 +116,20 @@ def steps_about(
         )
 
     return step(slow, fast, up), step(fast, slow, down)
+
+
+def needs_spring(contacts: Contacts) -> bool:
+    """Whether the master equation takes no steps and rests of these contacts but under a spring: those with heat whose
+    thresholds grow."""
+    return contacts.thermal is not None and contacts.growing is not None
+
+
+def followed(
+    contacts: Contacts, path: Array, arrival: Array, tolerance: float
+) -> Solution | SoftSolution | AgeingTransient:
+    """F of a rigid slider that is at the path's points at these times; where it needs a spring, of one on a stiff one
+    whose drive is, to a tolerance that its steps in time can reach."""
+    if not needs_spring(contacts):
+        return solve(contacts, path, tolerance, time=arrival)
+    own = max(tolerance, SPRING_TOLERANCE)
+    return solve(contacts, path, own, time=arrival, spring=STIFF, slip="instant")
