@@ -134,7 +134,7 @@ STRONGER = strengthening(WIDE, beta=BETA, time=1e-3)
 
 
 def test_strengthening_has_no_direct_effect_and_heals() -> None:
-    """a is 0, and b some β of the force of fresh contacts: as F_k grows by g = 1 + β ln(age at a break), and that age by
+    """a is 0, and b some β of the force of fresh contacts: F_k grows by g = 1 + β ln(age at a break), and that age by
     g, it is β/(1 - β/g) of it. The peak after a rest is that of single contacts."""
     fresh = WIDE.moment(2) / (2.0 * WIDE.mean())
     rests = [1e2, 1e3, 1e4]
