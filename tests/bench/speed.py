@@ -2,8 +2,8 @@
 
     python tests/bench/speed.py
 
-Run times are wall clock of warm calls, the best of several: run it on an idle machine. Every kind of
-call of master beside an older version: bench_before.py.
+Times of the ensemble are CPU times, others wall clock of warm calls, the best of several: run it on an
+idle machine. Every kind of call of master beside an older version: bench_before.py.
 """
 
 import subprocess
@@ -48,6 +48,40 @@ ENSEMBLES: dict[str, tuple[origins.Contacts, np.ndarray, int]] = {
 }
 
 
+LOOPS = np.interp(np.linspace(0.0, 10.0, 201), np.arange(11), [0.0, 2.0] * 5 + [0.0])
+ENSEMBLES |= {
+    f"{name}, {kind}": (origins.Contacts(FRESH, **laws), path, 300_000)
+    for name, laws in {
+        "cold": {},
+        "linked": {"stiffness": "linked"},
+        "delay 0.2": {"delay": origins.Delay(0.2)},
+    }.items()
+    for kind, path in {"one turn": TURNING / 5.0, "nine turns 2 <x_s> apart": LOOPS}.items()
+}
+BESIDE = (
+    "gaussian, X = 100"  # steady forward motion: a random word, a table and a sum for each break
+)
+
+
+def ensemble_rows(repeats: int = 3) -> list[tuple[str, float, float, str]]:
+    """Rows of name, CPU time per break in ns on one thread, its ratio to what it is compared with, and what that is.
+
+    Each is measured in turn with steady forward motion, so that what else the machine does slows both alike.
+    """
+
+    def one(name: str) -> float:
+        contacts, path, number = ENSEMBLES[name]
+        began = time.process_time()
+        run = eq_model.simulate(contacts, path, n_contacts=number)
+        return (time.process_time() - began) / run.breaks * 1e9
+
+    rows = []
+    for name in ENSEMBLES:
+        found = np.array([[one(name), one(BESIDE)] for _ in range(repeats + 1)])[1:].min(axis=0)
+        rows.append((name, float(found[0]), float(found[0] / found[1]), BESIDE))
+    return rows
+
+
 def best(call: Callable[[], Any], times: int = 5) -> float:
     """The shortest of the times of a call, seconds, after one that compiles and imports."""
     call()
@@ -61,10 +95,9 @@ def best(call: Callable[[], Any], times: int = 5) -> float:
 
 def main() -> None:
     """Print the tables."""
-    print("ensemble on one core, ns per break")
-    for name, (contacts, path, number) in ENSEMBLES.items():
-        runs = [eq_model.simulate(contacts, path, n_contacts=number) for _ in range(3)]
-        print(f"{name:34s}{min(run.run_time / run.breaks for run in runs) * 1e9:10.2f}")
+    print(f"ensemble on one core: CPU time per break in ns, and beside {BESIDE}")
+    for name, each, ratio, _ in ensemble_rows():
+        print(f"{name:38s}{each:10.2f}{ratio:10.2f}")
     print("\nmaster equation, Fig. A02, 501 points to X = 5: ms, claimed and true error")
     path = np.linspace(0.0, 5.0, 501)
     scene = origins.Contacts(FRESH, origins.gaussian_start(0.0, 0.025))
