@@ -12,7 +12,7 @@ from master.motion import Motion, drive_motion
 from master.outcome import Progress, StoppedError
 from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
-from master.soft.inertia.body import QUIET
+from master.soft.inertia.body import QUIET, RINGS
 from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
@@ -227,6 +227,11 @@ class _Run:
             slider.run()
         except StoppedError as why:
             self.stopped = str(why)
+            if self.stopped == RINGS:
+                hundredth = 0.02 * (float(drive.mass or 0.0) * (1.0 + spring)) ** 0.5
+                self.stopped += (
+                    f" (a hundredth of the critical one of a slider that sticks is {hundredth:.3g})"
+                )
         self.nodes = slider.nodes
         solved = np.isfinite(self.record.place)
         count = solved.size if solved.all() else int(np.argmin(solved))
