@@ -16,6 +16,9 @@ from origins.thresholds.law import Array
 
 # ln of the factor of the speed for the slope of F_k
 SLOPE_STEP = 0.25
+# Error of that slope, in errors of F_k over SLOPE_STEP, where all four are off in the worst way: 4/3 from the near
+# difference, which has the weight 4/3, and 1/6 from the far one.
+SLOPE_OF_ERRORS = 1.5
 
 
 class Range(NamedTuple):
@@ -39,7 +42,8 @@ def slope_at(contacts: Contacts, velocity: float) -> Slope:
     near = float(curve.force[2] - curve.force[1]) / (2.0 * SLOPE_STEP)
     far = float(curve.force[3] - curve.force[0]) / (4.0 * SLOPE_STEP)
     off = float(np.max(curve.force_error)) * contacts.mean_threshold
-    return Slope(near + (near - far) / 3.0, abs(near - far) / 3.0 + off / SLOPE_STEP)
+    of_forces = SLOPE_OF_ERRORS * off / SLOPE_STEP
+    return Slope(near + (near - far) / 3.0, abs(near - far) / 3.0 + of_forces)
 
 
 def scan_speeds(
