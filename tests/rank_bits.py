@@ -18,6 +18,7 @@ ageing, grains = (
     origins.Ageing(origins.gaussian(1.2, 0.1), 0.01),
     origins.growing_grains(1.0, 1.0, age=4.0),
 )
+strong = origins.strengthening(wide, 0.1, 2.0, age=3.0)
 start, path = origins.gaussian_start(mean=0.05, std=0.1), np.linspace(0.0, 6.0, 31)
 
 
@@ -33,6 +34,8 @@ def told(comm: Any) -> Iterator[Any]:
         ),
         (origins.Contacts(wide, start, ageing=ageing), loop, 3001, {"histograms": [4]}),
         (origins.Contacts(grains, thermal=soft), loop, 301, {}),
+        (origins.Contacts(strong, start), loop, 3001, {"histograms": [4]}),
+        (origins.Contacts(strong, start, soft), loop, 301, {}),
         (origins.Contacts(wide, delay=origins.Delay(0.1)), path, 300, {"spring": 0.7}),
         (
             origins.Contacts(wide, delay=origins.Delay(0.1)),

@@ -4,6 +4,7 @@ Points of one path share contacts, so their errors go together: Hotelling's T^2 
 """
 
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from origins import Ageing, Contacts, Delay, Thermal
 SEEDS, LEVEL = 60, 1e-3
 WIDE = origins.gaussian(1.0, 0.2)
 SOFT, STIFF = Thermal("soft", 0.05), Thermal("stiff", 0.05)
+EYRING = Thermal("eyring", width=0.1)
 START = origins.gaussian_start(-0.1, 0.2)
 GRAINS = origins.growing_grains(alpha=1.0, B=1.0, age=4.0)
 YOUNG, AGEING = origins.gaussian(0.5, 0.1), Ageing(origins.gaussian(0.8, 0.2), 1e-2)
@@ -44,6 +46,11 @@ class Case:
     drive: dict[str, Any] = field(default_factory=dict)
     tolerance: float = 1e-7
     number: int = 3000
+
+
+def strengthening(beta: float, start: Any = 0.0, **laws: Any) -> Contacts:
+    """Contacts whose thresholds grow with the logarithm of their age."""
+    return Contacts(origins.strengthening(WIDE, beta, 2.0), start, **laws)
 
 
 CASES = {
@@ -71,6 +78,14 @@ CASES = {
     "grains, an end": Case(Contacts(GRAINS), np.array([1.0, 2.0]), {"velocity": 0.5}, 1e-5, 9000),
     "growing grains, turning": Case(Contacts(GRAINS), TURN, tolerance=1e-4, number=400),
     "hold, soft": Case(Contacts(WIDE, thermal=SOFT), HELD, {"time": WHEN}, 1e-5, 1000),
+    "strengthening": Case(strengthening(0.1, START), drive={"velocity": 0.1}),
+    "strengthening, turning": Case(strengthening(0.1), TURN, {"velocity": 0.1}, 1e-5, 1000),
+    "strengthening, eyring, delay": Case(
+        strengthening(0.1, thermal=EYRING, delay=Delay(0.3)),
+        drive={"velocity": 0.5},
+        tolerance=1e-5,
+        number=1000,
+    ),
 }
 SLOW = {
     "loop, a law of the tests' own": Case(
@@ -89,6 +104,9 @@ SLOW = {
     ),
     "growing grains, delay": Case(Contacts(GRAINS, 0.1, delay=Delay(0.2)), tolerance=1e-5),
     "loop, soft": Case(Contacts(WIDE, thermal=SOFT), LOOP, tolerance=1e-5),
+    "strengthening, hold, eyring": Case(
+        strengthening(0.1, thermal=EYRING), HELD, {"time": WHEN}, 1e-5, 1000
+    ),
 }
 
 
@@ -103,6 +121,15 @@ def judge(samples: np.ndarray, expected: np.ndarray) -> float:
     return float(scipy.stats.f.sf(statistic, points, seeds - points))
 
 
+@cache
+def runs_of(name: str) -> list[Any]:
+    """Results of a case's seeds."""
+    case = (CASES | SLOW)[name]
+    asked: dict[str, Any] = {"n_contacts": case.number, **case.drive}
+    seeds = range(10_000, 10_000 + SEEDS)
+    return [eq_model.simulate(case.contacts, case.path, seed=seed, **asked) for seed in seeds]
+
+
 @pytest.mark.parametrize(
     "name", [*CASES, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)]
 )
@@ -110,11 +137,7 @@ def test_all_points_at_once(name: str) -> None:
     case = (CASES | SLOW)[name]
     exact = master.solve(case.contacts, case.path, case.tolerance, **case.drive)
     assert exact.success
-    asked: dict[str, Any] = {"n_contacts": case.number, **case.drive}
-    runs = [
-        eq_model.simulate(case.contacts, case.path, seed=seed, **asked)
-        for seed in range(10_000, 10_000 + SEEDS)
-    ]
+    runs = runs_of(name)
     force, errors, holding = (
         np.array([getattr(run, one) for run in runs])
         for one in ("force", "force_standard_error", "holding")
@@ -132,6 +155,15 @@ def test_all_points_at_once(name: str) -> None:
     low, high = scipy.stats.chi2.ppf([5e-7, 1.0 - 5e-7], SEEDS - 1) / (SEEDS - 1)
     often = together > 0.3 * together.max()  # of few breaks more is claimed than scatters
     assert (ratio[often] > low).all() and (ratio < high).all()
+
+
+@pytest.mark.parametrize("name", ["strengthening", "strengthening, turning"])
+def test_a_growth_that_is_a_tenth_slower_is_told_apart(name: str) -> None:
+    """By the same seeds: the test of all points at once has the power to see a wrong law of strengthening."""
+    case, force = CASES[name], np.array([run.force for run in runs_of(name)])
+    slower = strengthening(0.09, case.contacts.start)
+    wrong = master.solve(slower, case.path, case.tolerance, **case.drive)
+    assert wrong.success and judge(force, wrong.force) < 1e-3 * LEVEL
 
 
 @pytest.mark.parametrize("start", [0.123, -0.7])

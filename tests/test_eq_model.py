@@ -135,16 +135,17 @@ def test_ages_are_those_of_the_laws_at_rest(far: bool) -> None:
 
 ALL = Contacts(GAUSSIAN, START, STIFF, None, Delay(0.2), origins.gaussian_start(0.0, 0.3), "linked")
 AGED = Contacts(origins.rectangular(0.4, 0.9), 0.1, SOFT, Ageing(origins.gaussian(0.9, 0.1), 0.1))
+STRONG = Contacts(origins.strengthening(GAUSSIAN, 0.1, 2.0, age=3.0), START, SOFT)
 FORWARD = np.concatenate([[0.0], 3.0 + 1e-9 * np.arange(5), np.linspace(3.1, 7.0, 20)])
 
 
 @pytest.mark.parametrize(
     ("contacts", "path"),
-    [(Contacts(GAP, START), FORWARD), (ALL, TURNING), (AGED, TURNING)],
-    ids=["forward", "all", "aged"],
+    [(Contacts(GAP, START), FORWARD), (ALL, TURNING), (AGED, TURNING), (STRONG, TURNING)],
+    ids=["forward", "all", "aged", "strengthening"],
 )
 def test_bits_hang_on_no_threads_nor_histograms(contacts: Contacts, path: np.ndarray) -> None:
-    n = 300 if contacts is AGED else 20_700
+    n = 300 if contacts.laws and contacts is not ALL else 20_700
     asked: dict[str, Any] = {"n_contacts": n, "n_replicas": 3, "seed": 11}
     whole = eq_model.simulate(contacts, path, **asked)
     counted = eq_model.simulate(contacts, path, **asked, histograms=[3, -1])
