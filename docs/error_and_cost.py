@@ -1,7 +1,7 @@
-"""The tables of docs/error-and-cost.md, of all shipped scenes: python docs/error_and_cost.py [SCENE ...]
+"""The tables of docs/error-and-cost.md, and README's: python docs/error_and_cost.py [SCENE ...]
 
-Runs `mesofriction precision` and `mesofriction cost` of each, two at a time: some ten minutes on two cores. With names
-of scenes their tables are printed, and nothing is written.
+Runs `mesofriction precision` and `mesofriction cost` of all shipped scenes, or of those that are named, whose
+rows alone are then made anew. All take some ten minutes on two cores; start-up times ask for an idle machine.
 """
 
 import json
@@ -18,6 +18,7 @@ from toolkit.running.cost import cost
 from toolkit.scene.scene import shipped_scenes
 
 PAGE = Path(__file__).with_name("error-and-cost.md")
+README = Path(__file__).parents[1] / "README.md"
 COMMAND = [sys.executable, "-P", "-m", "toolkit.command"]
 ERRORS = "| scene | true error, run time: master at 1e-3 | finest | ensemble, largest | cheapest |"
 COSTS = "| scene | start-up | run | memory | builds | imports, of files | leaves out |"
@@ -45,7 +46,7 @@ def point(one: dict[str, Any] | None, floor: float) -> str:
 def error_row(scene: str, found: dict[str, Any] | str) -> str:
     """A line of the first table."""
     if isinstance(found, str):
-        return f"| {scene} | {found.removeprefix('mesofriction: ')} | | | |"
+        return f"| {scene} | {found.removeprefix('mesofriction: ')} |  |  |  |"
     own = {
         name: [p for p in found["points"] if p["method"] == name] for name in ("master", "ensemble")
     }
@@ -71,29 +72,38 @@ def cost_row(scene: str) -> str:
     return f"| {scene} | {' | '.join([*cells, ', '.join(found['builds']), files, left])} |"
 
 
-def table(head: str, rows: list[str]) -> str:
-    return "\n".join([head, "|---" * (head.count("|") - 1) + "|", *rows])
+def rows_of(text: str, name: str) -> dict[str, str]:
+    """The lines between the marks of a table of this name, by the scene in their first cell."""
+    inside = text.partition(f"<!-- {name} -->\n")[2].partition(f"<!-- end of {name} -->")[0]
+    return {line.split(" | ")[0].removeprefix("| "): line for line in inside.splitlines()[2:]}
+
+
+def with_rows(text: str, name: str, head: str, rows: list[str]) -> str:
+    """The text with this table between its marks."""
+    before, _, rest = text.partition(f"<!-- {name} -->\n")
+    after = rest.partition(f"<!-- end of {name} -->")[2]
+    table = "\n".join([head, "|---" * (head.count("|") - 1) + "|", *rows])
+    return f"{before}<!-- {name} -->\n{table}\n<!-- end of {name} -->{after}"
 
 
 def main(names: list[str]) -> None:
-    """Print the tables, or write them into the page."""
-    scenes = names or list(shipped_scenes())
+    """Write the rows of these scenes, or of all, into the page, and the page's rows of README's scenes into README."""
+    scenes = names or shipped_scenes()
     with ThreadPoolExecutor(2) as pool:
-        errors = [
-            error_row(*pair) for pair in zip(scenes, pool.map(precision_of, scenes), strict=True)
-        ]
+        pairs = zip(scenes, pool.map(precision_of, scenes), strict=True)
+        errors = {scene: error_row(scene, found) for scene, found in pairs}
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = used.ru_utime + used.ru_stime
-    tables = [table(ERRORS, errors), table(COSTS, [cost_row(scene) for scene in scenes])]
-    print("\n\n".join(tables))
+    costs = {scene: cost_row(scene) for scene in scenes}
+    page = PAGE.read_text(encoding="utf-8")
+    for name, head, made in (("errors", ERRORS, errors), ("costs", COSTS, costs)):
+        made = rows_of(page, name) | made
+        page = with_rows(page, name, head, [made[one] for one in shipped_scenes() if one in made])
+    PAGE.write_text(page, encoding="utf-8")
+    readme, made = README.read_text(encoding="utf-8"), rows_of(page, "errors")
+    shown = [made[scene] for scene in rows_of(readme, "errors")]
+    README.write_text(with_rows(readme, "errors", ERRORS, shown), encoding="utf-8")
     print(f"precision of {len(scenes)} scenes: {seconds:.0f} CPU-seconds", file=sys.stderr)
-    if not names:
-        text = PAGE.read_text(encoding="utf-8")
-        for name, made in zip(("errors", "costs"), tables, strict=True):
-            before, _, rest = text.partition(f"<!-- {name} -->\n")
-            _, _, after = rest.partition(f"<!-- end of {name} -->")
-            text = f"{before}<!-- {name} -->\n{made}\n<!-- end of {name} -->{after}"
-        PAGE.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """What precision and a scene cost: true errors against run time, fronts and crossings, imports."""
 
 import gc
+import importlib.util
 import json
 import os
 import re
@@ -19,8 +20,9 @@ import master
 import origins
 from toolkit.judge import frontier
 from toolkit.running.cost import cost
-from toolkit.scene.scene import load_scene
+from toolkit.scene.scene import load_scene, shipped_scenes
 
+DOCS = Path(__file__).parents[1] / "docs"
 EQ = {"contacts": 200, "replicas": 4, "seed": 7}
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 
@@ -134,14 +136,58 @@ def test_precision_of_a_spring_is_the_master_equation_beside_its_own_finest_run(
     assert all(e < 2.0 * s for e, s in zip(errors, SHORT["master"], strict=True))
 
 
-def test_precision_refuses_sweeps_and_mass(capsys: Any) -> None:
-    swept = write(thresholds=WIDE, drive=None, master=None, sweep={"velocity": [1.0, 2.0]})
-    line = refused(capsys, "precision", swept)
-    assert "sweep: precision takes a path with [master] or [eq]" in line
+def test_precision_of_a_sweep_is_that_of_a_path_at_its_speed(capsys: Any, monkeypatch: Any) -> None:
+    """F(X) of a rigid slider, or the scene without its sweep; of both solvers, whose forces agree."""
+    short = SHORT | {"master": (1e-2, 1e-6), "ensemble": (100.0, 3000.0)}
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", short)
+    contacts = {"thresholds": WIDE, "delay": {"time": 0.2}}
+    nothing: dict[str, Any] = {"drive": None, "master": None}
+    found = measured(capsys, contacts=contacts, **nothing, sweep={"velocity": [2.0, 8.0]})
+    notes = "\n".join(found["notes"])
+    assert "measured is F(X) of a rigid slider from X = 0 on, at a speed of 2" in notes
+    assert found["witness"]["worst_deviation"] < 5.0
+    swept = {"contacts.thresholds.std": [0.1, 0.2]}
+    found = measured(capsys, contacts=contacts, drive={"to": 2.0, "points": 9}, sweep=swept)
+    assert "measured is the scene without it" in "\n".join(found["notes"])
+    path = np.linspace(0.0, 2.0, 9)
+    own = origins.Contacts(origins.gaussian(1.0, 0.2), delay=origins.Delay(0.2))
+    rough, fine = (master.solve(own, path, tolerance).force for tolerance in (1e-2, 1e-6))
+    assert found["points"][0]["error"] == pytest.approx(np.abs(rough - fine).max(), rel=1e-9)
+
+
+def test_precision_refuses_mass(capsys: Any) -> None:
     heavy = {"to": 3.0, "points": 9, "spring": 0.5, "mass": 1.0}
     line = refused(capsys, "precision", write(thresholds=WIDE, drive=heavy))
     assert "drive.mass = 1.0: precision takes a slider without mass" in line
     assert not Path("mine-output").exists()
+
+
+def test_tables_of_errors_and_costs_are_what_their_script_makes() -> None:
+    """Each shipped scene has its rows, README's are some of them, and heads and rows have as many cells as the script
+    writes."""
+    spec: Any = importlib.util.spec_from_file_location("made", DOCS / "error_and_cost.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    page = (DOCS / "error-and-cost.md").read_text(encoding="utf-8")
+    readme = (DOCS.parent / "README.md").read_text(encoding="utf-8")
+    errors, costs = (script.rows_of(page, name) for name in ("errors", "costs"))
+    assert list(errors) == list(costs) == shipped_scenes()
+    for text, name, head in (
+        (page, "errors", script.ERRORS),
+        (page, "costs", script.COSTS),
+        (readme, "errors", script.ERRORS),
+    ):
+        rows = script.rows_of(text, name)
+        assert f"<!-- {name} -->\n{head}\n" in text
+        assert script.with_rows(text, name, head, list(rows.values())) == text
+        assert {row.count(" | ") for row in rows.values()} == {head.count(" | ")}, name
+    few = script.rows_of(readme, "errors")
+    assert len(few) > 4 and few.items() <= errors.items()
+    point = {"method": "master", "setting": 1e-3, "error": 2e-8, "run_time": 0.02}
+    made = {"points": [point, point | {"setting": 1e-9, "error": None}], "reference_error": 3e-12}
+    row = "| mine | 2e-08, 0.02 s | < 3e-12, 0.02 s |  | master at every error |"
+    assert script.error_row("mine", made | {"notes": []}) == row
+    assert script.error_row("mine", "mesofriction: no").count(" | ") == row.count(" | ")
 
 
 def test_the_front_of_a_method_its_slope_and_the_crossings() -> None:

@@ -241,7 +241,7 @@ def precision(arguments: argparse.Namespace) -> int:
         raise InputError(
             "scene: is missing; name one, or ask for mesofriction precision --coverage"
         )
-    scene = load_scene(arguments.scene, changes=read_changes(arguments.changes)).one("precision")
+    scene = load_scene(arguments.scene, changes=read_changes(arguments.changes))
     folder, lines = arguments.out or f"{scene.name}-output", list[str]()
     check_folder(folder)  # before the work, not after it
 

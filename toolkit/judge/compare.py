@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from origins.drive import Drive
 from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
+from toolkit.judge.rigid import RIGID, on_rigid_slider
 from toolkit.processes.ranks import on_root
 from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.records import Result
@@ -20,10 +20,8 @@ from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.laws import inside
 from toolkit.scene.scale import SHARED, Scale
 from toolkit.scene.scene import Scene, load_scene, read_scene
-from toolkit.scene.tables import MasterTable, read_table
+from toolkit.scene.tables import read_table
 
-# the force of scenes without a forward path of a rigid slider: mean thresholds, points, and what is asked of it
-REACH, POINTS, RIGID = 4.0, 201, MasterTable(tolerance=1e-3)
 _SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
 _HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
 
@@ -141,7 +139,7 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
         elif scene.drive_table is not None:
             raise InputError("drive: names no path")
     except InputError as error:
-        scene = _rigid(scene)
+        scene = on_rigid_slider(scene)
         cautions = [f"F(X) is that of a rigid slider from X = 0 on: {error}", *cautions]
     try:
         result = solve(scene, comm, show_progress=progress)[0]
@@ -159,14 +157,6 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
         if surface is None or surface.contact_density is None
         else float(surface.per_area(1.0)),
     )
-
-
-def _rigid(scene: Scene) -> Scene:
-    """The scene with a rigid slider that moves by a few mean thresholds at the same speed."""
-    # close to 0 too, as lengths that differ much are drawn on a logarithmic axis
-    path = np.union1d(np.linspace(0.0, REACH, POINTS), np.geomspace(1e-3, REACH, POINTS // 4))
-    drive = Drive(path * scene.contacts.mean_threshold, scene.sliding)
-    return replace(scene, master=RIGID, eq=None, sweep=None, given_drive=drive)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:

@@ -116,7 +116,7 @@ def draw_picture(found: dict[str, Any]) -> Any:
         if np.isfinite(claimed).any():
             label = f"{method}: its claim"
             axes.plot(run_time, claimed, marker, mfc="none", mec=colour, label=label)
-    axes.set(xscale="log", yscale="log", xlabel="run time (s)")
+    axes.set(xscale="log", yscale="log", xlabel="run time (CPU-seconds of one thread)")
     axes.axhline(floor, color="0.4", lw=0.8, label="the reference's own error")
     if found["witness"] is not None:
         least = max(found["witness"]["standard_error"], LEAST)
