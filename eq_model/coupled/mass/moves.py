@@ -1,11 +1,12 @@
 """Moves of a slider with mass from one event to the next.
 
 Short ones, as between two breaks of a slip, take the first terms of the way's power series, others the closed form.
+The moves become a part of the loop over events: a call would copy every array of `pull`, which takes longer than they.
 """
 
 import numpy as np
 
-from eq_model.compiling import bare, inlined, unsigned
+from eq_model.compiling import inlined, unsigned
 from eq_model.coupled.mass.integrals import motion_integrals
 from eq_model.coupled.mass.motion import (
     first_slower,
@@ -25,7 +26,7 @@ from eq_model.coupled.mass.state import (
 MOVED = 2  # what quick_move returns where no contact breaks
 
 
-@bare
+@inlined
 def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no-untyped-def]
     """Move to the next break, or for the time `most` if that ends before, by the power series of the way, if this is so
     soon that six terms are exact. Returns which break (1 ahead, -1 behind), MOVED if none, or 0 if nothing was done.
@@ -86,7 +87,7 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
     return make_motion(drift, u, s.speed, 0.5 * pull.damping * pull.per_mass, own)
 
 
-@bare
+@inlined
 def slow_move(s, pull, motion, t, side, way):  # type: ignore[no-untyped-def]
     """Move for a time t in closed form, with a break after it (side 1 or -1) by `way`. Returns whether a slip ends."""
     there, drive = place_at(motion, t), pull.speeds[unsigned(s.leg)]
