@@ -13,7 +13,7 @@ import eq_model
 import master
 from master.rate_state.law import EvolutionLaw, RateStateLaw, left_of_step
 from master.rate_state.reading import read_steps
-from master.rate_state.rests import healing_of
+from master.rate_state.rests import healing_of, rest_of
 from master.rate_state.stability import critical_spring_of
 from master.rate_state.traces import Rest, VelocityStep, steps_about
 from origins import Contacts, Delay, InputError, Thermal, gaussian, strengthening
@@ -63,35 +63,57 @@ def test_the_integrated_law_is_the_closed_one(evolution: EvolutionLaw) -> None:
     assert law.after_rest(rests) == pytest.approx(0.5 + rise, abs=1e-8)
 
 
-def test_heat_alone_gives_its_slope_and_single_contacts_their_direct_effect() -> None:
-    """a - b = α F_k(∞) within 0.5 % over two decades of v/(ωα<x_s>) from 1e-4; a by the ensemble."""
+@pytest.fixture(scope="module")
+def heated() -> master.RateState:
+    """Heat alone, at one speed."""
+    return master.rate_state(EYRING, 1e-3, decades=0, tolerance=1e-4)
+
+
+def test_heat_alone_gives_its_slope_and_single_contacts_their_direct_effect(
+    heated: master.RateState,
+) -> None:
+    """a - b = α F_k(∞) within 0.5 %; a by the ensemble."""
+    high = WIDE.moment(2) / (2.0 * WIDE.mean())
+    assert heated.success, heated.message
+    assert heated.a_minus_b.value == pytest.approx(ALPHA * high, rel=5e-3)
+    assert heated.a.value - heated.b.value == pytest.approx(heated.a_minus_b.value, abs=1e-5)
+    up = heated.steps[0]
+    path = np.r_[0.0, 12.0 + np.r_[0.0, heated.direct_slip]]
+    arrival = np.r_[0.0, 12.0, 12.0 + heated.direct_slip * up.before / up.after] / up.before
+    given: dict[str, Any] = {"n_contacts": 200_000, "n_replicas": 1, "seed": 1}
+    run = eq_model.simulate(EYRING, path, time=arrival, **given)
+    rise = (run.force[-1] - up.steady_before) / up.log_ratio
+    error = run.force_standard_error[-1] / up.log_ratio
+    assert error < 0.04 * heated.a.value and abs(rise - heated.a.value) < 4.0 * error
+
+
+def test_the_error_of_a_step_holds_what_is_left_of_the_start(heated: master.RateState) -> None:
+    """It goes up and down with the slip, and may pass 0 where the step is: forces of contacts that slid three times as
+    long, to a hundredth of the tolerance, are within it."""
+    up = heated.steps[0]
+    places = np.array([0.0, 0.1, 0.258, 0.5, 1.0, 2.0])
+    arrival = np.r_[0.0, 30.0 / up.before + places / up.after]
+    exact = master.solve(EYRING, np.r_[0.0, 30.0 + places], 1e-6, time=arrival).force[1:]
+    kept = np.interp(places, up.slip, up.force)
+    assert np.abs(kept - exact).max() < up.error < 3e-4
+
+
+@pytest.mark.slow
+def test_the_slope_of_heat_is_constant_over_decades_of_speed() -> None:
+    """a - b = α F_k(∞) within 0.5 % over two decades of v/(ωα<x_s>) from 1e-4."""
     high = WIDE.moment(2) / (2.0 * WIDE.mean())
     found = master.rate_state(EYRING, 1e-3 * ALPHA, decades=1)
     assert found.success, found.message
-    assert found.a_minus_b.value == pytest.approx(ALPHA * high, rel=5e-3)
-    assert found.a.value - found.b.value == pytest.approx(found.a_minus_b.value, abs=1e-5)
     for number in (found.a, found.b, found.a_minus_b):
         assert number.low <= 1e-4 * ALPHA * 1.0001 and number.high >= 1e-2 * ALPHA * 0.9999
     assert np.abs(found.scan.a_minus_b / (ALPHA * high) - 1.0).max() < 5e-3
-    up = found.steps[0]
-    place = 12.0 + np.r_[0.0, found.direct_slip]
-    path, arrival = (
-        np.r_[0.0, place],
-        np.r_[0.0, 12.0, 12.0 + found.direct_slip * up.before / up.after],
-    )
-    run = eq_model.simulate(
-        EYRING, path, time=arrival / up.before, n_contacts=400_000, n_replicas=1, seed=1
-    )
-    rise = (run.force[-1] - up.steady_before) / up.log_ratio
-    error = run.force_standard_error[-1] / up.log_ratio
-    assert error < 0.03 * found.a.value and abs(rise - found.a.value) < 5.0 * error
 
 
-def test_a_smaller_step_gives_the_same_numbers() -> None:
+@pytest.mark.slow
+def test_a_smaller_step_gives_the_same_numbers(heated: master.RateState) -> None:
     """The law has no scale of the step: numbers per factor e differ by less than their own differences up and down."""
-    large, small = (
-        read_steps(steps_about(EYRING, 1e-3, ratio, 1e-6), "slip") for ratio in (np.e, 1.2)
-    )
+    large = read_steps(heated.steps, "slip")
+    small = read_steps(steps_about(EYRING, 1e-3, 1.2, 1e-5), "slip")
     apart = np.abs(large.others[:3, 0] - large.a).max()
     assert abs(large.a - small.a) < 2.0 * apart + large.a_error + small.a_error
     assert large.slip_distance == pytest.approx(small.slip_distance, rel=0.01)
@@ -118,9 +140,15 @@ def test_the_critical_spring_of_the_law_follows_from_its_answer(a: float, b: flo
 DELAYED = Contacts(WIDE, delay=Delay(0.1))
 
 
-def test_a_delay_has_no_direct_effect() -> None:
+@pytest.fixture(scope="module")
+def delayed() -> master.RateState:
+    """A delay alone."""
+    return master.rate_state(DELAYED, 1.0, decades=0)
+
+
+def test_a_delay_has_no_direct_effect(delayed: master.RateState) -> None:
     """F_k = F_0 C/(C + v τ), so that a - b is its slope; the force does not rise after a step up."""
-    found = master.rate_state(DELAYED, 1.0, decades=0)
+    found = delayed
     cycle, force = WIDE.mean(), WIDE.moment(2) / (2.0 * WIDE.mean())
     slope = -force * cycle * 0.1 / (cycle + 0.1) ** 2
     assert found.success and found.a.value == 0.0 and found.direct_slip == 0.0
@@ -146,7 +174,7 @@ def test_strengthening_has_no_direct_effect_and_heals() -> None:
     rest = found.rests[1]
     path, arrival = np.r_[0.0, 12.0, 12.0], np.r_[0.0, 12.0, 12.0 + rest.time]
     path, arrival = np.r_[path, 12.0 + rest.peak_slip], np.r_[arrival, arrival[-1] + rest.peak_slip]
-    given: dict[str, Any] = {"time": arrival, "n_contacts": 200_000, "n_replicas": 1, "seed": 1}
+    given: dict[str, Any] = {"time": arrival, "n_contacts": 100_000, "n_replicas": 1, "seed": 1}
     run = eq_model.simulate(Contacts(STRONGER), path, **given)
     error = 5.0 * run.force_standard_error[-1]
     assert error < 0.01 and abs(run.force[-1] - rest.peak) < error + rest.error
@@ -154,6 +182,20 @@ def test_strengthening_has_no_direct_effect_and_heals() -> None:
     assert healing is not None and healing.low == 1e2 and healing.high == 1e4
     # each contact holds β ln t longer; those that are about to break bear the most, so that F grows by somewhat less
     assert 0.9 * BETA < healing.value / np.log(10.0) < BETA
+
+
+def test_the_error_of_a_peak_holds_what_lies_between_points() -> None:
+    """After a rest of 100 s the force is largest at a slip of 0.0556, by points 2e-4 apart after 40 lives."""
+    stronger = Contacts(strengthening(WIDE, beta=0.1, time=1.0))
+    rest = rest_of(stronger, 1e-2, 100.0, 1e-4)
+    assert rest.success and rest.peak_slip == pytest.approx(0.0556, abs=1e-3)
+    assert abs(rest.peak - 0.8391263) < rest.error < 3e-4
+
+
+def test_much_stronger_contacts_travel_far() -> None:
+    """Thresholds that grow ninefold are followed for lives of their own, not of fresh contacts."""
+    up = steps_about(Contacts(strengthening(WIDE, 0.5, 1e-6)), 1.0, np.e, 1e-3)[0]
+    assert up.settled and up.error < 1e-3 and up.slip[-1] > 72.0
 
 
 @pytest.mark.slow
@@ -185,18 +227,19 @@ def slowly_to_one(spring: float, force: float, after: float) -> tuple[np.ndarray
     return np.r_[drive, drive[-1] + swung], 1e-9 + np.r_[times, times[-1] + swung]
 
 
-def test_single_contacts_swing_below_the_critical_spring_of_the_solved_answer() -> None:
-    """A slider of 100,000 contacts ends in full stick-slip on a spring 20 % softer, and in noise alone on one 20 %
+def test_single_contacts_swing_below_the_critical_spring_of_the_solved_answer(
+    delayed: master.RateState,
+) -> None:
+    """A slider of 40,000 contacts ends in full stick-slip on a spring 20 % softer, and in noise alone on one 20 %
     stiffer. Both are far stiffer than (b - a)/D_c, as the force of contacts with a delay is no exponential."""
-    found = master.rate_state(DELAYED, 1.0, decades=0)
-    critical = found.critical_spring_solved
-    assert found.critical_spring_solved_error < 0.05 * critical
-    assert found.critical_spring < 0.5 * critical
+    critical = delayed.critical_spring_solved
+    assert delayed.critical_spring_solved_error < 0.05 * critical
+    assert delayed.critical_spring < 0.5 * critical
     contacts, swings = DELAYED.replace(start=stats.uniform(0.0, 0.95)), list[float]()
     for spring in (0.8 * critical, 1.2 * critical):
         path, arrival = slowly_to_one(spring, 0.475, 50.0)
         given: dict[str, Any] = {"spring": spring, "slip": "instant", "time": arrival}
-        run = eq_model.simulate(contacts, path, **given, n_contacts=100_000, n_replicas=1, seed=1)
+        run = eq_model.simulate(contacts, path, **given, n_contacts=40_000, n_replicas=1, seed=1)
         swings.append(float(np.std(run.force[-500:])))
     assert swings[0] > 0.15 and swings[1] < 0.01, swings
 
@@ -233,7 +276,7 @@ def test_bad_input_is_refused_in_a_line() -> None:
 def test_contacts_in_step_say_that_they_do_not_become_steady() -> None:
     """Thresholds that are almost alike break together for longer than the answer is followed."""
     narrow = Contacts(gaussian(1.0, 0.02), delay=Delay(0.1))
-    found = master.rate_state(narrow, 1.0, decades=0, tolerance=1e-4)
+    found = master.rate_state(narrow, 1.0, decades=0, tolerance=1e-3)
     assert not found.success and "in step" in found.message
 
 
@@ -255,6 +298,7 @@ def test_the_page_of_the_documentation_holds() -> None:
     assert found.critical_spring == found.critical_spring_solved == 0.0
 
 
+@pytest.mark.slow
 def test_the_command(capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The page in newtons and over the load, and files that hold the same numbers as the call."""
     monkeypatch.chdir(tmp_path)

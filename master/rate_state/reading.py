@@ -99,17 +99,21 @@ def direct_effect(step: VelocityStep) -> Peak:
     top = int(np.argmax(change[: fallen[0]] if fallen.size else change))
     if change[top] <= least:
         return Peak(0.0, 0.0, 0.0)
-    if not 0 < top < change.size - 1:
-        return Peak(float(change[top]), 0.0, float(step.slip[top]))
+    return vertex(step.slip, change, top)
+
+
+def vertex(slip: Array, values: Array, top: int) -> Peak:
+    """The highest place of the parabola through the value at the index `top`, the largest, and those beside it; the
+    point itself at an end."""
+    if not 0 < top < values.size - 1:
+        return Peak(float(values[top]), 0.0, float(slip[top]))
     near = slice(top - 1, top + 2)
-    curve = np.polynomial.Polynomial.fit(step.slip[near], change[near], 2)
-    place = (
-        float(np.clip(curve.deriv().roots()[0].real, *step.slip[near][[0, -1]]))
-        if curve.coef[-1]
-        else step.slip[top]
-    )
+    curve = np.polynomial.Polynomial.fit(slip[near], values[near], 2)
+    place = slip[top]
+    if curve.coef[-1]:
+        place = np.clip(curve.deriv().roots()[0].real, *slip[near][[0, -1]])
     height = float(curve(place))
-    return Peak(height, abs(height - float(change[top])), float(place))
+    return Peak(height, abs(height - float(values[top])), float(place))
 
 
 def fit_evolution(

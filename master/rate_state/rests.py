@@ -4,38 +4,39 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from master.rate_state.reading import vertex
 from master.rate_state.result import CONSTANT, Parameter
-from master.rate_state.traces import LIVES, Rest, followed
+from master.rate_state.traces import FINE, Rest, approach_of, followed
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
 
-# of the force: what may be left of the start before a rest; mean thresholds of the way on from it, and points there
-SETTLED, ONWARD, POINTS = 1e-4, 3.0, 301
+# of the force: what may be left of the start before a rest
+SETTLED = 1e-4
+# lives of the way on from a rest, and of its beginning, where the peak after a short rest is; points on both
+ONWARD, NEAR, POINTS = 3.0, 0.3, 251
 
 
 def rest_of(contacts: Contacts, velocity: float, rest: float, tolerance: float) -> Rest:
     """A rest of this time, and the way on; arguments as of `steps_about`."""
     mean = contacts.mean_threshold
-    curve = kinetic_curve(contacts, velocity)
-    steady = float(curve.force)
-    for lives in LIVES:
-        slip = mean * np.r_[0.0, np.linspace(0.0, ONWARD, POINTS)[1:]]
-        begin = lives * mean
-        path = np.r_[0.0, begin, begin + slip]
-        arrival = np.r_[0.0, begin / velocity, begin / velocity + rest + slip / velocity]
-        solved = followed(contacts, path, arrival, tolerance)
-        before, relaxed, onward = solved.force[1], solved.force[2], solved.force[2:]
-        left = abs(float(before) - steady)
-        settled = left <= max(SETTLED * steady, float(solved.force_error) * mean)
-        if settled:
-            break
-    top = int(np.argmax(onward))
+    steady = float(kinetic_curve(contacts, velocity).force)
+    begin, life = approach_of(contacts, velocity, steady, 0.5 * SETTLED * steady)
+    near, far = np.linspace(0.0, NEAR, POINTS), np.linspace(NEAR, ONWARD, POINTS)
+    slip = life * np.r_[0.0, near, far[1:]]
+    before = begin + life * np.arange(-1.0, 0.0, FINE)
+    path = np.r_[0.0, before, begin + slip]
+    arrival = np.r_[before, begin, begin + rest * velocity + slip[1:]] / velocity
+    solved = followed(contacts, path, np.r_[0.0, arrival], tolerance)
+    start, onward = solved.force[1 : before.size + 2], solved.force[before.size + 2 :]
+    left = float(np.abs(start - steady).max())
+    settled = left <= max(SETTLED * steady, float(solved.force_error) * mean)
+    peak = vertex(slip[1:], onward, int(np.argmax(onward)))
     return Rest(
         time=rest,
-        relaxed=float(relaxed),
-        peak=float(onward[top]),
-        peak_slip=float(slip[top]),
-        error=solved.force_error * mean + left,
+        relaxed=float(onward[0]),
+        peak=peak.height,
+        peak_slip=peak.slip,
+        error=float(solved.force_error) * mean + left + peak.sampling,
         success=bool(solved.success and settled),
     )
 

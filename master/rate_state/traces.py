@@ -1,6 +1,7 @@
 """Solved answers of a rigid slider to steps of its speed, and what rests give."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,15 +14,19 @@ from origins import Contacts
 from origins.brief import brief
 from origins.thresholds.law import Array
 
-# mean thresholds of sliding before a step and after it: tried one after the other, until the force is steady
+# lives of a contact, sliding from relaxed ones, after which the force may be steady: tried one after the other
 LIVES = (8.0, 24.0, 72.0)
 # of the largest change of force in an answer: what may be left of it before a step and at its end
 SETTLED = 2e-3
-# slips at which an answer is known, in mean thresholds: so many even in ln(slip), as heat may act over 1e-6 of a
-# threshold, and beside them even ones, over which contacts break in turn
-LEAST_SLIP, POINTS, EVEN_STEP = 1e-7, 160, 0.02
 # K/(N_c <k>) of a spring in place of a rigid slider, which lags by a 300th of each change of force, and the tolerance
 STIFF, SPRING_TOLERANCE = 300.0, 1e-3
+# of the tolerance: what may be left of the start before a step
+OF_TOLERANCE = 0.1
+# of a life: what is left of a start goes up and down with about that period, and is looked at so often
+FINE = 0.05
+# slips at which an answer is known, in lives: so many even in ln(slip), as heat may act over 1e-6 of a
+# threshold, and beside them even ones, over which contacts break in turn
+LEAST_SLIP, POINTS, EVEN_STEP = 1e-7, 160, 0.02
 
 
 @dataclass(frozen=True)
@@ -89,25 +94,27 @@ def steps_about(
     slow, fast = velocity * ratio**-0.5, velocity * ratio**0.5
     curve = kinetic_curve(contacts, [slow, fast])
     steady = dict(zip((slow, fast), map(float, curve.force), strict=True))
-    for lives in LIVES:
-        even = np.arange(0.0, min(lives, LIVES[0]), EVEN_STEP)
-        slip = mean * np.union1d(even, np.geomspace(LEAST_SLIP, lives, POINTS))
-        begin = lives * mean
-        path = np.r_[0.0, begin + slip, begin + slip[-1] + slip[1:]]
-        arrival = np.r_[0.0, begin / slow + slip / fast]
-        arrival = np.r_[arrival, arrival[-1] + slip[1:] / slow]
-        solved = followed(contacts, path, arrival, tolerance)
-        up, down = solved.force[1 : slip.size + 1], solved.force[slip.size :]
-        left = max(
-            abs(force[at] - steady[speed])
-            for force, at, speed in ((up, 0, slow), (up, -1, fast), (down, -1, slow))
-        )
-        change = min(float(np.ptp(up)), float(np.ptp(down)))
-        # below the solver's own error nothing more is known
-        least = max(SETTLED * change, float(solved.force_error) * mean)
-        settled = bool(solved.success and left <= least)
-        if settled:
-            break
+    approach = approach_of(contacts, slow, steady[slow], OF_TOLERANCE * tolerance * mean)
+    life, begin = approach.life, approach.slip
+    last = begin + life * np.arange(-1.0, 0.0, FINE)
+    even = life * np.arange(0.0, min(begin / life - 0.5 * EVEN_STEP, LIVES[0]), EVEN_STEP)
+    even = np.r_[even, last[last > even[-1] + 0.5 * EVEN_STEP * life]]
+    slip = np.union1d(even, np.geomspace(LEAST_SLIP * life, begin, POINTS))
+    path = np.r_[0.0, last, begin + slip, begin + slip[-1] + slip[1:]]
+    arrival = np.r_[0.0, last / slow, begin / slow + slip / fast]
+    arrival = np.r_[arrival, arrival[-1] + slip[1:] / slow]
+    solved = followed(contacts, path, arrival, tolerance)
+    start, force = solved.force[1 : last.size + 1], solved.force[last.size + 1 :]
+    up, down = force[: slip.size], force[slip.size - 1 :]
+    ended = slip >= slip[-1] - life
+    left = max(
+        float(np.abs(some - steady[speed]).max())
+        for some, speed in ((start, slow), (up[ended], fast), (down[ended], slow))
+    )
+    change = min(float(np.ptp(up)), float(np.ptp(down)))
+    # below the solver's own error nothing more is known
+    least = max(SETTLED * change, float(solved.force_error) * mean)
+    settled = bool(solved.success and left <= least)
     error = (solved.force_error + float(np.max(curve.force_error))) * mean + left
 
     def step(before: float, after: float, force: Array) -> VelocityStep:
@@ -116,6 +123,31 @@ def steps_about(
         )
 
     return step(slow, fast, up), step(fast, slow, down)
+
+
+class Approach(NamedTuple):
+    """The slip from relaxed contacts to steady sliding, and the travel of a contact to its break, about; lengths."""
+
+    slip: float
+    life: float
+
+
+def approach_of(contacts: Contacts, velocity: float, steady: float, most: float) -> Approach:
+    """How far contacts slide at one speed until F stays nearer to the `steady` force than `most`, or through the last
+    of LIVES."""
+    # contacts travel to twice their mean stretch or less; those whose thresholds grow farther than <x_s>
+    life = max(contacts.mean_threshold, 2.0 * steady)
+    if needs_spring(contacts):
+        return Approach(LIVES[1] * life, life)
+    for lives in LIVES:
+        slid = life * np.arange(0.0, lives, FINE)
+        accuracy = most / contacts.mean_threshold
+        force = solve(contacts, slid, accuracy, velocity=velocity).force
+        off = np.flatnonzero(np.abs(force - steady) > most)
+        reached = life + (float(slid[off[-1]]) if off.size else 0.0)
+        if reached <= slid[-1]:
+            return Approach(reached, life)
+    return Approach(LIVES[-1] * life, life)
 
 
 def needs_spring(contacts: Contacts) -> bool:
