@@ -2,20 +2,23 @@
 
 import time as clock
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from master.outcome import Progress, unheard
-from master.paper.q15_transient import AgeingTransient, solve_q15
 from master.rigid import motion_of, solve_rigid
-from master.soft.solution import SoftSolution, solve_soft
 from master.solution import Solution
 from master.survival.make import life_of
 from origins import Contacts, Drive, InputError
 from origins.contacts import LAWS, check_contacts
 from origins.drive import SlipRule
 from origins.errors import check_tolerance, positive
+
+if TYPE_CHECKING:
+    from master.paper.q15_transient import AgeingTransient
+    from master.soft.solution import SoftSolution
 
 # Tolerance of a first solution, in mean thresholds, of contacts that form again stretched and break by heat: their
 # table of survivals takes seconds to this, but may take minutes to 1e-6, and without it no point of the path is known.
@@ -35,7 +38,7 @@ def solve(
     damping: float = 0.0,
     progress: Progress = unheard,
     wall_time: float | None = None,
-) -> Solution | SoftSolution | AgeingTransient:
+) -> "Solution | SoftSolution | AgeingTransient":
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D and E, IV, V, App. C).
 
     The equation is number conservation, written with survivals and solved panel by panel; the paper's own scheme is
@@ -91,13 +94,19 @@ def solve(
         drive.only_forward("the paper's closure of ageing")
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed; write velocity=")
+        from master.paper.q15_transient import (
+            solve_q15,
+        )  # as the others, imported where it is named
+
         return solve_q15(contacts, drive, tolerance, progress, until)
     if drive.spring is None:
         return _rigid(contacts, drive, tolerance, progress, until)
     if drive.mass is not None:
-        from master.soft.inertia.solution import solve_inertial  # integrators take long to import
+        from master.soft.inertia.solution import solve_inertial
 
         return solve_inertial(contacts, drive, tolerance, progress, until)
+    from master.soft.solution import solve_soft
+
     return solve_soft(contacts, drive, tolerance, progress, until)
 
 

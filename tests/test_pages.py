@@ -61,8 +61,9 @@ ROWS = [(page, *row) for page in TABLES for row in ROW.findall(TEXTS[page])]
 @pytest.fixture(scope="module")
 def named() -> dict[str, dict[str, Any]]:
     own = {"master": master, "pi": np.pi, "stats": stats, **vars(origins)}
+    by_master = {name: getattr(master, name) for name in master.__all__}
     return {
-        page: own | (vars(master) | vars(script(name)) if name else {})
+        page: own | (by_master | vars(script(name)) if name else {})
         for page, (name, _) in TABLES.items()
     }
 

@@ -230,3 +230,23 @@ def test_few_files_solve_the_gaussian_scene_and_the_docstring_names_them_in_orde
     sys.setprofile(None)
     told = re.findall(r"`([a-z_.]+)`", master.solve.__doc__.partition("Parameters")[0])
     assert len(used) <= 14 and list(used) == told
+
+
+def test_a_cold_path_imports_no_law_that_it_does_not_name(python):
+    """Neither heat, ageing and springs nor other questions: a fresh process solves the README's scene without them."""
+    done = python("""
+import sys
+import master, origins
+contacts = origins.Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025))
+master.solve(contacts, [0.0, 1.0, 2.0])
+print(*(name.removeprefix("master.") for name in sys.modules if name.startswith("master.")))
+print(*(name for name in sys.modules if name.startswith(("scipy.optimize", "scipy.interpolate"))))
+""")
+    rooms, packages = done.stdout.splitlines()
+    assert {name.split(".")[0] for name in rooms.split()} == {
+        *("motion", "numerics", "outcome", "rate_state", "renewal", "rigid"),
+        *("solution", "solve", "survival"),
+    }
+    law_files = {name for name in rooms.split() if name.startswith(("survival.", "rate_state."))}
+    assert law_files == {"survival.changing", "survival.life", "survival.make"}
+    assert "renewal.strand_births" not in rooms and not packages

@@ -16,7 +16,7 @@ from master.outcome import unheard
 from master.rigid import march_of, motion_of, solve_rigid
 from master.survival.life import ColdLife, Survivors
 from master.survival.make import steady_life
-from origins import Ageing, Contacts, Drive, gaussian, gaussian_start, rectangular
+from origins import Ageing, Contacts, Delay, Drive, gaussian, gaussian_start, rectangular
 from origins.start import Start
 from toolkit.judge.closed_form import closed_form
 
@@ -158,3 +158,23 @@ def test_a_residual_of_many_contacts_is_no_estimate() -> None:
     found = master.solve(contacts, np.linspace(0.0, 3.0, 24), 1e-6)
     assert not found.success and found.force_error == np.inf
     assert "nothing is known of the force" in found.message
+
+
+def test_contacts_of_legs_that_are_left_out_are_counted() -> None:
+    """On each leg 3e-9 are born, so few that it is left out, though they hold: twenty legs miss twenty times as many.
+
+    None breaks a second time, so that B = P(x_s < X) up to the turn, and with it F is known."""
+    law, delay, top = gaussian(1.0, 0.1), 0.6, 0.7
+    broken = law.ppf(
+        3e-9 * np.arange(1, 21)
+    )  # where as many have broken on each leg as on the one before
+    times = np.array([0.0, top, *(broken + delay), 1.6])
+    speeds = np.append(1.0, np.resize([-0.5, -0.4], times.size - 2))
+    path = np.append(0.0, np.cumsum(speeds * np.diff(times)))
+    found = master.solve(Contacts(law, delay=Delay(delay)), path, 1e-3, time=times)
+    s, weight = gauss(np.clip([0.0, *(times[1:] - delay), top], 0.0, top))
+    held = (weight * law.pdf(s))[:, None] * (s[:, None] + delay < times)
+    stretch = path - np.interp(s + delay, times, path)[:, None]
+    exact = path * law.sf(np.maximum.accumulate(path)) + (held * stretch).sum(axis=0)
+    off = np.abs(found.force - exact).max()
+    assert 1e-9 < off <= found.force_error < 10.0 * off

@@ -44,7 +44,8 @@ class Fitted(NamedTuple):
 class EarlierLegs:
     """Births on some of the legs before the present one.
 
-    faded : legs of whose births hardly any held at the latest of the times that were asked for last
+    faded : legs of whose births hardly any held at the latest of the times that were asked for last, and the share of
+        all contacts that did
     """
 
     def __init__(
@@ -60,7 +61,7 @@ class EarlierLegs:
         motion, are counted from the beginning of `leg`."""
         self._births, self._life, self._motion = births, births.life, motion
         self._leg, self._legs, self._born, self._accuracy = leg, legs, born, accuracy
-        self.faded = set[int]()
+        self.faded = dict[int, float]()
 
     def sums(self, t: Array, negligible: float) -> Sums:
         """Number and force at times t, shape (n,); both of shape (2, n). Legs of whose births at most a `negligible`
@@ -84,7 +85,7 @@ class EarlierLegs:
             if size == polynomials.PANEL_NODES:
                 pieces = pieces.halves()
             size = min(2 * size, polynomials.PANEL_NODES)
-        self.faded = {leg for leg in self._legs.tolist() if held[leg] <= negligible}
+        self.faded = {leg: held[leg] for leg in self._legs.tolist() if held[leg] <= negligible}
         return Sums(both, float(missed.max()), survival_error)
 
     def _fitted(self, pieces: Pieces, t: Array, size: int) -> Fitted:

@@ -267,8 +267,8 @@ class March:
         motion that is the same up to t, of the same life, which is timeless."""
         other, births.work = copy(self), self.births.work
         other.births, other.motion, other._past = births, births.motion, Past(births)
-        # the panels so far were solved with these survivals
-        other._past.survival_error = self._past.survival_error
+        # the panels so far were solved with these errors
+        other._past.count_errors_of(self._past)
         other.widest = min(self.widest, self.guess)
         begun = int(np.searchsorted(self.begin, t - SAME_BEGIN * self.guess))
         for name in self.STORED:

@@ -7,6 +7,7 @@ Times are counted from the beginning of the present leg, to keep digits.
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +17,11 @@ from master.numerics.polynomials import Rows
 from master.renewal.births import INSIDE, TINY, Births, Lump, Panels, Sums
 from master.renewal.earlier_legs import EarlierLegs
 from master.renewal.present import TARGETS
-from master.renewal.strand_births import StrandBirths
 from master.survival.life import MARGIN, Life
 from origins.thresholds.law import Array
+
+if TYPE_CHECKING:
+    from master.renewal.strand_births import StrandBirths
 
 # Factor on the accuracy where a survival is a sum: so exact a sum over births would take long.
 COARSER = 30.0
@@ -31,7 +34,8 @@ class Past:
     """All contacts that were not born on the present leg, as that leg sees them.
 
     leg, first : the present leg, and the first panel whose births are on it
-    error : estimate from above of the error of the number by the sums over births, the largest so far
+    worst_sum : estimate from above of the error of the number by the sums over births, the largest so far
+    left_out : share of all contacts that held when their leg was left out, the sum over all legs so far
     survival_error : the largest error of a survival so far, as the life returned it
     """
 
@@ -40,12 +44,23 @@ class Past:
         self._births = births
         self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
         self._negligible = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
-        self.leg, self.first, self.error = -1, 0, 0.0
+        self.leg, self.first, self.left_out, self.worst_sum = -1, 0, 0.0, 0.0
         self.survival_error = births.life.error
-        self._left_out = set[int]()  # legs
+        self._legs_left_out = set[int]()
         self._earlier: EarlierLegs | None = None
-        self._strands: list[StrandBirths] = []
+        self._strands = list["StrandBirths"]()
         self._few = FewTimes(births.life)
+
+    @property
+    def error(self) -> float:
+        """Error of the number, a share of the contacts. Sums are taken anew on each panel, so that their errors do not
+        add up; contacts that are left out never come back, so that each leg adds its own."""
+        return self.worst_sum + self.left_out
+
+    def count_errors_of(self, other: "Past") -> None:
+        """Go on from what another past has missed so far."""
+        self.survival_error, self.worst_sum = other.survival_error, other.worst_sum
+        self.left_out = other.left_out
 
     def enter(self, leg: int, panels: Panels) -> None:
         """See all births on the solved panels from a leg on which none of them is yet, or some at its beginning."""
@@ -60,8 +75,9 @@ class Past:
             self._follow_strands(range(max(before, 0), leg), panels, begin, legs)
             return
         if self._earlier is not None:
-            self._left_out |= self._earlier.faded
-        counted = np.array(sorted(set(legs.tolist()) - self._left_out), dtype=int)
+            self._legs_left_out |= self._earlier.faded.keys()
+            self.left_out += sum(abs(held) for held in self._earlier.faded.values())
+        counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
         self._earlier = None
         if counted.size:
             born = panels.births(self._motion.times[legs] + begin)
@@ -74,7 +90,7 @@ class Past:
         if self._earlier is not None and self._few.are_tried(grid, speed):
             interpolated = self._few.interpolated(self._summed(grid[:, FewTimes.ASKED], lumps))
             if interpolated.error <= self._accuracy:
-                self.error = max(self.error, interpolated.error)
+                self.worst_sum = max(self.worst_sum, interpolated.error)
                 return interpolated.both
             self._few.take_narrower(grid, speed)
         return self._summed(grid, lumps)
@@ -93,7 +109,7 @@ class Past:
 
     def _counted(self, sums: Sums) -> Array:
         """Number and force of some sums, whose errors are counted."""
-        self.error = max(self.error, sums.error)
+        self.worst_sum = max(self.worst_sum, sums.error)
         self.survival_error = max(self.survival_error, sums.survival_error)
         return sums.both
 
@@ -109,14 +125,25 @@ class Past:
     def _follow_strands(self, new: range, panels: Panels, begin: Array, legs: Rows) -> None:
         """Make strands of the births on the `new` legs, and follow all strands to the present leg. `begin`: when the
         births of each panel begin, since the beginning of the leg on which they are."""
+        from master.renewal.strand_births import StrandBirths  # of ageing alone
+
         for leg in new:
             on_leg = legs == leg
-            if np.abs(panels.breaks[on_leg]).max(axis=1).sum() > self._negligible:
+            number = float(np.abs(panels.breaks[on_leg]).max(axis=1).sum())
+            if number > self._negligible:
                 born = panels.pick(on_leg).births(begin[on_leg])
                 self._strands.append(StrandBirths(self._births, leg, born))
-        alive = [each.seen_from(self._motion, self._negligible) for each in self._strands]
-        self._strands = [each for each, holds in zip(self._strands, alive, strict=True) if holds]
-        self.error = max(self.error, sum(each.missed for each in self._strands))
+                # single strands are not followed below this survival
+                self.left_out += self._negligible * self._strands[-1].births
+            else:
+                self.left_out += number
+        followed, self._strands = self._strands, list[StrandBirths]()
+        for each in followed:
+            if each.seen_from(self._motion, self._negligible):
+                self._strands.append(each)
+            else:
+                self.left_out += each.holding
+        self.worst_sum = max(self.worst_sum, sum(each.missed for each in self._strands))
         survivals = (each.survival_error for each in self._strands)
         self.survival_error = max(self.survival_error, *survivals, 0.0)
 

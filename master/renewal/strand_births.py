@@ -55,6 +55,16 @@ class StrandBirths:
         self._weight = born.legendre_weights(pieces, SIZE) @ basis.series.T
 
     @property
+    def births(self) -> float:
+        """Share of all contacts that were born on the leg."""
+        return float(np.abs(self._weight).sum())
+
+    @property
+    def holding(self) -> float:
+        """Share of all contacts that were born on the leg and hold where the strands are now."""
+        return float(np.abs(self._weight).ravel() @ self._strands.surviving_shares()[0])
+
+    @property
     def survival_error(self) -> float:
         """By the stretches at birth, the first passages with splines between instants, and rounding."""
         return self._known_error + self._strands.error + ROUNDING
@@ -64,7 +74,7 @@ class StrandBirths:
         leg, self._strands.dropped_below = int(motion.leg(np.finfo(float).tiny)), negligible
         while self._seen < leg:
             self._seen += 1
-            if not np.abs(self._weight).ravel() @ self._strands.surviving_shares()[0] > negligible:
+            if not self.holding > negligible:
                 return False
             times, followed = next(self._legs)
             survivors = followed.reshape(*followed.shape[:-1], -1, SIZE)

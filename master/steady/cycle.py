@@ -10,7 +10,6 @@ import numpy as np
 
 from master.renewal.births import reforming_law
 from master.renewal.present import Straight
-from master.survival.heat import ThermalLife
 from master.survival.life import Life
 from origins import Contacts, InputError
 from origins.start import Start
@@ -79,7 +78,7 @@ class Cycle(Straight):
         missed = 0.5 * (errors[1:] + errors[:-1]) * np.diff(edges)
         own = np.array([missed.sum(), missed @ edges[1:] / self.scale])
         off = table.missed() + own
-        if isinstance(life, ThermalLife):
+        if contacts.thermal is not None and contacts.changing is None:
             off += life.rounded_away(velocity) / units
         elif contacts.stiffness == "linked":  # farther thresholds are missing in the table of <k x>
             off += thresholds_beyond(contacts, life.largest_stretch) / units

@@ -11,13 +11,11 @@ from master.numerics.averages import CHECKED, Integrals, integrals_above
 from master.numerics.polynomials import Rows
 from master.numerics.table import Table
 from master.survival.integrated_rate import IntegratedRate
-from master.survival.life import FEW, MARGIN, SMALLEST, TIE, LawLife, Survivors
+from master.survival.life import COEFFICIENT_LIMIT, FEW, MARGIN, SMALLEST, TIE, LawLife, Survivors
 from origins import Contacts
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density
 
-# Last two Legendre coefficients below which pieces of the stretches at birth, and panels of H, are not halved.
-COEFFICIENT_LIMIT = 1e-9
 # ln A from which on the survival e^-A < 1e-29 is negligible, even where few contacts hold; and at which it is cut, as
 # e^-A is then 0 in floating point.
 _NEGLIGIBLE_FROM, _ZERO_FROM = np.log(67.0), 7.0

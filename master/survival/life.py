@@ -13,6 +13,9 @@ from origins.start import Start
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import finite_density, panel_edges
 
+# Last two Legendre coefficients below which pieces of the stretches at birth, and panels of the mean rate H, are not
+# halved, where no tolerance is known.
+COEFFICIENT_LIMIT = 1e-9
 # Survivals below this count as 0, and those within it of 1 as 1: a hundredth of the rounding of sums of them.
 NO_SURVIVAL = 1e-18
 # An exact threshold within this relative distance above |x| counts as met: a turning point placed
@@ -123,6 +126,11 @@ class Life:
         if not self.error_is_relative:
             return np.full(held.shape, error)
         return error * np.minimum(held / FEW, 1.0) + self.neglected
+
+    def rounded_away(self, velocity: float) -> Array:
+        """Bounds of what rounding of the survival hides in the integrals of E and K over the distance since birth, at a
+        speed, lengths to the powers 1 and 2; shape (2,)."""
+        return np.zeros(2)
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """The fraction of contacts that still holds, its force per contact born, and the error of the fraction.

@@ -1,20 +1,20 @@
 """The choice of the Life that belongs to the laws of some contacts."""
 
+from importlib import import_module
+
 import numpy as np
 
 from master.motion import Motion
-from master.survival.age.ageing import AgeingLife
 from master.survival.changing import ChangingLife
-from master.survival.growing import GrowingLife
-from master.survival.heat import COEFFICIENT_LIMIT, MeanRateLife, ThermalLife
-from master.survival.life import ColdLife, Life
+from master.survival.life import COEFFICIENT_LIMIT, ColdLife, Life
 from origins import Ageing, Contacts, GrowingThresholds, InputError
 from origins.laws.timed_law import ChangingThresholds
 
-# The life of contacts whose thresholds change, by the class of the law.
-LIVES: dict[type[ChangingThresholds], type[ChangingLife]] = {
-    Ageing: AgeingLife,
-    GrowingThresholds: GrowingLife,
+# The life of contacts whose thresholds change, by the class of the law: a module of master.survival, which is imported
+# where it is needed, and the life's name in it.
+LIVES: dict[type[ChangingThresholds], tuple[str, str]] = {
+    Ageing: ("age.ageing", "AgeingLife"),
+    GrowingThresholds: ("growing", "GrowingLife"),
 }
 
 
@@ -39,6 +39,8 @@ def life_of(
     limit = float(np.clip(tolerance, 1e-12, 1e-6)) if tolerance else COEFFICIENT_LIMIT
     if contacts.thermal is None:
         return ColdLife(contacts, limit)
+    from master.survival.heat import MeanRateLife, ThermalLife
+
     life = MeanRateLife if contacts.thermal.closure == "paper" else ThermalLife
     return life(contacts, limit)
 
@@ -62,4 +64,6 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
 def _life_by(changing: ChangingThresholds) -> type[ChangingLife]:
     """The entry of LIVES for a law, or for the class that it is made from."""
-    return next(life for law, life in LIVES.items() if isinstance(changing, law))
+    module, name = next(life for law, life in LIVES.items() if isinstance(changing, law))
+    found: type[ChangingLife] = getattr(import_module(f"master.survival.{module}"), name)
+    return found
