@@ -244,15 +244,18 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
     lasts, moved = durations(drive), np.abs(np.diff(drive.path, prepend=0.0))
     total, travel = float(lasts.sum()), float(moved.sum())
     thermal, again, changing = contacts.thermal, contacts.reforming, contacts.changing
-    often = dict[str, float]()
+    often, slower = dict[str, float](), 0.0
     if changing is not None:
-        often[changing.law] = kernel_of(changing).often(contacts, lasts, moved, law)
+        kernel = kernel_of(changing)
+        often[changing.law] = kernel.often(contacts, lasts, moved, law)
+        slower = (kernel.SECONDS - 1e-7) * often[changing.law]
     if again is not None and again.law.is_single:
         # half of the contacts break again within this distance
         stretch, thresholds = abs(again.law.mean()), contacts.thresholds
         distance = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
         often["reforming"] = travel / max(distance, 1e-300)
-    if thermal is not None and contacts.grains is None and total > 0.0:
+    begins_at_0 = contacts.growing is not None and contacts.growing.begins_at_0
+    if thermal is not None and not begins_at_0 and total > 0.0:
         fresh = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
         # contacts hold longest while they are relaxed, so the number of breaks may be underestimated
         with np.errstate(over="ignore"):
@@ -268,4 +271,4 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
             "take a shorter or faster drive, other units of time, or the master equation"
         )
     # seconds of a cold break, and of one under other laws or of a step of ageing
-    return 2e-8 * travel / contacts.mean_threshold + 1e-7 * sum(often.values())
+    return 2e-8 * travel / contacts.mean_threshold + 1e-7 * sum(often.values()) + slower

@@ -17,6 +17,7 @@ from origins.laws.delay import Delay
 from origins.laws.growing import GrowingThresholds
 from origins.laws.rate_law import RateLaw
 from origins.laws.strengthening import Strengthening
+from origins.laws.temperature import TooHot, too_cold, too_hot
 from origins.laws.thermal import RATE_LAWS, BreakingRate, Thermal, as_thermal
 from origins.laws.timed_law import MEAN_RATE, ChangingThresholds, TimedLaw
 from origins.roughness.interface import Interface
@@ -25,11 +26,11 @@ from origins.start import FormationLaw, as_start
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.scipy_laws import as_thresholds
 
-# All laws that a contact may have beside thresholds and a start; thresholds that grow are "grains" or "strengthening".
-# A law that is absent is None (stiffness: "independent"). Solvers use this list, Contacts.laws and
-# Contacts.replace; what a law is asked beside its equation stands there, see origins/laws/timed_law.py.
-LAWS = ("grains", "strengthening", "thermal", "ageing", "delay", "reforming", "stiffness")
-_ARGUMENTS = ("thresholds", "start", *LAWS[2:], "interface")
+# All laws that a contact may have beside thresholds and a start, by the attributes of Contacts; one that is absent is
+# None (stiffness: "independent"). Solvers use this list, Contacts.laws and Contacts.replace; what a law is asked beside
+# its equation stands there, see origins/laws/timed_law.py.
+LAWS = ("growing", "thermal", "ageing", "delay", "reforming", "stiffness")
+_ARGUMENTS = ("thresholds", "start", *LAWS[1:], "interface")
 
 
 class Contacts:
@@ -82,7 +83,8 @@ class Contacts:
     thermal, ageing, delay, reforming
         The laws; None where the law is absent. `thermal.rates` is the RateLaw, `reforming` a FormationLaw.
     laws : tuple of str
-        Names of the laws that are present, from origins.contacts.LAWS.
+        Names of the laws that are present, from origins.contacts.LAWS; growing thresholds are called by their own
+        name, "grains", "strengthening" or that of a law of one's own.
     in_time, held_in_time : tuple of str
         Of these those under which time matters, and those under which it matters to contacts that hold.
     changing : ChangingThresholds or None
@@ -109,7 +111,9 @@ class Contacts:
         self.thresholds = as_thresholds(
             thresholds if self.growing is None else self.growing.at_start
         )
-        if isinstance(self.growing, Strengthening) and self.growing.beta == 0.0:
+        if self.growing is not None and self.growing.grows:
+            self.growing.check_growth()
+        else:
             self.growing = None
         if interface is not None:
             self._state(interface)
@@ -156,23 +160,30 @@ class Contacts:
     @property
     def laws(self) -> tuple[str, ...]:
         """See Contacts; in the order of origins.contacts.LAWS."""
-        return tuple(name for name in LAWS if getattr(self, name) not in (None, "independent"))
+        return tuple(self._there)
+
+    @property
+    def _there(self) -> dict[str, Any]:
+        """The laws that are present, by their names in `laws`."""
+        there = {name: getattr(self, name) for name in LAWS}
+        there = {name: law for name, law in there.items() if law not in (None, "independent")}
+        return {law.law if name == "growing" else name: law for name, law in there.items()}
 
     @property
     def in_time(self) -> tuple[str, ...]:
         """See Contacts."""
-        return tuple(name for name in self.laws if isinstance(getattr(self, name), TimedLaw))
+        return tuple(name for name, law in self._there.items() if isinstance(law, TimedLaw))
 
     @property
     def held_in_time(self) -> tuple[str, ...]:
         """See Contacts."""
-        return tuple(name for name in self.in_time if getattr(self, name).while_holding)
+        return tuple(name for name in self.in_time if self._there[name].while_holding)
 
     @property
     def changing(self) -> ChangingThresholds | None:
         """See Contacts."""
-        laws = (getattr(self, name) for name in self.in_time)
-        return next((law for law in laws if isinstance(law, ChangingThresholds)), None)
+        laws = (law for law in self._there.values() if isinstance(law, ChangingThresholds))
+        return next(laws, None)
 
     @property
     def older_at_start(self) -> bool:
@@ -231,11 +242,17 @@ class Contacts:
             self.ageing = None
         if self.delay and self.delay.time == 0.0:
             self.delay = None
+        if self.growing is not None and self.growing.law in LAWS[1:]:
+            refuse(
+                "law",
+                self.growing.law,
+                "is the name of another law; give these thresholds their own",
+            )
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
             there.add(MEAN_RATE)
         for name in self.in_time:
-            for other, reason in getattr(self, name).apart.items():
+            for other, reason in self._there[name].apart.items():
                 if other in there:
                     raise InputError(reason)
         if self.ageing is not None:
@@ -262,7 +279,10 @@ def check_contacts(
     those not in `takes`, and unless `own_rates` a RateLaw that is not one of origins.laws."""
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts; write origins.Contacts(thresholds)")
-    for name in (law for law in contacts.laws if law not in takes):
+    grown = contacts.growing.law if contacts.growing is not None else None
+    for name in contacts.laws:
+        if ("growing" if name == grown else name) in takes:
+            continue
         value = " = 'linked'" if name == "stiffness" else ""
         hint = f"does not take it yet; leave {name} out of the contacts"
         raise InputError(f"contacts.{name}{value}: {solver} {hint}")
@@ -270,30 +290,3 @@ def check_contacts(
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
         hint = f'does not take the rate law "{contacts.thermal.rates.name}" yet; use {known}'
         raise InputError(f"contacts.thermal: {solver} {hint}")
-
-
-class TooHot(UserWarning):
-    """The temperature is far above all barriers, as if it were given in kelvins."""
-
-
-def too_hot(temperature: float, thresholds: Thresholds) -> str:
-    """A warning for a temperature k_BT/<k> (a length squared) at which no contact holds; "" for a lower one."""
-    share = temperature / thresholds.moment(2)
-    if not share > 100.0:  # barriers are then below k_BT/200
-        return ""
-    kelvin = ": of kelvins write temperature = { kelvin = 300.0 }" if thresholds.interface else ""
-    return (
-        f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
-        f"as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared{kelvin}"
-    )
-
-
-def too_cold(temperature: float, thresholds: Thresholds) -> str:
-    """Why a temperature k_BT/<k> (a length squared) is too low for these thresholds; "" where it is high enough."""
-    mean, least, unit = thresholds.mean(), 1e-20, ""
-    if not temperature < least * mean**2:
-        return ""
-    if thresholds.interface is not None:
-        unit = f" are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
-    share = f"k_BT/<k> = {temperature:.1g} is {temperature / mean**2:.1g} of <x_s>²;{unit}"
-    return f"{share} below {least:g} of it contacts break at their thresholds: leave thermal out"

@@ -14,6 +14,8 @@ from eq_model.whole_drive import WholeDrive
 from origins import Contacts
 from origins.thresholds.law import Array
 
+SECONDS = 1e-7  # of a break, or a step; see settings.KERNELS
+
 
 class Diffusing(NamedTuple):
     """Diffusion of thresholds y, towards a normal law, or another one on y > 0 by a table of its slopes."""

@@ -15,6 +15,8 @@ from eq_model.whole_drive import WholeDrive
 from origins import Contacts
 from origins.thresholds.law import Array
 
+SECONDS = 1e-7  # of a break, or a step; see settings.KERNELS
+
 
 class Grains(NamedTuple):
     """Growth of thresholds with the age of their grains; see growing.Growth."""

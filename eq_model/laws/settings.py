@@ -7,15 +7,17 @@ import numpy as np
 
 from eq_model import contact
 from eq_model.whole_drive import WholeDrive
-from origins import Ageing, Contacts, GrainContact, Strengthening, Thermal
+from origins import Ageing, Contacts, GrainContact, GrowingThresholds, Strengthening, Thermal
 from origins.errors import refuse
 from origins.laws.compiled import CompiledRates, called
 from origins.laws.timed_law import ChangingThresholds
 
 # The file of eq_model/laws with the kernel of each law by which thresholds change, imported where it is needed. It has
-# make(contacts, drive, warm, rates, unit), the settings of the kernel (contact.Warm has the last two), and
+# make(contacts, drive, warm, rates, unit), the settings of the kernel (contact.Warm has the last two);
 # often(contacts, lasts, moved, settings), about how often a contact breaks or takes a step on legs of these durations
-# and lengths.
+# and lengths; and SECONDS, about what one of these takes. Growing thresholds of any other class, those derived from a
+# class of the table included, have the kernel OWN, which calls their methods.
+OWN = "own"
 KERNELS: dict[type[ChangingThresholds], str] = {
     Ageing: "diffusing",
     GrainContact: "grains",
@@ -25,9 +27,10 @@ KERNELS: dict[type[ChangingThresholds], str] = {
 
 def kernel_of(law: ChangingThresholds) -> Any:
     """The module of KERNELS for a law. Raises InputError for one that has none."""
-    if type(law) not in KERNELS:
+    name = KERNELS.get(type(law), OWN if isinstance(law, GrowingThresholds) else "")
+    if not name:
         refuse(f"contacts.{law.law}", law, "has no kernel in eq_model; use master.solve")
-    return import_module(f"eq_model.laws.{KERNELS[type(law)]}")
+    return import_module(f"eq_model.laws.{name}")
 
 
 def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:

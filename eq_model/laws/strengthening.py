@@ -15,6 +15,8 @@ from eq_model.whole_drive import WholeDrive
 from origins import Contacts
 from origins.thresholds.law import Array
 
+SECONDS = 1e-7  # of a break, or a step; see settings.KERNELS
+
 
 class Logarithmic(NamedTuple):
     """Growth of thresholds by the factor 1 + β ln(1 + age); see growing.Growth."""

@@ -1,5 +1,7 @@
 """Contacts whose thresholds grow with age: each keeps its quantile in the law of the coalescing grains."""
 
+from functools import cached_property
+
 import numpy as np
 import numpy.typing as npt
 
@@ -64,7 +66,7 @@ class GrainContact(GrowingThresholds):
         assert self.age is not None
         return float(self.quantile(1.0, self.age + duration))
 
-    @property
+    @cached_property
     def at_start(self) -> Thresholds:
         """P_c at X = 0. InputError where the age there is not given."""
         if self.age is None:

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
+from origins.errors import refuse
 from origins.laws.timed_law import EXACT, MEAN_RATE, ChangingThresholds
 from origins.thresholds.law import Array, Thresholds
+
+# Relative error of hazards, and change of one beside 1, that may be rounding in a law of one's own.
+INVERSE, ROUGHNESS = 1e-6, 1e-9
+# Ages, and times along a leg, in time_unit, at which hazards are looked at.
+AGES, LATER = np.geomspace(1e-3, 1e3, 7), np.geomspace(1e-3, 1e4, 36)
 
 
 class GrowingThresholds(ChangingThresholds, ABC):
@@ -23,19 +29,23 @@ class GrowingThresholds(ChangingThresholds, ABC):
     `first_pinning_time` before. While |x| changes at one speed, the hazard at the contact's stretch first falls and
     then rises, or only one of the two, so that the largest is that at one end of the leg.
 
+    law : its name in Contacts.laws and in messages
     age : of all contacts at X = 0, since their last break, a time; None: not given, which origins.Contacts refuses
     interface : the rough surface behind them, or None
     time_unit : a time, over which fresh thresholds grow
+    grows : False where thresholds stay as they are after all, so that the law counts as absent
     begins_at_0 : whether all thresholds are 0 as contacts pin
     quick_width : a length over which breaks of contacts just pinned change, inf where the law at X = 0 says it
     bends : sorted finite hazards above 0 at which thresholds are no smooth function of the hazard; thresholds there, at
         an age, are threshold_at(bends, age)
     """
 
+    law: ClassVar[str] = "growing"
     age: float | None
     interface: Any = None
     time_unit: float
     quick_width: float = np.inf
+    grows = True
     begins_at_0 = False
     bends: Array = np.empty(0)
 
@@ -78,3 +88,34 @@ class GrowingThresholds(ChangingThresholds, ABC):
     @abstractmethod
     def check_speed(self, velocity: float) -> None:
         """InputError for steady speeds at which thresholds cannot be followed, or at which contacts never break."""
+
+    def check_growth(self) -> None:
+        """InputError where hazards at some ages, stretches and speeds are not what this class says of them, so that no
+        solver follows a law that it would follow wrongly."""
+        hazards, ages = np.array([0.05, 0.7, 3.0]), self.time_unit * AGES[:, None]
+        thresholds = self.threshold_at(hazards, ages)
+        # contacts of one threshold pass many hazards at once
+        exact = self.at_start.atoms[0].size > 0
+        if not (exact or np.allclose(self.hazard_at(thresholds, ages), hazards, rtol=INVERSE)):
+            self._refuse("hazard_at at threshold_at(hazard, age) is not that hazard")
+        if not (np.diff(thresholds, axis=0) >= 0.0).all():
+            self._refuse("threshold_at falls with the age")
+        at_start = self.threshold_at(hazards, self.start_pinned_for)
+        if not (exact or np.allclose(-self.at_start.logsf(at_start), hazards, rtol=INVERSE)):
+            self._refuse("at_start is not the law of thresholds at the age of the start")
+        # legs of the start, stretched or not, and of contacts that form; in rows, times in columns
+        begin = at_start[1] * np.array([[0.5], [-0.5], [0.0]]).repeat(3, axis=0)
+        speed = at_start[1] / self.time_unit * np.tile([[1e-2], [1.0], [1e2]], (3, 1))
+        age, later = np.where(begin, self.start_pinned_for, 0.0), self.time_unit * LATER
+        found = self.hazard_at(begin + speed * later, age + later)
+        known = np.where(np.isfinite(found), found, 1e300)
+        steps = np.diff(known) / (1.0 + known[:, 1:])
+        falls_again = np.maximum.accumulate(steps > ROUGHNESS, axis=1) & (steps < -ROUGHNESS)
+        if falls_again.any():
+            at = float(speed[falls_again.any(axis=1)][0, 0])
+            fault = f"hazard_at rises and falls again on a leg of the speed {at:.3g}"
+            self._refuse(f"{fault}: thresholds must grow ever more slowly")
+
+    def _refuse(self, fault: str) -> None:
+        """InputError for a law that is not what this class says."""
+        refuse("thresholds", self, f"{fault}; see origins.GrowingThresholds")

@@ -38,7 +38,7 @@ class ChangingThresholds(TimedLaw):
     A solver has a life, a memory under a spring and a kernel for each such law, by its class: LIVES in
     master/survival/make.py, MEMORIES in master/soft/in_time/changing.py, KERNELS in eq_model/laws/settings.py.
 
-    law : its name in origins.contacts.LAWS and in messages
+    law : its name in Contacts.laws and in messages
     first_pinning_time : time after a break, and after the delay, until a new contact can hold; `waiting` says why
     older_at_start : whether contacts of the start are older than those that have just formed, and live longer
     keeps_tail : whether strong contacts stay strong, so that a heavy tail of P_c makes the kinetic force infinite

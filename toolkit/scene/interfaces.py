@@ -6,7 +6,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from origins.contacts import Contacts, Thermal, too_hot
+from origins.contacts import Contacts, Thermal
+from origins.laws.temperature import too_hot
 from origins.roughness.interface import Interface
 from origins.roughness.stated import InSI
 from origins.samples.from_samples import Sampled, sampled_parts

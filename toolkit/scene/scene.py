@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from origins.contacts import Contacts, TooHot, too_cold
+from origins.contacts import Contacts
 from origins.drive import Drive
 from origins.errors import InputError, one_of, refuse, shown
+from origins.laws.temperature import TooHot, too_cold
 from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, tables
 from toolkit.scene.changes import changed

@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.brief import brief
-from origins.contacts import Contacts, Thermal, TooHot
+from origins.contacts import Contacts, Thermal
 from origins.errors import InputError, non_negative, one_of, positive, refuse
+from origins.laws.temperature import TooHot
 from origins.thresholds.law import Array
 from toolkit.scene import laws
 from toolkit.scene.tables import RangeTable, SweepTable

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from origins.contacts import TooHot
+from origins.laws.temperature import TooHot
 from toolkit.stability.case import Case, Question, Row, Verdict, rows
 
 VERDICTS: dict[

@@ -1,0 +1,116 @@
+"""Thresholds that all grow by one factor with the age of their contact: what follows from that factor alone."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from origins.errors import between, non_negative, refuse
+from origins.laws.growing import GrowingThresholds
+from origins.laws.timed_law import LINKED
+from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.powered import Powered, straight
+from origins.thresholds.scipy_laws import as_thresholds
+
+LONGEST = 1e100  # of times, in time_unit, over which thresholds may be followed
+# The strongest contacts whose breaks are asked for: a larger share than this of all holds at no age that is followed.
+STRONGEST = 1e-17
+
+
+class ProportionalGrowth(GrowingThresholds):
+    """x_s(t) = x_s0 g(t), with one g for all contacts; a subclass states g, as `factor`.
+
+    g is 1 at age 0, does not fall, and is concave: it grows ever more slowly. On a leg of one speed v the ratio
+    |x|/g(t) then first falls and later rises, or only one of the two: its slope has the sign of N = v g - |x| g', and
+    N' = -|x| g'' >= 0. It is largest at one end of the leg, so that contacts born together hold with the probability
+    S(max |x|/g) at the ends so far, S the survival of P_c. In steady sliding, x = v t, it rises all along, since
+    g - t g' >= g(0). Contacts form again relaxed, and k_i does not grow.
+
+    fresh : P_c of contacts as they form, at age 0; as origins.Contacts takes thresholds
+    time : over which fresh thresholds grow; age : of all contacts at X = 0, in the same unit
+    Raises InputError for values that are no times, and for anything but thresholds.
+    """
+
+    keeps_tail = True
+
+    def __init__(self, fresh: object, time: float, age: float = 0.0) -> None:
+        self.fresh = as_thresholds(fresh)
+        self.time_unit = between("time", time, 1e-100, 1e100)
+        self.age: float = non_negative("age", age)
+        self.older_at_start = self.age > 0.0
+        if not self.age <= LONGEST * self.time_unit:
+            refuse("age", age, f"must be at most {LONGEST:g} times time = {self.time_unit:g}")
+        self.interface = self.fresh.interface
+
+    @abstractmethod
+    def factor(self, age: npt.ArrayLike) -> Array:
+        """g at these ages >= 0 (times); shape of them."""
+
+    @property
+    def apart(self) -> dict[str, str]:
+        """See TimedLaw."""
+        grows = "thresholds that grow: nothing says whether k_i grows, too"
+        relaxed = "contacts whose thresholds grow are taken as they form again relaxed alone"
+        return super().apart | {
+            "stiffness": f'{LINKED} {grows}; use "independent"',
+            "reforming": f"reforming: {relaxed}; leave it out",
+        }
+
+    @property
+    def grows(self) -> bool:  # type: ignore[override]
+        """See GrowingThresholds."""
+        return float(self.factor(LONGEST * self.time_unit)) != 1.0
+
+    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
+        """See ChangingThresholds: that of contacts of the start, the oldest, which grows as all do."""
+        return self.typical_threshold(fresh, duration)
+
+    def typical_threshold(self, fresh: float, duration: float) -> float:
+        """See ChangingThresholds: the mean one of contacts of the start, the oldest."""
+        pinned_for = self.start_pinned_for
+        return fresh * float(self.factor(pinned_for + duration) / self.factor(pinned_for))
+
+    @cached_property
+    def at_start(self) -> Thresholds:
+        """P_c of all contacts at X = 0: that of fresh ones, in lengths g(age) times as large."""
+        if self.age == 0.0 or not self.grows:
+            return self.fresh
+        law = Powered(self.fresh, straight(float(self.factor(self.start_pinned_for)), 1.0))
+        law.interface, law.cut_weight = self.interface, self.fresh.cut_weight
+        return law
+
+    @cached_property
+    def bends(self) -> Array:  # type: ignore[override]
+        """See GrowingThresholds: hazards at the breakpoints of P_c."""
+        hazards = -self.fresh.logsf(self.fresh.breakpoints)
+        return np.unique(hazards[(hazards > 0.0) & np.isfinite(hazards)])
+
+    def hazard_at(self, x: Array | float, pinned_for: Array | float) -> Array:
+        """See GrowingThresholds."""
+        return np.asarray(-self.fresh.logsf(np.abs(x) / self.factor(pinned_for))) + 0.0
+
+    def threshold_at(self, hazard: Array | float, pinned_for: Array | float) -> Array:
+        """See GrowingThresholds."""
+        hazard = np.asarray(hazard, dtype=float)
+        # contacts are weaker: their share has more digits than that of the others
+        few = hazard < 0.5
+        at_birth = np.empty(hazard.shape)
+        at_birth[few] = self.fresh.ppf(-np.expm1(-hazard[few]))
+        at_birth[~few] = self.fresh.isf(np.exp(-hazard[~few]))
+        return at_birth * self.factor(pinned_for)
+
+    def check_speed(self, velocity: float) -> None:
+        """InputError for speeds so low that the ages at which contacts break are beyond floating point."""
+        ages = self.fresh.mean() / velocity / self.time_unit
+        if not ages < LONGEST:
+            hint = f"contacts break at ages of {ages:.1g} times time = {self.time_unit:g}; at most {LONGEST:g} times"
+            refuse("velocity", velocity, hint)
+        latest = LONGEST * self.time_unit
+        if not float(self.fresh.isf(STRONGEST) * self.factor(latest)) < velocity * latest:
+            hint = (
+                "thresholds of strong contacts grow faster, so that these never break; slide faster"
+            )
+            refuse("velocity", velocity, hint)

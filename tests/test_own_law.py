@@ -1,0 +1,156 @@
+"""Thresholds that grow by a law of one's own: both solvers take them, by quadratures, or refuse them in one line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from solving import gauss
+
+import eq_model
+import master
+import origins
+from origins import Contacts, GrowingThresholds, InputError, ProportionalGrowth
+
+PC = origins.gaussian(mean=1.0, std=0.2)
+
+
+class Power(ProportionalGrowth):
+    """x_s0 (1 + t/τ)^p."""
+
+    law = "power growth"
+
+    def __init__(self, fresh, power, time, age=0.0):
+        super().__init__(fresh, time, age)
+        self.power = power
+
+    def factor(self, age):
+        return (1.0 + np.asarray(age) / self.time_unit) ** self.power
+
+
+class Hazards(GrowingThresholds):
+    """The same by its hazards alone, without a factor, and without a name."""
+
+    time_unit, keeps_tail = 1.0, True
+
+    def __init__(self, power, age):
+        self.power, self.age, self.older_at_start = power, age, age > 0.0
+        self.at_start = Power(PC, power, 1.0, age).at_start
+
+    at_start = None
+
+    def hazard_at(self, x, pinned_for):
+        return -PC.logsf(np.abs(x) / (1.0 + pinned_for) ** self.power)
+
+    def threshold_at(self, hazard, pinned_for):
+        return PC.isf(np.exp(-np.asarray(hazard))) * (1.0 + pinned_for) ** self.power
+
+    def check_speed(self, velocity):
+        pass
+
+    def largest_threshold(self, fresh, share, duration):
+        return self.typical_threshold(fresh, duration)
+
+    def typical_threshold(self, fresh, duration):
+        return fresh * ((1.0 + self.age + duration) / (1.0 + self.age)) ** self.power
+
+
+def steady(power, velocity):
+    """F_k: integrals of x E and E, with E(x) = S(x/g(x/v)), up to where one contact in 1e17 breaks."""
+    end = far = float(PC.isf(1e-17))
+    for _ in range(200):
+        end = far * (1.0 + end / velocity) ** power
+    x, weights = gauss(np.linspace(0.0, end, 401), 10)
+    held = weights * PC.sf(x / (1.0 + x / velocity) ** power)
+    return float(held @ x / held.sum())
+
+
+@pytest.mark.parametrize(("power", "velocity"), [(0.1, 1.0), (0.1, 1e-3), (0.5, 3.0)])
+def test_steady_sliding_is_a_quadrature(power, velocity):
+    found = master.steady_state(Contacts(Power(PC, power, 1.0)), velocity=velocity)
+    assert abs(found.force - steady(power, velocity)) <= found.force_error + 1e-12
+    assert found.force_error < 1e-9
+
+
+@pytest.mark.parametrize("law", [Power(PC, 0.3, 1.0, age=0.5), Hazards(0.3, age=0.5)])
+def test_start_and_rest(law):
+    """Until their second break: S(max x/g)/S of the start, and births of one age at one place; F after a rest is that
+    of contacts which have grown older meanwhile."""
+    contacts = Contacts(law, start=origins.gaussian_start(mean=0.2, std=0.01))
+    assert contacts.changing is law and contacts.laws == (law.law,) and contacts.older_at_start
+    found = master.solve(contacts, [0.3, 0.3, 0.6], time=[0.3, 2.3, 2.6])
+    z, weights = gauss(np.linspace(-9.0, 9.0, 200), 5)
+    share, x = weights * np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi), 0.2 + 0.01 * z
+    ages = 0.5 + np.array([0.0, 0.3, 2.3, 2.6])[:, None]
+    ratio = (x + np.array([0.0, 0.3, 0.3, 0.6])[:, None]) / (1.0 + ages) ** 0.3
+    held = share * PC.sf(ratio.max(axis=0)) / PC.sf(ratio[0])
+    # of the start alone: later contacts are stretched by less than 0.6, and hold but for a few
+    assert found.force[-1] >= float(held @ (x + 0.6)) - found.force_error
+    first = share * PC.sf(np.maximum(ratio[0], ratio[1])) / PC.sf(ratio[0])
+    assert abs(found.force[0] - float(first @ (x + 0.3))) < 5e-4 and found.success
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", [Power(PC, 0.3, 1.0, age=0.5), Hazards(0.3, age=0.5)])
+def test_the_ensemble_agrees(law):
+    """On a path that rests and turns, at all points; and without an entry in any table."""
+    contacts = Contacts(law, delay=origins.Delay(0.1))
+    path, time = [0.5, 1.2, 1.2, 0.1, -1.2, 1.5], [0.5, 1.2, 4.2, 5.3, 6.6, 9.3]
+    exact = master.solve(contacts, path, time=time, tolerance=1e-6)
+    found = eq_model.simulate(contacts, path, time=time, n_contacts=2000, seed=3)
+    error = np.hypot(found.force_standard_error, exact.force_error)
+    assert (np.abs(found.force - exact.force) < 4.5 * error).all() and exact.success
+    assert np.abs(found.holding - exact.holding).max() < 4.5 * np.sqrt(0.25 / 2000)
+
+
+class Convex(Power):
+    def factor(self, age):
+        return 1.0 + (np.asarray(age) / self.time_unit) ** 2
+
+
+class NotInverse(Hazards):
+    def threshold_at(self, hazard, pinned_for):
+        return 2.0 * super().threshold_at(hazard, pinned_for)
+
+
+class OfAnotherAge(Hazards):
+    def __init__(self, power, age):
+        super().__init__(power, age)
+        self.at_start = PC
+
+
+class Shrinks(Power):
+    def factor(self, age):
+        return 1.0 / super().factor(age)
+
+
+class Delay(Power):
+    law = "delay"
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        (Convex(PC, 0.1, 1.0), "rises and falls again on a leg"),
+        (NotInverse(0.1, 1.0), r"hazard_at at threshold_at\(hazard, age\) is not that hazard"),
+        (OfAnotherAge(0.1, 1.0), "at_start is not the law of thresholds at the age of the start"),
+        (Shrinks(PC, 0.1, 1.0), "threshold_at falls with the age"),
+        (Delay(PC, 0.1, 1.0), "is the name of another law"),
+    ],
+)
+def test_a_law_that_solvers_would_follow_wrongly_is_refused(law, said):
+    with pytest.raises(InputError, match=said) as refused:
+        Contacts(law)
+    assert "\n" not in str(refused.value)
+
+
+def test_contacts_that_never_break_are_refused():
+    """x_s = x_s0 (1 + t/τ) grows at the speed x_s0/τ: slower contacts never meet their thresholds."""
+    contacts = Contacts(Power(PC, 1.0, 1.0))
+    with pytest.raises(InputError, match="never break; slide faster"):
+        master.steady_state(contacts, velocity=1.0)
+    with pytest.raises(InputError, match=r"contacts\.power growth: .*does not take it yet"):
+        eq_model.simulate(contacts, [1.0], spring=0.5)
+
+
+def test_a_factor_that_stays_1_is_no_law():
+    assert Contacts(Power(PC, 0.0, 1.0)).laws == ()
