@@ -4,7 +4,7 @@ import numpy as np
 
 from eq_model.compiling import bare, entry, inlined, unsigned
 from eq_model.coupled.mass.motion import first_passage, first_top
-from eq_model.coupled.mass.moves import MOVED, motion_of, quick_move, slow_move
+from eq_model.coupled.mass.moves import MOVED, damped_move, motion_of, quick_move, slow_move
 from eq_model.coupled.mass.nearest import (
     FAR,
     FETCHED,
@@ -68,8 +68,9 @@ def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _break(s, contacts, side, supply, pull):  # type: ignore[no-untyped-def]
-    """The nearest contact ahead (side 1) or behind (-1) breaks; it forms again at once, or waits."""
+def _break(s, contacts, side, pull):  # type: ignore[no-untyped-def]
+    """The nearest contact ahead (side 1) or behind (-1) breaks. Returns its number if it forms again at once, or -1 as
+    it waits."""
     if side > 0:
         if contacts.ahead.at[NEXT] >= contacts.ahead.at[FETCHED]:
             fetch(contacts.ahead, contacts.behind)
@@ -93,8 +94,7 @@ def _break(s, contacts, side, supply, pull):  # type: ignore[no-untyped-def]
     s.broken += 1
     s.loose += 1
     if pull.wait < 0.0:
-        _form(s, contacts, i, supply, pull.mean, pull)
-        return
+        return i
     set_place(contacts.ahead, i, np.int64(FAR))
     set_place(contacts.behind, i, np.int64(FAR))
     if s.returning == s.returns:
@@ -102,16 +102,17 @@ def _break(s, contacts, side, supply, pull):  # type: ignore[no-untyped-def]
     contacts.waits[s.returns % contacts.waits.size] = s.since
     contacts.out[pull.n - s.held - 1] = i
     s.since, s.returns = 0.0, s.returns + 1
+    return np.int64(-1)
 
 
 @inlined
-def _return(s, contacts, supply, pull):  # type: ignore[no-untyped-def]
-    """The contact that broke first forms again; which number it gets does not matter."""
-    _form(s, contacts, contacts.out[pull.n - s.held - 1], supply, pull.mean, pull)
+def _return(s, contacts, pull):  # type: ignore[no-untyped-def]
+    """The contact that broke first may form again. Returns a number for it, any that is free."""
     s.returning += 1
     s.due = np.inf
     if s.returning < s.returns:
         s.due = contacts.waits[s.returning % contacts.waits.size]
+    return np.int64(contacts.out[pull.n - s.held - 1])
 
 
 @bare
@@ -159,6 +160,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             s.seen = s.breaks
             if known if s.speed >= 0.0 else known_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
+                if side == 0:
+                    side = damped_move(s, pull, ahead, most, net, stiffness)
             if side == MOVED:
                 side = 0
             elif side == 0:
@@ -173,19 +176,22 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                 if side == 0 or (known if side > 0 else known_behind):
                     way = ahead if side > 0 else -behind
                     slipped = slow_move(s, pull, motion, t, side, way)
+        forms = np.int64(-1)
         # at a bound, where the slider has not moved yet, the places are looked up
         if side > 0 and not known:
             look_through(contacts.ahead)
         elif side < 0 and not known_behind:
             look_through(contacts.behind)
         elif side != 0:
-            _break(s, contacts, side, supply, pull)
+            forms = _break(s, contacts, side, pull)
             if s.breaks >= pull.most_breaks:
                 return TOO_MANY
         elif s.due <= 0.0:
-            _return(s, contacts, supply, pull)
+            forms = _return(s, contacts, pull)
         elif left <= most:
             slipped = _end_leg(s, pull) or slipped
+        if forms >= 0:
+            _form(s, contacts, forms, supply, pull.mean, pull)
         if slipped:
             return SLIP_ENDED
     return GOING_ON

@@ -79,6 +79,86 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
 
 
 @inlined
+def _slow_parts(z):  # type: ignore[no-untyped-def]
+    """Integrals of e^(z s) over s from 0 to 1, z <= 0: once, (e^z - 1)/z, and twice."""
+    if z < -0.1:
+        once = np.expm1(z) / z
+        return once, (once - 1.0) / z
+    tail = 1.0 + z / 7.0 * (1.0 + z / 8.0 * (1.0 + z / 9.0))
+    twice = 1.0 + z / 3.0 * (1.0 + z / 4.0 * (1.0 + z / 5.0 * (1.0 + z / 6.0 * tail)))
+    return 1.0 + 0.5 * z * twice, 0.5 * twice
+
+
+@inlined
+def damped_move(s, pull, ahead, most, net, stiffness):  # type: ignore[no-untyped-def]
+    """As quick_move, but only forward and far beyond critical damping, where the speed is w + p e^(slow t) +
+    q e^(fast t). While the slow exponential hardly changes, each step takes one value of the fast one."""
+    v, rate, square = s.speed, pull.rate, stiffness * pull.per_mass
+    drive = pull.speeds[unsigned(s.leg)]
+    limit = speed_limit(drive)
+    if not (v > 0.0 and rate * rate > 8.0 * square and (v > limit) == s.falling):
+        return 0
+    beat = np.sqrt(0.25 * rate * rate - square)
+    fast = -(0.5 * rate + beat)
+    slow, drift = square / fast, pull.spring * drive / stiffness
+    a = net * pull.per_mass - rate * v
+    q = (a - slow * (v - drift)) / (fast - slow)
+    p = (v - drift) - q
+    even = drift + p  # the speed once the fast part is over
+    if not even > 0.0:
+        return 0
+    # with a constant slow part both bound the time on one side, from which Newton's method approaches it
+    over, straight = (ahead + q / fast) / even, ahead / v
+    t = max(over, straight) if q > 0.0 else min(over, straight)
+    ends = not t < most
+    t = min(t, most)
+    step, fading, z, once, twice, way, speed = np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for _ in range(12):
+        fading, z = np.expm1(fast * t), slow * t
+        once, twice = _slow_parts(z)
+        way = (drift + p * once) * t + q * (fading / fast)
+        speed = even + p * (z * once) + q * (1.0 + fading)
+        if ends:
+            step = 0.0
+            break
+        step = (way - ahead) / speed
+        if not abs(step) > 1e-9 * t:  # the next one would be below rounding
+            break
+        t -= step
+        ends = not t < most
+        t = min(t, most)
+    # integrals of shorter times would cancel
+    if not (abs(step) <= 1e-9 * t and -fast * t > 1e-3) or (ends and way >= ahead):
+        return 0
+    later = p * slow * (1.0 + z * once) + q * fast * (1.0 + fading)
+    t -= step
+    speed -= step * later
+    fading -= step * fast * (1.0 + fading)
+    top = max(v, speed)
+    if a < 0.0 < later or (speed > limit) != s.falling or not speed > 0.0:
+        return 0
+    if later < 0.0 < a and even > (pull.fall[TOP_SPEED] if s.falling else limit):
+        at = np.log(-p * slow / (q * fast)) / (fast - slow)
+        top = drift + p * np.exp(slow * at) + q * np.exp(fast * at)
+        if not s.falling and top > limit:
+            return 0
+    gone, z = fading / fast, slow * t
+    once, twice = _slow_parts(z)
+    growth = z * once
+    both = fading + growth * (1.0 + fading)  # e^((slow + fast) t) - 1
+    squares = even * even + 2.0 * even * p * z * twice
+    squares += p * p * (_slow_parts(2.0 * z)[0] - 1.0 - 2.0 * (once - 1.0))
+    squares *= t
+    squares += 2.0 * q * (drift * gone + p * both / (slow + fast))
+    squares += q * q * 0.5 * gone * (2.0 + fading)
+    way_integral = t * t * (0.5 * drift + p * twice) + q * (gone - t) / fast
+    pass_time(s, pull, t, way if ends else ahead, speed, way_integral, squares)
+    if s.falling:
+        pull.fall[TOP_SPEED] = max(pull.fall[TOP_SPEED], top)
+    return MOVED if ends else 1
+
+
+@inlined
 def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
     """The closed motion from here on."""
     drift = pull.spring * pull.speeds[unsigned(s.leg)] / stiffness
