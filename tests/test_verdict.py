@@ -3,21 +3,25 @@
 import csv
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import eq_model
 import master
-from origins import Contacts, InputError, gaussian
+import origins
+from origins import Contacts, InputError, gaussian, identical, mixture
 from tests.scenes import CONSTANTS, ROUGH, said, write
 from toolkit.processes.signals import TimeIsUp
 from toolkit.scene.scale import guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import judge
 from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import NO_TIME, Behaviour, Machine
+from toolkit.verdict.follow import follow
+from toolkit.verdict.machine import NO_TIME, Behaviour, Known, Machine
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}
@@ -362,3 +366,83 @@ def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:
     status, page, found = judged(capsys, verdict=RESET, **tables)
     assert status == 1 and page.splitlines()[2] == f"not decided ({NO_TIME})"
     assert 0.4 < found["readings"][0]["kinetic"]["value"] < 0.7
+
+
+# a slider on a spring far below K*, for which the master equation is given no time
+SOFT = Machine(spring=1e-4, mass=None, damping=0.0, velocity=1.0)
+WIDE = Contacts(gaussian(1.0, 0.3))
+
+
+def rigid(contacts: Contacts) -> Known:
+    """F_s, F_k, K* and the decoherence length of these contacts."""
+    found, steady = master.propensity(contacts, 1e-6), master.steady_state(contacts)
+    static = found.static_to_kinetic * steady.force
+    springs = found.critical_spring, found.decoherence_length
+    return Known(static, steady.force, 1e-9, *springs)
+
+
+def test_without_time_a_slider_that_forgets_its_start_slides_at_the_kinetic_force() -> None:
+    """Contacts that re-form at once: the master equation, given the time, ends at the same force."""
+    told = follow(SOFT, WIDE, "instant", rigid(WIDE), wall_time=0.0)
+    path = np.linspace(0.0, 6.0e4, 100)
+    solved: Any = master.solve(WIDE, path, 1e-6, spring=1e-4, slip="instant")
+    assert solved.regime.verdict == "decaying transient" and told.kind == "smooth"
+    assert abs(told.after - solved.force[-1]) < told.error + solved.force_error
+    assert "have forgotten their start" in told.message and told.success
+    # the trace drawn is that of the solver, but for small slips
+    drawn = np.interp(path, told.drive, told.force)
+    assert np.abs(drawn - solved.force).max() < 2e-3
+    # exact thresholds keep their order, and a spring near K* has a short first slip
+    exact = Contacts(mixture([identical(1.0), identical(1.5)], [0.5, 0.5]))
+    near = replace(SOFT, spring=0.5)
+    for machine, contacts in ((SOFT, exact), (near, WIDE)):
+        other = follow(machine, contacts, "instant", rigid(WIDE), wall_time=0.0)
+        assert other.kind == "undecided" and other.message == NO_TIME
+
+
+@pytest.mark.parametrize("rule", ["reset", "reform-after"])
+def test_without_time_the_ensemble_tells_the_slips_far_below_the_critical_spring(rule: str) -> None:
+    """The force before a slip is that of the master equation, late by N^(-2/3) at most."""
+    told = follow(SOFT, WIDE, rule, rigid(WIDE), wall_time=0.0)
+    solved: Any = master.solve(WIDE, np.linspace(0.0, 3e4, 100), 1e-6, spring=1e-4, slip=rule)
+    assert told.kind == solved.regime.verdict == "stick-slip" and "by the ensemble" in told.message
+    late = 1_000 ** (-2 / 3)  # a pilot of so few contacts will do
+    assert abs(told.before - solved.slips.force_before[-1]) < 5.0 * told.error + late
+    near = follow(replace(SOFT, spring=0.5), WIDE, rule, rigid(WIDE), wall_time=0.0)
+    assert near.kind == "undecided"  # their number decides there
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["square", "hexagonal"])
+def test_a_structure_of_ase_has_a_verdict(capsys: Any, kind: str) -> None:
+    """A flake at all angles: P_c has many peaks, which the master equation follows too slowly; slips and the sliding
+    force are told in newtons all the same, and F_s and F_k are those of single contacts on a rigid slider."""
+    flake = origins.circular_island(2.88, radius=16.0)
+    flake.set_cell([60.0, 60.0, 20.0])
+    flake.write("POSCAR", format="vasp")
+    period, energy = 2.46e-10, 3.2e-21 if kind == "square" else -3.2e-21
+    island = {"kind": "file", "file": "POSCAR", "unit": "Å"}
+    substrate = {"kind": kind, "amplitude": energy, "period": period}
+    table = {"kind": "domains", "law": "equal", "stiffness": 32.0, "samples": 4000}
+    table |= {"island": island, "substrate": substrate}
+    contacts = {"thresholds": table}
+    contacts["interface"] = {"mean_stiffness": 32.0, "contact_density": 1e13}
+    drive = {"spring": "50 N/m", "area": 1e-6, "velocity": 1e-6}
+    _, page, found = judged(capsys, contacts=contacts, drive=drive, wall_time=120.0)
+    own = found["readings"][0]
+    kinds = {one["rule"]: one["kind"] for one in own["behaviours"]}
+    assert kinds == {"reset": "stick-slip", "reform-after": "stick-slip", "instant": "smooth"}
+    assert "N down to 0 N every" in page and "undecided" not in page
+    law = Contacts(load_scene("mine.toml", solved=False).contacts.thresholds)
+    top = 6.0 * law.mean_threshold
+    path = np.append(np.linspace(0.0, top, 601), 40.0 * law.mean_threshold)
+    forces = eq_model.simulate(law, path, n_contacts=200_000, n_replicas=2)
+    error, together = forces.force_standard_error.max() * 32e7, 32e7
+    assert (
+        abs(own["static"]["value"] - forces.force.max() * together)
+        < 5.0 * error + 2e-3 * law.mean_threshold * together
+    )
+    assert abs(own["kinetic"]["value"] - forces.force[-1] * together) < 5.0 * error
+    for one in own["behaviours"][:2]:
+        assert one["before"] == pytest.approx(own["static"]["value"], rel=0.02)
+        assert one["period"] == pytest.approx(one["before"] / 50.0, rel=0.02)

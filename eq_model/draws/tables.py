@@ -26,6 +26,9 @@ MOST_BITS = 9  # of the quick cells of kernels: their table, of 180 kB, is well 
 SIDE = (OCTAVES << CELL_BITS) + 1  # cells of one side; the first is its tail, v < 2^-12
 FAR = 1 << 58  # whole length beyond every path; in a quick cell it refers to the tree
 DEEPEST = 2.0**-64  # smallest v that 64 random bits resolve
+# cells beyond which quantiles may be off by this probability: a law of so many is no more accurate itself, as one of
+# series between its peaks, and no run draws as many contacts as would show it
+MANY, UNSEEN = 20_000, 1e-12
 
 
 class QuantileTable(NamedTuple):
@@ -75,7 +78,8 @@ def make_table(law: Any, deepest: float = DEEPEST, name: str = "thresholds") -> 
     """The table of a law, in its lengths, down to v = `deepest` from above: |cdf(Q(u)) - u| <= 1e-6 min(u, 1 - u).
 
     law : with cdf, sf, ppf and isf, as Thresholds, Start and distributions of scipy.stats have them. It is certified at
-    ten points of every cell. A value within 4 units in the last place of the exact one also passes.
+    ten points of every cell. A value within 4 units in the last place of the exact one also passes, and, of a
+    law that takes MANY cells, one with |cdf(Q(u)) - u| <= UNSEEN.
 
     Raises InputError, with `name`, where cdf, sf, ppf and isf do not agree well enough for that, as
     where values underflow.
@@ -105,7 +109,7 @@ def _side(
         if not np.isfinite(row).all():
             why = "they are not finite"
             break
-        good = _certified(tail_of, row, logarithmic)
+        good = _certified(tail_of, row, logarithmic, UNSEEN if total > MANY else 0.0)
         thin = ~good & (right - left <= 2.0**-50 * right)
         jumps += float(np.abs(_v(right, logarithmic) - _v(left, logarithmic))[thin].sum())
         row[thin, 2] = row[thin, 2:].sum(axis=1)  # constant, with the value at the far end
@@ -141,14 +145,17 @@ def _fit(quantile: Callable[[Any], Any], left: Array, right: Array, logarithmic:
     return np.stack([left, width, y[:, 0], c1, c2], axis=1)
 
 
-def _certified(tail_of: Callable[[Any], Any], row: Array, logarithmic: Flags) -> Flags:
-    """Whether the values of each cell have the tail probabilities that they should."""
+def _certified(
+    tail_of: Callable[[Any], Any], row: Array, logarithmic: Flags, unseen: float
+) -> Flags:
+    """Whether the values of each cell have the tail probabilities that they should, to `unseen` at least."""
     left, width, c0, c1, c2 = (column[:, None] for column in row.T)
     share = (np.arange(10) + 0.5) / 10.0
     v, first, last = (_v(left + width * t, logarithmic[:, None]) for t in (share, 0.0, 1.0))
     # the limit 0.01 of its width makes a cell fail that contains a jump, however thin it is
     slack = np.minimum(1e-6 * np.minimum(v, 1.0 - v), 0.01 * np.abs(last - first))
     x = c0 + share * (c1 + share * c2)
+    slack = np.maximum(slack, unseen)
     good = np.abs(tail_of(x) - v) <= slack
     off = np.flatnonzero(~good.all(axis=1))
     x, v, slack = x[off], v[off], slack[off]

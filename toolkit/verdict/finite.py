@@ -8,15 +8,8 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.verdict.follow import (
-    NOT_SLID,
-    SLIDERS,
-    Behaviour,
-    Machine,
-    has_slid,
-    sliders,
-    trace_of,
-)
+from toolkit.verdict.ensemble import FEW, NOT_SLID, ROUNDING, SLIDERS, has_slid, sliders, trace_of
+from toolkit.verdict.machine import Behaviour, Machine
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
@@ -25,14 +18,13 @@ MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
 POINTS = 100
-# of the force before a slip: a smaller one after it is none
-ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
 class Finite:
     """What sliders of `contacts` contacts each do under a slip rule.
 
+    contacts : of each slider; fewer than there are where these take too long, see `message`
     kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
         where none does, on a way of some 40 mean thresholds, "now and then" between; "unknown" where they were not
         followed, for the reason in `message`
@@ -76,26 +68,22 @@ def follow_finite(
     # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
     flowing = rule in FLOWING and not (rule == "mass" and contacts.waiting_time)
     lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
-    if flowing and not slips and infinite.slips:  # the spring relaxes to the force of sliding
-        lives += (static - infinite.after) / machine.spring / mean
-    breaks = SLIDERS * held * lives
-    if held > MOST_CONTACTS:
-        return Finite(
-            rule, held, "unknown", message=f"{held:.3g} contacts are more than are followed here"
-        )
-    if breaks > MOST_BREAKS:
-        return Finite(
-            rule,
-            held,
-            "unknown",
-            message=f"some {breaks:.1g} breaks are more than are followed here",
-        )
+    if (
+        flowing and not slips
+    ):  # the spring relaxes to the force of sliding, to none where that is not known
+        relaxed = infinite.after if np.isfinite(infinite.after) else 0.0
+        lives += max(static - relaxed, 0.0) / machine.spring / mean
+    most = int(min(MOST_CONTACTS, MOST_BREAKS / (SLIDERS * lives)))
+    if most < min(held, FEW):
+        breaks = SLIDERS * held * lives
+        why = f"some {breaks:.1g} breaks are more than are followed here"
+        return Finite(rule, held, "unknown", message=why)
     if contacts.held_in_time:
         why = "single contacts are followed on a spring without heat and age only"
         return Finite(rule, held, "unknown", message=why)
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, end, POINTS)
     try:
-        found = sliders(machine, contacts, rule, path, held, seconds)
+        found = sliders(machine, contacts, rule, path, min(held, most), seconds)
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
@@ -111,6 +99,13 @@ def follow_finite(
     )
     if abs(after) < ROUNDING * before:
         after = 0.0
+    followed, message = found.contacts // SLIDERS, ""
+    if followed < held:
+        message = f"as infinitely many do, and so the {held:,} of the area, which lie between"
+        if kind != infinite.kind:
+            message = f"{held:,} take too long, and {followed:,} do something else than infinitely many: {kind}"
+            return Finite(rule, held, "unknown", message=message)
     drive, force = trace_of(found, 0)
     mean = float(counts.mean())
-    return Finite(rule, held, kind, before, error, after, after_error, mean, "", drive, force)
+    forces = (before, error, after, after_error)
+    return Finite(rule, followed, kind, *forces, mean, message, drive, force)

@@ -151,8 +151,9 @@ def _left_out(verdict: Verdict) -> list[tuple[str, str]]:
 def _of_finite(verdict: Verdict, finite: Finite) -> str:
     """What so many contacts do, in words."""
     said = f"{finite.contacts:,} contacts, if {NAMED[finite.rule]}: {finite.kind}"
+    beside = f" ({finite.message})" * bool(finite.message)
     if finite.kind == "smooth":
-        return said
+        return said + beside
     force, size = verdict.own.scale.force, abs(finite.before)
     means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
     ends = (
@@ -165,7 +166,7 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
     )
     said += f", from {' down to '.join(ends)}"
     if finite.kind == "stick-slip":
-        return said
+        return said + beside
     return f"{said}, {finite.slips:.2g} times a slider on the way that was followed"
 
 

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -20,11 +20,12 @@ from toolkit.scene.scale import Scale, scale_of, with_uncertainty
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.finite import Finite, follow_finite
-from toolkit.verdict.follow import (
+from toolkit.verdict.follow import follow
+from toolkit.verdict.machine import (
     NO_TIME,
     Behaviour,
+    Known,
     Machine,
-    follow,
     machine_of,
     not_followed,
 )
@@ -36,6 +37,8 @@ WALL_TIME, OWN = 60.0, 0.5
 # of K* and F_s of readings other than the scene's own; resampled laws of samples, the fewest whose scatter tells
 # something, and the tolerance for these
 TOLERANCE, RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 1e-6, 10, 4, 1e-3
+# times as long as K* and F_s to the latter tolerance take to the former, of laws that take long
+LONGER = 12.0
 
 
 @dataclass(frozen=True)
@@ -197,17 +200,20 @@ def _answer(
 
     velocity, until = table.velocity, time.monotonic() + seconds
     steady = master.steady_state(contacts, velocity=velocity)
-    found = master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
+    found = _propensity(contacts, velocity, until)
     kinetic = Quantity(steady.force, steady.force_error * contacts.mean_threshold)
     ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
     static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
     critical = Quantity(found.critical_spring, found.critical_spring_error)
+    known_before = Known(
+        static.value, steady.force, kinetic.error, critical.value, found.decoherence_length
+    )
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     asked = rules if machine is not None else ()
     with suppress(TimeIsUp):  # what is found by then is told
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
             share = (until - time.monotonic()) / left
-            behaviours.append(follow(cast(Machine, machine), contacts, rule, static.value, share))
+            behaviours.append(follow(cast(Machine, machine), contacts, rule, known_before, share))
         if sampled_parts(contacts.thresholds):
             known = [kinetic, static, critical]
             kinetic, static, critical = _with_sampling(contacts, velocity, known, until)
@@ -222,6 +228,17 @@ def _answer(
         machine=machine,
         behaviours=tuple(behaviours),
     )
+
+
+def _propensity(contacts: Contacts, velocity: float, until: float) -> Any:
+    """K*, F_s and the decoherence length of these contacts, roughly first: laws with many peaks take a minute for more,
+    which is spent only where it is there, in s of the monotonic clock."""
+    import master
+
+    rough = master.propensity(contacts, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
+    if time.monotonic() + LONGER * rough.run_time > until:
+        return rough
+    return master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
 
 
 def _with_sampling(

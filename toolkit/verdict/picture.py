@@ -16,9 +16,9 @@ from toolkit.pictures.axes import (
     style_of,
 )
 from toolkit.scene.scale import SHARED
-from toolkit.verdict.follow import Behaviour
 from toolkit.verdict.hangs_on import NAMED
 from toolkit.verdict.judge import Answer, Verdict
+from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.words import disagreeing, sentence
 
 # of the force, in mean thresholds: a trace with a larger error is not drawn

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from toolkit.scene.scale import guarded, written
-from toolkit.verdict.follow import Behaviour
 from toolkit.verdict.judge import Quantity, Verdict
+from toolkit.verdict.machine import Behaviour
 
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05

@@ -6,9 +6,9 @@ import numpy as np
 
 from toolkit.scene.scale import guarded, written
 from toolkit.verdict.finite import Finite
-from toolkit.verdict.follow import Behaviour
 from toolkit.verdict.hangs_on import dependence, named, others
 from toolkit.verdict.judge import Answer, Verdict
+from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.table import numerical_errors, share_of, speed_unit, table
 
 

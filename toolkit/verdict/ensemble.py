@@ -1,0 +1,126 @@
+"""Sliders of the ensemble: where the master equation takes no such slider, or not in time."""
+
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from origins.contacts import Contacts
+from origins.errors import InputError
+from origins.thresholds.law import Array
+from toolkit.processes.ranks import cores_of
+from toolkit.verdict.machine import Behaviour, Known, Machine, last_of, not_followed, with_slips
+
+# sliders, which differ by chance; contacts of each where the ensemble takes the place of the master equation
+SLIDERS, CONTACTS, SEED = 4, 20_000, 1
+# lengths of the drive's path in loadings, from no force to the static one, and its points
+LOADINGS, POINTS = 6.5, 600
+# the least delay, in times of a slip; of K*: on softer springs the number of contacts decides nothing
+LONG_DELAY, SOFT = 3.0, 0.1
+# contacts whose sliders tell how long all of them would take; s that there are where nothing else decides
+FEW, SHORT = 1_000, 2.0
+# of the force before a slip: a smaller one after it is none
+ROUNDING = 1e-12
+# mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
+SLID = 10.0
+NOT_SLID = "its path ended before it slid or slipped"
+
+
+def may_follow(machine: Machine, contacts: Contacts, rule: str, known: Known) -> bool:
+    """Whether finitely many contacts tell what infinitely many do.
+
+    With a mass where a delay is far above the time of a slip, π (M/K)^(1/2): else contacts re-form while it goes on,
+    and break again at every threshold that it passes. Without one under the rules that renew contacts after a slip, on
+    springs far below K*: near it their number decides.
+    """
+    if contacts.held_in_time:
+        return False
+    if rule == "mass":
+        slip_time = np.pi * np.sqrt((machine.mass or 0.0) / machine.spring)
+        return bool(contacts.waiting_time >= LONG_DELAY * slip_time)
+    return rule != "instant" and machine.spring < SOFT * known.critical_spring
+
+
+def sliders(
+    machine: Machine,
+    contacts: Contacts,
+    rule: str,
+    path: Array,
+    number: int,
+    seconds: float,
+    few_will_do: bool = False,
+) -> Any:
+    """The ensemble's result for sliders of so many contacts each, or of as many as a pilot of a few says can be
+    followed within so many seconds. Raises InputError where these are no more than those of the pilot, unless
+    `few_will_do`, and for a slider that the ensemble does not take."""
+    import eq_model
+
+    asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
+    asked |= machine.keywords(rule)
+    until = time.monotonic() + seconds
+    if number > FEW:
+        pilot = eq_model.simulate(contacts, path, n_contacts=FEW, **asked)
+        left = max(until - time.monotonic(), 0.0)
+        needed, most = pilot.run_time * number / FEW, int(FEW * left / pilot.run_time)
+        if needed > left and most <= FEW:
+            if few_will_do:
+                return pilot
+            raise InputError(
+                f"{number:,} contacts would take some {needed:,.0f} s, where {left:.0f} s are left: give more wall_time"
+            )
+        number = min(number, most)
+    return eq_model.simulate(contacts, path, n_contacts=number, **asked)
+
+
+def follow_by_contacts(
+    machine: Machine, contacts: Contacts, rule: str, loading: float, until: float
+) -> Behaviour:
+    """Sliders by the ensemble; `loading`: way of the drive up to the static force, `until`: s of the monotonic clock.
+    With fewer contacts where there is no time for all."""
+    path = contacts.start.mean() / machine.spring + np.linspace(0.0, LOADINGS * loading, POINTS)
+    try:
+        found = sliders(
+            machine, contacts, rule, path, CONTACTS, max(until - time.monotonic(), SHORT), True
+        )
+    except InputError as refused:
+        return not_followed(rule, str(refused))
+    slips, unit = found.slips, contacts.mean_threshold
+    drive, force = trace_of(found, 0)
+    common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
+    slipped = common > 1
+    before, scatter = slips.mean("force_before", common - 1) if slipped else (force[-1], np.inf)
+    after = slips.mean("force_after", common - 1)[0] if slipped else force[-1]
+    after = 0.0 if abs(after) < ROUNDING * abs(before) else after
+    error = scatter if slipped else float(found.force_standard_error[-1])
+    if not common and not has_slid(found, unit):
+        return not_followed(rule, NOT_SLID)
+    return Behaviour(
+        rule=rule,
+        kind="stick-slip" if slipped else "smooth",
+        before=float(before),
+        after=float(after),
+        period=float(np.diff(slips.drive[slips.replica == 0])[-1]) if slipped else None,
+        slips=common,
+        error=float(error / unit),
+        success=True,
+        message=f"by the ensemble, {SLIDERS} sliders of {found.contacts // SLIDERS:,} contacts",
+        run_time=found.run_time,
+        slip_time=last_of(slips, "duration"),
+        top_speed=last_of(slips, "top_speed"),
+        drive=drive,
+        force=force,
+    )
+
+
+def has_slid(found: Any, mean: float) -> bool:
+    """Whether each slider of an ensemble has moved by so many thresholds that its contacts have formed anew."""
+    return bool((found.positions[:, -1] - found.positions[:, 0]).min() >= SLID * mean)
+
+
+def trace_of(found: Any, replica: int) -> tuple[Array, Array]:
+    """Drive and force of one slider of an ensemble, as a mean over several has no drops."""
+    slips, own = found.slips, found.slips.replica == replica
+    of_one = {name: getattr(slips, name)[own] for name in ("drive", "force_before", "force_after")}
+    one = SimpleNamespace(**of_one)
+    return with_slips(SimpleNamespace(path=found.path, force=found.forces[replica], slips=one))

@@ -1,0 +1,118 @@
+"""What pulls a slider, what is known of it before it is followed, and what it does."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from origins.contacts import Contacts
+from origins.errors import refuse
+from origins.thresholds.law import Array
+from toolkit.scene.drive import machine_number
+from toolkit.scene.tables import DriveTable
+
+NO_TIME = "no time was left: give more wall_time"
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What pulls the slider, in the units of the solvers: spring K/(N_c <k>), mass M/(N_c <k>) (time²; None: none),
+    damping γ/(N_c <k>) (time), and the drive's velocity."""
+
+    spring: float
+    mass: float | None
+    damping: float
+    velocity: float
+
+    def keywords(self, rule: str) -> dict[str, Any]:
+        """Keywords of both solvers under this slip rule; "mass": with mass and damping in its place."""
+        given: dict[str, Any] = {"velocity": self.velocity, "spring": self.spring}
+        if rule == "mass":
+            return given | {"mass": self.mass, "damping": self.damping}
+        return given | {"slip": rule}
+
+
+def machine_of(table: DriveTable, contacts: Contacts) -> Machine | None:
+    """The machine of a scene's [drive] on these contacts; None without a spring. Raises InputError, also for a mass
+    without a spring."""
+    spring, mass, damping = (
+        machine_number(name, table, contacts) for name in ("spring", "mass", "damping")
+    )
+    if spring is None:
+        if mass is not None:
+            refuse("drive.mass", table.mass, "needs a spring that pulls it; give drive.spring")
+        return None
+    if mass is None and damping:
+        refuse("drive.damping", table.damping, "needs a mass; give drive.mass too")
+    return Machine(spring, mass, damping or 0.0, table.velocity)
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of a rigid slider on these contacts before a soft one is followed.
+
+    static, kinetic : F_s/(N_c <k>) and F_k/(N_c <k>), lengths; kinetic_error : of the latter, a length
+    critical_spring : K*/(N_c <k>), inf where every spring slips
+    memory : the decoherence length (a length), over which F - F_k falls by e; inf where it does not
+    """
+
+    static: float
+    kinetic: float
+    kinetic_error: float
+    critical_spring: float
+    memory: float
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """What a slider does under one rule; forces F/(N_c <k>) and distances are lengths.
+
+    rule : "reset", "reform-after" or "instant"; "mass" where mass, damping and delay decide
+    kind : "stick-slip", "smooth", or "undecided"
+    before, after : spring force before and after a slip, the last one; both the sliding force where it is smooth
+    period : of the drive, between the last two slips; slips : how many there were
+    slip_time, top_speed : of the last slip; None where slips take no time
+    damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
+    error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
+        sliders
+    drive, force : the trace, with each slip at its own place
+    """
+
+    rule: str
+    kind: str
+    before: float
+    after: float
+    period: float | None
+    slips: int
+    error: float
+    success: bool
+    message: str
+    run_time: float
+    slip_time: float | None = None
+    top_speed: float | None = None
+    damping: float | None = None
+    drive: Array = field(default_factory=lambda: np.empty(0))
+    force: Array = field(default_factory=lambda: np.empty(0))
+
+
+def not_followed(rule: str, why: str) -> Behaviour:
+    """A behaviour that could not be found, and why."""
+    nan = float("nan")
+    return Behaviour(rule, "undecided", nan, nan, None, 0, float("inf"), False, why, 0.0)
+
+
+def last_of(slips: Any, name: str) -> float | None:
+    """A property of the last slip, where the solution has it: slips without mass take no time."""
+    values = getattr(slips, name, None)
+    return None if values is None or not len(values) else float(values[-1])
+
+
+def with_slips(solved: Any) -> tuple[Array, Array]:
+    """Drive and force at the path's points, and before and after each slip, so that no slip is drawn aslant."""
+    slips = solved.slips
+    drive = np.concatenate([solved.path, slips.drive, slips.drive])
+    force = np.concatenate([solved.force, slips.force_before, slips.force_after])
+    # at one place of the drive: the points before the slip, its begin, its end
+    rank = np.repeat([0, 1, 2], [solved.path.size, slips.drive.size, slips.drive.size])
+    order = np.lexsort((rank, drive))
+    return drive[order], force[order]
