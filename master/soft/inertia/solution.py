@@ -132,6 +132,10 @@ def solve_inertial(
             safety = SAFETY_OF_DELAY if contacts.waiting_time else 1.0
             error, of_contacts = safety * differ + unseen, safety * contacts_differ + unseen
             progress(error)
+    most = float(best.record.holding[: best.force.size].max(initial=0.0))
+    if most > 1.0 + tolerance:
+        stopped = f"number is not conserved: holding reaches {most:.4g}, a fault of the program"
+        error = of_contacts = np.inf
     left_out = 1e-14 * (1.0 + spring * float(np.abs(drive.path).max()) / unit)  # rounding
     if idle.message:
         left_out += idle.error

@@ -19,6 +19,6 @@ form, and what holds follows from the rate of births and its slope (`FastSliding
 The error of the force is what the last coefficients of the polynomials miss, on the worst panel; the caller runs the
 slider with tighter tolerances, too, and compares (`master/soft/inertia/solution.py`).
 
-In reading order: `slider.py`, `body.py`, `panels.py`, `collocation.py` and `panel.py`, `contacts.py`, `past_breaks.py`,
-`fast_sliding.py`, `swinging.py`.
+In reading order: `slider.py`, `body.py`, `panels.py` and `width_control.py`, `collocation.py` and `panel.py`,
+`contacts.py` and `survival.py`, `past_breaks.py` and `panel_births.py`, `fast_sliding.py`, `swinging.py`.
 """

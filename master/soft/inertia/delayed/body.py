@@ -11,6 +11,7 @@ from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import NODES, Panel
 from master.soft.inertia.delayed.past_breaks import PastBreaks
+from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Instant, Record, Watched
 from origins import Contacts
@@ -25,8 +26,8 @@ ECHOES = 3
 SAME = 0.1
 # Rounding of times.
 EPSILON = 1e-13
-# Survivals below which no contact holds: to rounding, and where births pass the slider in numbers.
-NONE, FEW = 1e-18, 1e-12
+# Survival below which no contact holds where births pass the slider in numbers.
+FEW = 1e-12
 
 
 class DelayedBody:
@@ -51,8 +52,9 @@ class DelayedBody:
         self._machine = Machine(mass, drive.damping, float(drive.spring or 0.0), unit)
         self._motion, self._record, self._until = motion, record, until
         self._tolerance, self._accuracy = tolerance, OF_PANEL * tolerance
-        self._largest = max([float(law.isf(NONE)), *law.atoms[0]])
-        self._contacts = Cohorts.at_start(contacts, self._largest)
+        survival = Survival(law)
+        self._largest = survival.longest
+        self._contacts = Cohorts.at_start(contacts, survival)
         self._past = PastBreaks(contacts.waiting_time, self._contacts.unbroken())
         self._sliding = FastSliding(law, max([float(law.isf(FEW)), *law.atoms[0]]))
         self._state, self._leg = State(0.0, 0.0, 0.0), 0

@@ -4,18 +4,25 @@ With W the speeds at the nodes and A the matrix of integrals up to them, X = X_0
 
     M (W - W_0) + A (γ W + F + K (X - X_T)) = 0.
 
-Births up to a node are the breaks up to one delay before. Where that lies on the same panel, they follow from the last
-guess. Those born on the panel have survivals S(X_i - X_j), which integrals up to the node i are taken of.
+Births up to a node are the breaks up to one delay before, so that none is lost whatever their rate is in between. Where
+that lies on the same panel, they follow from the last guess. Those born on the panel have survivals S(X_i - X_j), which
+integrals up to the node i are taken of.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.fast_sliding import FastSliding
-from master.soft.inertia.delayed.panel import NODES, STAGES, TO_NODES, TO_SERIES, Panel
+from master.soft.inertia.delayed.panel import (
+    NODES,
+    PLACES,
+    STAGES,
+    TO_NODES,
+    Panel,
+)
+from master.soft.inertia.delayed.panel_births import PanelBirths
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from origins.thresholds.law import Array
 
@@ -25,6 +32,7 @@ MOST_TRIES = 14
 CONVERGED, ROUNDING = 0.01, 3e-15
 # Shortest way of a panel on which contacts form and break, in longest travels of a contact.
 LEAST_PASSAGE = 2.0
+UNIT: Array = np.eye(STAGES)
 
 
 class Machine(NamedTuple):
@@ -44,37 +52,43 @@ class State(NamedTuple):
     w: float
 
 
+class Missed(NamedTuple):
+    """About what a panel misses of the force, by cause (lengths).
+
+    place, breaks, force, births : the last coefficients of their polynomials; births bend where breaks did, one delay
+        before
+    fast : the next term of contacts that form and break on the panel
+    unresolved : contacts that do so between its nodes
+    late : births of the few that broke in a closed motion, which count as born at the panel's end
+    """
+
+    place: float
+    breaks: float
+    force: float
+    births: float
+    fast: float = 0.0
+    unresolved: float = 0.0
+    late: float = 0.0
+
+    @property
+    def largest(self) -> float:
+        """Of all."""
+        return max(self)
+
+    @property
+    def why(self) -> str:
+        """The name of the largest."""
+        return self._fields[int(np.argmax(self))]
+
+
 class Solved(NamedTuple):
-    """A panel, the rate of births at its nodes, about the force that it misses (a length), and whether the slider is so
-    `fast` that contacts form and break on it (see FastSliding)."""
+    """A panel, the rate of births at its nodes, what it misses, and whether the slider is so `fast` that contacts form
+    and break on it (see FastSliding)."""
 
     panel: Panel
     birth_rate: Array
-    missed: float
+    missed: Missed
     fast: bool
-
-
-class PanelBirths:
-    """The rate of births at the nodes of a panel: that of breaks, one delay before.
-
-    all_known : whether they broke before the panel; at other nodes the rate is a guess, at first that at its beginning
-    """
-
-    def __init__(self, past: PastBreaks, begin: float, width: float) -> None:
-        times = begin + width * NODES
-        known = times - past.delay <= begin
-        self.rate, self.all_known = np.zeros(NODES.size), bool(known.all())
-        self.rate[known] = past.birth_rate(times[known])
-        if not self.all_known:
-            self.rate[~known] = float(past.birth_rate(np.array([begin]))[0])
-            slopes = _slopes_at((times - past.delay - begin) / width)
-            self._unknown, self._slopes = ~known, slopes[~known] / width
-
-    def guess_from(self, breaks: Array) -> None:
-        """Take the unknown rates from breaks at the panel's PLACES, the slopes of the polynomial through which they
-        are, one delay before."""
-        if not self.all_known:
-            self.rate[self._unknown] = self._slopes @ breaks
 
 
 class Pull(NamedTuple):
@@ -93,6 +107,30 @@ class Pull(NamedTuple):
     missed: float = 0.0
 
 
+class Begin(NamedTuple):
+    """A panel's beginning: the slider, the contacts' force (a length), the share that holds, and the shares that have
+    formed and that have broken since t = 0, where number is conserved: what does not hold has broken, and not formed
+    again."""
+
+    state: State
+    force: float
+    holding: float
+    formed: float
+
+    @property
+    def broken(self) -> float:
+        """Share that has broken."""
+        return self.formed - self.holding
+
+
+class Motion(NamedTuple):
+    """Newton's guess at the nodes: speeds, breaks since t = 0, and what the contacts do."""
+
+    speed: Array
+    broken: Array
+    pull: Pull
+
+
 class Collocation:
     """The search for the motion on a panel that begins at some state of the slider and its contacts.
 
@@ -109,68 +147,85 @@ class Collocation:
     ) -> None:
         self._machine, self._contacts, self._sliding = machine, contacts, sliding
         self._past, self._accuracy = past, accuracy
+        # shortest way of a panel on which contacts form and break
+        self._shortest = LEAST_PASSAGE * sliding.longest
 
     def solve(self, state: State, width: float, drive: Array, guess: Array) -> Solved | None:
         """The motion over a time `width`, or None where that is too long to be found.
 
         drive : X_T at the nodes; guess : speeds there
         """
+        held, past = self._contacts.response(np.array([state.x])), self._past
+        formed = past.share + past.formed - past.broken_together
+        begin = Begin(state, float(held.force[0]), float(held.holding[0]), formed)
+        births = PanelBirths(past, state.t, width)
+        way = width * abs(float(TO_NODES[-1] @ guess))
+        fast = bool(births.all_known and births.born[-1] and way >= self._shortest)
+        found = self._newton(begin, width, drive, guess, births, fast)
+        return found and self._judged(begin, width, found, births, fast)
+
+    def _newton(
+        self,
+        begin: Begin,
+        width: float,
+        drive: Array,
+        guess: Array,
+        births: PanelBirths,
+        fast: bool,
+    ) -> Motion | None:
+        """Newton's method for the speeds at the nodes; None where it does not converge."""
         m, g, k, unit = self._machine
-        integral, births = width * TO_NODES, PanelBirths(self._past, state.t, width)
-        held = self._contacts.response(np.array([state.x]))
-        # conservation of number: what does not hold has broken, and not formed again
-        formed = self._past.share + self._past.formed - self._past.broken_together
-        broken_before = formed - float(held.holding[0])
-        w, broken = guess, np.full(NODES.size, broken_before)
-        travel, shortest = abs(float(integral[-1] @ w)), LEAST_PASSAGE * self._sliding.longest
-        fast = bool(births.all_known and births.rate.any() and travel >= shortest)
-        enough = CONVERGED * self._accuracy + ROUNDING * (unit + (1.0 + k) * abs(state.x))
+        (_, x_0, w_0), integral = begin.state, width * TO_NODES
+        enough = CONVERGED * self._accuracy + ROUNDING * (unit + (1.0 + k) * abs(x_0))
+        w, broken = guess, np.full(NODES.size, begin.broken)
         for _ in range(MOST_TRIES):
-            x = state.x + integral @ w
+            x = x_0 + integral @ w
             if not np.isfinite(x).all():
                 return None
             pull = (self._fast if fast else self._slow)(x, w, births.rate, width)
             if pull is None:
                 return None
-            lack = m * (w - state.w) + integral @ (g * w + pull.force + k * (x - drive))
-            by_speed = np.diag(g + pull.by_speed) + (pull.by_place + k * np.eye(w.size)) @ integral
+            lack = m * (w - w_0) + integral @ (g * w + pull.force + k * (x - drive))
+            by_speed = np.diag(g + pull.by_speed) + (pull.by_place + k * UNIT) @ integral
             try:
-                change = np.linalg.solve(m * np.eye(w.size) + integral @ by_speed, lack)
+                change = np.linalg.solve(m * UNIT + integral @ by_speed, lack)
             except np.linalg.LinAlgError:
                 return None
             w = w - change
-            last, broken = broken, formed - pull.holding + integral @ births.rate
-            births.guess_from(np.append(broken_before, broken))
+            last, broken = broken, begin.formed - pull.holding + births.born[1:]
+            births.guess_from(np.append(begin.broken, broken))
             moved = float(np.abs(integral @ change).max())
             change_of_force = (min(float(pull.holding.max()), 1.0) + k) * moved
             if max(change_of_force, unit * float(np.abs(broken - last).max())) <= enough:
-                break
-        else:
-            return None
-        values = np.stack(
-            [
-                np.append(state.x, state.x + integral @ w),
-                np.append(broken_before, broken),
-                np.append(held.force[0], pull.force),
-            ]
-        )
-        panel = Panel.through(state.t, width, values)
-        travel = float(np.ptp(values[0]))
-        if fast and travel < 0.5 * shortest:
+                return Motion(w, broken, pull)
+        return None
+
+    def _judged(
+        self, begin: Begin, width: float, found: Motion, births: PanelBirths, fast: bool
+    ) -> Solved | None:
+        """The panel, and what it misses; None where a `fast` one is too short to be one."""
+        (t, x_0, _), unit, past = begin.state, self._machine.unit, self._past
+        values = np.empty((3, PLACES.size))
+        values[:, 0] = x_0, begin.broken, begin.force
+        values[:, 1:] = x_0 + width * TO_NODES @ found.speed, found.broken, found.pull.force
+        panel, travel = Panel.through(t, width, values), float(np.ptp(values[0]))
+        if fast and travel < 0.5 * self._shortest:
             return None
         place, breaks, force = panel.last()
         # what a place misses changes the force by the stiffness of the contacts that hold, and by the spring
-        stiffness = k + max(float(held.holding[0]), float(pull.holding.max()))
-        missed = max(stiffness * place, unit * breaks, force, pull.missed)
-        if not fast:
-            # contacts that form and break on a panel are not resolved by its nodes
-            born = float(integral[-1] @ births.rate)
-            missed = max(missed, unit * born * min(travel / unit, 1.0) ** 4)
-        if births.all_known:
-            known = np.array([self._past.born_on_panels(t) for t in panel.times.tolist()])
-            known -= self._past.born_on_panels(state.t)
-            missed = max(missed, unit * float(np.abs(integral @ births.rate - known).max()))
-        return Solved(panel, births.rate, float(missed), fast)
+        stiffness = self._machine.spring + max(begin.holding, float(found.pull.holding.max()))
+        passed = min(travel / unit, 1.0)
+        rest = past.born(t + width) - past.formed - births.born[-1] if births.all_known else 0.0
+        missed = Missed(
+            place=stiffness * float(place),
+            breaks=unit * float(breaks),
+            force=float(force),
+            births=unit * births.missed,
+            fast=found.pull.missed,
+            unresolved=0.0 if fast else unit * float(births.born[-1]) * passed**4,
+            late=unit * abs(rest) * passed,
+        )
+        return Solved(panel, births.rate, missed, fast)
 
     def _fast(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull | None:
         """The contacts' pull at the places X and speeds, where those born on the panel break on it; None where the
@@ -193,22 +248,16 @@ class Collocation:
         )  # of births around the node j, those that count at i
         if not counted.any():
             return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
-        law, way = self._contacts.law, 1.0 if TO_NODES[-1] @ w >= 0.0 else -1.0
+        way = 1.0 if TO_NODES[-1] @ w >= 0.0 else -1.0
         stretch = way * (x[:, None] - x)
         size = np.abs(stretch)
         # continued smoothly to nodes after i, as the polynomials through all nodes need
-        survival = np.asarray(law.sf(size))
+        survival, density = self._contacts.survival.sf_and_pdf(size)
         survival = np.where(stretch < 0.0, 2.0 - survival, survival)
-        slope = counted * (survival - stretch * np.asarray(law.pdf(size)))
+        slope = counted * (survival - stretch * density)
         return Pull(
             holding=old.holding + (counted * survival).sum(axis=1),
             force=old.force + (way * counted * stretch * survival).sum(axis=1),
             by_place=np.diag(old.slope) + np.diag(slope.sum(axis=1)) - slope,
             by_speed=no_drag,
         )
-
-
-def _slopes_at(places: Array) -> Array:
-    """The matrix from values at PLACES to the derivatives at places, those before the panel at its beginning."""
-    z = 2.0 * np.maximum(places, 0.0) - 1.0
-    return 2.0 * legendre.legvander(z, STAGES - 1) @ legendre.legder(TO_SERIES)

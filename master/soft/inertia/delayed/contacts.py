@@ -1,16 +1,17 @@
 """The contacts of a slider with mass: cohorts that formed at one position each."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from master.numerics.averages import stretch_nodes
 from master.soft.inertia.delayed.panel import POSITION, TO_NODES, Panel
-from master.survival.age.extent import narrowest
+from master.soft.inertia.delayed.survival import Survival
 from master.survival.life import TIE
 from origins import Contacts
-from origins.thresholds.law import Array, ThresholdLaw
+from origins.thresholds.law import Array
 
 # Weight times survival below which a cohort is dropped: a thousand of them are below rounding.
 DEAD = 1e-19
@@ -35,25 +36,22 @@ class Response(NamedTuple):
 class Cohorts:
     """Contacts by the position at which they formed; arrays of shape (n,).
 
-    law : of thresholds
+    survival : of the law of thresholds
     born : X at which they were relaxed (a length); largest : largest |x| so far (a length)
     weight : share of all contacts at birth
-    width : over which the survival changes (a length)
     """
 
-    law: ThresholdLaw
+    survival: Survival
     born: Array
     largest: Array
     weight: Array
-    width: float
 
     @classmethod
-    def at_start(cls, contacts: Contacts, largest_stretch: float) -> "Cohorts":
+    def at_start(cls, contacts: Contacts, survival: Survival) -> "Cohorts":
         """Those at t = 0, where X = 0."""
-        law, rule = contacts.thresholds, stretch_nodes(contacts.start, largest_stretch, STARTS)
+        rule = stretch_nodes(contacts.start, survival.longest, STARTS)
         size = np.abs(rule.stretch)
-        width = min(narrowest(law), contacts.mean_threshold)
-        return cls(law, -rule.stretch, size, rule.weight / law.sf(size), width)
+        return cls(survival, -rule.stretch, size, rule.weight / contacts.thresholds.sf(size))
 
     def response(self, x: Array) -> Response:
         """At positions X (n,), each reached straight from here."""
@@ -61,25 +59,30 @@ class Cohorts:
         size = np.abs(stretch)
         breaking = size >= self.largest
         largest = np.maximum(size, self.largest)
-        held = self.weight * self.law.sf(largest * (1.0 + TIE))
-        lost = np.where(breaking, self.weight * self.law.pdf(largest), 0.0)
+        survival, density = self.survival.sf_and_pdf(largest * (1.0 + TIE))
+        held, lost = self.weight * survival, np.where(breaking, self.weight * density, 0.0)
         slope = (held - size * lost).sum(axis=1)
         return Response(held.sum(axis=1), (stretch * held).sum(axis=1), slope)
 
+    @cached_property
+    def _held(self) -> Array:
+        """Share of all contacts that holds, of each cohort."""
+        return self.weight * self.survival.sf(self.largest * (1.0 + TIE))
+
     def unbroken(self) -> float:
         """Share that holds."""
-        return float((self.weight * self.law.sf(self.largest * (1.0 + TIE))).sum())
+        return float(self._held.sum())
 
     def stored(self, x: float) -> float:
         """Energy of the contacts at a position, per N_c<k> (length squared)."""
         size = np.abs(x - self.born)
-        held = self.weight * self.law.sf(np.maximum(size, self.largest) * (1.0 + TIE))
+        held = self.weight * self.survival.sf(np.maximum(size, self.largest) * (1.0 + TIE))
         return 0.5 * float((size**2 * held).sum())
 
     def moved(self, x: float) -> "Cohorts":
         """After a straight move to this position; without those of which none holds any more."""
         largest = np.maximum(self.largest, np.abs(x - self.born))
-        alive = self.weight * self.law.sf(largest * (1.0 + TIE)) > DEAD
+        alive = self.weight * self.survival.sf(largest * (1.0 + TIE)) > DEAD
         return replace(
             self, born=self.born[alive], largest=largest[alive], weight=self.weight[alive]
         )
@@ -101,25 +104,25 @@ class Cohorts:
         later, born = self.moved(end), float(weight.sum())
         if not born > 0.0:
             return later
-        if born * (np.ptp(x) / self.width) ** 2 * self.width <= least_force:
+        width = self.survival.width
+        if born * (np.ptp(x) / width) ** 2 * width <= least_force:
             x, weight = np.array([float(weight @ x) / born]), np.array([born])
         return later.and_born(x, weight, end)
 
     def reach(self, x: float, way: int, least: float, least_force: float) -> float:
         """How far the slider can move from x before breaks lower the force of its contacts by more than `least_force`;
         0 for less than the distance `least`, inf where nothing holds."""
-        atoms = self.law.atoms[0]
-        if atoms.size:
-            return self._to_atoms(x, way, atoms)
-        held = self.weight * self.law.sf(self.largest * (1.0 + TIE))
+        if self.survival.atoms.size:
+            return self._to_atoms(x, way, self.survival.atoms)
+        held = self._held
 
         def lost(distance: Array) -> Array:
             size = np.abs(x + way * distance[:, None] - self.born)
-            still = self.weight * self.law.sf(np.maximum(size, self.largest) * (1.0 + TIE))
+            still = self.weight * self.survival.sf(np.maximum(size, self.largest) * (1.0 + TIE))
             return np.asarray((size * np.maximum(held - still, 0.0)).sum(axis=1))
 
         far = 4.0 * float(np.abs(x - self.born).max(initial=0.0) + self.largest.max(initial=least))
-        far = max(far, 4.0 * float(self.law.isf(1e-18)))
+        far = max(far, 4.0 * self.survival.longest)
         if (self.largest * held).sum() + far * held.sum() <= least_force:
             return np.inf
         low, high = least, far

@@ -24,6 +24,8 @@ _SLOPES_OF_POWERS = np.vander(NODES, STAGES - 1, increasing=True) * np.arange(1,
 _SLOPES: Array = _SLOPES_OF_POWERS @ _POWERS[1:]
 # Most steps of Newton's method for the time at which the slider was at a place: of a polynomial that increases.
 MOST_TRIES = 20
+# Distance to that place at which the search ends, in ways: the next step squares it.
+CLOSE = 1e-8
 
 
 class BornOnPanel(NamedTuple):
@@ -64,9 +66,12 @@ class FastSliding:
         missed = np.divide(off**2, np.abs(force), out=np.zeros(off.size), where=force != 0.0)
         return BornOnPanel(j * c - rise * d, force, float(np.minimum(missed, j * d).max()))
 
-    def born(self, panel: Panel, whole: Panel, rate: Array) -> tuple[Array, Array]:
+    def born(
+        self, panel: Panel, whole: Panel, rate: Array, least_force: float
+    ) -> tuple[Array, Array]:
         """Positions and weights of contacts that form on the last thresholds of a panel; `rate`, births per time at the
-        nodes of the `whole` panel of which it may be a part."""
+        nodes of the `whole` panel of which it may be a part. They count as born at one place where all their force is
+        below `least_force`."""
         begin, end = (float(panel.at(t, POSITION)) for t in (panel.begin, panel.end))
         way, far = np.sign(end - begin), min(self.longest, abs(end - begin))
         at, weight = np.polynomial.legendre.leggauss(GAUSS)
@@ -78,7 +83,13 @@ class FastSliding:
         for _ in range(MOST_TRIES):
             lack = way * (end - panel.at(t, POSITION)) - back
             t = np.clip(t + lack / np.abs(panel.slope(t, POSITION)), panel.begin, panel.end)
+            if np.abs(lack).max() <= CLOSE * far:
+                break
         place = (t - whole.begin) / whole.width
         births = np.vander(place, STAGES, increasing=True) @ (_POWERS @ rate)
-        speed = np.abs(panel.slope(t, POSITION))
-        return end - way * back, weights * births / speed
+        places = end - way * back
+        share = weights * births / np.abs(panel.slope(t, POSITION))
+        born = float(share.sum())
+        if 0.0 < born * far <= least_force:
+            return np.array([float(share @ places) / born]), np.array([born])
+        return places, share

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -25,6 +26,13 @@ def _series(places: Array) -> Array:
 
 
 TO_SERIES = _series(PLACES)
+# Matrix from Legendre coefficients to those of powers, the highest first.
+POWERS = np.array(
+    [
+        np.pad(legendre.leg2poly(row[: k + 1]), (0, STAGES - k))[::-1]
+        for k, row in enumerate(np.eye(STAGES + 1))
+    ]
+)
 # Matrix (node, node) from values at the nodes to integrals from the panel's beginning up to each node, per width.
 TO_NODES: Array = 0.5 * (
     legendre.legvander(2.0 * NODES - 1.0, STAGES)
@@ -58,18 +66,23 @@ class Panel:
         """Its last instant."""
         return self.begin + self.width
 
-    def at(self, t: float | Array, row: int) -> Array:
+    def at(self, t: float | Array, row: int) -> Any:
         """One of the polynomials at times; as t."""
-        return np.asarray(legendre.legval(self._z(t), self.series[row]))
+        return _value(self._powers[row], self._z(t))
 
-    def slope(self, t: float | Array, row: int) -> Array:
+    def slope(self, t: float | Array, row: int) -> Any:
         """The derivative by time of one of them; as t."""
-        return np.asarray(legendre.legval(self._z(t), self._slopes[row]))
+        return _value(self._slopes[row], self._z(t)) * (2.0 / self.width)
 
     @cached_property
-    def _slopes(self) -> Array:
-        """Legendre coefficients of the derivatives."""
-        return np.asarray(legendre.legder(self.series, axis=1) * (2.0 / self.width), dtype=float)
+    def _powers(self) -> list[list[float]]:
+        """Coefficients of powers of z = 2 (t - begin)/width - 1, the highest first."""
+        return list((self.series @ POWERS).tolist())
+
+    @cached_property
+    def _slopes(self) -> list[list[float]]:
+        """Those of the derivatives by z."""
+        return list((self.series @ POWERS[:, :-1] * np.arange(STAGES, 0, -1)).tolist())
 
     def when(self, row: int, value: float) -> float:
         """When one of them has a value that it has not passed at the beginning, but at the end."""
@@ -81,12 +94,12 @@ class Panel:
             return self
         width = end - self.begin
         z = self._z(self.begin + width * PLACES)
-        values = legendre.legval(z, self.series.T)
-        return replace(self, width=width, series=np.asarray(values) @ TO_SERIES.T)
+        values = np.stack([_value(row, z) for row in self._powers])
+        return replace(self, width=width, series=values @ TO_SERIES.T)
 
     def nodes(self, row: int) -> Array:
         """One of them at the nodes, shape (STAGES,)."""
-        return np.asarray(legendre.legval(2.0 * NODES - 1.0, self.series[row]))
+        return np.asarray(_value(self._powers[row], 2.0 * NODES - 1.0))
 
     @property
     def times(self) -> Array:
@@ -101,5 +114,13 @@ class Panel:
         """The larger of the last two coefficients of each polynomial: about what the polynomial misses."""
         return np.asarray(np.abs(self.series[:, -2:]).max(axis=1))
 
-    def _z(self, t: float | Array) -> Array:
-        return np.asarray(2.0 * (np.asarray(t) - self.begin) / self.width - 1.0)
+    def _z(self, t: float | Array) -> Any:
+        return 2.0 * (t - self.begin) / self.width - 1.0
+
+
+def _value(powers: list[float], z: Any) -> Any:
+    """A polynomial at z, a number or an array, by Horner's rule."""
+    value = powers[0]
+    for coefficient in powers[1:]:
+        value = value * z + coefficient
+    return value

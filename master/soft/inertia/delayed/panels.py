@@ -1,50 +1,27 @@
 """A slider with mass while contacts break or form after a delay: its motion panel by panel of time."""
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.optimize import brentq
 
 from master.outcome import StoppedError
 from master.soft.inertia.delayed.body import EPSILON, DelayedBody
-from master.soft.inertia.delayed.collocation import LEAST_PASSAGE, Collocation, Solved, State
+from master.soft.inertia.delayed.collocation import (
+    LEAST_PASSAGE,
+    Collocation,
+    Missed,
+    Solved,
+    State,
+)
 from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, Panel
+from master.soft.inertia.delayed.width_control import WIDTHS
 from master.soft.inertia.record import Instant, crossing
 from origins.thresholds.law import Array
 
-# Most panels: some 60 s.
+# Most panels of one run, of which a solution has up to five: a minute each.
 MOST_PANELS = 30_000
-TOO_MANY = f"stopped after {MOST_PANELS} panels of time, as contacts break and form too often; shorten the path"
 
 
-class WidthControl(NamedTuple):
-    """Numbers of the control of panels' widths; none has a unit.
-
-    growth : the next panel is at most this many times as wide as the last one
-    least_shrink, most_shrink : a panel that failed is narrower by a factor between these; by the second where its
-        motion was not found
-    aim : error of the next panel, in units of the error that a panel may have
-    first_travel : travel on the first panel after a closed motion, in mean thresholds
-    first_of_swing : and its width at most, in times in which mass and damping follow the stiffest spring
-    fast : way of a panel on which contacts form and break, in LEAST_PASSAGE: half more, as speeds change on it
-    of_swing : most width of such a panel, in times in which the mass follows its spring
-    least, least_of_swing : width below which it is lost in the rounding of the time, or no reason is known for it
-    """
-
-    growth: float = 3.0
-    least_shrink: float = 0.8
-    most_shrink: float = 0.25
-    aim: float = 0.5
-    first_travel: float = 0.02
-    first_of_swing: float = 0.1
-    fast: float = 1.5
-    of_swing: float = 0.5
-    least: float = 1e-13
-    least_of_swing: float = 1e-12
-
-
-WIDTHS = WidthControl()
 # Change of the force, in units of the error of a panel, below which all contacts born on it count as born at one place.
 OF_MERGING = 1e-2
 # Parts of a panel at which its speed is looked at.
@@ -91,14 +68,16 @@ class OnPanels(DelayedBody):
         if self._width < fast < left:
             self._panels += 1
             solved = self._try(fast)
-            if solved is not None and solved.missed <= self._accuracy:
-                self._width = fast
+            if solved is not None and solved.missed.largest <= self._accuracy:
+                self._width = WIDTHS.growth * fast
                 return solved, False
-        width = min(self._width if np.isfinite(self._width) else self._first_width(), left)
+        width = self._width if np.isfinite(self._width) else self._first_width()
+        width = min(width, self._fast_limit(), left)
         least = max(WIDTHS.least * t, WIDTHS.least_of_swing * self._swing_time)
+        missed: Missed | None = None
         while True:
             if width < least or self._panels >= MOST_PANELS:
-                raise StoppedError(TOO_MANY)
+                raise StoppedError(self._too_many(width, missed))
             reaches = t + width >= stop * (1.0 - EPSILON)
             if reaches:
                 width = left
@@ -107,9 +86,10 @@ class OnPanels(DelayedBody):
             if solved is None:
                 width *= WIDTHS.most_shrink
                 continue
-            ratio = WIDTHS.aim * self._accuracy / max(solved.missed, 1e-300)
+            missed = solved.missed
+            ratio = WIDTHS.aim * self._accuracy / max(missed.largest, 1e-300)
             ratio **= 1.0 / NODES.size
-            if solved.missed <= self._accuracy:
+            if missed.largest <= self._accuracy:
                 wider = width * min(ratio, WIDTHS.growth)
                 # a panel that an edge cut short does not make the next one narrow
                 self._width = max(wider, self._width if reaches and np.isfinite(self._width) else 0)
@@ -136,6 +116,26 @@ class OnPanels(DelayedBody):
         swing = float(np.sqrt(self._machine.mass / self._machine.spring))
         return width if width < min(self._past.delay, WIDTHS.of_swing * swing) else 0.0
 
+    def _too_many(self, width: float, missed: Missed | None) -> str:
+        """Why the motion is not followed any farther than here."""
+        state = self._state
+        lacks = f"which misses {missed.why} by {missed.largest:.1e}" if missed else "not found"
+        return (
+            f"stopped after {self._panels} panels of time, as contacts break and form too often: at t = {state.t:.6g}, "
+            f"X = {state.x:.6g} the last one was {width:.1e} wide, {lacks}; shorten the path or loosen the tolerance"
+        )
+
+    def _fast_limit(self) -> float:
+        """The width up to which a panel on which contacts form and break ends before the slider stops; inf where it
+        gets faster, or would stop within the way of such a panel."""
+        state, machine = self._state, self._machine
+        held = self._contacts.response(np.array([state.x])).force[0]
+        pull = machine.spring * (float(self._drive(state.t)) - state.x) - float(held)
+        slows = (machine.damping * state.w - pull) / machine.mass
+        stops = state.w / slows if slows * state.w > 0.0 else np.inf
+        long = 0.5 * abs(state.w) * stops >= LEAST_PASSAGE * self._sliding.longest
+        return WIDTHS.of_stop * stops if long else np.inf
+
     def _try(self, width: float) -> Solved | None:
         """The motion on the next panel of this width, or None where that is too long to be found. The search begins at
         the speeds with which the last panel would go on, where the new one is less than twice as wide."""
@@ -153,7 +153,7 @@ class OnPanels(DelayedBody):
         """The contacts after a panel, or after a part of the one that was solved; see Cohorts.after."""
         if solved.fast:
             end = float(panel.at(panel.end, POSITION))
-            born, weight = self._sliding.born(panel, solved.panel, solved.birth_rate)
+            born, weight = self._sliding.born(panel, solved.panel, solved.birth_rate, least_force)
             return self._contacts.moved(end).and_born(born, weight, end)
         return self._contacts.after(panel, self._birth_rate(panel, solved), least_force)
 
@@ -171,7 +171,8 @@ class OnPanels(DelayedBody):
     def _turn_in(self, panel: Panel) -> float | None:
         """When the slider turns on the panel, if it does."""
         speed = panel.slope(panel.begin + PARTS * panel.width, POSITION)
-        way = np.sign(self._state.w) or np.sign(speed[1:][np.abs(speed[1:]).argmax()])
+        # from rest the slider sets out as it moves up to the first node: before it the polynomial may wind by its error
+        way = np.sign(self._state.w) or np.sign(panel.nodes(POSITION)[0] - self._state.x)
         back = np.flatnonzero((way * speed[:-1] > 0.0) & (way * speed[1:] <= 0.0))
         for first in back.tolist():
             low, high = (panel.begin + panel.width * PARTS[first + k] for k in (0, 1))

@@ -5,7 +5,6 @@ from bisect import bisect_right
 import numpy as np
 
 from master.soft.inertia.delayed.panel import BREAKS, Panel
-from origins.thresholds.law import Array
 
 
 class PastBreaks:
@@ -45,28 +44,31 @@ class PastBreaks:
         self.share += share
         return share
 
+    @property
+    def breaks_on_panels(self) -> float:
+        """Breaks up to now without the few that broke in closed motions."""
+        return self.breaks - self._jumps[-1]
+
     def born(self, t: float) -> float:
         """Births up to a time, without those of lumps; the breaks one delay before are known."""
-        at = bisect_right(self._begins, t - self.delay) - 1
+        broken_at = t - self.delay
+        at = bisect_right(self._begins, broken_at) - 1
         if at < 0:
             return 0.0
         panel = self._panels[at]
-        return float(panel.at(min(t - self.delay, panel.end), BREAKS))
+        return float(panel.at(min(broken_at, panel.end), BREAKS))
 
     def born_on_panels(self, t: float) -> float:
         """The same without the few that broke in closed motions."""
         return self.born(t) - self._jumps[bisect_right(self._begins, t - self.delay)]
 
-    def birth_rate(self, t: Array) -> Array:
-        """Births per time, as t."""
-        return np.array([self._rate(float(one) - self.delay) for one in t])
-
-    def _rate(self, t: float) -> float:
-        """Breaks per time."""
-        at = bisect_right(self._begins, t) - 1
-        if at < 0 or t > self._panels[at].end:
+    def birth_rate(self, t: float) -> float:
+        """Births per time at a time."""
+        broken_at = t - self.delay
+        at = bisect_right(self._begins, broken_at) - 1
+        if at < 0 or broken_at > self._panels[at].end:
             return 0.0
-        return float(self._panels[at].slope(t, BREAKS))
+        return float(self._panels[at].slope(broken_at, BREAKS))
 
     def next_birth(self, t: float, share: float) -> float:
         """A time after t up to which at most this share of all contacts is born, and about as late as that; inf where
@@ -74,8 +76,9 @@ class PastBreaks:
         due = self.next_lump
         first, born = max(bisect_right(self._begins, t - self.delay) - 1, 0), self.born(t)
         for panel in self._panels[first:]:
-            if panel.begin + self.delay >= due:
+            begins_to_form = panel.begin + self.delay
+            if begins_to_form >= due:
                 break
             if float(panel.at(panel.end, BREAKS)) - born > share:
-                return min(max(panel.begin + self.delay, t), due)
+                return min(max(begins_to_form, t), due)
         return due

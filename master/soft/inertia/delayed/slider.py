@@ -7,7 +7,7 @@ passes a place at which it turned before, and where births begin. Where none bre
 
 from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import RINGS
-from master.soft.inertia.delayed.panels import MOST_PANELS, TOO_MANY, OnPanels
+from master.soft.inertia.delayed.panels import OnPanels
 from master.soft.inertia.delayed.swinging import Swinging
 
 # Most turns and closed motions: some 30 s.
@@ -22,8 +22,6 @@ class DelayedSlider(OnPanels, Swinging):
         self._hold()
         while self._leg < self._motion.speeds.size:
             stop_after(self._until)
-            if self._panels > MOST_PANELS:
-                raise StoppedError(TOO_MANY)
             if self._turns > MOST_TURNS:
                 raise StoppedError(RINGS)
             if self._panel():

@@ -24,7 +24,7 @@ class Swinging(DelayedBody):
         if past.next_lump <= state.t * (1.0 + EPSILON):
             self._form_lump()
         alike = ALIKE * self._tolerance
-        least, atoms = self._near(state.x), self._contacts.law.atoms[0].size > 0
+        least, atoms = self._near(state.x), self._contacts.survival.atoms.size > 0
         forward, back = (self._contacts.reach(state.x, way, least, alike) for way in (1, -1))
         leg_end = self._leg_end()
         births = past.next_birth(state.t, 0.5 * alike / machine.unit)

@@ -1,0 +1,34 @@
+"""How wide panels of time are: wider ones while they miss little, narrower ones where a search fails."""
+
+from typing import NamedTuple
+
+
+class WidthControl(NamedTuple):
+    """Numbers of the control of panels' widths; none has a unit.
+
+    growth : the next panel is at most this many times as wide as the last one
+    least_shrink, most_shrink : a panel that failed is narrower by a factor between these; by the second where its
+        motion was not found
+    aim : error of the next panel, in units of the error that a panel may have
+    first_travel : travel on the first panel after a closed motion, in mean thresholds
+    first_of_swing : and its width at most, in times in which mass and damping follow the stiffest spring
+    fast : way of a panel on which contacts form and break, in LEAST_PASSAGE: half more, as speeds change on it
+    of_swing : most width of such a panel, in times in which the mass follows its spring
+    of_stop : and in times in which the slider would stop at its present deceleration: it must not turn on it
+    least, least_of_swing : width below which it is lost in the rounding of the time, or no reason is known for it
+    """
+
+    growth: float = 3.0
+    least_shrink: float = 0.8
+    most_shrink: float = 0.25
+    aim: float = 0.5
+    first_travel: float = 0.02
+    first_of_swing: float = 0.1
+    fast: float = 1.5
+    of_swing: float = 0.5
+    of_stop: float = 0.9
+    least: float = 1e-13
+    least_of_swing: float = 1e-12
+
+
+WIDTHS = WidthControl()
