@@ -10,7 +10,7 @@ from master.renewal.edges import edges
 from master.renewal.panel_width import PanelWidth
 from master.rigid import march_of
 from master.survival.life import ColdLife
-from origins import Contacts, rectangular
+from origins import Contacts, gaussian, rectangular
 
 BOX = rectangular(0.5, 1.5)
 
@@ -69,3 +69,12 @@ def test_births_on_earlier_legs_are_cut_where_their_survival_bends():
     motion = Motion.along(np.array([0.0, 1.2, -0.9, 1.4]))
     march = march_of(contacts, motion, ColdLife(contacts), 1e-8).run()
     assert march.births.work < 60_000  # 19,000; without the cuts two millions
+
+
+def test_every_turn_is_an_edge_however_many_there_are():
+    """Of other kinks the smallest are left out beyond some hundreds; a panel on two legs would have no survival."""
+    contacts = Contacts(gaussian(1.0, 0.1))
+    motion = Motion.along(np.append(0.0, np.tile([0.6, 0.0], 225)))
+    births = Births(ColdLife(contacts), reforming_law(contacts), motion)
+    found = edges(births, contacts.start, 1e-6).times
+    assert np.isin(motion.times, found).all()

@@ -21,7 +21,8 @@ from origins.thresholds.law import Array
 # a jump gives a bend, a bend a jump of the second derivative. Each order makes the effect on a panel of 17 nodes about
 # this times as large.
 SMOOTHER = 1e-2
-# Most edges, as halving resolves further bends; and most where breaks jump, at exact thresholds, which it does not.
+# Most edges beside the knots, as halving resolves further bends; and most where breaks jump, at exact thresholds, which
+# it does not.
 MOST_EDGES, MOST_JUMPS = 400, 4000
 # Thresholds are alike where the least is above this part of the largest.
 ALIKE = 0.9
@@ -62,6 +63,7 @@ def edges(
     chain = _Kinks(births, continued_from)
     first = [*known, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
+    most += births.motion.speeds.size - 1
     # where there are too many, the smallest are left to the panels' own errors
     while len(met := list(islice(chain.following(first, least), most + 1))) > most:
         least *= 10.0
@@ -128,17 +130,20 @@ class _Kinks:
         """All kinks, in the order of time, of a size above the least: the first ones, and those that follow.
 
         Kinks still to come wait in a heap. The next one is taken out, together with all at the same time; if it is
-        large enough, what follows from it is put in. After `births.until` none is looked for: the march has ended.
+        large enough, what follows from it is put in. A knot is large enough in any case: no panel may lie on two legs.
+        After `births.until` none is looked for: the march has ended.
         """
         end, delay = float(self.motion.times[-1]), self.births.delay
+        knots = set(self.motion.times[1:-1].tolist())
         coming = list(first)
         heapq.heapify(coming)
         while coming and clock.monotonic() <= self.births.until:
             time, size = heapq.heappop(coming)
-            close = self.close(time)
+            close, at_knot = self.close(time), time in knots
             while coming and coming[0].time <= time + close:
-                size = min(size + heapq.heappop(coming).size, 1.0)
-            if size <= least or time > end + close:
+                other = heapq.heappop(coming)
+                size, at_knot = min(size + other.size, 1.0), at_knot or other.time in knots
+            if time > end + close or not (size > least or at_knot):
                 continue
             if time > self.continued_from + close:
                 yield Kink(time, size)
@@ -164,17 +169,20 @@ def same_time(motion: Motion, time: float) -> float:
 def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[tuple[float, float]]:
     """When the |x| of contacts born then, at a stretch x, first passes each of the lengths `bends`, with that length;
     and, with nan, when it comes back to its largest value so far."""
-    furthest, begin = abs(x), birth
     first = int(motion.leg(birth + same_time(motion, birth)))
-    for leg in range(first, motion.speeds.size):
-        end, speed = float(motion.times[leg + 1]), float(motion.speeds[leg])
-        last = x + speed * (end - begin)
-        reached = abs(last) * (1.0 + SAME_TIME)
-        if reached > furthest and speed and end > begin:
-            back = [(furthest, np.nan)] if leg > first or x * speed < 0.0 else []
-            new = bends[(furthest < bends) & (bends <= reached)].tolist()
-            for goal, bend in [*back, *zip(new, new, strict=True)]:
-                t = begin + (np.sign(speed) * goal - x) / speed
-                if t > begin:
-                    yield min(t, end), bend
-        furthest, begin, x = max(furthest, abs(x), abs(last)), end, last
+    times, speeds = np.append(birth, motion.times[first + 1 :]), motion.speeds[first:]
+    stretch = np.cumsum(np.append(x, speeds * np.diff(times)))
+    farthest = np.maximum.accumulate(np.abs(stretch))
+    before, reached = farthest[:-1], np.abs(stretch[1:])
+    rounded = reached * (1.0 + SAME_TIME)
+    # where a leg ends just at the largest value so far, no contact is stretched further
+    passes = before * (1.0 + SAME_TIME) < reached
+    meets = np.searchsorted(bends, before, "right") < np.searchsorted(bends, rounded, "right")
+    for leg in np.flatnonzero((passes | meets) & (speeds != 0.0) & (np.diff(times) > 0.0)).tolist():
+        begin, end, speed, x = times[leg], times[leg + 1], speeds[leg], stretch[leg]
+        back = [(before[leg], np.nan)] if passes[leg] and (leg or x * speed < 0.0) else []
+        new = bends[(before[leg] < bends) & (bends <= rounded[leg])].tolist()
+        for goal, bend in [*back, *zip(new, new, strict=True)]:
+            t = begin + (np.sign(speed) * goal - x) / speed
+            if t > begin:
+                yield float(min(t, end)), bend
