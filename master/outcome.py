@@ -9,6 +9,8 @@ import numpy.typing as npt
 from origins import Contacts
 
 WELL = 1e-3  # largest relative error of a force that counts as success, where there is no tolerance
+# In so many of its estimated errors a number that is pinned by conservation may be off: an estimate is one of size.
+NUMBERS = 10.0
 Progress = Callable[[float], None]
 """Called with the error estimate, in mean thresholds, that a solution has after each refinement."""
 
@@ -39,6 +41,15 @@ def outcome(contacts: Contacts, error: float, tolerance: float, reason: str) -> 
     if thresholds > 0.0:
         message += f"; a weight of {thresholds:.1e} of the thresholds at or below x = 0 was cut off"
     return success, message
+
+
+def unconserved(holding: npt.NDArray[np.float64], tolerance: float, error: float) -> str:
+    """A message where more contacts hold than there are, beyond the tolerance and NUMBERS times the error of their
+    number (shares of the contacts), else "". Conservation pins the number, so that only a fault exceeds it by more."""
+    most = float(holding.max(initial=0.0))
+    if most <= 1.0 + max(tolerance, NUMBERS * error):
+        return ""
+    return f"number is not conserved: holding reaches {most:.6g}, a fault of the program"
 
 
 def judged(what: str, errors: npt.ArrayLike, tolerance: float) -> tuple[npt.NDArray[np.bool_], str]:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from master.motion import Motion
 from master.numerics import polynomials
-from master.outcome import Progress, outcome
+from master.outcome import Progress, outcome, unconserved
 from master.renewal.births import Births, reforming_law
 from master.renewal.budget import ErrorBudget
 from master.renewal.edges import ROUNDED, SAME_TIME, edges
@@ -67,26 +67,25 @@ def solve_rigid(
     worst = march.error.max(initial=0.0 if march.error.size else np.inf) + march.unseen_error
     if worst > RESOLVED:
         worst = np.inf
-    error = float(worst * march.stretch / mean + round_off(march.motion, mean, march.steady_since))
+    rounding = round_off(march.motion, mean, march.steady_since)
+    error = float(worst * march.stretch / mean + rounding)
     progress(error)
-    at = march.begin[int(np.argmax(march.error))] if march.begin.size else 0.0
-    near = f"near X = {motion.at(np.array(at)):.6g}"
-    reason = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}, {near}; loosen the tolerance"
-    if march.begin.size and np.isinf(error):
-        reason = f"nothing is known of the force: its breaks are not resolved {near}"
+    reason = why_above(march, error, tolerance, rounding * mean / march.stretch)
     success, message = outcome(contacts, error, tolerance, reason)
     if march.unfinished:
         end = f"X = {motion.at(np.array(march.reached)):.6g}"
         success, message = False, f"stopped at {end} by wall_time, the path is cut there; {message}"
     t = np.minimum(arrivals[kept], march.steady_since)
     # contacts that broke within the last delay are out
-    broken = breaks_until(march, t) - breaks_until(march, t - march.births.delay)
+    holding = 1.0 - (breaks_until(march, t) - breaks_until(march, t - march.births.delay))
+    if fault := unconserved(holding, tolerance, float(worst)):
+        success, message = False, fault
     return Solution(
         path=drive.path[kept],
         time=drive.arrival_times()[kept],
         force=_read(march, march.force, t),
         force_error=error,
-        holding=1.0 - broken,
+        holding=holding,
         run_time=clock.perf_counter() - began,
         nodes=march.begin.size * polynomials.DEGREE,
         success=success,
@@ -95,6 +94,30 @@ def solve_rigid(
         _by_index=drive.time is not None or (not drive.forward and bool(contacts.laws)),
         _arrivals=arrivals[kept],
     )
+
+
+def why_above(march: March, error: float, tolerance: float, rounding: float) -> str:
+    """Why the error is above the tolerance (both in mean thresholds): the largest part of it, and what to do.
+    `rounding` is the round-off as a share of the contacts, as the other parts are."""
+    above = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
+    if not march.begin.size:
+        return f"{above}; loosen the tolerance"
+    panel, jump = int(np.argmax(march.error)), march.jump
+    near = f"near X = {march.motion.at(march.begin[panel]):.6g}"
+    if jump.size and jump.size == march.error[panel]:
+        clock = "a travel of " if march.life.timeless and not march.births.delay else "t = "
+        near = f"{near}: the number jumps by {jump.size:.1e} at {clock}{jump.time:.6g}, on leg {jump.leg}"
+        near += " (from 0), where no edge is"
+    parts = {
+        f"a panel {near}": march.error[panel],
+        "survivals of the contacts' laws": march.survival_error,
+        "sums over births on earlier legs": march.unseen_error - march.survival_error,
+        "round-off along the path": rounding,
+    }
+    if np.isinf(error):
+        return f"nothing is known of the force: its breaks are not resolved {near}"
+    most = max(parts, key=lambda each: parts[each])
+    return f"{above}, most of it that of {most}; loosen the tolerance"
 
 
 def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion, Array]:

@@ -52,7 +52,8 @@ class Pieces(NamedTuple):
 
 
 def last_and_fall(size: Array) -> tuple[Array, Array]:
-    """The larger of the last two sizes of coefficients (last axis), and its ratio <= 1 to that of the two before."""
+    """The larger of the last two sizes of coefficients (last axis), and its ratio <= 1 to that of the two before: the
+    factor `fall_of_two` by which sizes fall over two coefficients."""
     before, last = size[..., -4:-2].max(axis=-1), size[..., -2:].max(axis=-1)
     return last, np.divide(last, before, out=np.ones_like(last), where=before > last)
 

@@ -97,9 +97,11 @@ class Table:
         """Errors of the integrals, shape (functions,): Gauss nodes integrate polynomials of twice the degree exactly,
         and up to there the coefficients are taken to keep the decay that the last four show."""
         size = np.abs(self._parts)
-        last, fall = polynomials.last_and_fall(np.moveaxis(size, 0, -1))
+        last, fall_of_two = polynomials.last_and_fall(np.moveaxis(size, 0, -1))
         rounding = np.finfo(float).eps * size.max(axis=0)
-        return np.asarray((last * fall ** (self._parts.shape[0] // 2) + rounding) @ self.widths)
+        return np.asarray(
+            (last * fall_of_two ** (self._parts.shape[0] // 2) + rounding) @ self.widths
+        )
 
     def up_to(self, x: Array) -> Array:
         """Integral of the first function from the first edge to x, same shape as x."""

@@ -45,7 +45,8 @@ class Births:
 
     law : of the stretches at which broken contacts form again
     delay : time for which a broken contact is out, in the unit of the motion's times
-    accuracy : allowed error of the number that the births on one leg contribute
+    accuracy : of sums over births of earlier legs, a share of the contacts. It is asked of each piece of a sum, as
+        ErrorBudget says, and bounds no sum of pieces: what these miss is in Past.error
     until : reading of time.monotonic() at which to stop, and after which no piece is halved
     work : of the integrals over births so far, 1 for a piece whose survival is looked up; see add_work, MOST_WORK
     """
@@ -90,6 +91,15 @@ class Lump(NamedTuple):
     time: float
     weight: float
     law: Start
+
+
+class Jump(NamedTuple):
+    """A panel that is as narrow as rounding allows and still not good: the number or the force jumps on it, where no
+    edge is. Time, leg (counted from 0) and error, a share of the contacts."""
+
+    time: float
+    leg: int
+    size: float
 
 
 class Panels(NamedTuple):

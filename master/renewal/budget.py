@@ -15,7 +15,7 @@ FOR_SUMS = 0.2
 # Smallest tolerance of a panel, a share of the contacts. Conservation is rounded at 1e-15, the survival of a law of
 # scipy at some 1e-14; survivals that are sums are rounded by some 1e-13, the second.
 SMALLEST_TOLERANCE, SMALLEST_OF_SUMS = 3e-14, 4.5e-13
-# Tolerance of the births on one leg, in that of a panel, which sums some hundred integrals over births; and the
+# Tolerance of a piece of the births, in that of a panel, which sums some hundred integrals over births; and the
 # smallest, the rounding of conservation.
 FOR_BIRTHS, SMALLEST_FOR_BIRTHS = 3e-3, 1e-15
 
@@ -37,9 +37,15 @@ class ErrorBudget:
     without heat (median 1e-7), and 0.06 of it with heat (median 5e-3), where sums over births are COARSER (see past).
     The error that counts is in force_error, and where the sum is above the tolerance, `success` is False.
 
+    The error is inf where the sum of panels, survivals and births is above 0.1 (RESOLVED in master/rigid.py). A
+    tolerance below that of rounded positions is raised to it (`finest` there), and force_error stays above what was
+    asked for. A march that ends early, as breaks are steady, adds ALIKE = 0.25 of a panel's part to its last panel,
+    for the changes that it does not follow (master/renewal/march.py).
+
     panels : largest error of a panel, a share of the contacts: that of the number of breaks, plus that of the force
         divided by the longest stretch (Run.error)
-    births : largest error of the number that the births on one leg contribute, a share of the contacts
+    births : of a piece of the births on earlier legs, a share of the contacts: the first coefficient that its
+        polynomial leaves out, times the births on the piece, times the number of legs that count
     survivals : error of a survival that is known before, a share of the contacts
     round_off : of the force, in mean thresholds
     """

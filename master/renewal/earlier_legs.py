@@ -98,13 +98,13 @@ class EarlierLegs:
         found = self._life.survival_and_force(self._births.law, history)
         series = found.both @ nodes.series
         last, fall_of_two = polynomials.last_and_fall(np.abs(series[..., -4:]))
+        # the first coefficient that is left out comes one after the last, and `fall_of_two` is the ratio over two
         fall, unit = np.sqrt(fall_of_two), np.array([[1.0], [self._life.largest_stretch]])
         left_out = (last * fall / unit).max(axis=0)
         return Fitted(series, left_out, fall.max(axis=0), found.error)
 
     def _rough(self, pieces: Pieces, fitted: Fitted) -> npt.NDArray[np.bool_]:
-        """The pieces to be halved; none after too much work."""
-        # all legs share the accuracy
+        """The pieces to be halved; none after too much work. The accuracy is asked of each piece, see ErrorBudget."""
         off = fitted.left_out * self._born.most_between(pieces) * self._legs.size
         # below this width both ends of a piece are equal by rounding
         durations = np.diff(self._motion.times)[self._motion.leg(0.5 * (pieces.low + pieces.high))]

@@ -17,7 +17,7 @@ import numpy as np
 
 from master.numerics import polynomials
 from master.outcome import StoppedError, stop_after
-from master.renewal.births import MOST_WORK, Births, Lump, Panels, panel_at
+from master.renewal.births import MOST_WORK, Births, Jump, Lump, Panels, panel_at
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
 from master.renewal.present import TARGETS, Present, Run, solve_run
@@ -45,15 +45,15 @@ class March:
     start : law of the stretches at t = 0
     edges : sorted times at which the number of breaks may bend or jump; the first is 0
     tolerance : largest error of a panel, a share of the contacts: of the number of breaks, and of the force divided by
-        `stretch`, together
+        `stretch`, together; edges and tolerance are set anew by soft/moves.py, which plans a move piece by piece
     guess : the first guess of the width of a panel, a length
     stretch : the longest |x|, or force per contact born: an error of the number times this is one of the force
 
-    begin, since, width, breaks, force, error : arrays, one entry or row a panel; `since` is `begin` counted from the
-        beginning of its leg, which keeps all digits; the others as in Run
+    begin, since, width, breaks, force, error : arrays, one entry or row a panel; `since` is `begin` counted from its
+        leg's beginning, which keeps all digits; the others as in Run
     lumps : the start first; widest : largest width of the next panels
     steady_since : when the march ended because breaks were steady; inf where they were not
-    unfinished : whether the march was stopped before the last edge
+    unfinished, jump : whether it was stopped before the last edge; the largest Jump, of size 0 where there is none
     """
 
     STORED = "begin", "since", "width", "breaks", "force", "error"
@@ -74,11 +74,11 @@ class March:
         self.begin = self.since = self.width = self.error = np.empty(0)
         self.breaks = self.force = np.empty((0, polynomials.DEGREE + 1))
         self.lumps = [Lump(0.0, 1.0, start)]
-        self._as_births = (
-            start.is_single and start.span == births.law.span and self.life.start_as_births
-        )
+        alike = start.is_single and start.span == births.law.span
+        self._as_births = alike and self.life.start_as_births
         self.present, self._past = Present(births), Past(births)
         self.steady_since = self.widest = np.inf
+        self.jump = Jump(0.0, 0, 0.0)
 
     @property
     def survival_error(self) -> float:
@@ -123,9 +123,8 @@ class March:
 
     def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
         """Solve from one edge to the next, both counted from the leg's beginning, yielding after each good run."""
-        first, most = (
-            self._duration(length, leg) for length in (self.guess, self.life.largest_stretch)
-        )
+        first = self._duration(self.guess, leg)
+        most = self._duration(self.life.largest_stretch, leg)
         tolerance, quick = self.tolerance, self.life.quick
         widths, t = PanelWidth(end - begin, self.widest, first, most, tolerance, quick), begin
         while not widths.reached(end - t):
@@ -135,6 +134,8 @@ class March:
             # beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(t)
             bad = np.flatnonzero(run.error > tolerance)
+            if bad.size and widths.too_narrow(t) and run.error[bad[0]] > self.jump.size:
+                self.jump = Jump(self.motion.times[leg] + t, leg, float(run.error[bad[0]]))
             good = int(bad[0]) if bad.size and not keep_all else run.error.size
             self.keep(self.motion.times[leg] + t, proposal.width, run, good, t)
             t = t + good * proposal.width if good < proposal.ahead else end
@@ -165,9 +166,8 @@ class March:
             return False
         first = panel_at(self.begin, self.reached - memory)
         slopes = self.breaks[first:] @ polynomials.SLOPES.T / self.width[first:, None]
-        rates = (
-            slopes @ polynomials.legendre_values(polynomials.gauss(polynomials.PANEL_NODES).nodes).T
-        )
+        nodes = polynomials.gauss(polynomials.PANEL_NODES).nodes
+        rates = slopes @ polynomials.legendre_values(nodes).T
         alike = np.ptp(rates) < ALIKE * self.tolerance * rates.mean()
         change = float(np.ptp(self.force[first:]))
         return bool(alike and change < ALIKE * self.tolerance * self.stretch)
@@ -184,7 +184,7 @@ class March:
         self.births.work += WORK_OF_PANEL * count
         alike = self._count_alike(width, leg)
         of_panel = self.present.on(float(self.motion.speeds[leg]), width, alike + count)
-        known = self.known(t + width * (np.arange(count)[:, None] + TARGETS), alike, leg)
+        known = self.known_on(leg, t + width * (np.arange(count)[:, None] + TARGETS), alike)
         return solve_run(of_panel, known, self.breaks[self.width.size - alike :], self.stretch)
 
     def _count_alike(self, width: float, leg: int) -> int:
@@ -198,24 +198,28 @@ class March:
         other = np.flatnonzero(self.width[first:] != width)
         return self.width.size - first - (int(other[-1]) + 1 if other.size else 0)
 
-    def known(self, grid: Array, alike: int = 0, leg: int | None = None) -> Array:
-        """Number and force of all contacts whose births are known, at later times.
+    def known_at(self, t: Array) -> Array:
+        """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
+        leg = self.motion.leg_of_all(t)
+        return self.known_on(leg, t - self.motion.times[leg])
 
-        grid : times in rows, all on one leg; counted from its beginning where `leg` is given, else from t = 0
+    def known_on(self, leg: int, grid: Array, alike: int = 0) -> Array:
+        """Number and force of all contacts whose births are known, at later times on a leg; (2, *grid.shape).
+
+        grid : times in rows, counted from the leg's beginning
         alike : the last panels, so many, are left out: they have the width of the panels to be solved, and solve_run
             adds them by PanelSums
 
         Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
-        if leg is None:
-            leg = self.motion.leg_of_all(grid)
-            grid = grid - self.motion.times[leg]
         leg_begin, last = float(self.motion.times[leg]), self.begin.size - alike
         if leg != self._past.leg:
             self._past.enter(leg, self.panels(0))
-        looked_up = not leg and self._as_births
-        out, t, delay = self._past.at(grid, self.lumps[looked_up:]), grid.ravel(), self.births.delay
-        if looked_up:
+        t, delay = grid.ravel(), self.births.delay
+        # a start that is as births at t = 0 on this leg is in their table
+        in_table = leg == 0 and self._as_births
+        out = self._past.at(grid, self.lumps[1:] if in_table else self.lumps)
+        if in_table:
             out += self.present.look_up(float(self.motion.speeds[leg]), grid)
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         oldest = leg_begin + t.min() - self._memory(leg)
@@ -257,7 +261,7 @@ class March:
         sides = t + beside * np.array([[-1.0, -0.5, 0.0], [0.0, 0.5, 1.0]]) - self.motion.times[leg]
         # the times of a row lie on one leg: those after a knot are asked for by themselves
         rows = np.split(sides, 1 if t < self.motion.times[leg + 1] else 2)
-        number = np.concatenate([self.known(row, leg=leg)[0] for row in rows])
+        number = np.concatenate([self.known_on(leg, row)[0] for row in rows])
         broken = float(number[0, 2] - number[1, 0])
         if broken > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
@@ -275,9 +279,8 @@ class March:
             setattr(other, name, getattr(self, name)[:begun].copy())
         if begun and other.reached > t:
             width = t - other.begin[-1]
-            to_part = polynomials.values(
-                np.append(0.0, polynomials.NODES) * width / other.width[-1]
-            )
+            places = np.append(0.0, polynomials.NODES) * width / other.width[-1]
+            to_part = polynomials.values(places)
             other.width[-1] = width
             for values in (other.breaks, other.force):
                 values[-1] = to_part @ values[-1]
@@ -286,7 +289,7 @@ class March:
 
     def postpone_births(self, begin: float, end: float) -> None:
         """Add panels from begin to end without births: broken contacts are born together at the end."""
-        number, _ = self.known(np.full((1, TARGETS.size), end))
+        number, _ = self.known_at(np.full((1, TARGETS.size), end))
         leg_begin = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         nothing = np.zeros((1, polynomials.DEGREE + 1))
         # breaks at the end are looked for over half of the last panel, which has to be short

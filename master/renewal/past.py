@@ -63,7 +63,12 @@ class Past:
         self.left_out = other.left_out
 
     def enter(self, leg: int, panels: Panels) -> None:
-        """See all births on the solved panels from a leg on which none of them is yet, or some at its beginning."""
+        """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first` on, one delay
+        late, fall on it.
+
+        Legs have faded of whose births hardly any held when they were last asked for, on the leg before. A proposal
+        that was rejected may have asked: a survival only falls, so that at any time of that leg more of them held than
+        on this one."""
         births, whole, before = self._births, self._births.motion, self.leg
         self.leg, self._began = leg, float(whole.times[leg])
         self._motion = whole.counted_from(leg)

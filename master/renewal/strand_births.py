@@ -96,8 +96,9 @@ def _missed(survival: Array, weight: Array) -> Array:
     """
     basis = polynomials.gauss(SIZE)
     size = np.abs(survival @ basis.series)
-    last, fall = polynomials.last_and_fall(size)
-    alone = (last * fall**2).max(axis=0) * np.abs(weight).sum(axis=1)
+    last, fall_of_two = polynomials.last_and_fall(size)
+    # four coefficients after the last: Gauss nodes sum those up to twice the degree exactly where births are constant
+    alone = (last * fall_of_two**2).max(axis=0) * np.abs(weight).sum(axis=1)
     moments_of_births = np.abs(weight @ legendre.legvander(2.0 * basis.nodes - 1.0, SIZE - 1))
     changed = (size[..., -2:] * moments_of_births[:, -2:]).sum(axis=-1).max(axis=0)
     return np.asarray(SAFETY * np.sqrt(alone * changed))

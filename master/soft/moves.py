@@ -265,7 +265,7 @@ class MoveWithoutBirths(Move):
             return False
         width = min(self._widest, float(later[0]) - begin)
         while True:
-            known = march.known(begin + width * TARGETS[None])[..., : polynomials.DEGREE + 1]
+            known = march.known_at(begin + width * TARGETS[None])[..., : polynomials.DEGREE + 1]
             force = known[1]
             error = (
                 np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1)
@@ -286,7 +286,7 @@ class MoveWithoutBirths(Move):
         """The share of the contacts that hold after the travel y."""
         if self.holds_none(y):
             return 0.0
-        return float(self._march.known(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0])
+        return float(self._march.known_at(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0])
 
     def after_slip(self, y: float, error: float) -> LoadingHistory:
         """The history when the slip ends after the travel y, and broken contacts re-form; the error is that after."""

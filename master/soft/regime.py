@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from master.motion import drive_motion
-from master.outcome import outcome
+from master.outcome import outcome, unconserved
 from master.stick_slip.extremes import extremes
 from master.survival.make import why_no_life
 from origins import Contacts
@@ -94,6 +94,10 @@ class Followed(NamedTuple):
     ) -> tuple[bool, str]:
         """Success and message; `place` is the symbol of the path's positions."""
         solved = self.force.size
+        # an error estimate so large judges nothing: the tolerance does
+        error = self.holding_error if self.holding_error < UNRELIABLE else 0.0
+        if fault := unconserved(self.holding, tolerance, error):
+            return False, fault
         if solved == drive.path.size:
             error = self.largest_error
             what = "holding" if self.holding_error > self.error else "the force"

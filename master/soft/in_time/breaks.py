@@ -34,7 +34,7 @@ class Breaks:
         self.pending: dict[float, float] = {}
 
     @property
-    def so_far(self) -> float:
+    def total(self) -> float:
         """Breaks up to the end of the last step."""
         return self._sections[-1][-1][1]
 
@@ -51,7 +51,7 @@ class Breaks:
             return BirthsUpTo(0.0, 0.0)
         if broken_at > now:  # within this step, along which breaks are a straight line
             fraction = (broken_at - now) / (end - now)
-            return BirthsUpTo(fraction, (1.0 - fraction) * self.so_far)
+            return BirthsUpTo(fraction, (1.0 - fraction) * self.total)
         section = next(section for section in self._sections if section[-1][0] >= broken_at)
         first = bisect_left(section, (broken_at,)) - NODES // 2
         first = max(min(first, len(section) - NODES), 0)
@@ -62,11 +62,18 @@ class Breaks:
         """The rate of breaks may jump at this instant."""
         self._sections.append(self._sections[-1][-1:])
 
-    def repeat_later(self, at: float, fraction: float = 0.0) -> None:
-        """Breaks jump by a fraction of all contacts, or their rate jumps: births repeat it a delay later, and bend
-        after two."""
-        for later, born in ((at + self.delay, fraction), (at + 2.0 * self.delay, 0.0)):
-            self.pending[later] = self.pending.get(later, 0.0) + born
+    def repeat_bend(self, at: float) -> None:
+        """The rate of breaks jumps: that of births jumps a delay later, and bends after two."""
+        for later in (at + self.delay, at + 2.0 * self.delay):
+            self.pending.setdefault(later, 0.0)
+
+    def repeat_jump(self, at: float) -> None:
+        """Breaks jumped by those of the last section, which took no time, and a section begins: births repeat it a
+        delay later."""
+        (_, before), (_, after) = self._sections[-1][0], self._sections[-1][-1]
+        self.begin_section()
+        self.repeat_bend(at)
+        self.pending[at + self.delay] += after - before
 
     def due(self, now: float) -> float:
         """The fraction that is born at once now, and no longer pending."""

@@ -60,7 +60,7 @@ class Cohorts:
     balanced and what a slip does is up to the caller: Cohorts know no spring.
 
     position, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the fraction that holds
-    broken : the breaks so far, and what will be born of them
+    past_breaks : those at the ends of all steps, and what will be born of them
     unit, jumps : mean threshold (a length), and whether P_c may jump
     largest_stiffness : k_i/<k> of the stiffest contacts
     halvings : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
@@ -87,11 +87,6 @@ class Cohorts:
         self._newest, self._one_before = slice(-count, None), slice(-2 * count, -count)
         self._begin(_per_survival(memory, start), memory.start(start.stretch))
 
-    @property
-    def breaks(self) -> float:
-        """Breaks per contact since t = 0 or a reset."""
-        return self.broken.so_far
-
     def relax(self) -> None:
         """Replace all contacts, also those that are out, by those just formed again."""
         self._begin(self._at_birth, self.memory.fresh(self._at_birth.stretch, 0.0))
@@ -103,7 +98,7 @@ class Cohorts:
         self.holding, self.force = (held @ groups.weight).tolist()
         self._started = start.stretch.size  # so many groups are of the start, and stand first
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
-        self.broken, self._born = Breaks(self.delay, self.now), 0.0
+        self.past_breaks, self._births_so_far = Breaks(self.delay, self.now), 0.0
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
         """A step by `travel` until `now`; `without_births`, broken contacts stay out. StoppedError as `take`."""
@@ -117,15 +112,15 @@ class Cohorts:
         # of those born in this step, per contact born: survival and force
         both_ends = 0.5 * (held[:, self._one_before] + held[:, self._newest])
         survival, force_of_new = (both_ends @ self._at_birth.weight).tolist()
-        births = BirthsUpTo(0.0, self._born)
+        births = BirthsUpTo(0.0, self._births_so_far)
         if not (without_births or (self.delay and now == self.now)):
-            births = self.broken.births_up_to(now, self.now)
+            births = self.past_breaks.births_up_to(now, self.now)
         # held_before + survival (N - born) + B - N = 1, N = slope B + rest, solved for B
-        out = 1.0 - held_before + survival * self._born + (1.0 - survival) * births.rest
+        out = 1.0 - held_before + survival * self._births_so_far + (1.0 - survival) * births.rest
         breaks = out / (1.0 - (1.0 - survival) * births.slope)
-        new = births.slope * breaks + births.rest - self._born
+        new = births.slope * breaks + births.rest - self._births_so_far
         force, holding = force_before + force_of_new * new, held_before + survival * new
-        return Trial(travel, now, groups, held, force, holding, breaks, self._born + new)
+        return Trial(travel, now, groups, held, force, holding, breaks, self._births_so_far + new)
 
     def take(self, trial: Trial) -> None:
         """Take the step; StoppedError where there are too many."""
@@ -135,13 +130,13 @@ class Cohorts:
         self._stop_at_limits()
         self.position, self.now = self.position + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
-        half = 0.5 * (trial.births - self._born) * self._at_birth.weight
+        half = 0.5 * (trial.births - self._births_so_far) * self._at_birth.weight
         groups.weight[self._newest] = half
         groups.weight[self._one_before] += half
         self._note_unresolved(groups, held)
         self.groups = self._without_dead(groups, held[0])
-        self.broken.add(self.now, trial.breaks)
-        self._born = trial.births
+        self.past_breaks.add(self.now, trial.breaks)
+        self._births_so_far = trial.births
 
     def _without_dead(self, groups: Groups, survival: Array) -> Groups:
         """The groups of which some contacts hold; all groups of a cohort go together. The last cohort stays, as it
@@ -178,14 +173,14 @@ class Cohorts:
 
     def born_now(self) -> None:
         """Let all contacts be born at once that are due."""
-        fraction = self.broken.due(self.now)
+        fraction = self.past_breaks.due(self.now)
         if fraction > 0.0:
             first = self.groups.weight.size
             self.groups = self.groups.and_born(self.memory, self._at_birth, fraction, 0.0)
             new = self.groups.pick(slice(first, None))
             holding, force = (new.survival_and_force(self.memory) @ new.weight).tolist()
             self.holding, self.force = self.holding + holding, self.force + force
-            self._born += fraction
+            self._births_so_far += fraction
 
 
 def _per_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:

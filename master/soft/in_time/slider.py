@@ -61,9 +61,9 @@ class Slider:
             return
         self._steps = Steps(contacts, self._spring, motion)
         for leg, last in enumerate(motion.times[1:].tolist()):
-            contacts.broken.repeat_later(float(motion.times[leg]))
+            contacts.past_breaks.repeat_bend(float(motion.times[leg]))
             while True:
-                end = min([*contacts.broken.pending, last])
+                end = min([*contacts.past_breaks.pending, last])
                 self._steps.begin(leg, end)
                 if self._slide(end):
                     self._slip(float(motion.at(np.array(contacts.now))))
@@ -76,7 +76,7 @@ class Slider:
         """Take steps until `end`, or until a slip begins; returns whether one does."""
         contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
         self.sections.append(nodes)
-        contacts.broken.begin_section()
+        contacts.past_breaks.begin_section()
         search, slips = SlipBegins(steps), False
         while not slips and contacts.now < end:
             size = min(self._size * search.shrink, max(steps.longest(), SHORTEST * self._size))

@@ -34,11 +34,9 @@ def slip_without_births(contacts: Cohorts, steps: Steps) -> None:
     more by d no balance is nearer than d/(K + that stiffness): steps of this length miss none. Where nothing holds any
     more one of them leads to the end, X = X_T.
     """
-    broken_before = contacts.breaks
-    contacts.broken.begin_section()
+    contacts.past_breaks.begin_section()
     contacts.take(contacts.trial(_way_to_balance(contacts, steps), contacts.now, True))
-    contacts.broken.begin_section()
-    contacts.broken.repeat_later(contacts.now, contacts.breaks - broken_before)
+    contacts.past_breaks.repeat_jump(contacts.now)
     contacts.born_now()
 
 
@@ -67,7 +65,7 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
 
     Once breaks are steady F stays that of sliding at infinite speed, and the spring's balance tells the rest.
     """
-    contacts.broken.begin_section()
+    contacts.past_breaks.begin_section()
     step, least = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
     begin, travelled, forces = contacts.position, list[float](), list[float]()
 
@@ -96,7 +94,7 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
         if first and imbalance(low) > 0.0:
             low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
         contacts.take(contacts.trial(low, contacts.now))
-    contacts.broken.begin_section()
+    contacts.past_breaks.begin_section()
 
 
 def _first_travel(imbalance: Callable[[float], float], least: float) -> float:

@@ -178,7 +178,7 @@ class Reaction(Move):
         march.present = Present(births)
         at = np.maximum(self.loaded.end + y, self.loaded.end + 1e-12 * self.contacts.unit)
         different, back = np.unique(at, return_inverse=True)
-        return np.asarray(march.known(different[:, None])[1, :, 0][back])
+        return np.asarray(march.known_at(different[:, None])[1, :, 0][back])
 
 
 class _StoredLife(ColdLife):
