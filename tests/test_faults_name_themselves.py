@@ -1,0 +1,49 @@
+"""Faults planted in the program: what is solved then fails, and its message says where to look."""
+
+import numpy as np
+import pytest
+
+import master
+import origins
+from master import rigid
+from master.soft.regime import Followed, slips_of
+from origins import Contacts, Drive
+
+
+def test_a_jump_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One contact in a hundred breaks at X = 1, and no panel is told to end there."""
+    true = rigid.edges
+
+    def without_the_break(*given):
+        plan = true(*given)
+        times = plan.times
+        return plan._replace(times=times[(times < 0.9) | (times > 1.1)])
+
+    parts = [origins.identical(1.0), origins.gaussian(2.0, 0.2)]
+    contacts, path = Contacts(origins.mixture(parts, [0.01, 0.99])), [0.4, 1.3]
+    assert master.solve(contacts, path, tolerance=1e-10).success
+    monkeypatch.setattr(rigid, "edges", without_the_break)
+    found = master.solve(contacts, path, tolerance=1e-10)
+    said = found.message
+    assert not found.success and "of a panel near X = 1: the number jumps by " in said
+    assert "at a travel of 1, on leg 0 (from 0), where no edge is" in said
+
+
+@pytest.mark.parametrize(
+    ("most", "error", "fault"),
+    [(1.0005, 0.0, False), (1.007, 1e-4, True), (1.007, 1e-3, False), (1.007, 0.3, True)],
+)
+def test_a_number_that_is_not_conserved(most: float, error: float, fault: bool) -> None:
+    """More contacts hold than there are, beyond the tolerance of 1e-3 and ten times the error, but for an error that
+    judges nothing."""
+    holding, none = np.array([0.9, most]), slips_of(np.empty((3, 0)), 0.3, 0.0)
+    found = Followed(0.0, holding, holding, none, 1e-6, 10, holding_error=error)
+    contacts = Contacts(origins.gaussian(1.0, 0.1))
+    success, said = found.outcome(contacts, Drive([1.0, 2.0], spring=0.3), 1e-3, "X_T")
+    told = "number is not conserved: holding reaches 1.007, a fault of the program"
+    assert (said == told) == fault and success == (not fault and error <= 1e-3)
+
+
+def test_the_largest_part_of_an_error_is_named() -> None:
+    found = master.solve(Contacts(origins.gaussian(1.0, 0.2)), [1.0, 2.0, -1.0], tolerance=1e-15)
+    assert not found.success and "most of it that of " in found.message
