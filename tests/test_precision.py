@@ -8,6 +8,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -228,9 +229,11 @@ def test_cost_tells_what_a_scene_imports_and_leaves_out(capsys: Any) -> None:
 
 PATH = np.linspace(0.0, 3.0, 31)
 PEAK = origins.gaussian(1.0, 0.1)
-SOLVERS = {
-    "master": lambda contacts: master.solve(contacts, PATH, 1e-6),
-    "eq_model": lambda contacts: eq_model.simulate(contacts, PATH, n_contacts=500, seed=1),
+SOLVERS: dict[str, Callable[..., Any]] = {
+    "master": lambda contacts, **drive: master.solve(contacts, PATH, 1e-6, **drive),
+    "eq_model": lambda contacts, **drive: eq_model.simulate(
+        contacts, PATH, n_contacts=500, n_replicas=2, seed=1, **drive
+    ),
 }
 # laws whose strength is none, and some
 IDLE: dict[str, Any] = {
@@ -239,10 +242,16 @@ IDLE: dict[str, Any] = {
     "reforming": 0.0,
     "stiffness": "independent",
     "thermal": None,
+    "thresholds": origins.strengthening(PEAK, 0.0, 1.0),
 }
 STRONG = IDLE | {"thermal": origins.Thermal("soft", 0.1), "delay": origins.Delay(0.3)}
 STRONG |= {"ageing": origins.Ageing(origins.gaussian(1.2, 0.1), 1e-3)}
-OF_LAWS = re.compile(r"(master/survival/(heat|age|grains|integrated_rate)|origins/(laws|grains)/)")
+STRONG |= {"thresholds": origins.strengthening(PEAK, 0.05, 1.0)}
+OF_LAWS = re.compile(
+    r"(master/survival/(heat|age|grains|growing|integrated_rate)|origins/(laws|grains)/)"
+)
+EYRING = origins.Thermal("eyring", width=0.03)
+OF_MASS = re.compile(r"(master/soft/inertia|eq_model/coupled/mass)/")
 
 
 def work(call: Callable[[], Any]) -> Counter[tuple[str, str]]:
@@ -265,21 +274,37 @@ def work(call: Callable[[], Any]) -> Counter[tuple[str, str]]:
     return seen
 
 
+def calls_of(
+    solve: Callable[..., Any], drive: dict[str, Any] | None = None, **laws: Any
+) -> Counter[tuple[str, str]]:
+    """The calls of a solver with these laws, in a second run: nothing is compiled or imported in it."""
+    drive, thresholds = drive or {}, laws.pop("thresholds", PEAK)
+    solve(origins.Contacts(thresholds, **laws), **drive)
+    contacts = origins.Contacts(thresholds, **laws)
+    return work(lambda: solve(contacts, **drive))
+
+
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_law_that_is_absent_costs_no_work(solver: str) -> None:
     """The same calls, as many of each, as without the law, and none of a law's own; where it is present, some are."""
-    solve = SOLVERS[solver]
-
-    def calls(**laws: Any) -> Counter[tuple[str, str]]:
-        contacts = origins.Contacts(PEAK, **laws)
-        solve(origins.Contacts(PEAK, **laws))  # so that nothing is compiled or imported below
-        return work(lambda: solve(contacts))
-
+    calls = partial(calls_of, SOLVERS[solver])
     plain = calls()
     assert sum(plain.values()) > 1000
     assert not [file for file, _ in plain if OF_LAWS.search(file)]
     for name, idle in IDLE.items():
         assert calls(**{name: idle}) == plain, name
-    for name in ("thermal", "ageing", "delay"):
+    for name in ("thermal", "ageing", "delay", "thresholds"):
         assert calls(**{name: STRONG[name]}) != plain, name
-    assert [file for file, _ in calls(ageing=STRONG["ageing"]) if OF_LAWS.search(file)]
+    for name, law in (STRONG | {"thermal": EYRING}).items():
+        if name in ("ageing", "thermal", "thresholds"):
+            assert [file for file, _ in calls(**{name: law}) if OF_LAWS.search(file)], name
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_mass_that_is_absent_costs_no_work(solver: str) -> None:
+    calls = partial(calls_of, SOLVERS[solver])
+    plain = calls({"spring": 0.5})
+    assert not [file for file, _ in plain if OF_MASS.search(file)]
+    assert calls({"spring": 0.5, "mass": None}) == plain
+    heavy = calls({"spring": 0.5, "mass": 0.1, "damping": 0.3})
+    assert [file for file, _ in heavy if OF_MASS.search(file)]

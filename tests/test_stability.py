@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import origins
 from origins.contacts import Contacts
 from toolkit.command import main
 from toolkit.scene.scene import load_scene
+from toolkit.stability import sliders
 from toolkit.stability.case import Answer, Case, Question, Row, Truth, judged, rows
 from toolkit.stability.scene_map import numbers, scene_map, times
 from toolkit.stability.table import VERDICTS, extreme_cases, stability, summary
@@ -70,6 +72,13 @@ def test_quick_extreme_cases() -> None:
     _checked(found)
     assert sum(row.verdict == "exact" for row in found) > 3
     assert sum(row.verdict == "refused" for row in found) < 0.4 * len(found)
+
+
+def test_a_light_slider_that_is_heavily_damped_is_followed_at_once() -> None:
+    """Its motion fades over 1e9 times the time in which it begins, which took for ever in steps of the latter."""
+    (case,) = (one for one in sliders.masses() if one.name == "K = 1, M = 0.001, γ = 1000")
+    (row,) = stability([replace(case, n_contacts=0)], lambda line: None)
+    assert row.verdict == "exact" and row.road == "an oscillator, in closed form"
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Stiff and extreme laws of contacts: heat, ageing, delays, grains that grow."""
+"""Stiff and extreme laws of contacts: heat, ageing, strengthening, delays, grains that grow."""
 
 import math
 from functools import partial
@@ -7,6 +7,7 @@ import numpy as np
 
 import origins
 from origins.contacts import Contacts
+from origins.thresholds.law import Array
 from toolkit.stability import truths
 from toolkit.stability.case import Case, Question
 from toolkit.stability.thresholds import FORWARD, LATE, kinetic
@@ -16,7 +17,16 @@ BOLTZMANN = 1.380649e-23  # J/K
 
 
 def cases() -> list[Case | Question]:
-    return [*heat(), *room(), *speeds(), *ageing(), *delays(), *grains()]
+    return [
+        *heat(),
+        *eyring(),
+        *room(),
+        *speeds(),
+        *ageing(),
+        *strengthening(),
+        *delays(),
+        *grains(),
+    ]
 
 
 def warm(law: str, temperature: float, attempts: float = 1.0) -> Contacts:
@@ -30,7 +40,7 @@ def heat() -> list[Case | Question]:
     for law in ("soft", "stiff"):
         # heat breaks contacts within some T/x_s of their threshold (stiff: T^(2/3)), which moves F by as much
         unmoved = truths.without_laws(3e-6, "T = 0, in closed form")
-        boiling = truths.constant_rate(2.0) if law == "soft" else truths.stiff_attempts(2.0)
+        boiling = truths.constant_rate(2.0) if law == "soft" else truths.at_rates(passed_when_stiff)
         found += [
             Case(group, f"{law}, T = 1e-9", partial(warm, law, 1e-9, 1e-3), FORWARD, unmoved),
             Case(group, f"{law}, T = 1e-3", partial(warm, law, 1e-3, 10.0), FORWARD),
@@ -44,6 +54,77 @@ def heat() -> list[Case | Question]:
                 partial(warm, "soft", 0.02, 10.0**power),
                 FORWARD,
                 n_contacts=20_000,
+            )
+        )
+    return found
+
+
+def passed_when_stiff(x: Array, threshold: Array) -> Array:
+    """Attempts of a stiff contact far above all barriers, 2 (1 - x/x_s)^(1/2) per mean threshold, from 0 to x."""
+    return 2.0 * threshold * (1.0 - (1.0 - x / threshold) ** 1.5) / 1.5
+
+
+def passed_by_eyring(x: Array, threshold: Array) -> Array:
+    """Breaks that exp(x/x_s - 1) per mean threshold brings about from 0 to x."""
+    return threshold * (np.exp(x / threshold - 1.0) - math.exp(-1.0))
+
+
+def eyring() -> list[Case | Question]:
+    """Eyring's α from its least to its largest, and attempts that are all but continuous."""
+
+    def contacts(width: float, attempts: float = 1.0) -> Contacts:
+        return Contacts(PEAK, thermal=origins.Thermal("eyring", None, attempts, width=width))
+
+    group, rates = "Eyring's heat", truths.at_rates(passed_by_eyring)
+    # contacts break within some α of their threshold, which moves F by as much times α ω<x_s>/v
+    unmoved = truths.without_laws(3e-6, "T = 0, in closed form")
+    found: list[Case | Question] = [
+        Case(group, "α = 1e-6", partial(contacts, 1e-6), FORWARD, unmoved),
+        Case(group, "α = 1", partial(contacts, 1.0), LATE, rates),
+        Case(group, "α below its least", partial(contacts, 1e-9), FORWARD),
+    ]
+    for attempts in (1e-9, 1e6, 1e12):
+        name = f"ω<x_s>/v = {attempts:g}, α = 0.03"
+        still = truths.without_laws(1e-8, "T = 0, in closed form") if attempts < 1.0 else None
+        warm = partial(contacts, 0.03, attempts)
+        found.append(Case(group, name, warm, FORWARD, still, n_contacts=20_000))
+    return found
+
+
+def strengthening() -> list[Case | Question]:
+    """Thresholds that grow by β in each e-fold of the age: no growth, all there may be, and rests of 1e9 lives."""
+
+    def contacts(beta: float, time: float, law: origins.Thresholds = PEAK) -> Contacts:
+        return Contacts(origins.strengthening(law, beta, time))
+
+    group = "strengthening"
+    # they grow by β ln(1 + 2e3) at most on the way, in the first case, and by 2/τ_0 in the second
+    still = truths.without_laws(1e-10, "no growth, in closed form")
+    young = truths.without_laws(1e-7, "no growth, in closed form")
+    found: list[Case | Question] = [
+        Case(group, "β = 1e-12, τ_0 = 1e-3", partial(contacts, 1e-12, 1e-3), FORWARD, still),
+        Case(group, "β = 1, τ_0 = 1e9", partial(contacts, 1.0, 1e9), FORWARD, young),
+        Case(group, "β = 0.05, τ_0 = 1e-6", partial(contacts, 0.05, 1e-6), FORWARD),
+        Case(group, "β = 1, τ_0 = 1e-9", partial(contacts, 1.0, 1e-9), 20.0 * FORWARD),
+        Case(group, "β = 2", partial(contacts, 2.0, 1.0), FORWARD),
+        Case(
+            group,
+            "a rest of 1e9 lives, then no break",
+            partial(contacts, 0.05, 1.0, origins.gaussian(1.0, 0.05)),
+            [0.5, 0.5, 1.2],
+            truths.no_break,
+            {"time": [0.5, 1e9, 1e9 + 0.7]},
+        ),
+    ]
+    for beta, speed in ((0.05, 1e-30), (1.0, 1e-9), (1.0, 1.0), (0.05, 1e30)):
+        grown = contacts(beta, 1.0)
+        found.append(
+            Question(
+                group,
+                f"β = {beta:g}, v τ_0 = {speed:g}: F_k",
+                "steady_state",
+                partial(kinetic, grown, speed),
+                partial(truths.grown, PEAK, beta, speed),
             )
         )
     return found

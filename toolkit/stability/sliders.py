@@ -1,4 +1,4 @@
-"""Extremes of the motion and of the slider: springs, periods, turns, rests, starts, numbers of contacts."""
+"""Extremes of the motion and of the slider: springs, masses, periods, turns, rests, starts, numbers of contacts."""
 
 from functools import partial
 from typing import Any, get_args
@@ -18,7 +18,7 @@ BEFORE = np.array([0.5, 0.95])  # mean thresholds: before and within the first b
 
 
 def cases() -> list[Case | Question]:
-    return [*springs(), *motions(), *starts(), *numbers()]
+    return [*springs(), *masses(), *motions(), *starts(), *numbers()]
 
 
 def springs() -> list[Case | Question]:
@@ -75,6 +75,35 @@ def first_slip(contacts: Contacts, rule: SlipRule) -> Answer:
     found: Any = master.solve(contacts, np.linspace(0.0, 1.2e9, 50), 1e-6, spring=1e-9, slip=rule)
     before = found.slips.force_before[:1] / contacts.mean_threshold
     return Answer(before, max(found.force_error, 1e-9), found.success, 1e-6, found.message)
+
+
+def masses() -> list[Case | Question]:
+    """Masses and damping from almost none to all but immovable, up to the first break; and a slip of a soft slider."""
+    group, found = "mass", list[Case | Question]()
+    for spring, mass, damping in (
+        (1e-3, 1e-6, 0.0),
+        (1e-3, 1.0, 1.0),
+        (1e-3, 1e9, 0.0),
+        (1.0, 1e-3, 1e3),
+        (1.0, 1e12, 1e-12),
+        (1e6, 1.0, 0.0),
+    ):
+        path = np.linspace(0.1, 0.7, 7) * (1.0 + spring) / spring
+        exact = partial(truths.before_breaks, spring, mass, damping)
+        if mass > 1e6:  # the drive runs away from the slider
+            path = np.linspace(0.1, 0.6, 7)
+        found.append(
+            Case(
+                group,
+                f"K = {spring:g}, M = {mass:g}, γ = {damping:g}",
+                lambda: Contacts(NARROW),
+                path,
+                exact,
+                {"spring": spring, "mass": mass, "damping": damping},
+                n_contacts=1_000,
+            )
+        )
+    return found
 
 
 def motions() -> list[Case | Question]:

@@ -25,9 +25,9 @@ _WIDE = 46  # letters of a case's name in a line
 
 def extreme_cases() -> list[Case | Question]:
     """All cases that are shipped."""
-    from toolkit.stability import laws, sliders, thresholds
+    from toolkit.stability import laws, sliders, surfaces, thresholds
 
-    return [*thresholds.cases(), *laws.cases(), *sliders.cases()]
+    return [*thresholds.cases(), *surfaces.cases(), *laws.cases(), *sliders.cases()]
 
 
 def stability(cases: Iterable[Case | Question], say: Callable[[str], None]) -> list[Row]:

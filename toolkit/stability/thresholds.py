@@ -1,4 +1,4 @@
-"""Extreme laws of thresholds: narrow and wide, nearly merged, diverging, heavy-tailed; extremes of the origins."""
+"""Extreme laws of thresholds: narrow and wide, nearly merged, diverging, heavy-tailed."""
 
 import math
 from functools import partial
@@ -17,7 +17,7 @@ LATE = np.array([60.0, 80.0])  # where laws as wide as their mean have settled
 
 
 def cases() -> list[Case | Question]:
-    return [*widths(), *peaks(), *poles(), *tails(), *edges()]
+    return [*widths(), *peaks(), *poles(), *tails()]
 
 
 def widths() -> list[Case | Question]:
@@ -178,99 +178,3 @@ def tails() -> list[Case | Question]:
         ),
         Case(group, "no mean: x^-1.9", lambda: Contacts(scipy.stats.pareto(0.9)), FORWARD),
     ]
-
-
-def edges() -> list[Case | Question]:
-    """Origins at the ends of their range."""
-    group = "ends of the origins"
-
-    def mean(law: origins.Thresholds) -> Answer:
-        return Answer(law.mean(), 1e-8 * law.mean())
-
-    return [
-        Question(
-            group,
-            "grains a millionth above the pinning edge: <x_s>",
-            "grains",
-            lambda: mean(origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)),
-            lambda: Truth(math.sqrt(math.pi / 2.0) * 1e-6, 2e-12, "first order above the edge"),
-        ),
-        Case(
-            group,
-            "grains a millionth above the pinning edge",
-            lambda: Contacts(origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)),
-            FORWARD,
-        ),
-        Case(
-            group,
-            "grains at the pinning edge",
-            lambda: Contacts(origins.grains(2.0 / 3.0, B=1.0)),
-            FORWARD,
-        ),
-        Question(
-            group,
-            "Persson, centre/width = 1e-3: <x_s>",
-            "persson",
-            lambda: mean(origins.persson(1e-3, 1.0)),
-            lambda: Truth(math.gamma(1.25), 1e-6, "a Weibull law of shape 4"),
-        ),
-        Case(
-            group,
-            "Persson, centre/width = 1e-3",
-            lambda: Contacts(origins.persson(1e-3, 1.0)),
-            FORWARD,
-        ),
-        Case(
-            group,
-            "Persson, centre/width = 100",
-            lambda: Contacts(origins.persson(100.0, 1.0)),
-            BETWEEN,
-            # normal to the first order of width/centre, whose square is the rest
-            nearly_normal,
-        ),
-        Case(
-            group,
-            "Persson, centre/width = 1e9",
-            lambda: Contacts(origins.persson(1e9, 1.0)),
-            FORWARD,
-        ),
-        Case(
-            group,
-            "summits almost out of reach, h_0 = 40 sigma_h",
-            lambda: Contacts(origins.gw_gaussian(40.0, 1.0)),
-            FORWARD,
-        ),
-        Case(
-            group,
-            "summits pressed in, h_0 = -3 sigma_h",
-            lambda: Contacts(origins.gw_gaussian(-3.0, 1.0)),
-            FORWARD,
-        ),
-        Question(
-            group,
-            "islands of ten million atoms, unrotated: the barrier",
-            "triangular_barrier",
-            lambda: Answer(float(origins.triangular_barrier(1.0, 10_000, 1_000, 0.0)), 1e-8),
-            island,
-        ),
-    ]
-
-
-def island() -> Truth:
-    """2 min(|S_x|, |S_y|) with the sums over atoms taken one by one."""
-    i, j = np.arange(10_000), np.arange(1_000)
-    rows = np.array(
-        [0.5 * (k % 2) for k in j]
-    )  # rows of a triangular lattice are shifted by half a constant
-    along = np.exp(1j * i).sum()
-    s_x = abs(along * np.exp(1j * rows).sum())
-    s_y = abs(np.exp(1j * math.sqrt(0.75) * j).sum()) * i.size
-    return Truth(2.0 * min(s_x, s_y), 1e-7, "the sum over all atoms")
-
-
-def nearly_normal(contacts: Contacts, path: np.ndarray) -> Truth:
-    """F of Persson's law at 100 widths: normal, to the square of width/centre, of the width²/(2 sqrt 2 centre)."""
-    normal = Contacts(origins.gaussian(1.0, 1e-4 / math.sqrt(8.0)))
-    return Truth(
-        truths.gaussian(normal, path / contacts.mean_threshold).values, 1e-4, "a normal law"
-    )

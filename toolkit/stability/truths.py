@@ -64,24 +64,59 @@ def without_laws(error: float, road: str) -> Callable[[Contacts, Array], Truth]:
     )
 
 
-def stiff_attempts(attempts: float) -> Callable[[Contacts, Array], Truth]:
-    """F_k of stiff contacts at an infinite temperature, where h = attempts (1 - x/x_s)^(1/2) per mean threshold, by
-    quadrature over stretches and thresholds."""
+def at_rates(passed: Callable[[Array, Array], Array]) -> Callable[[Contacts, Array], Truth]:
+    """F_k of contacts that break at a rate of their stretch, by quadrature over stretches and thresholds; `passed` is
+    the rate's integral from 0 to a stretch, of a threshold, both in mean thresholds, per mean threshold of the way."""
 
     def truth(contacts: Contacts, path: Array) -> Truth:
         law, unit = contacts.thresholds, contacts.mean_threshold
         first, last = float(law.ppf(1e-12)) / unit, float(law.isf(1e-12)) / unit
         node, weight = np.polynomial.legendre.leggauss(400)
         threshold, density = _stretched(node, weight, first, last)
-        density = density * law.pdf(threshold * unit)
+        density = (density * law.pdf(threshold * unit))[:, None]
         # for each threshold stretches from 0 up to it, as survivals end there
-        x, w = 0.5 * threshold[:, None] * (node + 1.0), 0.5 * threshold[:, None] * weight
-        passed = attempts * threshold[:, None] * (1.0 - (1.0 - x / threshold[:, None]) ** 1.5) / 1.5
-        held = density[:, None] * w * np.exp(-passed)
+        threshold = threshold[:, None]
+        x, w = 0.5 * threshold * (node + 1.0), 0.5 * threshold * weight
+        held = density * w * np.exp(-passed(x, threshold))
         value = float((x * held).sum() / held.sum())
         return Truth(np.full(path.shape, value), 1e-9 * value, "F_k by quadrature")
 
     return truth
+
+
+def grown(law: Thresholds, beta: float, speed: float) -> Truth:
+    """F_k of thresholds that grow, x_s0 (1 + β ln(1 + age)) with the age in τ_0, at a speed in <x_s>/τ_0: the mean of x
+    over S(x/g), S the survival of x_s0, in mean thresholds of contacts of age 0."""
+    unit, node, weight = law.mean(), *np.polynomial.legendre.leggauss(600)
+    end = float(law.isf(1e-20)) / unit
+    for _ in range(200):  # the largest threshold is that of an age which it decides
+        end = float(law.isf(1e-20)) / unit * (1.0 + beta * np.log1p(end / speed))
+    x, w = _stretched(node, weight, 0.0, end)
+    held = w * law.sf(x * unit / (1.0 + beta * np.log1p(x / speed)))
+    value = float((x * held).sum() / held.sum())
+    return Truth(value, 1e-9 * value, "F_k by quadrature")
+
+
+def before_breaks(
+    spring: float, mass: float, damping: float, contacts: Contacts, path: Array
+) -> Truth:
+    """The spring's force on a slider with mass before any contact breaks, in N_c<k> and mean thresholds: an oscillator
+    from rest on a drive of speed 1."""
+    time, total = path / contacts.mean_threshold, 1.0 + spring
+    lag = (
+        spring * damping / total
+    )  # by which damping pulls back steady motion at the speed K/(1 + K)
+    half = 0.5 * damping / mass
+    apart = np.sqrt(complex(half**2 - total / mass))
+    fast = -half - apart
+    slow = total / mass / fast  # the product of both is known without loss of digits
+    # X = w t - s + a e^(slow t) + b e^(fast t), at rest at 0
+    speed, shift = spring / total, lag / total
+    a = (speed + shift * fast) / (fast - slow)
+    swing = a * np.exp(slow * time) + (shift - a) * np.exp(fast * time)
+    x = (speed * time - shift + swing).real
+    floor = 1e-15 * (1.0 + spring * time.max())
+    return Truth(spring * (time - x), floor, "an oscillator, in closed form")
 
 
 def _stretched(node: Array, weight: Array, first: float, last: float) -> tuple[Array, Array]:

@@ -117,9 +117,9 @@ class Oscillation:
                 return np.inf
             begin = max(0.0, float(brentq(above, 0.0, end, xtol=1e-3 * step)) - step)
         while begin < end:
-            lasts = min(end - begin, 64 * self.period)
-            count = max(int(np.ceil(lasts / step)), 4)
-            times = begin + np.linspace(0.0, lasts, count + 1)
+            whole = end - begin
+            lasts = whole if self._fades(whole) else min(whole, 64 * self.period)
+            times = begin + self._looked_at(lasts)
             values = sign * self.travel(times) - level
             close = BETWEEN * np.abs(self.departure(times)).max() + 1e-15 * abs(level)
             for at in (np.flatnonzero(values[1:-1] > -close) + 1).tolist():
@@ -135,6 +135,20 @@ class Oscillation:
                     return np.inf
                 begin = max(begin, float(brentq(above, begin, end, xtol=1e-3 * step)) - step)
         return np.inf
+
+    def _fades(self, lasts: float) -> bool:
+        """Whether the motion is overdamped, so that times in equal ratios show all of it, however long it lasts."""
+        return not self.swings and np.isfinite(lasts) and lasts > self.period
+
+    def _looked_at(self, lasts: float) -> Array:
+        """Times from 0 on at which a crossing is looked for: SAMPLES a period, or a decade where the motion fades."""
+        if not self._fades(lasts):
+            return np.linspace(0.0, lasts, max(int(np.ceil(lasts * SAMPLES / self.period)), 4) + 1)
+        first = self.period / SAMPLES
+        decades = np.log10(lasts / first)
+        times = np.append(0.0, np.geomspace(first, lasts, int(np.ceil(decades * SAMPLES)) + 1))
+        times[-1] = lasts
+        return times
 
     def _passing_near(
         self, sign: float, level: float, before: float, at: float, after: float

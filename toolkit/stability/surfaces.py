@@ -1,0 +1,201 @@
+"""Extremes of the origins: grains, Persson, summits, islands, surfaces, samples, averages over laws."""
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+import origins
+from origins.contacts import Contacts
+from toolkit.stability import truths
+from toolkit.stability.case import Answer, Case, Question, Truth
+from toolkit.stability.thresholds import BETWEEN, FORWARD
+
+POLYMER = origins.Material(
+    contact_modulus=1.75e9, shear_modulus=1.1e9, local_friction=0.4
+)  # Pa, Pa
+
+
+def cases() -> list[Case | Question]:
+    return [*edges(), *units(), *of_surfaces(), *of_samples()]
+
+
+def edges() -> list[Case | Question]:
+    """Origins at the ends of their range."""
+    group = "ends of the origins"
+
+    def mean(law: origins.Thresholds) -> Answer:
+        return Answer(law.mean(), 1e-8 * law.mean())
+
+    return [
+        Question(
+            group,
+            "grains a millionth above the pinning edge: <x_s>",
+            "grains",
+            lambda: mean(origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)),
+            lambda: Truth(math.sqrt(math.pi / 2.0) * 1e-6, 2e-12, "first order above the edge"),
+        ),
+        Case(
+            group,
+            "grains a millionth above the pinning edge",
+            lambda: Contacts(origins.grains(2.0 / 3.0 * (1.0 + 1e-6), B=1.0)),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "grains at the pinning edge",
+            lambda: Contacts(origins.grains(2.0 / 3.0, B=1.0)),
+            FORWARD,
+        ),
+        Question(
+            group,
+            "Persson, centre/width = 1e-3: <x_s>",
+            "persson",
+            lambda: mean(origins.persson(1e-3, 1.0)),
+            lambda: Truth(math.gamma(1.25), 1e-6, "a Weibull law of shape 4"),
+        ),
+        Case(
+            group,
+            "Persson, centre/width = 1e-3",
+            lambda: Contacts(origins.persson(1e-3, 1.0)),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "Persson, centre/width = 100",
+            lambda: Contacts(origins.persson(100.0, 1.0)),
+            BETWEEN,
+            # normal to the first order of width/centre, whose square is the rest
+            nearly_normal,
+        ),
+        Case(
+            group,
+            "Persson, centre/width = 1e9",
+            lambda: Contacts(origins.persson(1e9, 1.0)),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "summits almost out of reach, h_0 = 40 sigma_h",
+            lambda: Contacts(origins.gw_gaussian(40.0, 1.0)),
+            FORWARD,
+        ),
+        Case(
+            group,
+            "summits pressed in, h_0 = -3 sigma_h",
+            lambda: Contacts(origins.gw_gaussian(-3.0, 1.0)),
+            FORWARD,
+        ),
+        Question(
+            group,
+            "islands of ten million atoms, unrotated: the barrier",
+            "triangular_barrier",
+            lambda: Answer(float(origins.triangular_barrier(1.0, 10_000, 1_000, 0.0)), 1e-8),
+            island,
+        ),
+    ]
+
+
+def island() -> Truth:
+    """2 min(|S_x|, |S_y|) with the sums over atoms taken one by one."""
+    i, j = np.arange(10_000), np.arange(1_000)
+    rows = np.array(
+        [0.5 * (k % 2) for k in j]
+    )  # rows of a triangular lattice are shifted by half a constant
+    along = np.exp(1j * i).sum()
+    s_x = abs(along * np.exp(1j * rows).sum())
+    s_y = abs(np.exp(1j * math.sqrt(0.75) * j).sum()) * i.size
+    return Truth(2.0 * min(s_x, s_y), 1e-7, "the sum over all atoms")
+
+
+def nearly_normal(contacts: Contacts, path: np.ndarray) -> Truth:
+    """F of Persson's law at 100 widths: normal, to the square of width/centre, of the width²/(2 sqrt 2 centre)."""
+    normal = Contacts(origins.gaussian(1.0, 1e-4 / math.sqrt(8.0)))
+    return Truth(
+        truths.gaussian(normal, path / contacts.mean_threshold).values, 1e-4, "a normal law"
+    )
+
+
+def units() -> list[Case | Question]:
+    """Laws whose unit is far from 1, near the ends of what lengths may be."""
+    return [
+        Case("units", f"{law.__name__}, B = {scale:g}", partial(_of_scale, law, scale), FORWARD)
+        for law in (origins.gw_elastic, origins.gw_plastic)
+        for scale in (1e-60, 1e60)
+    ]
+
+
+def _of_scale(law: Callable[[float], object], scale: float) -> Contacts:
+    return Contacts(law(scale))
+
+
+def of_surfaces() -> list[Case | Question]:
+    """A rough polymer, barely touching and pressed until it flattens."""
+    # m², slope² and 1/m² along both axes, of a surface with 1 µm of roughness, slopes of 0.1
+    rough = origins.SpectralMoments(1e-12, (1e-2, 1e-2), (1e10, 1e10))
+    return [
+        Case(
+            "surfaces",
+            f"{model}, {pressure:g} Pa",
+            partial(_pressed, rough, model, pressure),
+            FORWARD,
+            n_contacts=20_000,
+        )
+        for model in ("gw", "persson")
+        for pressure in (1e-3, 1e5, 1e9)
+    ]
+
+
+def _pressed(rough: origins.SpectralMoments, model: str, pressure: float) -> Contacts:
+    patch = 1e-14 if model == "persson" else None  # m²
+    law = origins.from_moments(
+        rough,
+        model=model,
+        law="amontons",
+        material=POLYMER,
+        pressure=pressure,
+        patch_area=patch,
+    )
+    return Contacts(law)
+
+
+def of_samples() -> list[Case | Question]:
+    """Samples that all but agree, or lie far apart; islands that are all alike; laws that all but agree."""
+    group, near = "samples and averages", np.linspace(0.95, 1.05, 20)
+
+    def averaged() -> Contacts:
+        law = origins.continuous_mixture(lambda phi: origins.gaussian(phi, 0.05), 1.0, 1.0 + 1e-6)
+        return Contacts(law)
+
+    def merged(contacts: Contacts, path: np.ndarray) -> Truth:
+        # the average moves the mean by half its width, and widens the peak by 1e-12 of itself
+        one = Contacts(origins.gaussian(1.0 + 5e-7, 0.05))
+        return Truth(truths.gaussian(one, path).values, 1e-11, "the merged peak")
+
+    return [
+        Case(group, "laws 1e-6 apart", averaged, FORWARD, merged),
+        Case(
+            group,
+            "islands that are all alike",
+            lambda: Contacts(
+                origins.domains(1.0, sizes=[(7, 9)], angles=[0.0], stiffness=1.0, samples=100)
+            ),
+            FORWARD + 0.01,
+            truths.sawtooth,
+        ),
+        Case(
+            group,
+            "20 samples and one 50 times as large",
+            lambda: Contacts(origins.from_samples([*near, 50.0])),
+            FORWARD,
+            n_contacts=20_000,
+        ),
+        Case(
+            group,
+            "two samples 1e-6 apart",
+            lambda: Contacts(origins.from_samples([1.0, 1.0 + 1e-6])),
+            BETWEEN,
+            lambda contacts, path: Truth(np.mod(path, 1.0), 1e-5, "the merged value"),
+        ),
+    ]
