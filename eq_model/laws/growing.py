@@ -10,8 +10,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.compiling import real, whole
-from eq_model.contact import AGED, BREAKS, Break, by_law, most, rate_at
+from eq_model.compiling import inlined, real, whole
+from eq_model.contact import (
+    AGED,
+    BREAKS,
+    RATES,
+    Break,
+    by_law,
+    most,
+    passed,
+    rate_at,
+    reached,
+)
 from eq_model.draws.streams import STEPS, uniform, words_at
 
 
@@ -32,6 +42,7 @@ class Growth(NamedTuple):
     # (law, contact): ticks until a contact that has just formed relaxed meets its threshold, if the leg goes on; -1
     # where rows (contact.ROWS) have not found them
     ahead: Callable[..., Any] = lambda law, contact: whole(-1)
+    rises: bool = False  # whether thresholds are above 0 from the beginning and never fall
 
 
 class Growths(dict[type, Growth]):
@@ -48,6 +59,56 @@ lost = by_law(lambda law: GROWTHS[law].lost)
 meeting = by_law(lambda law: GROWTHS[law].meeting)
 threshold = by_law(lambda law: GROWTHS[law].threshold)
 ahead = by_law(lambda law: GROWTHS[law].ahead)
+rises = by_law(lambda law: (lambda law: True) if GROWTHS[law].rises else (lambda law: False))
+falls = by_law(lambda law: (lambda law: True) if RATES[law].falls else (lambda law: False))
+
+
+@inlined
+def _break_outward(law, contact, drawn, near, pace, room, age, goal, exposure):  # type: ignore[no-untyped-def]
+    """Ticks until a contact that is stretched further, from `near` on, breaks by heat or at its threshold, inf if not
+    by `room`; what is left of its exposure; and its draws. For rates that fall as the threshold grows.
+
+    A break is proposed as if the threshold did not grow any more, since the integral of that rate, which is above the
+    contact's, and its inverse are closed; and accepted with the ratio of the two rates. Mostly two proposals do.
+    """
+    unit, slow, at = law.unit, pace * law.time / law.unit, 0.0
+    y = threshold(law, goal, age)
+    before = passed(law.rates, near * unit, y * unit, 1.0) if near > 0.0 else 0.0
+    while True:
+        end = min(y - near, room)
+        then = reached(law.rates, np.log(before + exposure / slow), y * unit, 1.0) / unit - near
+        if then >= end - 0.5:
+            break
+        at = max(then, at)
+        words = words_at(contact.lane, drawn, contact.stream, STEPS)
+        drawn += 1
+        grown = threshold(law, goal, age + at * pace)
+        rate = rate_at(near + at, grown, law, 1.0)
+        if uniform(words[0], words[1]) * rate_at(near + at, y, law, 1.0) < rate:
+            return at, exposure, drawn
+        exposure, y = -np.log(uniform(words[2], words[3])), grown
+        before = passed(law.rates, (near + at) * unit, y * unit, 1.0)
+    # it holds until it is stretched as far as to the threshold that it has had; its present one is little above
+    end = max(end, at)
+    exposure -= slow * (passed(law.rates, (near + end) * unit, y * unit, 1.0) - before)
+    exposure, at, meets = max(exposure, 1e-300), end, np.inf
+    if at < room:
+        meets = at + meeting(law, near + at, pace, room - at, age + at * pace, goal)
+        y, end = threshold(law, goal, age + at * pace), min(meets, room)
+    while at < end:
+        last = threshold(law, goal, age + end * pace)
+        bound = most(law.rates, (near + at) * unit, (near + end) * unit, y * unit, last * unit, 1.0)
+        often = bound * pace * law.time
+        if exposure >= often * (end - at):
+            return meets, max(exposure - often * (end - at), 1e-300), drawn
+        at += exposure / often
+        y = threshold(law, goal, age + at * pace)
+        words = words_at(contact.lane, drawn, contact.stream, STEPS)
+        drawn += 1
+        if uniform(words[0], words[1]) * bound < rate_at(near + at, y, law, 1.0):
+            return at, exposure, drawn
+        exposure = -np.log(uniform(words[2], words[3]))
+    return meets, exposure, drawn
 
 
 def break_growing(law, contact, drive, counts):  # type: ignore[no-untyped-def]
@@ -84,20 +145,25 @@ def break_growing(law, contact, drive, counts):  # type: ignore[no-untyped-def]
         if pins and goal <= lost(law, pace):
             return Break(clock, contact.leg, contact.drawn)
         outward, near, ticks = d * x >= 0, abs(real(x)), np.inf
+        quick = law.warm and d != 0 and outward and rises(law) and falls(law.rates)
         if d != 0 and not outward:
             room = min(room, abs(x))
+        elif quick:
+            ticks, remaining, drawn = _break_outward(
+                law, contact, drawn, near, pace, real(room), age, goal, remaining
+            )
         elif d != 0:
             ticks = meeting(law, near, pace, real(room), age, goal)
         meets = ticks <= room
         if meets:
             room = min(whole(ticks + 0.5), room)
-        sign, passed, y = abs(d) if outward else -abs(d), 0.0, 0.0
-        if law.warm:
+        sign, gone, y = abs(d) if outward else -abs(d), 0.0, 0.0
+        if law.warm and not quick:
             y = threshold(law, goal, age)
-        while law.warm and passed < room and pace > 0.0:
-            ticks = min(step / pace, room - passed)
-            lasts, now = ticks * pace, age + passed * pace
-            here, there = near + sign * passed, max(near + sign * (passed + ticks), 0.0)
+        while law.warm and not quick and gone < room and pace > 0.0:
+            ticks = min(step / pace, room - gone)
+            lasts, now = ticks * pace, age + gone * pace
+            here, there = near + sign * gone, max(near + sign * (gone + ticks), 0.0)
             then, far = threshold(law, goal, now + lasts), max(here, there)
             bound = most(law.rates, min(here, there) * unit, far * unit, y * unit, then * unit, 1.0)
             spent = bound * lasts * law.time
@@ -105,14 +171,14 @@ def break_growing(law, contact, drive, counts):  # type: ignore[no-untyped-def]
             if spent > 0.05 and bound > 3.0 * rate_at(here, y, law, 1.0):
                 step = 0.5 * lasts
             elif spent < remaining:
-                remaining, passed, y, step = remaining - spent, passed + ticks, then, 2.0 * lasts
+                remaining, gone, y, step = remaining - spent, gone + ticks, then, 2.0 * lasts
             else:
-                passed += remaining / spent * ticks
-                y = threshold(law, goal, age + passed * pace)
+                gone += remaining / spent * ticks
+                y = threshold(law, goal, age + gone * pace)
                 words = words_at(lane, drawn, stream, STEPS)
                 drawn += 1
-                if uniform(words[0], words[1]) * bound < rate_at(near + sign * passed, y, law, 1.0):
-                    return Break(clock + min(whole(passed + 0.5), room), leg, drawn)
+                if uniform(words[0], words[1]) * bound < rate_at(near + sign * gone, y, law, 1.0):
+                    return Break(clock + min(whole(gone + 0.5), room), leg, drawn)
                 remaining = -np.log(uniform(words[2], words[3]))
         clock, x, age = clock + room, x + d * room, age + room * pace
         if meets:

@@ -99,4 +99,5 @@ GROWTHS[Logarithmic] = Growth(
     ),
     threshold=lambda law, goal, age: goal * (1.0 + law.beta * np.log1p(age)),
     ahead=lambda law, contact: contact.breaks_at,
+    rises=True,
 )

@@ -16,6 +16,7 @@ class CompiledRates(NamedTuple):
     reached(law, log_amount, threshold, stiffness) : as the methods of RateLaw, for near = 0.
     most(law, least_x, largest_x, least_y, largest_y, stiffness) : an upper bound of h for stretches x and thresholds y
         between these; a tighter bound is faster.
+    falls : whether h nowhere rises with the threshold, so that a contact whose threshold grows draws fewer breaks.
     """
 
     law: Any
@@ -23,6 +24,7 @@ class CompiledRates(NamedTuple):
     passed: Callable[..., float]
     reached: Callable[..., float]
     most: Callable[..., float]
+    falls: bool = False
 
 
 def inlined(function: Callable[..., Any]) -> Any:

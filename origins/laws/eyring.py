@@ -87,7 +87,7 @@ class EyringRates(RateLaw):
 
 
 def _formulas() -> tuple[Any, ...]:
-    """log_rate, passed, reached and most of CompiledRates."""
+    """log_rate, passed, reached, most and falls of CompiledRates."""
     log_rate = inlined(EyringRates.log_rate)
 
     def passed(law, far, threshold, stiffness):  # type: ignore[no-untyped-def]
@@ -107,4 +107,4 @@ def _formulas() -> tuple[Any, ...]:
             return np.exp(law.log_scale)
         return np.exp(log_rate(law, nearest, least_y, stiffness))
 
-    return EyringRates.log_rate, passed, reached, most
+    return EyringRates.log_rate, passed, reached, most, True

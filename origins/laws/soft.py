@@ -117,7 +117,7 @@ def _tables() -> tuple[Array, Array]:
 
 @cache
 def _formulas() -> tuple[Any, ...]:
-    """log_rate, passed, reached and most of CompiledRates."""
+    """log_rate, passed, reached, most and falls of CompiledRates."""
     log_rate = inlined(SoftRates.log_rate)
 
     @inlined
@@ -156,4 +156,4 @@ def _formulas() -> tuple[Any, ...]:
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
         return np.exp(log_rate(law, min(largest_x, least_y), least_y, stiffness))
 
-    return SoftRates.log_rate, passed, reached, most
+    return SoftRates.log_rate, passed, reached, most, True
