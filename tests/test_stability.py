@@ -121,6 +121,7 @@ def test_a_map_ends_where_a_number_is_refused(
     said = capsys.readouterr().out
     # above 1.5 the rectangle's lower end is beyond its upper one
     assert ("contacts.thresholds.lower = 0.5" in said and "must lie" in said) or "refused" in said
+    assert "contacts.thresholds.lower: answered within the tolerance at " in said
     found = json.loads((tmp_path / "out" / "stability.json").read_text())["rows"]
     pushed = [row["case"] for row in found if row["group"] == "contacts.thresholds.lower"]
     assert sum(case.startswith("x 1e+") for case in pushed) == 1
@@ -129,6 +130,22 @@ def test_a_map_ends_where_a_number_is_refused(
     assert len(table) == len(found)
     assert table[0]["verdict"] == found[0]["verdict"] and "run_time (s)" in table[0]
     assert (tmp_path / "out" / "stability.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_few_contacts_that_slip_where_infinitely_many_slide_are_no_second_road(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Above K* = 0.035, where 5,000 contacts still slip, but for N K³ > 50 they are asked."""
+    monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 0)
+    file = tmp_path / "wide.toml"
+    for spring, solvers in ((0.05, ["master"]), (0.5, ["master", "ensemble"])):
+        file.write_text(
+            '[contacts]\nthresholds = { kind = "gw-plastic", B = 1.0 }\n'
+            f"[drive]\nto = 30.0\npoints = 31\nspring = {spring}\n[master]\ntolerance = 1e-4\n"
+        )
+        found = scene_map(load_scene(str(file)), lambda line: None)
+        assert [row.solver for row in found] == solvers
+        assert {row.verdict for row in found} <= {"exact", "within tolerance"}
 
 
 def test_what_is_no_scene_with_a_path_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,5 +1,6 @@
 """Runs of methods by error and run time: which are worth their time, how steep, what is cheapest when; all drawn."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -122,9 +123,8 @@ def draw_picture(found: dict[str, Any]) -> Any:
         least = max(found["witness"]["standard_error"], LEAST)
         axes.axhline(least, color="0.4", lw=0.8, ls=":", label="no independent road tells below")
     axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")
-    axes.set_title(
-        f"{found['title']}: against {found['reference']}".replace("$", r"\$"), fontsize="medium"
-    )
+    title = textwrap.fill(f"{found['title']}: against {found['reference']}", 90)
+    axes.set_title(title.replace("$", r"\$"), fontsize="medium")
     axes.grid(alpha=0.3)
     axes.legend(fontsize="small")
     return figure

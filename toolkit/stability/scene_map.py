@@ -19,6 +19,9 @@ _COMPUTED = {"points", "seed", "number", "step", "area", "to", "histograms", "de
 _TABLES = ("contacts", "drive")
 _QUANTITY = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(\s+\S.*)")  # such as "50 N/m"
 _POINTS = 24  # of the path, at which both solvers are compared
+_CONTACTS = 5_000  # of the ensemble
+# N K³ below which contacts that are so few slip on springs on which infinitely many slide (docs/sliders.md)
+_ENOUGH = 50.0
 _BEFORE = 0.9  # of the drive up to the first slip: beyond, ensembles of another size slip elsewhere
 
 
@@ -48,9 +51,23 @@ def scene_map(scene: Scene, say: Callable[[str], None]) -> list[Row]:
             for decade in range(1, DECADES + 1):
                 factor = 10.0 ** (sign * decade)
                 other = times(value, factor)
-                if not asked(key, f"x 1e{sign * decade:+d}: {other}", {key: other}):
+                shown = other if isinstance(other, str) else f"{other:.6g}"
+                if not asked(key, f"x 1e{sign * decade:+d}: {shown}", {key: other}):
                     break
+    for line in trusted(found):
+        say(line)
     return found
+
+
+def trusted(found: list[Row]) -> Iterator[str]:
+    """Between which factors each number may be trusted, in words; rows of the ensemble do not count."""
+    good = ("exact", "within tolerance")
+    for key in dict.fromkeys(row.group for row in found):
+        own = [row for row in found if row.group == key and row.solver != "ensemble"]
+        decades = [int(_decade(row)) for row in own if row.verdict in good]
+        if key != "as it is":
+            ends = (10.0 ** min([0, *decades]), 10.0 ** max([0, *decades]))
+            yield f"{key}: answered within the tolerance at {ends[0]:g} to {ends[1]:g} times its value"
 
 
 def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Case:
@@ -60,6 +77,7 @@ def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Ca
         drive, unit = other.drive, other.contacts.mean_threshold
     except InputError as refusal:
         return Case(group, name, _refused(refusal), np.zeros(1))
+    contacts = _CONTACTS
     path = np.interp(
         np.linspace(0.0, 1.0, _POINTS), np.linspace(0.0, 1.0, drive.path.size), drive.path
     )
@@ -71,7 +89,10 @@ def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Ca
     if drive.spring is not None:
         names = ("spring", "slip", "mass", "damping")
         keywords |= {one: getattr(drive, one) for one in names if getattr(drive, one) is not None}
-        path = path[path <= _BEFORE * first_slip(other, path, keywords)]
+        slip = first_slip(other, path, keywords)
+        path = path[path <= _BEFORE * slip]
+        if np.isinf(slip) and _CONTACTS * drive.spring**3 < _ENOUGH:
+            contacts = 0  # no second road
     if not path.size:
         path = drive.path[:1]
     tolerance = 1e-4 if other.master is None else other.master.tolerance
@@ -83,7 +104,7 @@ def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Ca
         None,
         keywords,
         tolerance,
-        n_contacts=5_000,
+        n_contacts=contacts,
     )
 
 
@@ -142,6 +163,11 @@ def times(value: Any, factor: float) -> Any:
     return float(f"{value * factor:.12g}")
 
 
+def _decade(row: Row) -> int:
+    """By how many decades the number of a row is pushed."""
+    return round(np.log10(float(row.case.split(":")[0].removeprefix("x "))))
+
+
 def draw_map(found: list[Row]) -> Any:
     """Keys down the side, decades along, the master equation's verdict as colour and letter."""
     from matplotlib.figure import Figure
@@ -152,8 +178,7 @@ def draw_map(found: list[Row]) -> Any:
     for row in found:
         if row.solver == "ensemble":
             continue
-        name = row.case.split(":")[0].removeprefix("x ")
-        decade = round(np.log10(float(name)))
+        decade = _decade(row)
         places = range(len(keys)) if row.group == "as it is" else [keys.index(row.group)]
         for place in places:
             axes.barh(place, 0.92, left=decade - 0.46, height=0.86, color=VERDICTS[row.verdict])
