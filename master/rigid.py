@@ -79,7 +79,7 @@ def solve_rigid(
     # contacts that broke within the last delay are out
     holding = 1.0 - (breaks_until(march, t) - breaks_until(march, t - march.births.delay))
     if fault := unconserved(holding, tolerance, float(worst)):
-        success, message = False, fault
+        success, message, error = False, fault, np.inf
     return Solution(
         path=drive.path[kept],
         time=drive.arrival_times()[kept],

@@ -66,6 +66,10 @@ QUESTIONS = {
     ),
     "K*, the critical spring; where F falls most": ("master:propensity", "master:extremes"),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
+    "a slider with mass; whose contacts form again later": (
+        "master:InertialSlider",
+        "master:DelayedSlider",
+    ),
     "a slip's begin: T = 0, in time": (
         "master:LoadCurve.slip_begins",
         "master:SlipBegins.up_to_slip",

@@ -89,14 +89,18 @@ class Followed(NamedTuple):
         """The error by which the solution is judged."""
         return max(self.error, self.holding_error)
 
+    def fault(self, tolerance: float) -> str:
+        """The message of a number that is not conserved, else ""."""
+        # an error estimate so large judges nothing: the tolerance does
+        error = self.holding_error if self.holding_error < UNRELIABLE else 0.0
+        return unconserved(self.holding, tolerance, error)
+
     def outcome(
         self, contacts: Contacts, drive: Drive, tolerance: float, place: str
     ) -> tuple[bool, str]:
         """Success and message; `place` is the symbol of the path's positions."""
         solved = self.force.size
-        # an error estimate so large judges nothing: the tolerance does
-        error = self.holding_error if self.holding_error < UNRELIABLE else 0.0
-        if fault := unconserved(self.holding, tolerance, error):
+        if fault := self.fault(tolerance):
             return False, fault
         if solved == drive.path.size:
             error = self.largest_error

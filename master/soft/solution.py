@@ -9,6 +9,8 @@ import time
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
 from master.soft.in_time.idle_heat import Idle, without_idle_heat
@@ -110,6 +112,8 @@ def common_fields(
     """Fields of a SoftSolution that do not depend on whether the slider has a mass. `contacts`: those of the caller, of
     which weights beyond every threshold are told, and those that were followed, without laws that are left out."""
     given, followed = contacts
+    if found.fault(tolerance):
+        found = found._replace(error=np.inf)
     success, message = found.outcome(given, drive, tolerance, "X_T")
     return {
         "path": drive.path[: found.force.size],
