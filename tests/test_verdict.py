@@ -19,9 +19,10 @@ from toolkit.processes.signals import TimeIsUp
 from toolkit.scene.scale import guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import judge
-from toolkit.verdict.finite import follow_finite
+from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow
 from toolkit.verdict.machine import NO_TIME, Behaviour, Known, Machine
+from toolkit.verdict.words import disagreeing
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}
@@ -189,7 +190,7 @@ def test_the_ensemble_takes_over_where_the_master_equation_does_not_end(
     rows = dict(re.split(" {2,}", line)[:2] for line in page.splitlines() if "(mass)" in line)
     assert rows["drop of a slip (mass)"].startswith(f"{drop:.2f}"[:3])
     assert rows["of it regained over a period (mass)"].startswith(f"{regained:.2f}"[:3])
-    assert "rings after a slip" in page and "F_s, at " in page
+    assert "rings after a slip" in page and "F_s of a rigid slider at " in page
 
 
 def test_sliders_that_would_take_too_long_are_not_followed() -> None:
@@ -446,3 +447,59 @@ def test_a_structure_of_ase_has_a_verdict(capsys: Any, kind: str) -> None:
     for one in own["behaviours"][:2]:
         assert one["before"] == pytest.approx(own["static"]["value"], rel=0.02)
         assert one["period"] == pytest.approx(one["before"] / 50.0, rel=0.02)
+
+
+def test_more_contacts_give_the_numbers_of_fewer_sliders() -> None:
+    """A thousand contacts slip too early by some N^(-2/3), and their claim covers it; 50,000 are nearer."""
+    few = follow(SOFT, WIDE, "reset", rigid(WIDE), wall_time=0.0)
+    few = replace(few, contacts=1_000)
+    finite = follow_finite(SOFT, WIDE, 5e4, few, rigid(WIDE).static, seconds=1e3)
+    told = with_more(few, finite, WIDE.mean_threshold)
+    solved: Any = master.solve(WIDE, np.linspace(0.0, 3e4, 100), 1e-6, spring=1e-4, slip="reset")
+    exact = solved.slips.force_before[-1]
+    assert told.contacts == 50_000 and told.error < few.error
+    assert abs(told.before - exact) < 5.0 * told.error + 50_000 ** (-2 / 3)
+    assert told.period == pytest.approx(solved.period, rel=0.01)
+    assert abs(few.before - exact) < few.error + 5e-3
+
+
+def test_a_slider_cut_after_a_slip_tells_of_it(capsys: Any, monkeypatch: Any) -> None:
+    """The slip that was seen is told with its forces, and positions in metres."""
+    solve = master.solve
+
+    def cut(contacts: Any, path: Any, *arguments: Any, **named: Any) -> Any:
+        found = solve(contacts, path[: path.size // 4], *arguments, **named)
+        why = "stopped by wall_time: the path is cut at X_T = 4.5e-09"
+        undecided = replace(found.regime, verdict="undecided")
+        return replace(found, regime=undecided, success=False, message=why)
+
+    monkeypatch.setattr(master, "solve", cut)
+    stated = {"mean_stiffness": 5.0, "contact_density": 5e11}
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 4e-9, "std": 8e-10}, "interface": stated}
+    drive = MACHINE | {"spring": "0.5 N_c<k>"}
+    status, page, found = judged(capsys, contacts=contacts, drive=drive, verdict=RESET)
+    (one,) = found["readings"][0]["behaviours"]
+    assert status == 1 and one["kind"] == "undecided" and one["slips"] >= 1
+    assert "whether it goes on is not known" in page and "X_T = 4.50 nm" in page
+    before = one["before"]
+    assert before > one["after"] and f"from {guarded(before, 'N', 1e-9)} down to" in page
+    assert "force before a slip (reset)" in page
+
+
+def test_a_fall_that_is_none_is_no_disagreement() -> None:
+    """Slips of finitely many contacts below 0.02 <x_s> do not contradict smooth sliding."""
+    contacts, own = Contacts(gaussian(1.0, 0.3)), infinite("smooth", 1)
+    number, scale = judge.Quantity(1.0, 0.0), scale_of(contacts, None)
+    answer = judge.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
+    for fall, apart in ((0.001, False), (0.1, True)):
+        finite = Finite(own.rule, 1000, "now and then", 0.6, 1e-3, 0.6 - fall, 1e-3, 1.2)
+        said = judge.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
+        assert bool(disagreeing(said)) is apart
+
+
+@pytest.mark.parametrize("laws", [{}, {"delay": origins.Delay(3.0)}])
+def test_a_heavy_slider_without_time_is_cut_and_no_error(laws: dict[str, Any]) -> None:
+    contacts, path = Contacts(gaussian(1.0, 0.3), **laws), np.linspace(0.0, 3e3, 9)
+    machine: dict[str, float] = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-3}
+    found: Any = master.solve(contacts, path, 1e-6, wall_time=1e-9, **machine)
+    assert not found.success and "stopped by wall_time" in found.message

@@ -18,6 +18,8 @@ SLIDERS, CONTACTS, SEED = 4, 20_000, 1
 LOADINGS, POINTS = 6.5, 600
 # the least delay, in times of a slip; of K*: on softer springs the number of contacts decides nothing
 LONG_DELAY, SOFT = 3.0, 0.1
+# most contacts of a slider that is followed
+MOST_CONTACTS = 2_000_000
 # contacts whose sliders tell how long all of them would take; s that there are where nothing else decides
 FEW, SHORT = 1_000, 2.0
 # of the force before a slip: a smaller one after it is none
@@ -67,21 +69,25 @@ def sliders(
             if few_will_do:
                 return pilot
             raise InputError(
-                f"{number:,} contacts would take some {needed:,.0f} s, where {left:.0f} s are left: give more wall_time"
+                f"{number:,} contacts would take some {needed:,.2g} s, where {left:.0f} s are left: give more wall_time"
             )
         number = min(number, most)
     return eq_model.simulate(contacts, path, n_contacts=number, **asked)
 
 
 def follow_by_contacts(
-    machine: Machine, contacts: Contacts, rule: str, loading: float, until: float
+    machine: Machine, contacts: Contacts, rule: str, loading: float, until: float, known: Known
 ) -> Behaviour:
-    """Sliders by the ensemble; `loading`: way of the drive up to the static force, `until`: s of the monotonic clock.
-    With fewer contacts where there is no time for all."""
+    """Sliders by the ensemble of as many contacts as there are, or fewer where there is no time for all; `loading`: way
+    of the drive up to the static force, `until`: s of the monotonic clock.
+
+    Fewer slip earlier, by some N^(-2/3): the forces before a slip of two numbers tell by how much.
+    """
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, LOADINGS * loading, POINTS)
+    asked = min(round(known.contacts), MOST_CONTACTS) if known.contacts else CONTACTS
     try:
         found = sliders(
-            machine, contacts, rule, path, CONTACTS, max(until - time.monotonic(), SHORT), True
+            machine, contacts, rule, path, asked, max(until - time.monotonic(), SHORT), True
         )
     except InputError as refused:
         return not_followed(rule, str(refused))
@@ -93,6 +99,10 @@ def follow_by_contacts(
     after = slips.mean("force_after", common - 1)[0] if slipped else force[-1]
     after = 0.0 if abs(after) < ROUNDING * abs(before) else after
     error = scatter if slipped else float(found.force_standard_error[-1])
+    number = found.contacts // SLIDERS
+    if slipped and number < (known.contacts or np.inf):
+        few = found if number <= FEW else sliders(machine, contacts, rule, path, FEW, SHORT)
+        error += _too_early(found, few, unit)
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
     return Behaviour(
@@ -104,13 +114,32 @@ def follow_by_contacts(
         slips=common,
         error=float(error / unit),
         success=True,
-        message=f"by the ensemble, {SLIDERS} sliders of {found.contacts // SLIDERS:,} contacts",
+        message=told_by(number),
+        contacts=number,
         run_time=found.run_time,
         slip_time=last_of(slips, "duration"),
         top_speed=last_of(slips, "top_speed"),
         drive=drive,
         force=force,
     )
+
+
+def told_by(number: int) -> str:
+    """Who tells of a behaviour: sliders of so many contacts each."""
+    return f"by the ensemble, {SLIDERS} sliders of {number:,} contacts"
+
+
+def _too_early(found: Any, few: Any, unit: float) -> float:
+    """By how much F before the first slip may be too low as there are not more contacts (a length): by N^(-2/3) mean
+    thresholds `unit`, or by what a few contacts say of its factor, with their standard errors; of these few themselves
+    by ten times that, more than was found of any law."""
+    number = found.contacts // SLIDERS
+    least = float(number ** (-2.0 / 3.0)) * unit
+    if few is found:
+        return 10.0 * least
+    (force, off), (lower, more_off) = (each.slips.mean("force_before", 0) for each in (found, few))
+    ratio = (number * SLIDERS / few.contacts) ** (2.0 / 3.0) - 1.0
+    return max(least, float((abs(force - lower) + off + more_off) / ratio))
 
 
 def has_slid(found: Any, mean: float) -> bool:

@@ -75,7 +75,8 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
     """What so many contacts do, forces in the unit of the own reading."""
     out = {name: one for name, one in asdict(finite).items() if name not in ("drive", "force")}
     force = verdict.own.scale.force
-    return out | {name: out[name] * force for name in ("before", "before_error")}
+    forces = ("before", "before_error", "after", "after_error")
+    return out | {name: out[name] * force for name in forces}
 
 
 def _of_behaviour(behaviour: Any, force: float) -> dict[str, Any]:

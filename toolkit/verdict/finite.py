@@ -1,14 +1,23 @@
 """What finitely many contacts do: sliders of as many contacts as the area holds, beside the infinitely many of the
 master equation."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.verdict.ensemble import FEW, NOT_SLID, ROUNDING, SLIDERS, has_slid, sliders, trace_of
+from toolkit.verdict.ensemble import (
+    FEW,
+    NOT_SLID,
+    ROUNDING,
+    SLIDERS,
+    has_slid,
+    sliders,
+    told_by,
+    trace_of,
+)
 from toolkit.verdict.machine import Behaviour, Machine
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
@@ -31,6 +40,7 @@ class Finite:
     before, after : mean spring force before and after a slip, F/(N_c <k>) (lengths), with standard errors: of the last
         slip that all sliders have had, or of the first where some have had none
     slips : number of slips of a slider, mean
+    period : of the drive, between the last two slips that all sliders have had, mean (a length); None for fewer
     drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
     """
 
@@ -45,6 +55,7 @@ class Finite:
     message: str = ""
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
+    period: float | None = None
 
 
 def follow_finite(
@@ -107,5 +118,33 @@ def follow_finite(
             return Finite(rule, held, "unknown", message=message)
     drive, force = trace_of(found, 0)
     mean = float(counts.mean())
+    slips, period = found.slips, None
+    if last:
+        begins = (slips.mean("drive", number)[0] for number in (last, last - 1))
+        period = float(np.subtract(*begins))
     forces = (before, error, after, after_error)
-    return Finite(rule, followed, kind, *forces, mean, message, drive, force)
+    return Finite(rule, followed, kind, *forces, mean, message, drive, force, period)
+
+
+def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
+    """A behaviour that fewer sliders of the ensemble told with the numbers of these, of more contacts; `unit`: the mean
+    threshold, a length. Where they are all that there are, their error is that of their scatter alone."""
+    fewer = behaviour.contacts
+    same = finite.kind == behaviour.kind == "stick-slip" and finite.period is not None
+    if fewer is None or not same or finite.contacts <= fewer:
+        return behaviour
+    error = max(finite.before_error, finite.after_error) / unit
+    if finite.message:
+        error += behaviour.error * (fewer / finite.contacts) ** (2.0 / 3.0)
+    return replace(
+        behaviour,
+        before=finite.before,
+        after=finite.after,
+        period=finite.period,
+        slips=int(finite.slips),
+        error=error,
+        message=told_by(finite.contacts),
+        contacts=finite.contacts,
+        drive=finite.drive,
+        force=finite.force,
+    )

@@ -54,7 +54,7 @@ def follow(
     if found.kind != "undecided":
         return found
     if by_contacts and (rule != "mass" or not found.success):
-        other = follow_by_contacts(machine, contacts, rule, loading, end)
+        other = follow_by_contacts(machine, contacts, rule, loading, end, known)
         return other if other.kind != "undecided" else found
     if rule == "instant" and not found.success and _forgets(machine, contacts, known):
         return _after_forgetting(machine, contacts, known, found)
@@ -136,7 +136,7 @@ def _behaviour(rule: str, solved: Any) -> Behaviour:
     kind = {"decaying transient": "smooth"}.get(verdict, verdict)
     last = float(solved.force[-1]) if solved.force.size else float("nan")
     before, after = last, last
-    if kind == "stick-slip":
+    if slips.drive.size and kind in ("stick-slip", "undecided"):
         before, after = float(slips.force_before[-1]), float(slips.force_after[-1])
     drive, force = with_slips(solved)
     return Behaviour(

@@ -1,7 +1,7 @@
 """What a verdict hangs on, in lines: slip rule, readings, number of contacts; and what was not answered."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from toolkit.scene.scale import with_uncertainty, written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
 from toolkit.verdict.judge import Verdict
-from toolkit.verdict.table import drop_of, regained_by
+from toolkit.verdict.table import drop_of, in_units, regained_by
 
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
 # how the slip rules are named where a user reads of them
@@ -36,89 +36,143 @@ def others(verdict: Verdict) -> dict[str, list[str]]:
 
 def dependence(verdict: Verdict) -> list[str]:
     """What the verdict hangs on: slip rule, readings, number of contacts; and what was not answered."""
-    own, lines = verdict.own, list[str]()
-    if len(own.behaviours) > 1:
-        kinds = {one.rule: one.kind for one in own.behaviours}
-        if len(set(kinds.values())) > 1:
-            each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
-            lines.append(
-                f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
-                "give drive.mass, drive.damping and [contacts.delay]"
-            )
-        elif "undecided" not in kinds.values():
-            lines.append("not the slip rule, for infinitely many contacts: all rules agree")
-    elif own.machine is not None and own.machine.mass and not own.contacts.waiting_time:
-        lines.append(
+    return [
+        *_of_rules(verdict),
+        *_of_readings(verdict),
+        *_of_a_stuck_slider(verdict),
+        *_of_a_mass(verdict),
+        *_of_contacts(verdict),
+        *_left_undone(verdict),
+        *_of_errors(verdict),
+    ]
+
+
+def _of_rules(verdict: Verdict) -> Iterator[str]:
+    """What hangs on the slip rule, or on the delay that decides in its place."""
+    own = verdict.own
+    kinds = {one.rule: one.kind for one in own.behaviours}
+    if len(set(kinds.values())) > 1:
+        each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
+        yield (
+            f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
+            "give drive.mass, drive.damping and [contacts.delay]"
+        )
+    elif len(kinds) > 1 and "undecided" not in kinds.values():
+        yield "not the slip rule, for infinitely many contacts: all rules agree"
+    elif len(kinds) == 1 and own.machine and own.machine.mass and not own.contacts.waiting_time:
+        yield (
             "the contacts' delay: none is given, so that they re-form at once; one far above the time of a slip makes "
             "full stick-slip of most smooth sliders: give [contacts.delay]"
         )
-    answers = verdict.answers
-    if len(answers) > 1:
-        springs = [one.critical_spring.value * one.scale.spring for one in answers]
-        factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
-        lines.append(
-            f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
-            f"{len(answers)} readings"
-        )
-        for kind, names in others(verdict).items():
-            lines.append(f"of these, {kind}: {', '.join(names)}")
-    if own.machine is not None and own.contacts.in_time:
-        lines.append(
+
+
+def _of_readings(verdict: Verdict) -> Iterator[str]:
+    """By how much the readings differ, and which of them say something else."""
+    answers, many = verdict.answers, len(verdict.answers)
+    if many < 2:
+        return
+    springs = [one.critical_spring.value * one.scale.spring for one in answers]
+    factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
+    yield (
+        f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
+        f"{many} readings"
+    )
+    differ = others(verdict)
+    for kind, names in differ.items():
+        yield f"of these, {kind}: {', '.join(names)}"
+    decided = [one for one in answers[1:] if {each.kind for each in one.behaviours} - {"undecided"}]
+    if verdict.own.machine is not None and decided and not differ:
+        yield f"not the reading: the {len(decided)} others that were followed say what {verdict.own.name} says"
+
+
+def _of_a_stuck_slider(verdict: Verdict) -> Iterator[str]:
+    """Why the table's forces are not those of the slips, and why a slider below K* may slide."""
+    own = verdict.own
+    if own.machine is None:
+        return
+    if own.contacts.in_time:
+        yield (
             "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
             "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
             "before a slip"
         )
+    smooth = [one.rule for one in own.behaviours if one.kind == "smooth"]
+    if smooth and own.machine.spring < own.critical_spring.value and not own.contacts.in_time:
+        force, unit = own.scale.force, own.scale.force_unit
+        fall = written(max(own.static.value - own.kinetic.value, 0.0) * force, unit)
+        yield (
+            f"K is below K*, and yet sliding is smooth if {named(smooth)}: after F_s, {fall} above F_k, the slider "
+            "slips once or a few times on its way to F_k, and then no more, as contacts have forgotten their start"
+        )
+
+
+def _of_a_mass(verdict: Verdict) -> Iterator[str]:
+    """The damping that was taken, and the swing after a slip."""
+    own = verdict.own
     for behaviour in own.behaviours:
         if behaviour.damping is not None:
             # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
             unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
-            lines.append(
+            yield (
                 f"the damping: none is given, and without one the slider rings for too long; all is told of one of "
                 f"{DAMPED:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping"
             )
         if (regained := regained_by(verdict, behaviour)) is not None:
             drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit
             back = drop - (left := regained * own.scale.force)
-            lines.append(
+            yield (
                 f"the slider rings after a slip, while its contacts are out: of the drop of {written(drop, force)} it "
                 f"swings back by {written(back, force)} before it sticks, and the period is that of the other "
                 f"{written(left, force)}"
             )
+
+
+def _of_contacts(verdict: Verdict) -> Iterator[str]:
+    """The number of contacts, remarks on their thresholds, and what finitely many do."""
+    own = verdict.own
     number, machine = own.scale.contacts, own.machine
     soft = machine is None or machine.spring < NEAR * own.critical_spring.value
     if number is not None and machine is not None and not soft:
         crowd = number * machine.spring**3
-        lines.append(
+        yield (
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
             "only where it is above some 50"
         )
-    lines += remarks(own.contacts.thresholds)
+    yield from remarks(own.contacts.thresholds)
     known = [finite for finite in verdict.finite if finite.kind != "unknown"]
-    lines += [_of_finite(verdict, finite) for finite in known]
+    yield from (_of_finite(verdict, finite) for finite in known)
     unknown = [(finite.message, finite.rule) for finite in verdict.finite if finite not in known]
     for why, rules in _by_reason(unknown).items():
-        lines.append(f"the number of contacts was not looked at if {named(rules)}: {why}")
+        yield f"the number of contacts was not looked at if {named(rules)}: {why}"
+
+
+def _left_undone(verdict: Verdict) -> Iterator[str]:
+    """Readings without an answer."""
     for why, names in _by_reason(_left_out(verdict)).items():
-        lines.append(f"left out: {', '.join(names)}: {why}")
-    lines += [
-        f"the slips are means {behaviour.message}, with a standard error of some {behaviour.error:.0e} <x_s>: the "
-        "master equation takes no such slider, or not in time"
-        for behaviour in own.behaviours
-        if behaviour.message.startswith("by the ensemble")
-    ]
-    missed = [(one.message, one.rule) for one in own.behaviours if not one.success]
-    lines += [f"not as asked if {named(rules)}: {why}" for why, rules in _by_reason(missed).items()]
+        yield f"left out: {', '.join(names)}: {why}"
+
+
+def _of_errors(verdict: Verdict) -> Iterator[str]:
+    """Where the slider's force is less well known than asked for, and why."""
+    own = verdict.own
+    for one in own.behaviours:
+        if one.message.startswith("by the ensemble"):
+            yield (
+                f"the slips are means {one.message}, known to some {one.error:.0e} <x_s>: the "
+                "master equation takes no such slider, or not in time"
+            )
+    scale = own.scale
+    missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
+    for why, rules in _by_reason(missed).items():
+        yield f"not as asked if {named(rules)}: {why}"
     rough = [
         (_after(one.message, "heat is left out"), one.rule)
         for one in own.behaviours
         if one.success and one.error > TOLERANCE_IN_TIME and one.kind != "undecided"
         if not one.message.startswith("by the ensemble")
     ]
-    lines += [
-        f"the force is known roughly if {named(rules)}: {why}"
-        for why, rules in _by_reason(rough).items()
-    ]
-    return lines
+    for why, rules in _by_reason(rough).items():
+        yield f"the force is known roughly if {named(rules)}: {why}"
 
 
 def _after(message: str, words: str) -> str:

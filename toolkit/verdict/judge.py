@@ -19,7 +19,7 @@ from toolkit.running.solvers import within
 from toolkit.scene.scale import Scale, scale_of, with_uncertainty
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
-from toolkit.verdict.finite import Finite, follow_finite
+from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow
 from toolkit.verdict.machine import (
     NO_TIME,
@@ -144,6 +144,10 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             left_out[reading.name] = str(error)
         if reading.own:
             finite = _finite(scene, answers[0], OWN * (deadline - time.monotonic()), progress)
+            unit = answers[0].contacts.mean_threshold
+            pairs = zip(answers[0].behaviours, finite, strict=False)
+            more = tuple(with_more(one, many, unit) for one, many in pairs)
+            answers[0] = replace(answers[0], behaviours=more or answers[0].behaviours)
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
@@ -205,8 +209,14 @@ def _answer(
     ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
     static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
     critical = Quantity(found.critical_spring, found.critical_spring_error)
+    scale = scale_of(contacts, table.area)
     known_before = Known(
-        static.value, steady.force, kinetic.error, critical.value, found.decoherence_length
+        static.value,
+        steady.force,
+        kinetic.error,
+        critical.value,
+        found.decoherence_length,
+        scale.contacts,
     )
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     asked = rules if machine is not None else ()
@@ -221,7 +231,7 @@ def _answer(
     return Answer(
         name,
         contacts,
-        scale=scale_of(contacts, table.area),
+        scale=scale,
         kinetic=kinetic,
         static=static,
         critical_spring=critical,

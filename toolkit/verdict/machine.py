@@ -54,6 +54,7 @@ class Known:
     static, kinetic : F_s/(N_c <k>) and F_k/(N_c <k>), lengths; kinetic_error : of the latter, a length
     critical_spring : K*/(N_c <k>), inf where every spring slips
     memory : the decoherence length (a length), over which F - F_k falls by e; inf where it does not
+    contacts : their number on the area; None: not known
     """
 
     static: float
@@ -61,6 +62,7 @@ class Known:
     kinetic_error: float
     critical_spring: float
     memory: float
+    contacts: float | None = None
 
 
 @dataclass(frozen=True)
@@ -69,12 +71,14 @@ class Behaviour:
 
     rule : "reset", "reform-after" or "instant"; "mass" where mass, damping and delay decide
     kind : "stick-slip", "smooth", or "undecided"
-    before, after : spring force before and after a slip, the last one; both the sliding force where it is smooth
+    before, after : spring force before and after a slip, the last one, also where it is undecided whether more follow;
+        both the sliding force where it is smooth
     period : of the drive, between the last two slips; slips : how many there were
     slip_time, top_speed : of the last slip; None where slips take no time
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
+    contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
-        sliders
+        sliders, and what fewer contacts than there are may change
     drive, force : the trace, with each slip at its own place
     """
 
@@ -91,6 +95,7 @@ class Behaviour:
     slip_time: float | None = None
     top_speed: float | None = None
     damping: float | None = None
+    contacts: int | None = None
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
 

@@ -1,10 +1,11 @@
 """The table of a verdict: each number, the scatter of other samples, the spread over the readings."""
 
+import re
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from toolkit.scene.scale import guarded, written
+from toolkit.scene.scale import Scale, guarded, written
 from toolkit.verdict.judge import Quantity, Verdict
 from toolkit.verdict.machine import Behaviour
 
@@ -31,7 +32,9 @@ def share_of(verdict: Verdict) -> float:
 def table(verdict: Verdict) -> list[str]:
     """Each number, the scatter of other samples, and the spread over the readings. Numerical errors are far smaller,
     and stand in verdict.json; a line says how large they are at most."""
-    rows = [["", "value", "other samples", "over the readings"], *_rows(verdict)]
+    many = len(verdict.answers)
+    over = "over the readings" if many > 1 else "one reading only"
+    rows = [["", "value", "other samples", over], *_rows(verdict)]
     widths = [max(len(row[k]) for row in rows) for k in range(4)]
     return [
         "  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip()
@@ -47,7 +50,8 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     kinetic, static = [one.kinetic for one in answers], [one.static for one in answers]
     share = share_of(verdict)
     # contacts that depend on time bear another force where the slider sticks: see `dependence`
-    at = f", at {guarded(verdict.velocity, speed_unit(verdict), 0.0)}" * bool(own.contacts.in_time)
+    speed = guarded(verdict.velocity, speed_unit(verdict), 0.0)
+    at = f" of a rigid slider at {speed}" * bool(own.contacts.in_time)
     yield _row(f"kinetic friction F_k{at}", kinetic, forces, unit, share)
     yield _row(f"static friction F_s{at}", static, forces, unit, share)
     if scale.load is not None:
@@ -83,17 +87,20 @@ def _row(
         name,
         guarded(values[0], unit, off),
         f"± {written(sampling, unit, digits=2)}" if sampling else "not known" * (own.error > 0.0),
-        " to ".join(dict.fromkeys(ends)) if apart else "the same",
+        " to ".join(dict.fromkeys(ends)) if apart else "the same" * (len(each) > 1),
     ]
 
 
 def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
     """Rows of the slips of the own reading; rules that give the same numbers share a row."""
     scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
-    share, force, load = share_of(verdict), scale.force_unit, scale.load
+    force, load = scale.force_unit, scale.load
     for behaviour in verdict.own.behaviours:
-        if behaviour.kind != "stick-slip":
+        if behaviour.kind == "smooth" or not behaviour.slips:
             continue
+        mean, before = verdict.own.contacts.mean_threshold, abs(behaviour.before)
+        known = behaviour.error * mean / before if before and behaviour.error < np.inf else 0.0
+        share = max(share_of(verdict), known)
         before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
         told = {"force before a slip": guarded(before, force, share * before)}
         if load:
@@ -146,4 +153,18 @@ def numerical_errors(verdict: Verdict) -> str:
         if np.isfinite(behaviour.error) and behaviour.before:
             mean = own.contacts.mean_threshold
             relative.append(behaviour.error * mean / abs(behaviour.before))
-    return f"numerical errors are at most {max(relative, default=0.0):.0e} of these numbers (verdict.json has each)"
+    what = "numerical errors"
+    if any(one.sampling for one in known):
+        what = "without the scatter of other samples, errors"
+    return f"{what} are at most {max(relative, default=0.0):.0e} of these numbers (verdict.json has each)"
+
+
+def in_units(message: str, scale: Scale) -> str:
+    """A solver's message with the positions of the drive in the unit of length of the verdict."""
+
+    def told(found: re.Match[str]) -> str:
+        return f"X_T = {written(float(found[1]), scale.length_unit)}"
+
+    if scale.length_unit != "m":
+        return message
+    return re.sub(r"X_T = (\d[\d.]*(?:e[+-]?\d+)?)", told, message)

@@ -9,7 +9,12 @@ from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence, named, others
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.machine import Behaviour
-from toolkit.verdict.table import numerical_errors, share_of, speed_unit, table
+from toolkit.verdict.table import in_units, numerical_errors, share_of, speed_unit, table
+
+# of a fall of the force, in mean thresholds: smaller ones are no stick-slip, as of a slider with mass
+SMALL = 0.02
+# of a force: a larger error of it is told beside it
+KNOWN = 1e-3
 
 
 def page(verdict: Verdict) -> list[str]:
@@ -62,7 +67,12 @@ def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
     """The rules under which as many contacts as there are do something else than infinitely many."""
     pairs = zip(verdict.own.behaviours, verdict.finite, strict=False)
     known = [pair for pair in pairs if "un" not in (pair[0].kind[:2], pair[1].kind[:2])]
-    return [(behaviour, finite) for behaviour, finite in known if behaviour.kind != finite.kind]
+    small = SMALL * verdict.own.contacts.mean_threshold
+    return [
+        (behaviour, finite)
+        for behaviour, finite in known
+        if behaviour.kind != finite.kind and not finite.before - finite.after < small
+    ]
 
 
 def _disagreement(verdict: Verdict) -> str:
@@ -118,17 +128,28 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     """One kind of behaviour with its numbers."""
     scale, last, share = answer.scale, alike[0], share_of(verdict)
 
+    error = max((one.error for one in alike if one.error < np.inf), default=0.0)
+    error *= answer.contacts.mean_threshold * scale.force
+    top = max((abs(one.before) for one in alike), default=0.0) * scale.force
+    if top > 0.0:
+        share = max(share, error / top)
+
     def reach(values: Sequence[float], unit: str) -> str:
         """One value, or the smallest and the largest where they differ as written."""
         ends = [guarded(value, unit, share * abs(value)) for value in (min(values), max(values))]
         return " to ".join(dict.fromkeys(ends))
 
-    if kind == "undecided":
-        return f"not decided ({last.message})"
-    low = reach([one.after * scale.force for one in alike], scale.force_unit)
+    why = f"({in_units(last.message, scale)})"
+    if kind == "undecided" and not last.slips:
+        return f"not decided {why}"
+    off = f" ± {written(error, scale.force_unit, digits=1)}" * (error > KNOWN * top)
+    low = reach([one.after * scale.force for one in alike], scale.force_unit) + off
     if kind == "smooth":
         return f"smooth at {low}"
     high = reach([one.before * scale.force for one in alike], scale.force_unit)
+    if kind == "undecided":
+        seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
+        return f"not decided: {seen} from {high} down to {low}, and whether it goes on is not known {why}"
     said = f"stick-slip: {high} down to {low}"
     periods = [one.period for one in alike if one.period is not None]
     if periods:

@@ -226,8 +226,9 @@ class _Run:
             slider = DelayedSlider(contacts, *given, until)
         else:
             slider = InertialSlider(cold, drive, motion, self.record, tolerance * unit)
-        self.stored_first = slider.stored_first
+        self.stored_first = np.nan
         try:
+            self.stored_first = slider.stored_first
             slider.run()
         except StoppedError as why:
             self.stopped = str(why)
