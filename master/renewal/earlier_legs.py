@@ -60,7 +60,8 @@ class EarlierLegs:
         """`born` are the births on all legs before `leg`, of which those on `legs` count. The times of both, and of the
         motion, are counted from the beginning of `leg`."""
         self._births, self._life, self._motion = births, births.life, motion
-        self._leg, self._legs, self._born, self._accuracy = leg, legs, born, accuracy
+        self._leg, self._legs = leg, legs
+        self._born, self._accuracy = born, accuracy
         self.faded = dict[int, float]()
 
     def sums(self, t: Array, negligible: float) -> Sums:

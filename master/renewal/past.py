@@ -44,7 +44,8 @@ class Past:
         self._births = births
         self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
         self._negligible = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
-        self.leg, self.first, self.left_out, self.worst_sum = -1, 0, 0.0, 0.0
+        self.leg, self.first = -1, 0
+        self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
         self._legs_left_out = set[int]()
         self._earlier: EarlierLegs | None = None

@@ -51,7 +51,8 @@ class ColdContacts:
         )
         # what is left of the changes of F has to be below the tolerance, and its slope below K
         self.steady_rates = max(STEADY_RATES, 1e-2 * min(tolerance, spring))
-        self.spring, self.until, self.unknown, self.nodes = spring, until, 0.0, 0
+        self.spring, self.until = spring, until
+        self.unknown, self.nodes = 0.0, 0
 
     def force_of(self, start: Start) -> float:
         """F/(N_c <k>) of contacts with these stretches (a length)."""
