@@ -132,7 +132,7 @@ def _draw_spring(axes: Any, row: int, answer: Answer) -> None:
     """One reading's K*; an infinite one is said in words, as is one of 0."""
     value = answer.critical_spring.value * answer.scale.spring
     if not 0.0 < value < np.inf:
-        said = "slips on every spring" if value else "never slips before it turns"
+        said = "slips on every spring" if value else "slips on no spring"
         place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "va": "center"}
         axes.text(0.02, row, said, fontsize="small", **place)
         return
