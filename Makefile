@@ -24,8 +24,7 @@ test-all: test test-slow
 promise: $(READY)
 	FORCE_ERROR_CASES=1000 $(BIN)/python -m pytest tests/test_force_error.py -s -m ""
 
-# CPU times beside what a user would pick instead, and of every kind of ensemble; Mesa and voles are left out where they
-# cannot be installed
+# CPU times beside what a user would pick instead; Mesa, voles and FLAKE are left out where they cannot be installed
 bench: $(READY)
 	-@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	$(BIN)/python tests/bench/ratios.py

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from numba import njit
-from scipy import integrate, signal
+from scipy import integrate, ndimage, signal
 from scipy.special import ndtr
 
 Array = npt.NDArray[np.float64]
@@ -130,3 +130,41 @@ def atomic_sums(ratio: float, long: int, wide: int, angle: float) -> float:
     cos, sin = np.cos(angle), np.sin(angle)
     sums = [abs(np.exp(1j * at).sum()) for at in (cos * x - sin * y, sin * x + cos * y)]
     return 2.0 * float(min(sums))
+
+
+def by_flake(ratio: float, long: int, wide: int, angle: float, points: int) -> float:
+    """Barrier of the same island on cos G_1·r + cos G_2·r + cos G_3·r from FLAKE's map of points x points places of a
+    cell (A. Silva and others, PyPI: flake-rigid): the level at which a minimum joins its copy in the next cell."""
+    from flake.maps import translational_map
+    from flake.substrate import substrate_from_params
+
+    import origins
+
+    substrate = origins.hexagonal_substrate()
+    G, cell = substrate.wavevectors, substrate.cell
+    # -ε/9 |sum of three waves|² holds their differences, which are the three G
+    asked = {"well_shape": "sin", "epsilon": -4.5, "ks": [0.0 * G[0], G[0], -G[2]]}
+    energy = substrate_from_params(asked | {"sub_basis": [[0.0, 0.0]]})[1]
+    atoms = origins.triangular_island(ratio, long, wide).positions[:, :2]
+    cos, sin = np.cos(angle), np.sin(angle)
+    turned = (atoms - atoms.mean(axis=0)) @ np.array([[cos, sin], [-sin, cos]])
+    shares = np.stack(np.meshgrid(*[np.arange(points) / points] * 2, indexing="ij"), -1)
+    places = shares.reshape(-1, 2) @ cell
+    found = translational_map(turned, energy, None, 0, 0, pos_cm_grid=places)["energy"]
+    return lowest_pass(found.reshape(points, points))
+
+
+def lowest_pass(energy: Array) -> float:
+    """Least height over the lowest point of a periodic map at which a path leads to a copy of that point."""
+    tiled, levels = np.tile(energy, (3, 3)), np.unique(energy)
+    places = [np.add(np.unravel_index(energy.argmin(), energy.shape), energy.shape)]
+    places += [
+        places[0] + step * np.array(energy.shape) for step in ((0, 1), (1, 0), (1, 1), (1, -1))
+    ]
+    low, high = 0, levels.size - 1
+    while low < high:
+        middle = (low + high) // 2
+        labels = ndimage.label(tiled <= levels[middle], np.ones((3, 3)))[0]
+        own, *others = (labels[tuple(place)] for place in places)
+        low, high = (low, middle) if own in others else (middle + 1, high)
+    return float(levels[low] - levels[0])

@@ -1,9 +1,9 @@
-"""Speed of the ensemble, of the master equation beside the paper's scheme, and of the command's start.
+"""Speed of the master equation beside the paper's scheme, and of the command's start.
 
     python tests/bench/speed.py
 
-Times of the ensemble are CPU times, others wall clock of warm calls, the best of several: run it on an
-idle machine. Every kind of call of master beside an older version: bench_before.py.
+Times are wall clock of warm calls, the best of several: run it on an idle machine. Kinds of ensembles are rows of
+ratios.py. Every kind of call of master beside an older version: bench_before.py.
 """
 
 import subprocess
@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-import eq_model
 import master
 import origins
 from master.paper.explicit import explicit
@@ -58,28 +57,6 @@ ENSEMBLES |= {
     }.items()
     for kind, path in {"one turn": TURNING / 5.0, "nine turns 2 <x_s> apart": LOOPS}.items()
 }
-BESIDE = (
-    "gaussian, X = 100"  # steady forward motion: a random word, a table and a sum for each break
-)
-
-
-def ensemble_rows(repeats: int = 3) -> list[tuple[str, float, float, str]]:
-    """Rows of name, CPU time per break in ns on one thread, its ratio to what it is compared with, and what that is.
-
-    Each is measured in turn with steady forward motion, so that what else the machine does slows both alike.
-    """
-
-    def one(name: str) -> float:
-        contacts, path, number = ENSEMBLES[name]
-        began = time.process_time()
-        run = eq_model.simulate(contacts, path, n_contacts=number)
-        return (time.process_time() - began) / run.breaks * 1e9
-
-    rows = []
-    for name in ENSEMBLES:
-        found = np.array([[one(name), one(BESIDE)] for _ in range(repeats + 1)])[1:].min(axis=0)
-        rows.append((name, float(found[0]), float(found[0] / found[1]), BESIDE))
-    return rows
 
 
 def best(call: Callable[[], Any], times: int = 5) -> float:
@@ -95,10 +72,7 @@ def best(call: Callable[[], Any], times: int = 5) -> float:
 
 def main() -> None:
     """Print the tables."""
-    print(f"ensemble on one core: CPU time per break in ns, and beside {BESIDE}")
-    for name, each, ratio, _ in ensemble_rows():
-        print(f"{name:38s}{each:10.2f}{ratio:10.2f}")
-    print("\nmaster equation, Fig. A02, 501 points to X = 5: ms, claimed and true error")
+    print("master equation, Fig. A02, 501 points to X = 5: ms, claimed and true error")
     path = np.linspace(0.0, 5.0, 501)
     scene = origins.Contacts(FRESH, origins.gaussian_start(0.0, 0.025))
     exact = gaussian_force(path, 1.0, 0.05, 0.0, 0.025)
