@@ -97,7 +97,7 @@ def test_force_error_is_the_promise_it_is_said_to_be() -> None:
 
 @pytest.mark.slow
 def test_far_corners_keep_it_where_they_are_answered() -> None:
-    """Most are; what is refused claims nothing."""
+    """Most are; what is refused claims nothing. No call has a wall_time, so that no answer depends on the machine."""
     far = [one for name, one in scenes().items() if name.startswith("far")][: max(CASES // 4, 11)]
     rows = [row for one in far for row in answered(question(one)) if row.verdict != "refused"]
     assert len(rows) > 0.9 * len(far)
@@ -137,9 +137,11 @@ def test_what_rounded_positions_do_not_allow_is_missed_at_once() -> None:
     path = np.linspace(0.0, 3.0, 61)
     for width in (1e-3, 1e-6):
         contacts = origins.Contacts(origins.gaussian(1.0, width))
-        found = master.solve(contacts, path, 1e-13, wall_time=60.0)
+        found = master.solve(contacts, path, 1e-13)
         exact, known = closed_form(contacts, path)
-        assert not found.success and found.force.size == path.size
+        assert (
+            not found.success and found.nodes < 4_000
+        )  # some 1,500; halved without end there are millions
         assert np.abs(found.force - exact).max() <= found.force_error + known
         assert found.force_error < 1e-6 * 1e-9 / width
 
