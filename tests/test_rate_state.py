@@ -136,6 +136,17 @@ def test_the_critical_spring_of_the_law_follows_from_its_answer(a: float, b: flo
     assert abs(spring.value - max(b - a, 0.0) / 0.2) <= spring.error + 1e-12
 
 
+@pytest.mark.parametrize("ratio", [1.3, float(np.e**0.5)])
+def test_the_error_of_the_critical_spring_holds_what_large_steps_leave_out(ratio: float) -> None:
+    """By the ageing law the answer is not in proportion to the step: steps that are not small give another spring than
+    (b - a)/D_c, by about the error that steps twice as large tell."""
+    law = RateStateLaw(0.5, 1.0, 0.01, 0.05, 0.2, "ageing")
+    exact = (law.b - law.a) / law.slip_distance
+    found = critical_spring_of(steps_of(law, ratio), 1.0, steps_of(law, ratio**2))
+    off = abs(found.value - exact)
+    assert 1e-3 * exact < off < found.error < 4.0 * off
+
+
 # their force falls with the speed, as more contacts are out
 DELAYED = Contacts(WIDE, delay=Delay(0.1))
 
@@ -199,10 +210,10 @@ def test_much_stronger_contacts_travel_far() -> None:
 
 
 @pytest.mark.slow
-def test_heat_and_strengthening_together_are_followed_on_a_stiff_spring() -> None:
-    """a and the force after the step are those of single contacts on a rigid slider."""
+def test_heat_and_strengthening_together_are_followed_on_a_rigid_slider() -> None:
+    """a and the force after the step are those of single contacts; so is the peak after a long rest."""
     contacts = Contacts(STRONGER, thermal=EYRING.thermal)
-    found = master.rate_state(contacts, 1e-3, decades=0)
+    found = master.rate_state(contacts, 1e-3, decades=0, rests=[1e5])
     assert found.success, found.message
     assert found.a.value > found.b.value > 0.5 * found.a.value
     up = found.steps[0]
@@ -215,6 +226,13 @@ def test_heat_and_strengthening_together_are_followed_on_a_stiff_spring() -> Non
     error = 5.0 * run.force_standard_error[1:] + up.error
     assert (error < 0.2 * found.a.value).all()
     assert (np.abs(run.force[1:] - force) < error).all()
+    rest = found.rests[0]
+    path, arrival = np.r_[0.0, 12.0, 12.0], np.r_[0.0, 12.0, 12.0 + 1e-3 * rest.time]
+    path, arrival = np.r_[path, 12.0 + rest.peak_slip], np.r_[arrival, arrival[-1] + rest.peak_slip]
+    given |= {"time": arrival / 1e-3, "n_contacts": 100_000}
+    run = eq_model.simulate(contacts, path, **given)
+    error = 5.0 * run.force_standard_error[2:] + rest.error
+    assert (np.abs(run.force[2:] - [rest.relaxed, rest.peak]) < error).all()
 
 
 def slowly_to_one(spring: float, force: float, after: float) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,7 @@ from master.rate_state.rests import healing_of, rest_of
 from master.rate_state.result import CONSTANT, Misfit, Parameter, RateState, SpeedScan
 from master.rate_state.speeds import Slope, constant_between, scan_speeds, slope_at
 from master.rate_state.stability import critical_spring_of
-from master.rate_state.traces import LIVES, Rest, VelocityStep, needs_spring, steps_about
+from master.rate_state.traces import LIVES, SLOW_TOLERANCE, Rest, VelocityStep, is_slow, steps_about
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
 from origins.contacts import LAWS, check_contacts
@@ -45,7 +45,8 @@ def rate_state(
     evolution : "slip" or "ageing", the law of the state, see RateStateLaw.
     rests : times at rest, shape (n,), before the slider goes on at v; None: none.
     decades : to either side of v, over which is looked where the numbers are constant; 0: nowhere.
-    tolerance : of forces, in mean thresholds; after rests ten times this.
+    tolerance : of forces, in mean thresholds; after rests ten times this. Of contacts with heat whose thresholds grow
+        1e-3 at least, as a step takes half a minute to that.
     progress : called with a word on what begins.
 
     a is the largest change of the force after a step, b = a - (a - b), and D_c that of the law that goes on like the
@@ -64,6 +65,8 @@ def rate_state(
     one_of("evolution", evolution, ("slip", "ageing"))
     times = np.empty(0) if rests is None else np.sort(positive_array("rests", rests))
     decades, tolerance = whole("decades", decades, 0), check_tolerance("tolerance", tolerance)
+    if slow := is_slow(contacts):
+        tolerance = max(tolerance, SLOW_TOLERANCE)
     contacts = contacts.replace(start=None)
 
     progress("velocity steps")
@@ -73,20 +76,22 @@ def rate_state(
     law = RateStateLaw(
         float(curve.force), velocity, found.a, found.b, found.slip_distance, evolution
     )
-    # on a spring in place of a rigid slider small steps are lost in the error
-    small = steps
-    if not needs_spring(contacts):
-        small = steps_about(contacts, velocity, SMALL_STEP, 0.1 * tolerance)
+    if slow:  # smaller steps would be lost in the error
+        small = steps_about(contacts, velocity, ratio**0.5, tolerance)
+    else:
+        small = steps_about(contacts, velocity, min(SMALL_STEP, ratio**0.5), 0.1 * tolerance)
     speeds = np.asarray(velocity * 10.0 ** np.arange(-decades, decades + 1.0))
     scan = scan_speeds(contacts, speeds, found, ratio, evolution, tolerance, progress)
     solved = list[Rest]()
     for rest in times:
         progress(f"a rest of {rest:.3g}")
-        solved.append(rest_of(contacts, velocity, float(rest), LOOSER * tolerance))
+        solved.append(
+            rest_of(contacts, velocity, float(rest), tolerance if slow else LOOSER * tolerance)
+        )
     law_steps = tuple(law.step(one.slip, one.before, one.after) for one in steps)
     largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
     critical = max(found.b - found.a, 0.0) / found.slip_distance if found.evolves else 0.0
-    own = critical_spring_of(small, unit)
+    own = critical_spring_of(small, unit, steps)
     success, message = _judged([*steps, *small], solved, found)
     return RateState(
         velocity=velocity,

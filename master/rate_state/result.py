@@ -58,8 +58,8 @@ class RateState:
         ageing law, as the slip law does not heal at rest
     misfit, misfit_later : of the law, along the whole answer, and once the direct effect is over
     critical_spring : (b - a)/D_c, 0 where a > b, with its error
-    critical_spring_solved : below which smooth sliding is unstable by the solved answer to small steps; its error is
-        how far other readings of these are from it
+    critical_spring_solved : below which smooth sliding is unstable by the solved answer to small steps; its error
+        holds what steps that are not small leave out
     scan : the numbers at other speeds
     run_time : s; success, message : whether the answers are known to the tolerance and have become steady
     """

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from master.rate_state.reading import TWICE
 from master.rate_state.traces import VelocityStep
 from origins.thresholds.law import Array
 
@@ -21,25 +22,44 @@ _FINER = 4
 
 
 class CriticalSpring(NamedTuple):
-    """K/(N_c <k>), and how far other readings of the same answers are from it."""
+    """K/(N_c <k>), and its error."""
 
     value: float
     error: float
 
 
-def critical_spring_of(steps: Sequence[VelocityStep], unit: float) -> CriticalSpring:
+def critical_spring_of(
+    steps: Sequence[VelocityStep], unit: float, larger: Sequence[VelocityStep] = ()
+) -> CriticalSpring:
     """The spring below which smooth sliding is unstable, by the mean answer to small steps up and down; 0 where it is
-    stable on every spring. Its error: how far each step alone is from it, and the answer taken as straight between the
-    slips at which it is known. `unit`: a length, the mean threshold."""
+    stable on every spring. `unit`: a length, the mean threshold.
+
+    Its error is the sum of three parts. What the steps leave out: the mean of both ways is an even function of
+    ε = ln(v_after/v_before), so that `larger` steps about the same speed are off by ε_l² where these are by ε_s², and
+    these by the difference times ε_s²/(ε_l² - ε_s²), taken twice for higher orders; without them, how far each way
+    alone is from the mean, of first order in ε. What the slips do: the answer taken as straight between those at which
+    it is known. And what the error of the forces does, as a shift of the whole answer.
+    """
     from scipy.interpolate import PchipInterpolator
 
-    known, each = steps[0].slip, [one.response for one in steps]
-    mean = np.mean(each, axis=0)
+    known, mean = steps[0].slip, _mean(steps)
     places = np.arange((known.size - 1) * _FINER + 1) / _FINER
     slip = np.interp(places, np.arange(known.size), known)
     value = _largest(slip, PchipInterpolator(known, mean)(slip), unit)
-    others = [_largest(known, one, unit) for one in (mean, *each)]
-    return CriticalSpring(value, max(abs(other - value) for other in others))
+    straight = _largest(known, mean, unit)
+    small, shift = abs(steps[0].log_ratio), steps[0].error / abs(steps[0].log_ratio)
+    shifted = max(abs(_largest(known, mean + way * shift, unit) - straight) for way in (-1, 1))
+    if larger:
+        apart = abs(_largest(larger[0].slip, _mean(larger), unit) - straight)
+        left_out = TWICE * apart / ((larger[0].log_ratio / small) ** 2 - 1.0)
+    else:
+        left_out = max(abs(_largest(known, one.response, unit) - straight) for one in steps)
+    return CriticalSpring(value, abs(straight - value) + shifted + left_out)
+
+
+def _mean(steps: Sequence[VelocityStep]) -> Array:
+    """The mean answer of steps up and down, known at the same slips, for each factor e of the speed."""
+    return np.mean([one.response for one in steps], axis=0)
 
 
 def _largest(slip: Array, response: Array, unit: float) -> float:

@@ -5,9 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.paper.q15_transient import AgeingTransient
-from master.soft.solution import SoftSolution
-from master.solution import Solution
 from master.solve import solve
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
@@ -18,10 +15,10 @@ from origins.thresholds.law import Array
 LIVES = (8.0, 24.0, 72.0)
 # of the largest change of force in an answer: what may be left of it before a step and at its end
 SETTLED = 2e-3
-# K/(N_c <k>) of a spring in place of a rigid slider, which lags by a 300th of each change of force, and the tolerance
-STIFF, SPRING_TOLERANCE = 300.0, 1e-3
+# the tolerance of contacts with heat whose thresholds grow: 1e-4 takes three times as long
+SLOW_TOLERANCE = 1e-3
 # of the tolerance: what may be left of the start before a step
-OF_TOLERANCE = 0.1
+OF_TOLERANCE = 0.03
 # of a life: what is left of a start goes up and down with about that period, and is looked at so often
 FINE = 0.05
 # slips at which an answer is known, in lives: so many even in ln(slip), as heat may act over 1e-6 of a
@@ -103,7 +100,7 @@ def steps_about(
     path = np.r_[0.0, last, begin + slip, begin + slip[-1] + slip[1:]]
     arrival = np.r_[0.0, last / slow, begin / slow + slip / fast]
     arrival = np.r_[arrival, arrival[-1] + slip[1:] / slow]
-    solved = followed(contacts, path, arrival, tolerance)
+    solved = solve(contacts, path, tolerance, time=arrival)
     start, force = solved.force[1 : last.size + 1], solved.force[last.size + 1 :]
     up, down = force[: slip.size], force[slip.size - 1 :]
     ended = slip >= slip[-1] - life
@@ -137,8 +134,6 @@ def approach_of(contacts: Contacts, velocity: float, steady: float, most: float)
     of LIVES."""
     # contacts travel to twice their mean stretch or less; those whose thresholds grow farther than <x_s>
     life = max(contacts.mean_threshold, 2.0 * steady)
-    if needs_spring(contacts):
-        return Approach(LIVES[1] * life, life)
     for lives in LIVES:
         slid = life * np.arange(0.0, lives, FINE)
         accuracy = most / contacts.mean_threshold
@@ -150,18 +145,6 @@ def approach_of(contacts: Contacts, velocity: float, steady: float, most: float)
     return Approach(LIVES[-1] * life, life)
 
 
-def needs_spring(contacts: Contacts) -> bool:
-    """Whether the master equation takes no steps and rests of these contacts but under a spring: those with heat whose
-    thresholds grow."""
+def is_slow(contacts: Contacts) -> bool:
+    """Whether a velocity step takes half a minute, as each survival is an integral over thresholds and times."""
     return contacts.thermal is not None and contacts.growing is not None
-
-
-def followed(
-    contacts: Contacts, path: Array, arrival: Array, tolerance: float
-) -> Solution | SoftSolution | AgeingTransient:
-    """F of a rigid slider that is at the path's points at these times; where it needs a spring, of one on a stiff one
-    whose drive is, to a tolerance that its steps in time can reach."""
-    if not needs_spring(contacts):
-        return solve(contacts, path, tolerance, time=arrival)
-    own = max(tolerance, SPRING_TOLERANCE)
-    return solve(contacts, path, own, time=arrival, spring=STIFF, slip="instant")

@@ -39,6 +39,9 @@ HAZARDS = np.array([0.0, 0.25, 4.0, LARGEST_HAZARD])
 # time: errors are about the square. The second where thresholds do not begin at 0: heat then breaks contacts within a
 # narrow band of thresholds, and to the first errors of 1e-8 would make tables rough (measured).
 COEFFICIENT_LIMIT, LIMIT_OF_BAND = 1e-6, 1e-7
+# Of the tolerance: such coefficients on a path that is asked for to a looser one, and the largest. Errors are then a
+# thousandth of the tolerance and less (measured).
+OF_TOLERANCE, LOOSEST = 0.1, 1e-4
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
 WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 1000
@@ -89,7 +92,12 @@ class GrowingLife(ChangingLife):
         cls, contacts: Contacts, tolerance: float, motion: Motion, until: float
     ) -> GrowingLife:
         """See ChangingLife."""
-        return cls(contacts, float(motion.times[-1]))
+        life = cls(contacts, float(motion.times[-1]))
+        loosest = min(OF_TOLERANCE * tolerance, LOOSEST)
+        life._limit = max(life._limit, loosest)
+        if contacts.thermal is not None:
+            life.coefficient_limit = max(life.coefficient_limit, loosest)
+        return life
 
     @classmethod
     def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
@@ -210,12 +218,14 @@ class GrowingLife(ChangingLife):
         before_ends = np.repeat((log_times[:, -1:] - log_times)[:, ::-1], count, axis=0)
         span = log_times[:, -1] - log_times[:, 0]
 
+        threshold_of = self._growing.thresholds_of(hazard.ravel())
+
         def rate_and_1(owner: Rows, before_end: Array) -> Array:
             """The rate per logarithm of time, and this plus 1/span, whose integral is A + 1."""
             row = owner // count
             time = unit * np.expm1(log_times[row, -1:] - before_end)
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
-            threshold = self._growing.threshold_at(hazard.ravel()[owner, None], time)
+            threshold = threshold_of(owner, time)
             rate = rates.rate(np.minimum(x, threshold), threshold, 1.0) * (unit + time)
             return np.stack([rate, rate + 1.0 / span[row, None]])
 

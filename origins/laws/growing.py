@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from origins.errors import refuse
 from origins.laws.timed_law import EXACT, MEAN_RATE, ChangingThresholds
@@ -80,6 +82,11 @@ class GrowingThresholds(ChangingThresholds, ABC):
     def threshold_at(self, hazard: Array | float, pinned_for: Array | float) -> Array:
         """Threshold (a length) of the contact with this hazard >= 0 at this age since pinning, the inverse of
         hazard_at; shapes broadcast. At an infinite hazard it is the largest, which may be inf."""
+
+    def thresholds_of(self, hazard: Array) -> Callable[[npt.NDArray[np.intp], Array], Array]:
+        """The function that gives thresholds (n, k) of some of the contacts with these hazards, shape (m,), by their
+        indices (n,), at times since pinning (n, k)."""
+        return lambda which, pinned_for: self.threshold_at(hazard[which, None], pinned_for)
 
     def lost_hazard(self, velocity: float) -> float:
         """Hazard that contacts pass as they pin, if stretched at this speed: those below it never hold."""

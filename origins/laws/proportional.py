@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -94,13 +95,20 @@ class ProportionalGrowth(GrowingThresholds):
 
     def threshold_at(self, hazard: Array | float, pinned_for: Array | float) -> Array:
         """See GrowingThresholds."""
-        hazard = np.asarray(hazard, dtype=float)
-        # contacts are weaker: their share has more digits than that of the others
-        few = hazard < 0.5
-        at_birth = np.empty(hazard.shape)
+        return self._at_birth(np.asarray(hazard, dtype=float)) * self.factor(pinned_for)
+
+    def thresholds_of(self, hazard: Array) -> Callable[[npt.NDArray[np.intp], Array], Array]:
+        """See GrowingThresholds: quantiles, which take long, are found once."""
+        at_birth = self._at_birth(hazard)
+        return lambda which, pinned_for: at_birth[which, None] * self.factor(pinned_for)
+
+    def _at_birth(self, hazard: Array) -> Array:
+        """Thresholds at age 0 of contacts with these hazards, of their shape."""
+        # of weaker contacts the share has more digits than that of the others
+        few, at_birth = hazard < 0.5, np.empty(hazard.shape)
         at_birth[few] = self.fresh.ppf(-np.expm1(-hazard[few]))
         at_birth[~few] = self.fresh.isf(np.exp(-hazard[~few]))
-        return at_birth * self.factor(pinned_for)
+        return at_birth
 
     def check_speed(self, velocity: float) -> None:
         """InputError for speeds so low that the ages at which contacts break are beyond floating point."""
