@@ -38,6 +38,8 @@ class SoftSolution:
     period : distance of X_T between the last two slips, a length; None for fewer than two.
     run_time : s; nodes : number of instants at which number conservation was solved.
     success : whether force_error, and the error of `holding`, are at or below the requested tolerance.
+    heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of force_error;
+        None where there is no heat, or it was followed.
     """
 
     path: Array
@@ -53,6 +55,7 @@ class SoftSolution:
     nodes: int
     success: bool
     message: str
+    heat_left_out: float | None
 
     __repr__ = brief
 
@@ -95,11 +98,18 @@ def solve_soft(
         unknown = idle.effect * contacts.mean_threshold
         found = ColdSlider(contacts, drive, tolerance, until, unknown).follow()
         progress(found.error)
-    left_out = f"; {idle.message} {found.error:.1e} mean thresholds" if idle.message else ""
     position = drive.path[: found.force.size] - found.force / float(drive.spring or 0.0)
     common = common_fields((given, contacts), drive, found, tolerance, until)
-    common["message"] += left_out
+    if idle.message:
+        common |= without_heat(common, idle, found.error)
     return SoftSolution(position=position, run_time=time.perf_counter() - began, **common)
+
+
+def without_heat(common: dict[str, Any], idle: Idle, change: float) -> dict[str, Any]:
+    """Fields of a SoftSolution that tell of heat that was left out, and changes the force by at most so many mean
+    thresholds."""
+    message = f"{common['message']}; {idle.message} {change:.1e} mean thresholds"
+    return {"message": message, "heat_left_out": change}
 
 
 def common_fields(
@@ -127,4 +137,5 @@ def common_fields(
         "nodes": found.nodes,
         "success": success,
         "message": message,
+        "heat_left_out": None,
     }

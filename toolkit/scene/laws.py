@@ -149,7 +149,7 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
         del keys[name]
     takes = f"{title} takes {', '.join(keys)}"
     for key, value in arguments.items():
-        if key not in keys and not others:
+        if key not in keys and (not others or key == "kind"):  # no function means a kind
             refuse(f"{where}.{key}", value, f"unknown key; {did_you_mean(key, keys)}{takes}")
     for key, parameter in keys.items():
         if parameter.default is parameter.empty and key not in arguments:

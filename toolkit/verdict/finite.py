@@ -89,6 +89,8 @@ def follow_finite(
         breaks = SLIDERS * held * lives
         why = f"some {breaks:.1g} breaks are more than are followed here"
         return Finite(rule, held, "unknown", message=why)
+    if infinite.heat_left_out is not None:  # nor do as many contacts need it
+        contacts = contacts.replace(thermal=None)
     if contacts.held_in_time:
         why = "single contacts are followed on a spring without heat and age only"
         return Finite(rule, held, "unknown", message=why)

@@ -45,17 +45,23 @@ def follow(
     """
     end = time.monotonic() + wall_time
     loading = known.static / machine.spring + contacts.mean_threshold
-    by_contacts = may_follow(machine, contacts, rule, known)
+    cold = contacts.replace(thermal=None)
+    by_contacts = may_follow(machine, cold, rule, known)
     undamped = machine.mass is not None and not machine.damping
     first = FIRST if rule == "mass" else FIRST_OF_RULES
     until = end - (1.0 - first) * wall_time * (undamped or by_contacts)
-    lengths = LENGTHS[:1] if by_contacts and rule != "mass" else LENGTHS
+    one_length = rule != "mass" and may_follow(machine, contacts, rule, known)
+    lengths = LENGTHS[:1] if one_length else LENGTHS
     found = _by_distribution(machine, contacts, rule, [each * loading for each in lengths], until)
     if found.kind != "undecided":
         return found
+    # the ensemble takes no heat on a spring: it is followed where what it leaves out is known to change little
+    by_contacts &= contacts.thermal is None or found.heat_left_out is not None
     if by_contacts and (rule != "mass" or not found.success):
-        other = follow_by_contacts(machine, contacts, rule, loading, end, known)
-        return other if other.kind != "undecided" else found
+        other = follow_by_contacts(machine, cold, rule, loading, end, known)
+        if other.kind == "undecided":
+            return found
+        return other if found.heat_left_out is None else _without_heat(other, found.heat_left_out)
     if rule == "instant" and not found.success and _forgets(machine, contacts, known):
         return _after_forgetting(machine, contacts, known, found)
     if undamped and machine.mass is not None:
@@ -65,6 +71,12 @@ def follow(
         if again.kind != "undecided":
             return replace(again, damping=damped.damping)
     return found
+
+
+def _without_heat(found: Behaviour, change: float) -> Behaviour:
+    """What the ensemble found without heat that changes the force by at most so many mean thresholds."""
+    message = f"{found.message}; heat is left out: it changes the force by at most {change:.1e} mean thresholds"
+    return replace(found, error=found.error + change, message=message, heat_left_out=change)
 
 
 def _by_distribution(
@@ -86,7 +98,9 @@ def _by_distribution(
                 contacts, path, tolerance, wall_time=left, **machine.keywords(rule)
             )
         except InputError as error:
-            return not_followed(rule, str(error))
+            # without the key and its value, which is in the solver's units, not in the user's
+            _, _, why = str(error).partition(": ")
+            return not_followed(rule, why or str(error))
         found = _behaviour(rule, solved)
         if found.kind != "undecided" or not solved.success:
             break
@@ -152,6 +166,7 @@ def _behaviour(rule: str, solved: Any) -> Behaviour:
         run_time=solved.run_time,
         slip_time=last_of(slips, "duration"),
         top_speed=last_of(slips, "top_speed"),
+        heat_left_out=solved.heat_left_out,
         drive=drive,
         force=force,
     )

@@ -28,7 +28,7 @@ def others(verdict: Verdict) -> dict[str, list[str]]:
     differ: dict[str, list[str]] = {}
     for answer in verdict.answers[1:]:
         for one in answer.behaviours:
-            if one.kind not in ("undecided", own[one.rule]):
+            if one.kind not in ("undecided", own.get(one.rule, one.kind)):
                 names = differ.setdefault(one.kind, [])
                 names += [answer.name] if answer.name not in names else []
     return differ

@@ -224,6 +224,12 @@ def _answer(
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
             share = (until - time.monotonic()) / left
             behaviours.append(follow(cast(Machine, machine), contacts, rule, known_before, share))
+        if machine is not None and [one.refused for one in behaviours] == [True]:
+            # no solver takes the slider with its mass: what it does without one, under each slip rule
+            light = replace(machine, mass=None, damping=0.0)
+            for left, rule in zip(range(len(RULES), 0, -1), RULES, strict=True):
+                share = (until - time.monotonic()) / left
+                behaviours.append(follow(light, contacts, rule, known_before, share))
         if sampled_parts(contacts.thresholds):
             known = [kinetic, static, critical]
             kinetic, static, critical = _with_sampling(contacts, velocity, known, until)

@@ -79,6 +79,8 @@ class Behaviour:
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
         sliders, and what fewer contacts than there are may change
+    heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of `error`;
+        None where there is no heat, or it was followed
     drive, force : the trace, with each slip at its own place
     """
 
@@ -96,8 +98,14 @@ class Behaviour:
     top_speed: float | None = None
     damping: float | None = None
     contacts: int | None = None
+    heat_left_out: float | None = None
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def refused(self) -> bool:
+        """Whether no solver takes such a slider."""
+        return not self.drive.size and self.message != NO_TIME
 
 
 def not_followed(rule: str, why: str) -> Behaviour:

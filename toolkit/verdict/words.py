@@ -23,7 +23,7 @@ def page(verdict: Verdict) -> list[str]:
     lines += table(verdict)
     lines += [numerical_errors(verdict), "", "What it hangs on"]
     lines += [f"  {line}" for line in dependence(verdict)]
-    return [*lines, "", f"run time {verdict.run_time:.2g} s"]
+    return [*lines, "", f"run time {verdict.run_time:.1f} s"]
 
 
 def sentence(verdict: Verdict) -> str:

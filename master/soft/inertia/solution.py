@@ -19,7 +19,7 @@ from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
 from master.soft.moves import ColdContacts
 from master.soft.regime import Followed, Slips
-from master.soft.solution import SoftSolution, common_fields
+from master.soft.solution import SoftSolution, common_fields, without_heat
 from master.survival.life import ALL_ATOMS
 from origins import Contacts
 from origins.brief import brief
@@ -153,7 +153,7 @@ def solve_inertial(
     solved = slice(0, found.force.size)
     common = common_fields((given, contacts), drive, found, tolerance, until)
     if idle.message:
-        common["message"] += f"; {idle.message} {idle.error:.1e} mean thresholds"
+        common |= without_heat(common, idle, idle.error)
     return InertialSolution(
         **common,
         position=record.place[solved],
