@@ -121,12 +121,14 @@ def test_mass_and_delay_decide_in_place_of_a_slip_rule(capsys: Any) -> None:
     assert -1.0 < slips["after"] / slips["before"] < -0.6
 
 
-def test_a_mass_beside_heat_is_told_in_words(capsys: Any) -> None:
+def test_a_mass_beside_heat_is_told_in_words(capsys: Any, monkeypatch: Any) -> None:
+    monkeypatch.setattr(judge, "RULES", ("reset",))  # of those without mass, one will do
     heat = {"law": "soft", "temperature": 0.01}
     contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "thermal": heat}
-    drive = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-4}
+    drive = {"spring": 3.0, "mass": 0.1, "damping": 0.5}
     status, page, found = judged(capsys, contacts=contacts, drive=drive)
-    (alone,) = found["readings"][0]["behaviours"]
+    alone, *without_mass = found["readings"][0]["behaviours"]
+    assert [one["rule"] for one in without_mass] == ["reset"]
     assert status == 1 and alone["kind"] == "undecided"
     assert "a slider with mass is followed at T = 0" in page and "leave out the heat" in page
     assert "np." not in page and "master.solve" not in page and "simulate" not in page
@@ -503,3 +505,16 @@ def test_a_heavy_slider_without_time_is_cut_and_no_error(laws: dict[str, Any]) -
     machine: dict[str, float] = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-3}
     found: Any = master.solve(contacts, path, 1e-6, wall_time=1e-9, **machine)
     assert not found.success and "stopped by wall_time" in found.message
+
+
+@pytest.mark.slow
+def test_heat_that_does_nothing_leaves_the_ensemble_to_a_heavy_slider() -> None:
+    """Barriers of 1e8 k_BT: where the master equation has no time, the ensemble follows the slider without heat, and
+    its error holds the bound on what that changes."""
+    heat = origins.Thermal("soft", temperature=1e-8, attempt_frequency=1.0)
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=heat, delay=origins.Delay(20.0))
+    machine = Machine(spring=1e-2, mass=1e-3, damping=1e-3, velocity=0.1)
+    known = Known(static=0.7, kinetic=0.5, kinetic_error=1e-9, critical_spring=1.0, memory=1.0)
+    found = follow(machine, contacts, "mass", known, 2.0)
+    assert found.heat_left_out is not None and found.error >= found.heat_left_out
+    assert found.kind == "stick-slip"

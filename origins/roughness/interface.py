@@ -209,9 +209,11 @@ class Interface(InSI):
         too_small = self.model == "gw" and radius < 2.0 * max(pixel)
         too_wide = self.model == "gw" and radius > 0.5 * tops
         too_high = self.law != "strength" and mu > local
+        tall = f"the summits' {in_metres(tops)}, as Hertz' theory needs"
         strained = {
             f"the scan is {max(size):.3g} m across: is the unit right?": np.inf > max(size) > 0.1,
-            f"contacts have a mean radius of {in_metres(radius)}: is the unit right?": radius > 1e-3,
+            f"contacts have a mean radius of {in_metres(radius)}: is the unit right?": radius
+            > 1e-3,
             f"contact_modulus is {modulus:.2g} Pa: is the unit right?": modulus < 100.0,
             f"pressure is {load:.2g} Pa: is the unit right?": load < 10.0,
             f"the scan would hold {in_scan:.2g} contacts: the load is extrapolated": in_scan < 1.0,
@@ -222,8 +224,9 @@ class Interface(InSI):
             f"slopes of the two axes differ by a factor {uneven:.2g}: not isotropic": uneven > 1.5,
             f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic": too_plastic,
             f"{by_hertz:.1%} would be plastic by Hertz' theory, and all are taken as such": too_elastic,
-            f"contacts stretch by {in_metres(reach)}, above their radius {in_metres(radius)}": reach > radius,
-            f"mean radius {in_metres(radius)} is not far below the summits' {in_metres(tops)}, as Hertz' theory needs": too_wide,
+            f"contacts stretch by {in_metres(reach)}, above their radius {in_metres(radius)}": reach
+            > radius,
+            f"mean radius {in_metres(radius)} is not far below {tall}": too_wide,
             f"mean radius {in_metres(radius)} is below 2 pixels: the scan does not resolve it": too_small,
             f"friction coefficient {mu:.2g} is above the local {local:.2g}: Eq. Q6 pairs k and x_s at random": too_high,
         }

@@ -210,8 +210,8 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
         refuse("scene", name, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:
         raise InputError(
-            "scene: has neither [master] nor [eq] nor [sweep]; add one of them. `verdict` and `thresholds` need none, and "
-            "load_scene(..., solved=False) gives its contacts"
+            "scene: has neither [master] nor [eq] nor [sweep]; add one of them. `verdict` and `thresholds` need none, "
+            "and load_scene(..., solved=False) gives its contacts"
         )
     one_of("units", table.units, (SI, SHARED))
     if table.sweep is not None and (grid := make_grid(table.sweep, given)) is not None:
