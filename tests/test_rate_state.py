@@ -165,6 +165,10 @@ def test_a_delay_has_no_direct_effect(delayed: master.RateState) -> None:
     assert found.success and found.a.value == 0.0 and found.direct_slip == 0.0
     assert found.a_minus_b.value == pytest.approx(slope, abs=found.a_minus_b.error + 1e-9)
     assert found.a_minus_b.error < 0.01 * abs(slope)
+    # without a direct effect the law does not jump at the step, and ends at the steady force
+    for one, law in zip(found.steps, found.law_steps, strict=True):
+        assert law[0] == pytest.approx(one.steady_before, abs=1e-9)
+        assert law[-1] == pytest.approx(one.steady_after, abs=1e-9)
     assert found.a.low == found.a.high == 1.0
 
 

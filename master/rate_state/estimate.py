@@ -88,7 +88,10 @@ def rate_state(
         solved.append(
             rest_of(contacts, velocity, float(rest), tolerance if slow else LOOSER * tolerance)
         )
-    law_steps = tuple(law.step(one.slip, one.before, one.after) for one in steps)
+    # F_k is curved in ln v, and b is of the finite step: about the middle of both steady forces the law meets either
+    middle = 0.5 * (steps[0].steady_before + steps[0].steady_after)
+    about = replace(law, kinetic_force=middle)
+    law_steps = tuple(about.step(one.slip, one.before, one.after) for one in steps)
     largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
     critical = max(found.b - found.a, 0.0) / found.slip_distance if found.evolves else 0.0
     own = critical_spring_of(small, unit, steps)
