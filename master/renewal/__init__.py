@@ -4,7 +4,7 @@ State: solved panels of time, on each of which the breaks B are a polynomial, an
 are the breaks, one delay later. One step, of `March`:
 
 1. `PanelWidth` proposes the width of the next panels, and how many.
-2. `March.known` adds up, at the nodes of these panels, the number and force of all contacts whose births are known:
+2. `March.known_on` adds up, at the nodes of these panels, the number and force of all contacts whose births are known:
    `Present`, those born on the present leg, whose survival depends on the lag since birth alone; `Past`, all others;
    and those that are out.
 3. `solve_run` finds the breaks at the nodes for which number and own births add up to 1, and from them the force.
@@ -18,4 +18,8 @@ In reading order: `births.py` (what is born, and polynomials of births), `march.
 the present leg, and `solve_run`), `past.py` (all other contacts: lumps, and births on earlier legs, which are in
 `earlier_legs.py`, those of contacts that age in `strand_births.py`). Beside them: `edges.py` (where panels end),
 `panel_width.py` (how wide they are), `budget.py` (the parts of the tolerance).
+
+Tests: tests/test_solve.py, test_turning.py, test_panel_edges.py and test_orders_panels.py; for errors
+test_force_error.py, test_unseen_errors.py and test_faults_name_themselves.py. A plain twin: `paper/renewal.py`, held
+beside it by test_explicit.py.
 """

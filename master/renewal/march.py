@@ -260,7 +260,7 @@ class March:
         beside = 0.5 * min(self.width[-1], end - t)
         sides = t + beside * np.array([[-1.0, -0.5, 0.0], [0.0, 0.5, 1.0]]) - self.motion.times[leg]
         # the times of a row lie on one leg: those after a knot are asked for by themselves
-        rows = np.split(sides, 1 if t < self.motion.times[leg + 1] else 2)
+        rows = [sides] if t < self.motion.times[leg + 1] else [sides[:1], sides[1:]]
         number = np.concatenate([self.known_on(leg, row)[0] for row in rows])
         broken = float(number[0, 2] - number[1, 0])
         if broken > LEAST_LUMP:
@@ -271,8 +271,8 @@ class March:
         motion that is the same up to t, of the same life, which is timeless."""
         other, births.work = copy(self), self.births.work
         other.births, other.motion, other._past = births, births.motion, Past(births)
-        # the panels so far were solved with these errors
-        other._past.count_errors_of(self._past)
+        other.present = self.present.counted_on(births)
+        other._past.count_errors_of(self._past)  # with which the panels so far were solved
         other.widest = min(self.widest, self.guess)
         begun = int(np.searchsorted(self.begin, t - SAME_BEGIN * self.guess))
         for name in self.STORED:

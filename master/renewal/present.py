@@ -5,6 +5,7 @@ width depends only on their distance, and is computed once.
 """
 
 from collections.abc import Callable
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -197,6 +198,12 @@ class Present:
         self._births, self.error = births, births.life.error
         self._cache: dict[tuple[float, float], PanelSums] = {}
         self._table: dict[float, Straight] = {}
+
+    def counted_on(self, births: Births) -> "Present":
+        """The same tables and sums, whose later look-ups count as work on these births."""
+        other = copy(self)
+        other._births = births
+        return other
 
     def straight(self, speed: float) -> Straight:
         """Survival and force of contacts born on a leg of this speed."""

@@ -27,4 +27,6 @@ In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `sli
 Then the memories: `memory.py` (what a memory is, and thresholds that stay), `threshold_cells.py` (integrals of rates at
 the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where
 they age; and `idle_heat.py`, for heat too weak for steps to see. A plain twin: `tests/plain_in_time.py`.
+
+Tests: tests/test_plain_in_time.py for steps, test_soft_laws.py and test_any_spring.py for slips.
 """

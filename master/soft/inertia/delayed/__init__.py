@@ -21,4 +21,6 @@ slider with tighter tolerances, too, and compares (`master/soft/inertia/solution
 
 In reading order: `slider.py`, `body.py`, `panels.py` and `width_control.py`, `collocation.py` and `panel.py`,
 `contacts.py` and `survival.py`, `past_breaks.py` and `panel_births.py`, `fast_sliding.py`, `swinging.py`.
+
+Tests: tests/test_mass_delay_master.py, and tests/test_mass_agreement.py beside the ensemble.
 """

@@ -35,6 +35,14 @@ class DelayedBody:
 
     record : results at the asked times, and slips
     stored_first : energy of the contacts at t = 0
+
+    What panels and closed motions hand on to each other, beside state, contacts and past breaks:
+    _width : width of the next panel; inf after a closed motion, where the first one is guessed
+    _last : the panel before, whose polynomial is the first guess on the next; None after a turn or a closed motion
+    _kinks : times at which births bend, one, two or three delays after breaks do
+    _levels : positions at which the contacts' force bends, until the slider passes them
+    _way : direction of the drive, that of the last leg in a hold
+    _leg : of the drive; _panels, _turns : how many there were, which are limited
     """
 
     def __init__(
