@@ -163,12 +163,9 @@ def test_bad_sweeps_are_one_line(sweep: dict[str, Any], told: str, capsys: Any) 
     assert told in refused(capsys, "run", write(thresholds=WIDE, drive=DRIVE, sweep=sweep))
 
 
-def test_other_commands_take_one_scene(capsys: Any) -> None:
+def test_compare_takes_one_scene(capsys: Any) -> None:
     file = write(**{"thresholds": WIDE, **swept()})
-    for command in ("compare", "precision"):
-        assert f"sweep: {command} takes one scene, not a sweep over" in refused(
-            capsys, command, file
-        )
+    assert "sweep: compare takes one scene, not a sweep over" in refused(capsys, "compare", file)
     assert said(capsys, "thresholds", file)[0] == 0
     numbers = json.loads(Path("mine-output/thresholds.json").read_text())["numbers"]
     assert numbers["standard_deviation"]["value"] == pytest.approx(0.2, rel=1e-4)
