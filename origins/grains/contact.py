@@ -83,7 +83,7 @@ class GrainContact(GrowingThresholds):
         """See GrowingThresholds."""
         # of the largest grain's diameter over the film's thickness, beyond 1
         x, excess = np.broadcast_arrays(x, self.growth.excess_after(pinned_for))
-        s = np.sqrt(self.growth.B) * np.abs(x)
+        s = np.sqrt(float(self.growth.B)) * np.abs(x)
         over = s * (s / (1.0 + np.hypot(1.0, s)))  # diameter of the breaking grain over d, less 1
         held = (over < excess) & (over > 0.0)
         out, over, excess = np.where(over > 0.0, np.inf, 0.0), over[held], excess[held]
@@ -122,13 +122,13 @@ class GrainContact(GrowingThresholds):
             refuse("velocity", velocity, f"is {share:.3g} {hint}")
 
     def _relative(self, velocity: float) -> float:
-        return velocity * self.first_pinning_time * float(np.sqrt(self.growth.B))
+        return velocity * self.first_pinning_time * float(np.sqrt(float(self.growth.B)))
 
     @property
     def quick_width(self) -> float:  # type: ignore[override]
         """Width (a length) of the narrowest interval with a tenth of the stretches at which contacts break that
         slide as fast as grains grow: few hold, and at small stretches."""
-        return 0.0504 / float(np.sqrt(self.growth.B))  # at B^(1/2) v tau_m = 1
+        return 0.0504 / float(np.sqrt(float(self.growth.B)))  # at B^(1/2) v tau_m = 1
 
 
 def growing_grains(alpha: float, B: float, age: float) -> GrainContact:
