@@ -1,7 +1,7 @@
 """Eyring's rate: h = ω exp[-(1 - |x|/x_s)/α], whose barrier falls in proportion to the shear stress in a contact.
 
 A junction yields by rearrangements of an activation volume V* of some nm³ under the shear stress τ_s |x|/x_s, τ_s at
-the threshold: α = k_BT/(τ_s V*), the same for contacts of every size, 0.02 to 0.05 for PMMA (Baumberger and Caroli,
+the threshold: α = k_BT/(τ_s V*), the same for contacts of every size (Baumberger and Caroli,
 Adv. Phys. 55, 279, 2006). The integral of h from 0 to x is ω α x_s [e^(-(1 - x/x_s)/α) - e^(-1/α)].
 """
 
@@ -46,7 +46,7 @@ class EyringRates(RateLaw):
         positive("attempt_frequency", self.attempt_frequency)
         if not _LEAST <= positive("width", self.width) <= 1.0:
             hint = "must be 1e-6 to 1, a number without unit, k_BT/(shear strength x activation volume)"
-            refuse("width", self.width, f"{hint}; 0.02 to 0.05 for PMMA")
+            refuse("width", self.width, f"{hint}; such as 0.03")
 
     @property
     def scale(self) -> float:
