@@ -15,7 +15,8 @@ class WidthControl(NamedTuple):
     fast : way of a panel on which contacts form and break, in LEAST_PASSAGE: half more, as speeds change on it
     of_swing : most width of such a panel, in times in which the mass follows its spring
     of_stop : and in times in which the slider would stop at its present deceleration: it must not turn on it
-    least, least_of_swing : width below which it is lost in the rounding of the time, or no reason is known for it
+    least, least_of_swing : a panel is never narrower than this part of the time since the start, which is its rounding,
+        nor than this part of the time in which the mass follows its spring: nothing moves as fast
     """
 
     growth: float = 3.0
