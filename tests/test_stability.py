@@ -2,9 +2,11 @@
 
 import csv
 import json
+import signal
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -130,6 +132,43 @@ def test_a_map_ends_where_a_number_is_refused(
     assert len(table) == len(found)
     assert table[0]["verdict"] == found[0]["verdict"] and "run_time (s)" in table[0]
     assert (tmp_path / "out" / "stability.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("number", "status", "word"),
+    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")],
+)
+@pytest.mark.parametrize("scene", [["gaussian"], []])
+def test_an_interrupted_table_holds_what_is_known(
+    scene: list[str],
+    number: int,
+    status: int,
+    word: str,
+    tmp_path: Path,
+    monkeypatch: Any,
+    capsys: Any,
+) -> None:
+    """A signal comes with the third case: the answers to two are written, and said to be no more."""
+    cases, asked = extreme_cases()[:3], iter([rows, rows])
+
+    def until_the_signal(case: Case | Question) -> list[Row]:
+        ask = next(asked, None)
+        if ask is None:
+            signal.raise_signal(number)
+        return ask(case)
+
+    monkeypatch.setattr("toolkit.stability.table.rows", until_the_signal)
+    monkeypatch.setattr("toolkit.stability.report.extreme_cases", lambda: cases)
+    folder = tmp_path / "out"
+    assert main(["stability", *scene, "--out", str(folder)]) == status
+    found = json.loads((folder / "stability.json").read_text())
+    known = len(found["rows"])
+    assert found["interrupted"] and len({(row["group"], row["case"]) for row in found["rows"]}) == 2
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last == f"mesofriction: {word}; the {known} answers so far are written to {folder}"
+    text = (folder / "stability.txt").read_text().splitlines()
+    assert text[-1].startswith(f"interrupted after {known} answers: ")
+    assert (folder / "stability.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_few_contacts_that_slip_where_infinitely_many_slide_are_no_second_road(

@@ -5,6 +5,7 @@ from contextlib import closing
 from typing import Any
 
 from toolkit.judge.files import save_judgement
+from toolkit.processes.signals import Terminated
 from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
 from toolkit.scene.scene import Scene
@@ -21,21 +22,31 @@ def report_stability(
 ) -> list[Row]:
     """The rows of the shipped extreme cases, or of those around `scene`; each line is given to `say` as it is known.
     Writes stability.txt, .csv, .json and .png into `folder`, which is checked before the work, and the picture in
-    `formats`, too. Raises InputError."""
+    `formats`, too; of an interrupted table the rows that are known. Raises InputError."""
     check_folder(folder)
-    lines = list[str]()
+    lines, found = list[str](), list[Row]()
 
     def say_and_keep(line: str) -> None:
         lines.append(line)
         say(line)
 
-    if scene is None:
-        found = stability(extreme_cases(), say_and_keep)
-    else:
-        found = scene_map(scene, say_and_keep)
+    def write(numbers: Mapping[str, Any]) -> None:
+        figure = draw_table(found) if scene is None else draw_map(found)
+        _save(folder, "stability", figure, lines, found, numbers, formats)
+
+    try:
+        if scene is None:
+            stability(extreme_cases(), say_and_keep, found)
+        else:
+            scene_map(scene, say_and_keep, found)
+    except (KeyboardInterrupt, Terminated) as stop:
+        if found:
+            lines.append(f"interrupted after {len(found)} answers: {summary(found)}")
+            write({"interrupted": True})
+            stop.add_note(f"the {len(found)} answers so far are written to {folder}")
+        raise
     say_and_keep(summary(found))
-    figure = draw_table(found) if scene is None else draw_map(found)
-    _save(folder, "stability", figure, lines, found, {}, formats)
+    write({})
     return found
 
 

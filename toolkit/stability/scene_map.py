@@ -25,15 +25,18 @@ _ENOUGH = 50.0
 _BEFORE = 0.9  # of the drive up to the first slip: beyond, ensembles of another size slip elsewhere
 
 
-def scene_map(scene: Scene, say: Callable[[str], None]) -> list[Row]:
+def scene_map(
+    scene: Scene, say: Callable[[str], None], found: list[Row] | None = None
+) -> list[Row]:
     """The rows of the scene as it is, then of each of its numbers times 0.1, 0.01, ... and 10, 100, ..., which end at
     the first that is not answered within the tolerance; each is said as soon as it is known.
 
-    A row's group is the key, its case the factor and the value. Raises InputError for a scene without a path.
+    A row's group is the key, its case the factor and the value. Rows are appended to `found`, which holds those of an
+    interrupted map, too. Raises InputError for a scene without a path.
     """
     scene = scene.one("stability")
     _ = scene.drive  # which says what is missing
-    found = list[Row]()
+    found = [] if found is None else found
 
     def asked(group: str, name: str, changes: Mapping[str, Any]) -> bool:
         """Whether both solvers answer the scene with these changes."""

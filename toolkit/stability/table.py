@@ -30,9 +30,12 @@ def extreme_cases() -> list[Case | Question]:
     return [*thresholds.cases(), *surfaces.cases(), *laws.cases(), *sliders.cases()]
 
 
-def stability(cases: Iterable[Case | Question], say: Callable[[str], None]) -> list[Row]:
-    """The rows of all cases, each said as soon as it is known, under the name of its group."""
-    found, group = list[Row](), ""
+def stability(
+    cases: Iterable[Case | Question], say: Callable[[str], None], found: list[Row] | None = None
+) -> list[Row]:
+    """The rows of all cases, each said as soon as it is known, under the name of its group. They are appended to
+    `found`, which holds those of an interrupted table, too."""
+    found, group = [] if found is None else found, ""
     for case in cases:
         if case.group != group:
             say(group := case.group)
