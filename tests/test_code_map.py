@@ -1,8 +1,16 @@
 """docs/code-map.md names the one place of each equation, as the docstrings say."""
 
+import re
+import sys
 from collections import Counter
+from pathlib import Path
+from types import FrameType
 
+import numpy as np
 from code_map import LABELS, NOWHERE, PAGE, SEVERAL, page, places
+
+import master
+import origins
 
 
 def test_each_equation_stands_in_one_place() -> None:
@@ -19,3 +27,23 @@ def test_each_equation_stands_in_one_place() -> None:
 
 def test_the_page_is_what_the_docstrings_say() -> None:
     assert PAGE.read_text(encoding="utf-8") == page(), "run python tests/code_map.py"
+
+
+def test_the_files_that_run_are_named() -> None:
+    """master.solve lists the files of master in which a function runs for the scene of the README, and no others."""
+    room, ran = Path(master.__file__).parent, set[str]()
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        path = Path(frame.f_code.co_filename)
+        if event == "call" and frame.f_code.co_name != "<module>" and room in path.parents:
+            ran.add(".".join(path.relative_to(room).with_suffix("").parts))
+
+    start = origins.gaussian_start(0.0, 0.025)
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.05), start)
+    sys.setprofile(note)
+    try:
+        master.solve(contacts, np.linspace(0.0, 5.0, 501))
+    finally:
+        sys.setprofile(None)
+    told = re.search(r"in which they begin, are (.*?);", master.solve.__doc__ or "", re.DOTALL)
+    assert told is not None and set(re.findall(r"`([\w.]+)`", told[1])) == ran

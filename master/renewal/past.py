@@ -3,7 +3,10 @@
 They are of three kinds: lumps, the start among them; births on the legs before, where the survival follows
 from the slider's displacements alone (earlier_legs.py); and such births of contacts that age, which have to be followed
 from leg to leg (strand_births.py). Past adds them up, and forgets legs of whose births hardly any contact holds.
-Times are counted from the beginning of the present leg, to keep digits.
+
+Two clocks: the march counts t from the beginning of the path, so that births.motion, Panels.begin and Lump.time do;
+here times are counted from the beginning of the present leg, to keep digits, so that the motion, the births and the
+grids of Past, EarlierLegs and sums_of_lumps are. Past.enter turns one into the other for births, `_summed` for lumps.
 """
 
 from collections.abc import Sequence
@@ -11,11 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from master.motion import Motion
 from master.numerics import polynomials
 from master.numerics.polynomials import Rows
 from master.renewal.births import INSIDE, TINY, Births, Lump, Panels, Sums
 from master.renewal.earlier_legs import EarlierLegs
+from master.renewal.lumps import sums_of_lumps
 from master.renewal.present import TARGETS
 from master.survival.life import MARGIN, Life
 from origins.thresholds.law import Array
@@ -40,8 +43,10 @@ class Past:
     """
 
     def __init__(self, births: Births) -> None:
-        """Before the first leg."""
+        """Before the first leg: `enter` is called before anything is asked for."""
         self._births = births
+        # the motion, its times and positions counted from the beginning of the present leg; when that is on the path
+        self._motion, self._leg_begin = births.motion, 0.0
         self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
         self._negligible = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
         self.leg, self.first = -1, 0
@@ -65,18 +70,19 @@ class Past:
 
     def enter(self, leg: int, panels: Panels) -> None:
         """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first` on, one delay
-        late, fall on it.
+        late, fall on it. `panels`: all that are solved.
 
         Legs have faded of whose births hardly any held when they were last asked for, on the leg before. A proposal
         that was rejected may have asked: a survival only falls, so that at any time of that leg more of them held than
         on this one."""
-        births, whole, before = self._births, self._births.motion, self.leg
-        self.leg, self._began = leg, float(whole.times[leg])
-        self._motion = whole.counted_from(leg)
+        births, path, before = self._births, self._births.motion, self.leg
+        self.leg, self._leg_begin = leg, float(path.times[leg])
+        self._motion = path.counted_from(leg)
         middle = panels.middle_of_births(births.delay)
-        self.first = int(np.searchsorted(middle, self._began))
-        panels, legs = panels.pick(slice(self.first)), whole.leg(middle[: self.first])
-        begin = panels.births_begin(whole.times[legs], births.delay)
+        self.first = int(np.searchsorted(middle, self._leg_begin))
+        panels, legs = panels.pick(slice(self.first)), path.leg(middle[: self.first])
+        # counted from the beginning of the leg of each birth, and not yet of this one
+        begin = panels.births_begin(path.times[legs], births.delay)
         if births.life.has_strands:
             self._follow_strands(range(max(before, 0), leg), panels, begin, legs)
             return
@@ -90,8 +96,11 @@ class Past:
             self._earlier = EarlierLegs(births, self._motion, leg, counted, born, self._accuracy)
 
     def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
-        """Number and force of births on the legs before, and of all lumps, (2, rows, columns), at times in rows, each
-        within one panel of the leg."""
+        """Number and force of births on the legs before, and of all lumps, shape (2, rows, columns).
+
+        grid : times in rows, each within one panel of the leg, counted from the leg's beginning
+        lumps : their times are those on the path
+        """
         speed = abs(float(self._motion.speeds[self.leg]))
         if self._earlier is not None and self._few.are_tried(grid, speed):
             interpolated = self._few.interpolated(self._summed(grid[:, FewTimes.ASKED], lumps))
@@ -109,8 +118,9 @@ class Past:
             both += strand.sums(t)
         if self._earlier is not None:
             both += self._counted(self._earlier.sums(t, self._negligible))
-        since = [lump._replace(time=lump.time - self._began) for lump in lumps]
-        of_lumps = self._counted(sums_of_lumps(self._births, self._motion, since, grid))
+        # from here on their times are counted from the leg's beginning, too
+        on_leg = [lump._replace(time=lump.time - self._leg_begin) for lump in lumps]
+        of_lumps = self._counted(sums_of_lumps(self._births, self._motion, on_leg, grid))
         return both.reshape(2, *grid.shape) + of_lumps
 
     def _counted(self, sums: Sums) -> Array:
@@ -154,53 +164,24 @@ class Past:
         self.survival_error = max(self.survival_error, *survivals, 0.0)
 
 
-def sums_of_lumps(births: Births, motion: Motion, lumps: Sequence[Lump], grid: Array) -> Sums:
-    """What lumps (the start: G_0 and M_0) add to number and force at times: 1 and 0 before birth, E and K after it.
-
-    motion : that of the births, counted from the beginning of the present leg, as the lumps' times are
-    grid : times in rows, each within one panel; a row's middle column says on which side of an exact threshold it is,
-        and whether a lump that is born at an end of the panel is born before
-    """
-    both, survival_error = np.zeros((2, *grid.shape)), 0.0
-    earliest, middle = grid.min(keepdims=True), grid[:, grid.shape[1] // 2]
-    inside = INSIDE * np.ptp(grid, axis=1)
-    panel_begin, panel_end = grid.min(axis=1) + inside, grid.max(axis=1) - inside
-    for law in dict.fromkeys(lump.law for lump in lumps):
-        alike = [lump for lump in lumps if lump.law is law]
-        weight = np.array([lump.weight for lump in alike])
-        birth = np.array([[lump.time] for lump in alike])
-        # no panel ends at the birth of a small lump: it is out before, so that the panel's error shows the kink
-        amid = (panel_begin < birth) & (birth < panel_end)  # lump, row
-        out = (birth > middle) & ~amid
-        both[0] += (weight @ out)[:, None]
-        may_hold = births.may_hold(law, motion.history(earliest, birth))[:, None]
-        lump, row = np.nonzero((may_hold | (birth >= earliest)) & ~out)
-        if not row.size:
-            continue
-        births.add_work(row.size)
-        t, born = grid[row], birth[lump]
-        found = births.life.survival_and_force(law, motion.history(np.maximum(t, born), born))
-        survival_error = max(survival_error, found.error)
-        still_out = amid[lump, row, None] & (t < born)
-        survivors = np.where(still_out, [[[1.0]], [[0.0]]], found.both)
-        for total, added in zip(both, weight[lump, None] * survivors, strict=True):
-            np.add.at(total, row, added)
-    return Sums(both, 0.0, survival_error)
-
-
 class FewTimes:
     """Sums at all TARGETS of a panel from those at a few, where births on earlier legs change little over it.
 
     It is tried where a survival takes long. The cubic through the sums at four of the places gives those at all of
     them, and the sums at two more test it; a layer right behind a turn would show at the first of these.
+
+    SUMMED : columns of TARGETS through which the cubic goes: at degree 16 these are 0, 6, 11 and 16, the panel's
+        beginning, two nodes in between and its end
+    CHECKED : two of the check points between the nodes, columns 17 and 19
+    ASKED : both, the only columns that are summed
+    TO_ALL : matrix from the sums at SUMMED to the cubic at all TARGETS, shape (4, TARGETS.size)
+    NARROWER : where it fails, it is tried again on panels of this part of the width only
     """
 
     SUMMED = (0, 3 * polynomials.DEGREE // 8, 11 * polynomials.DEGREE // 16, polynomials.DEGREE)
     CHECKED = (polynomials.DEGREE + 1, polynomials.DEGREE + 3)
-    # columns of TARGETS that are asked for
     ASKED: tuple[int, ...] = SUMMED + CHECKED
     TO_ALL = polynomials.Points(2.0 * TARGETS[list(SUMMED)] - 1.0).at(TARGETS)
-    # where it fails, it is tried again on panels of this part of the width only
     NARROWER = 0.5
 
     def __init__(self, life: Life) -> None:

@@ -1,0 +1,56 @@
+"""Number and force of lumps: the contacts of the start, and sets of contacts that were born at one instant.
+
+The start gives G_0 and M_0. Lumps with one law of stretches are asked for together.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from master.motion import Motion
+from master.renewal.births import INSIDE, Births, Lump, Sums
+from origins.thresholds.law import Array
+
+
+def sums_of_lumps(births: Births, motion: Motion, lumps: Sequence[Lump], grid: Array) -> Sums:
+    """What lumps add to number and force at times; both of shape (2, *grid.shape).
+
+    motion : that of the births, counted from the beginning of the present leg, as the lumps' times are
+    grid : times in rows, each within one panel
+
+    A lump counts on a panel by where its birth lies:
+
+    - behind the panel: the contacts are out on all of it, number 1 and force 0;
+    - before the panel: E and K, or nothing where none may hold any more at the earliest of all times;
+    - amid the panel: out at times before the birth, E and K at those after. Edges lie at the births of large lumps
+      only, so that the panel's error shows the kink of a small one.
+
+    Mostly a birth lies on an edge, where rounding tells no side. One that is nearer to a panel's end than INSIDE of the
+    width is not amid: whether it is before or behind is decided by the middle column of the row. That column says, too,
+    on which side of an exact threshold the row is (see History).
+    """
+    both, survival_error = np.zeros((2, *grid.shape)), 0.0
+    earliest, middle = grid.min(keepdims=True), grid[:, grid.shape[1] // 2]
+    inside = INSIDE * np.ptp(grid, axis=1)
+    panel_begin, panel_end = grid.min(axis=1) + inside, grid.max(axis=1) - inside
+    for law in dict.fromkeys(lump.law for lump in lumps):
+        alike = [lump for lump in lumps if lump.law is law]
+        weight = np.array([lump.weight for lump in alike])
+        birth = np.array([[lump.time] for lump in alike])  # (lumps, 1), against rows (rows,)
+        amid = (panel_begin < birth) & (birth < panel_end)
+        behind = (birth > middle) & ~amid
+        both[0] += (weight @ behind)[:, None]
+        may_hold = births.may_hold(law, motion.history(earliest, birth))[:, None]
+        # pairs of a lump and a row, shape (pairs,)
+        lump, row = np.nonzero((may_hold | (birth >= earliest)) & ~behind)
+        if not row.size:
+            continue
+        births.add_work(row.size)
+        t, born = grid[row], birth[lump]  # (pairs, columns) and (pairs, 1)
+        found = births.life.survival_and_force(law, motion.history(np.maximum(t, born), born))
+        survival_error = max(survival_error, found.error)
+        still_out = amid[lump, row, None] & (t < born)
+        survivors = np.where(still_out, [[[1.0]], [[0.0]]], found.both)  # (2, pairs, columns)
+        for total, added in zip(both, weight[lump, None] * survivors, strict=True):
+            np.add.at(total, row, added)
+    return Sums(both, 0.0, survival_error)
