@@ -12,7 +12,7 @@ from scipy import stats
 import eq_model
 import master
 from master.rate_state.law import EvolutionLaw, RateStateLaw, left_of_step
-from master.rate_state.reading import read_steps
+from master.rate_state.reading import Reading, read_steps
 from master.rate_state.rests import healing_of, rest_of
 from master.rate_state.stability import critical_spring_of
 from master.rate_state.traces import Rest, VelocityStep, steps_about
@@ -49,6 +49,24 @@ def test_the_law_gives_back_its_own_numbers(evolution: EvolutionLaw, a: float, b
     assert found.a == pytest.approx(a, abs=1e-7) and found.b == pytest.approx(b, abs=1e-7)
     assert found.slip_distance == pytest.approx(0.21, rel=1e-6)
     assert found.direct_slip == 0.0
+
+
+def test_readings_do_not_depend_on_where_the_answer_is_known() -> None:
+    """An answer that rises over a slip of 0.05 and falls over 0.2: the other readings, too, are those of 40 times as
+    many points."""
+
+    def read(points: int) -> Reading:
+        slip = np.union1d(np.geomspace(1e-7, 8.0, points), np.linspace(0.0, 8.0, 5 * points // 2))
+        steps = list[VelocityStep]()
+        for way, rise in ((1.0, 0.05), (-1.0, 0.03)):
+            answer = 0.02 * np.expm1(-((slip / 0.2) ** 1.3)) - 0.03 * np.expm1(-slip / rise)
+            ends = float(np.exp(-0.5 * way)), float(np.exp(0.5 * way))
+            steady = 1.0 - 0.005 * way, 1.0 + 0.005 * way
+            force = 1.0 + way * (answer - 0.005)
+            steps.append(VelocityStep(*ends, *steady, slip, force, 1e-9, True))
+        return read_steps(steps, "slip")
+
+    assert read(160).others == pytest.approx(read(6400).others, rel=3e-3)
 
 
 @pytest.mark.parametrize("evolution", LAWS)
@@ -309,12 +327,12 @@ def test_the_page_of_the_documentation_holds() -> None:
     found = master.rate_state(scene.contacts, scene.sliding, decades=0)
     coefficient = scene.scale.force / (scene.scale.load or 1.0)
     for number, value, definition in (
-        (found.a, 0.0114, 0.0036),
-        (found.b, 0.0040, 0.0036),
+        (found.a, 0.0114, 0.0037),
+        (found.b, 0.0040, 0.0037),
         (found.a_minus_b, 0.0074, 0.0),
     ):
         assert number.value * coefficient == pytest.approx(value, abs=5e-5)
-        assert number.definition * coefficient == pytest.approx(definition, abs=1e-4)
+        assert number.definition * coefficient == pytest.approx(definition, abs=5e-5)
     assert found.slip_distance.value == pytest.approx(4.0e-9, abs=5e-11)
     assert found.misfit_later.share == pytest.approx(0.12, abs=0.005)
     assert found.critical_spring == found.critical_spring_solved == 0.0

@@ -12,8 +12,9 @@ from origins.thresholds.law import Array
 
 # of the largest change: a smaller rise of the force is no direct effect; and a fall by this ends the direct effect
 NO_RISE = 1e-2
-# D_c is sought from this part of the answer's slip on, first at so many places
-SHORTEST, TRIALS = 1e-4, 60
+# D_c is sought from this part of the answer's slip on, first at so many places; and not where the evolution is over
+# by e^-50 before the maximum, as no number would be left of it
+SHORTEST, TRIALS, DECAYED = 1e-4, 60, 50.0
 # an error of the forces may move D_c directly as well as by b
 TWICE = 2.0
 
@@ -124,12 +125,16 @@ def fit_evolution(
 ) -> Evolution:
     """b and D_c of the law that is nearest to the forces at slips beyond `begins`, by least squares over the slip; with
     b given D_c alone."""
+    from scipy.interpolate import PchipInterpolator
     from scipy.optimize import minimize_scalar
 
-    slips = [one.slip[one.slip >= begin] for one, begin in zip(steps, begins, strict=True)]
-    weight = np.concatenate([np.sqrt(np.gradient(slip)) for slip in slips])
+    slips = [
+        np.r_[begin, one.slip[one.slip > begin]] for one, begin in zip(steps, begins, strict=True)
+    ]
+    weight = np.sqrt(np.concatenate([trapezoids(slip) for slip in slips]))
     left = [
-        (one.response - one.slope)[-slip.size :] for one, slip in zip(steps, slips, strict=True)
+        PchipInterpolator(one.slip, one.response)(slip) - one.slope
+        for one, slip in zip(steps, slips, strict=True)
     ]
     goal = weight * np.concatenate(left)
 
@@ -144,7 +149,8 @@ def fit_evolution(
         return size, float(np.square(goal - size * form).sum())
 
     longest = max(float(slip[-1]) for slip in slips)
-    trial = np.log(np.geomspace(SHORTEST * longest, longest, TRIALS))
+    shortest = max(SHORTEST * longest, max(begins) / DECAYED)
+    trial = np.log(np.geomspace(shortest, longest, TRIALS))
     best = int(np.argmin([best_of(np.exp(each))[1] for each in trial]))
     ends = trial[max(best - 1, 0)], trial[min(best + 1, trial.size - 1)]
     found = minimize_scalar(
@@ -157,8 +163,16 @@ def fit_evolution(
     return Evolution(best_of(distance)[0], distance)
 
 
+def trapezoids(at: Array) -> Array:
+    """The weights of an integral over rising places, shape (n,), by the trapezoidal rule."""
+    return 0.5 * (np.diff(at, prepend=at[0]) + np.diff(at, append=at[-1]))
+
+
 def _fallen(step: VelocityStep, peak: Peak, b: float) -> float:
-    """The slip since the step at which what is left of the evolution first is b/e."""
-    left = step.response - step.slope
-    below = np.flatnonzero((np.abs(left) <= abs(b) / np.e) & (step.slip > peak.slip))
-    return float(step.slip[below[0]]) if below.size else float(step.slip[-1])
+    """The slip since the step at which what is left of the evolution first is b/e, straight between points."""
+    left = np.abs(step.response - step.slope) - abs(b) / np.e
+    below = np.flatnonzero((left <= 0.0) & (step.slip > peak.slip))
+    if not below.size:
+        return float(step.slip[-1])
+    pair = slice(below[0] - 1, below[0] + 1)
+    return float(np.interp(0.0, -left[pair], step.slip[pair]))
