@@ -430,8 +430,8 @@ def test_a_structure_of_ase_has_a_verdict(capsys: Any, kind: str) -> None:
     table |= {"island": island, "substrate": substrate}
     contacts = {"thresholds": table}
     contacts["interface"] = {"mean_stiffness": 32.0, "contact_density": 1e13}
-    drive = {"spring": "50 N/m", "area": 1e-6, "velocity": 1e-6}
-    _, page, found = judged(capsys, contacts=contacts, drive=drive, wall_time=120.0)
+    drive = {"spring": "50 N/m", "area": 1e-7, "velocity": 1e-6}
+    _, page, found = judged(capsys, contacts=contacts, drive=drive)
     own = found["readings"][0]
     kinds = {one["rule"]: one["kind"] for one in own["behaviours"]}
     assert kinds == {"reset": "stick-slip", "reform-after": "stick-slip", "instant": "smooth"}
@@ -440,7 +440,7 @@ def test_a_structure_of_ase_has_a_verdict(capsys: Any, kind: str) -> None:
     top = 6.0 * law.mean_threshold
     path = np.append(np.linspace(0.0, top, 601), 40.0 * law.mean_threshold)
     forces = eq_model.simulate(law, path, n_contacts=200_000, n_replicas=2)
-    error, together = forces.force_standard_error.max() * 32e7, 32e7
+    error, together = forces.force_standard_error.max() * 32e6, 32e6
     assert (
         abs(own["static"]["value"] - forces.force.max() * together)
         < 5.0 * error + 2e-3 * law.mean_threshold * together

@@ -54,16 +54,17 @@ def sliders(
     few_will_do: bool = False,
 ) -> Any:
     """The ensemble's result for sliders of so many contacts each, or of as many as a pilot of a few says can be
-    followed within so many seconds. Raises InputError where these are no more than those of the pilot, unless
-    `few_will_do`, and for a slider that the ensemble does not take."""
+    followed within so many seconds, without those in which the kernels and the tables of draws are made. Raises
+    InputError where these are no more than those of the pilot, unless `few_will_do`, and for a slider that the ensemble
+    does not take."""
     import eq_model
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
     asked |= machine.keywords(rule)
-    until = time.monotonic() + seconds
     if number > FEW:
+        eq_model.Ensemble(contacts, path, n_contacts=FEW, **asked)  # makes the kernels and tables
         pilot = eq_model.simulate(contacts, path, n_contacts=FEW, **asked)
-        left = max(until - time.monotonic(), 0.0)
+        left = max(seconds - pilot.run_time, 0.0)
         needed, most = pilot.run_time * number / FEW, int(FEW * left / pilot.run_time)
         if needed > left and most <= FEW:
             if few_will_do:

@@ -26,8 +26,9 @@ TOLERANCE, TOLERANCE_IN_TIME, ENOUGH = 1e-6, 1e-3, 0.05
 LENGTHS = (LOADINGS, 20.0, 60.0)
 # of critical damping, taken where none is given and the slider rings for too long
 DAMPED = 0.1
-# of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider
-FIRST, FIRST_OF_RULES = 0.5, 0.8
+# of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider;
+# and s of it at most under a slip rule, which ordinary laws take a second for, and laws with many peaks minutes
+FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
 # lengths of memory, beyond that of ln(1/K), after which what is left of F - F_k is rounding, e^-30; and the largest
 # spring, in N_c<k>, of which this is told: its slider has moved by K of its drive's way when it slips
 FORGOTTEN, SOFTEST = 30.0, 1e-3
@@ -45,11 +46,15 @@ def follow(
     """
     end = time.monotonic() + wall_time
     loading = known.static / machine.spring + contacts.mean_threshold
-    cold = contacts.replace(thermal=None)
+    # the ensemble keeps its tables with the contacts, for all rules
+    cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
     by_contacts = may_follow(machine, cold, rule, known)
     undamped = machine.mass is not None and not machine.damping
     first = FIRST if rule == "mass" else FIRST_OF_RULES
     until = end - (1.0 - first) * wall_time * (undamped or by_contacts)
+    forgets = rule == "instant" and _forgets(machine, contacts, known)
+    if forgets or (by_contacts and rule != "mass" and not contacts.in_time):
+        until = min(until, time.monotonic() + ENOUGH_OF_RULES)
     one_length = rule != "mass" and may_follow(machine, contacts, rule, known)
     lengths = LENGTHS[:1] if one_length else LENGTHS
     found = _by_distribution(machine, contacts, rule, [each * loading for each in lengths], until)
@@ -62,7 +67,7 @@ def follow(
         if other.kind == "undecided":
             return found
         return other if found.heat_left_out is None else _without_heat(other, found.heat_left_out)
-    if rule == "instant" and not found.success and _forgets(machine, contacts, known):
+    if forgets:
         return _after_forgetting(machine, contacts, known, found)
     if undamped and machine.mass is not None:
         critical = 2.0 * float(np.sqrt(machine.spring * machine.mass))

@@ -248,11 +248,12 @@ def _answer(
 
 def _propensity(contacts: Contacts, velocity: float, until: float) -> Any:
     """K*, F_s and the decoherence length of these contacts, roughly first: laws with many peaks take a minute for more,
-    which is spent only where it is there, in s of the monotonic clock."""
+    which is spent only where it is there, in s of the monotonic clock, and where K* is not infinite anyway."""
     import master
 
     rough = master.propensity(contacts, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
-    if time.monotonic() + LONGER * rough.run_time > until:
+    late = time.monotonic() + LONGER * rough.run_time > until
+    if late or not np.isfinite(rough.critical_spring):
         return rough
     return master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
 

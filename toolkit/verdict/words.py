@@ -143,10 +143,10 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     if kind == "undecided" and not last.slips:
         return f"not decided {why}"
     off = f" ± {written(error, scale.force_unit, digits=1)}" * (error > KNOWN * top)
-    low = reach([one.after * scale.force for one in alike], scale.force_unit) + off
+    low = reach([one.after * scale.force for one in alike], scale.force_unit)
     if kind == "smooth":
-        return f"smooth at {low}"
-    high = reach([one.before * scale.force for one in alike], scale.force_unit)
+        return f"smooth at {low}{off}"
+    high = reach([one.before * scale.force for one in alike], scale.force_unit) + off
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
         return f"not decided: {seen} from {high} down to {low}, and whether it goes on is not known {why}"
