@@ -131,6 +131,18 @@ def test_an_instant_slip_stays_on_the_rigid_curve(spring):
     assert np.abs(load(solution.position) - spring * path).max() <= far + 1e-12
 
 
+def test_contacts_decohere_in_an_instant_slip_as_in_a_march():
+    """Where the drive never turns the end of the decohering is told by X*; where it turns later it is marched."""
+    path, spring = [4500.0, 6000.0, 5999.0], 2e-4
+    straight, back = (
+        solved(origins.Contacts(NARROW), path[:count], spring, "instant", 1e-6) for count in (2, 3)
+    )
+    assert straight.success and back.success and straight.slips.drive.size == 1
+    off = np.abs(straight.force - back.force[:2]).max()
+    assert off <= straight.force_error + back.force_error < 1e-9
+    assert np.abs(straight.force - 0.5 * NARROW.moment(2)).max() <= straight.force_error
+
+
 def test_exact_values_slip_where_they_break():
     # half break at X = 0.8: those that hold carry 0.5 X + 2 X, with the others back 0.4 + 3 y
     instant = solved(origins.Contacts(TWO), [0.0, 1.3], 2.0, "instant").slips

@@ -9,7 +9,8 @@ from master.outcome import StoppedError, stop_after
 from master.renewal.births import Births
 from master.renewal.edges import edges
 from master.soft.curve import LoadCurve, SlipBegin
-from master.soft.moves import ColdContacts, LoadingHistory, Move, MoveWithoutBirths, SlipEnd
+from master.soft.moves import ColdContacts, LoadingHistory, Move, SlipEnd
+from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.regime import Followed, slips_of
 from origins import Contacts
 from origins.drive import SLIP_SHARE, Drive
@@ -40,6 +41,7 @@ class ColdSlider:
     ) -> None:
         """Balance the spring with the force of the start, at X = 0; for `unknown` see ColdContacts."""
         self.slip, self.path, self.spring = drive.slip, drive.path, float(drive.spring or 0.0)
+        self._forward = drive.forward
         self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until)
         cold.unknown = unknown
         self._start_force = cold.force_of(contacts.start)
@@ -166,7 +168,7 @@ class ColdSlider:
                 return
             drives = drives[count:]
             if self.slip == "instant":
-                curve, y = move.end_of_slip(slip.travel, slip.load, slip)
+                curve, y = move.end_of_slip(slip.travel, slip.load, slip, self._forward)
                 self._note(move, slip, begin, float(curve.force(y)), np.nan)
             else:
                 renew = self._reset if self.slip == "reset" else self._reform_after

@@ -97,14 +97,16 @@ class LoadCurve:
             falls = self._first_above(-slopes, self.spring, rises)
         return float(np.min([falls, *drops[:1]]))
 
-    def slip_ends(self, after: float, level: float, falling: float) -> float:
-        """The first travel after a slip's beginning where the load is at `level` again, searched from where it rises
-        again; inf if none. After the way `falling` the computed load surely falls, 0 where it drops at once."""
-        rises = self._first_above(self._derivatives(1), -self.spring, after + falling)
+    def rises(self, after: float) -> float:
+        """The first travel >= after from which the load rises; inf if none."""
+        return self._first_above(self._derivatives(1), -self.spring, after)
+
+    def reaches(self, level: float, after: float) -> float:
+        """The first travel >= after at which the load is at `level`; inf if none."""
         load = self.series.copy()
         load[:, 0] += self.spring * (self.begin + 0.5 * self.width)
         load[:, 1] += self.spring * 0.5 * self.width
-        return self._first_above(load, level, rises)
+        return self._first_above(load, level, after)
 
     def _first_above(self, series: Array, level: float | Array, after: float) -> float:
         """The first travel >= after at which polynomials on panels are above a level, one for all or one for each

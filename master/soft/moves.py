@@ -3,7 +3,8 @@
 At T = 0 nothing depends on time, so t of the march is the distance that the slider has travelled.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,9 +16,10 @@ from master.renewal.births import MOST_WORK, Births, reforming_law
 from master.renewal.edges import SMOOTHER, Kink, edges
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
-from master.renewal.present import TARGETS, Run
 from master.soft.curve import LoadCurve, SlipBegin, SteadyForce
-from master.survival.life import NO_SURVIVAL, ColdLife
+from master.steady.cycle import Cycle
+from master.stick_slip.roots import decoherence_length
+from master.survival.life import ColdLife
 from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -27,6 +29,15 @@ STILL = 1e-12
 # Breaks are steady where their rates agree to this share over the longest life; rates of steady breaks differ by up to
 # 5e-12, the rounding of slopes (measured on panels of half a mean threshold).
 STEADY_RATES = 1e-10
+# Contacts that decohere more slowly than within this many spans of two lives are not followed until they have where X*
+# tells how much is left; modes of longer X* may be hidden by this factor in the range of the force.
+DECOHERES, HIDDEN = 2.0, 100.0
+# To values at four times as many Chebyshev points as its degree, between which a polynomial passes beyond their mean by
+# at most this factor (Ehlich and Zeller).
+BETWEEN = polynomials.values(
+    0.5 - 0.5 * np.cos(np.pi * np.arange(4 * polynomials.DEGREE + 1) / (4 * polynomials.DEGREE))
+)
+BEYOND = 1.0 / np.cos(0.125 * np.pi)
 
 
 class ColdContacts:
@@ -41,6 +52,7 @@ class ColdContacts:
     """
 
     def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
+        self._contacts = contacts
         self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
         self.start = contacts.start
         self.formed_again = reforming_law(contacts)
@@ -53,6 +65,21 @@ class ColdContacts:
         self.steady_rates = max(STEADY_RATES, 1e-2 * min(tolerance, spring))
         self.spring, self.until = spring, until
         self.unknown, self.nodes = 0.0, 0
+
+    @cached_property
+    def _cycle(self) -> Cycle:
+        return Cycle(self._contacts, self.life, 1.0)
+
+    @property
+    def steady_force(self) -> tuple[float, float]:
+        """F_k/(N_c <k>) of a slider that moves forward, and its error (lengths)."""
+        return self._cycle.force()
+
+    @cached_property
+    def decoherence_length(self) -> float:
+        """X*, not too short by its error (a length); inf where F does not tend to F_k as an exponential."""
+        length, error = decoherence_length(self._cycle)
+        return length + error
 
     def force_of(self, start: Start) -> float:
         """F/(N_c <k>) of contacts with these stretches (a length)."""
@@ -120,17 +147,26 @@ class Move:
                 return SlipBegin(curve, y, load)
             travel = curve.end + self.contacts.life.resolution_length
 
-    def end_of_slip(self, after: float, load: float, begin: SlipBegin) -> SlipEnd:
-        """The curve, and the travel at the end of the slip that begins at the travel `after` with this load."""
+    def end_of_slip(
+        self, after: float, load: float, begin: SlipBegin, goes_on: bool = False
+    ) -> SlipEnd:
+        """The curve, and the travel at the end of the slip that begins at the travel `after` with this load; `goes_on`:
+        the slider never turns later, so that of contacts that have decohered only the force matters."""
         # next to the beginning, which is known to `begin_error`, the computed load may still rise: its rise at the end
         # is looked for from ten times as far on, at most 1e-4 of the travel, as slips are longer
         falling, travel = min(10.0 * begin.begin_error, 1e-4 * begin.curve.end), after
+        searched, rises = after + falling, np.inf
         while True:
             curve = self.curve_to(travel)
-            y = curve.slip_ends(after, load, falling)
+            # panels that were searched before are not searched again: a slip may pass thousands
+            rises = curve.rises(searched) if np.isinf(rises) else rises
+            y = curve.reaches(load, max(rises, searched)) if np.isfinite(rises) else np.inf
             if np.isfinite(y):
                 return SlipEnd(curve, y)
+            searched = max(searched, curve.end)
             travel = curve.end + self.contacts.life.resolution_length
+            if goes_on and self._steady is None:
+                self._steady = self._decohered_at(load)
 
     def curve_to(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
@@ -195,6 +231,29 @@ class Move:
         force = self.direction * float(march.force[-1, -1])
         return SteadyForce(force, differ * abs(force) + float(np.ptp(march.force[first:])))
 
+    def _decohered_at(self, level: float) -> SteadyForce | None:
+        """The force of steady breaks, where it is F to the tolerance before the load can be at `level` again.
+
+        Once none of the contacts of the move's begin, and of those born before, is left, F is a mean of its values
+        over the longest life (renewal equation) and stays within them, and F - F_k falls as e^(-y/X*).
+        """
+        march, contacts = self._march, self.contacts
+        memory = 2.2 * contacts.life.largest_stretch
+        undisturbed = march.reached - max(self.loaded.end, march.lumps[-1].time)
+        if undisturbed < DECOHERES * memory:
+            return None
+        first = max(int(np.searchsorted(march.begin, march.reached - memory, "right")) - 1, 0)
+        force = self.direction * march.force[first:] @ BETWEEN.T
+        half, (steady, error) = BEYOND * 0.5 * float(np.ptp(force)), contacts.steady_force
+        most = 0.5 * float(force.max() + force.min()) + half
+        ahead = (level - most) / contacts.spring - (march.reached - self.loaded.end)
+        if ahead <= 0.0 or not np.isfinite(contacts.decoherence_length):
+            return None
+        left = HIDDEN * half * np.exp(-ahead / contacts.decoherence_length)
+        if left > contacts.steady_rates * contacts.unit:
+            return None
+        return SteadyForce(steady, error + left)
+
     def travel_of_state(self, y: float) -> float:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
         return y if self._steady is None else min(y, self._march.reached - self.loaded.end)
@@ -237,60 +296,3 @@ class Move:
             raise StoppedError("stopped as exact thresholds break too often to be followed")
         self._kinks, march.edges = tuple(plan.kinks), plan.times
         self._march, self._runs = march, march.runs()
-
-
-class MoveWithoutBirths(Move):
-    """Contacts during a slip in which broken contacts stay out until the slider stops."""
-
-    # share of the contacts that hold where the last panel ends
-    _held = 1.0
-
-    def _steady_force(self) -> SteadyForce | None:
-        """The force 0, once no contact holds any more."""
-        return SteadyForce(0.0, 0.0) if self._held <= NO_SURVIVAL else None
-
-    def holds_none(self, y: float) -> bool:
-        """Whether no contact holds any more after the travel y."""
-        return self._steady is not None and self.travel_of_state(y) < y
-
-    def _advance(self) -> bool:
-        """See Move: one panel, on which nothing is born, as wide as a polynomial allows."""
-        march, length, tolerance = (
-            self._march,
-            self.contacts.life.resolution_length,
-            self._march.tolerance,
-        )
-        begin = max(march.reached, self.loaded.end)
-        later = march.edges[march.edges > begin + STILL * length]
-        if not later.size:
-            return False
-        width = min(self._widest, float(later[0]) - begin)
-        while True:
-            known = march.known_at(begin + width * TARGETS[None])[..., : polynomials.DEGREE + 1]
-            force = known[1]
-            error = (
-                np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1)
-                / self.contacts.life.largest_stretch
-            )
-            if error[0] <= tolerance or width <= STILL * length:
-                break
-            width = self._widest = 0.5 * width
-        self._held = float(known[0, 0, -1])
-        # the error grows as the width to the power DEGREE: twice as wide will do
-        if error[0] <= max(0.5**polynomials.DEGREE * tolerance, 1e-16):
-            self._widest *= 2.0
-        leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
-        march.keep(begin, width, Run(np.zeros_like(force), force, error), 1, begin - leg_begin)
-        return True
-
-    def held(self, y: float) -> float:
-        """The share of the contacts that hold after the travel y."""
-        if self.holds_none(y):
-            return 0.0
-        return float(self._march.known_at(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0])
-
-    def after_slip(self, y: float, error: float) -> LoadingHistory:
-        """The history when the slip ends after the travel y, and broken contacts re-form; the error is that after."""
-        history = self.stopped(y, error)
-        kinks = (*self.loaded.kinks, Kink(history.end, 1.0))
-        return replace(history, cut=self.loaded.end, kinks=kinks)

@@ -1,0 +1,79 @@
+"""A move of the slider in a slip in which broken contacts stay out until it stops."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from master.numerics import polynomials
+from master.renewal.edges import Kink
+from master.renewal.present import TARGETS, Run
+from master.soft.curve import SteadyForce
+from master.soft.moves import STILL, LoadingHistory, Move
+from master.survival.life import NO_SURVIVAL
+
+# Most panels that are tried together: the slip may end on the first.
+MOST_TOGETHER = 8
+
+
+class MoveWithoutBirths(Move):
+    """Contacts during a slip in which broken contacts stay out until the slider stops."""
+
+    # share of the contacts that hold where the last panel ends
+    _held = 1.0
+    # panels that are tried together, as most of the work is the same for one and for many
+    _together = 1
+
+    def _steady_force(self) -> SteadyForce | None:
+        """The force 0, once no contact holds any more."""
+        return SteadyForce(0.0, 0.0) if self._held <= NO_SURVIVAL else None
+
+    def holds_none(self, y: float) -> bool:
+        """Whether no contact holds any more after the travel y."""
+        return self._steady is not None and self.travel_of_state(y) < y
+
+    def _advance(self) -> bool:
+        """See Move: some panels on which nothing is born, as wide as polynomials allow."""
+        march, life, tolerance = self._march, self.contacts.life, self._march.tolerance
+        begin = max(march.reached, self.loaded.end)
+        later = march.edges[march.edges > begin + STILL * life.resolution_length]
+        if not later.size:
+            return False
+        room, count = float(later[0]) - begin, self._together
+        while True:
+            width = min(self._widest, room)
+            count = min(count, max(int(room / width), 1))
+            starts = begin + width * np.arange(count)[:, None]
+            known = march.known_at(starts + width * TARGETS)[..., : polynomials.DEGREE + 1]
+            force = known[1]
+            error = (
+                np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1) / life.largest_stretch
+            )
+            narrowest = width <= STILL * life.resolution_length
+            bad = np.flatnonzero(error > tolerance)
+            good = int(bad[0]) if bad.size and not narrowest else count
+            if good:
+                break
+            self._widest, count = 0.5 * width, 1
+        self._held = float(known[0, good - 1, -1])
+        # beside a panel that was too wide the next ones are, too; the error grows as the width to the power DEGREE
+        if good < count:
+            self._widest = 0.5 * width
+        elif error.max() <= max(0.5**polynomials.DEGREE * tolerance, 1e-16):
+            self._widest *= 2.0
+        self._together = min(2 * self._together, MOST_TOGETHER) if good == count else 1
+        leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
+        run = Run(np.zeros_like(force), force, error)
+        march.keep(begin, width, run, good, begin - leg_begin)
+        return True
+
+    def held(self, y: float) -> float:
+        """The share of the contacts that hold after the travel y."""
+        if self.holds_none(y):
+            return 0.0
+        return float(self._march.known_at(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0])
+
+    def after_slip(self, y: float, error: float) -> LoadingHistory:
+        """The history when the slip ends after the travel y, and broken contacts re-form; the error is that after."""
+        history = self.stopped(y, error)
+        kinks = (*self.loaded.kinks, Kink(history.end, 1.0))
+        return replace(history, cut=self.loaded.end, kinks=kinks)
