@@ -1,161 +1,156 @@
-"""The state of a slider with mass and its contacts, which form again after a delay, on the path of its drive."""
+"""The state of a slider with mass and its contacts, which form again after a delay: what motions change and record."""
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
-from master.motion import Motion
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.collocation import Machine, State
 from master.soft.inertia.delayed.contacts import Cohorts
-from master.soft.inertia.delayed.fast_sliding import FastSliding
-from master.soft.inertia.delayed.panel import NODES, Panel
+from master.soft.inertia.delayed.drive_path import DrivePath
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.reaction import ALIKE
-from master.soft.inertia.record import Instant, Record, Watched
+from master.soft.inertia.record import Instant, Record
 from origins import Contacts
 from origins.drive import Drive
 from origins.thresholds.law import Array
 
 # Error of a panel, in units of the tolerance of the force: ringing that is smaller counts as rest.
 OF_PANEL = QUIET
-# Multiples of the delay after a kink of the breaks at which births have a visible one: each is smoother by one order.
-ECHOES = 3
-# Difference of two places that count as one, in units of the error of a panel.
-SAME = 0.1
-# Rounding of times.
-EPSILON = 1e-13
-# Survival below which no contact holds where births pass the slider in numbers.
-FEW = 1e-12
+# Difference of two places that count as one, in units of the error of a panel; and in units of the place, of which it
+# is some fifty times the rounding.
+SAME, SAME_ROUNDED = 0.1, 1e-14
+# Force per contact that holds, in longest stretches, for whether hardly any holds: on the safe side of 1.
+MOST_FORCE = 4.0
+# Share of the contacts below which those that are due to form are the rounding of the births.
+LEAST_REST = 1e-17
 
 
-class DelayedBody:
-    """A slider at an instant, and its contacts.
+class Energies(NamedTuple):
+    """Energies per N_c<k> since t = 0 (lengths squared), numbers or arrays of one shape: what the drive gave, what the
+    damping took, and what moving the contacts took."""
 
-    record : results at the asked times, and slips
-    stored_first : energy of the contacts at t = 0
+    given: float | Array
+    damped: float | Array
+    on_contacts: float | Array
 
-    What panels and closed motions hand on to each other, beside state, contacts and past breaks:
-    _width : width of the next panel; inf after a closed motion, where the first one is guessed
-    _last : the panel before, whose polynomial is the first guess on the next; None after a turn or a closed motion
-    _kinks : times at which births bend, one, two or three delays after breaks do
-    _levels : positions at which the contacts' force bends, until the slider passes them
-    _way : direction of the drive, that of the last leg in a hold
-    _leg : of the drive; _panels, _turns : how many there were, which are limited
+    def and_then(self, later: "Energies") -> "Energies":
+        """The sums of these and later ones."""
+        return Energies(*(mine + added for mine, added in zip(self, later, strict=True)))
+
+
+class Body:
+    """A slider at an instant, its contacts, and the leg of its drive: all that the two kinds of motion have in common.
+
+    OnPanels and Swinging read it, and change it by its methods alone: `go_on` at the end of each of their motions, and
+    between them `wait_until`, `end_leg`, `form_lump` and `break_together`.
+
+    machine, drive : given; of the drive the leg changes
+    tolerance, accuracy : of the force, and the error that a panel may have (lengths)
+    state : time, X and dX/dt
+    contacts : cohorts that have formed up to now
+    past : breaks up to now, which are the births to come; OnPanels adds each panel to them before `go_on`
+    energies : up to now
     """
 
     def __init__(
         self,
         contacts: Contacts,
         drive: Drive,
-        motion: Motion,
+        path: DrivePath,
         record: Record,
         tolerance: float,
-        until: float,
     ) -> None:
         """At rest, in balance, at t = 0; `tolerance` is that of the force, a length."""
-        law, unit = contacts.thresholds, contacts.mean_threshold
-        mass = float(drive.mass or 0.0)
-        self._machine = Machine(mass, drive.damping, float(drive.spring or 0.0), unit)
-        self._motion, self._record, self._until = motion, record, until
-        self._tolerance, self._accuracy = tolerance, OF_PANEL * tolerance
-        survival = Survival(law)
-        self._largest = survival.longest
-        self._contacts = Cohorts.at_start(contacts, survival)
-        self._past = PastBreaks(contacts.waiting_time, self._contacts.unbroken())
-        self._sliding = FastSliding(law, max([float(law.isf(FEW)), *law.atoms[0]]))
-        self._state, self._leg = State(0.0, 0.0, 0.0), 0
-        self._work = self._damped = self._on_contacts = 0.0
-        self._panels = self._turns = 0
-        self._last: Panel | None = None
-        self._width = np.inf
-        # places at which the contacts' force has a kink when the slider passes them
-        self._levels = list[float]()
-        if contacts.start.is_single:
-            start = contacts.start.mean()
-            for kink in law.breakpoints[law.breakpoints > abs(start)].tolist():
-                self._levels += [kink - start, -kink - start]
-        self._kinks = list[float]()
-        moving = motion.speeds[motion.speeds != 0.0]
-        self._way = int(np.sign(moving[0])) if moving.size else 1
-        self._kink(0.0)
-        self.stored_first = self._contacts.stored(0.0)
+        mass, spring = float(drive.mass or 0.0), float(drive.spring or 0.0)
+        self.machine = Machine(mass, drive.damping, spring, contacts.mean_threshold)
+        self.drive, self._record = path, record
+        self.tolerance, self.accuracy = tolerance, OF_PANEL * tolerance
+        self.state = State(0.0, 0.0, 0.0)
+        self.contacts = Cohorts.at_start(contacts, Survival(contacts.thresholds))
+        self.past = PastBreaks(contacts.waiting_time, self.contacts.unbroken())
+        self.past.kink(0.0)
+        self.energies = Energies(0.0, 0.0, 0.0)
 
-    @property
-    def nodes(self) -> int:
-        """Instants at which the motion was solved."""
-        return self._panels * NODES.size
+    def go_on(self, state: State, contacts: Cohorts, spent: Energies) -> None:
+        """Be where a motion ends, with what was spent on it; the few contacts that are due, and formed on no panel, do
+        so now."""
+        self.state, self.contacts = state, contacts
+        self.energies = self.energies.and_then(spent)
+        rest = self.past.born(state.t) - self.past.formed
+        if abs(rest) > LEAST_REST:
+            self._form(rest)
+            self.past.formed += rest
 
-    def _drive(self, t: float | Array) -> Array:
-        """X_T on the present leg."""
-        motion, leg = self._motion, self._leg
-        return np.asarray(motion.positions[leg] + motion.speeds[leg] * (t - motion.times[leg]))
+    def wait_until(self, t: float) -> None:
+        """The same at a time that differs by rounding."""
+        self.state = self.state._replace(t=t)
 
-    @property
-    def _speed(self) -> float:
-        """dX_T/dt."""
-        return float(self._motion.speeds[self._leg])
+    def end_leg(self) -> None:
+        """Go on to the next leg of the drive, whose speed changes that of the breaks."""
+        self.wait_until(self.drive.leg_end)
+        self.past.kink(self.state.t)
+        self.drive.next_leg()
 
-    def _leg_end(self) -> float:
-        return float(self._motion.times[self._leg + 1])
-
-    def _next_leg(self) -> None:
-        """Go on to the next leg."""
-        self._state = self._state._replace(t=self._leg_end())
-        self._kink(self._state.t)
-        self._leg += 1
-        if self._leg < self._motion.speeds.size:
-            self._way = int(np.sign(self._speed)) or self._way
-
-    def _kink(self, t: float) -> None:
-        """The rate of breaks has a kink at t, and that of births one delay later, a smoother one after two."""
-        self._kinks += [t + k * self._past.delay for k in range(1, ECHOES + 1)]
-
-    def _out(self) -> bool:
-        """Whether hardly any contact holds."""
-        held = self._contacts.response(np.array([self._state.x])).holding[0]
-        return bool(held * 4.0 * self._largest <= ALIKE * self._tolerance)
-
-    def _near(self, x: float) -> float:
-        """Positions nearer than that are the same."""
-        return SAME * self._accuracy / (1.0 + self._machine.spring) + 1e-14 * abs(x)
-
-    def _write_contacts(self, at: int, contacts: Cohorts, x: float) -> None:
-        """The state of the contacts at one asked time."""
-        held = contacts.response(np.array([x]))
-        # where hardly any holds it may be below 0 by its error
-        self._record.holding[at] = max(float(held.holding[0]), 0.0)
-        self._record.contact_force[at] = held.force[0]
-        self._record.stored[at] = contacts.stored(x)
-
-    def _instant(self, t: float, x: float, breaks: float) -> Instant:
-        """The slider at a time on the present leg."""
-        drive = float(self._drive(t))
-        return Instant(t, drive, x, self._machine.spring * (drive - x), breaks)
-
-    def _watched(
-        self,
-        times: Array,
-        places: tuple[Array, Array],
-        held: Array,
-        drives: Array,
-        at: Callable[[float], Instant],
-        when: Callable[[int], float],
-    ) -> Watched:
-        """For the record: X and dX/dt, the share that holds, and X_T, at these times."""
-        (x, speed), way, forces = places, self._way, self._machine.spring * (drives - places[0])
-        return Watched(times, way * speed, x, forces, held, way * self._speed, way, at, when)
-
-    def _form_lump(self) -> None:
+    def form_lump(self) -> None:
         """Contacts that broke together form again together."""
-        share, x = self._past.form_lump(), self._state.x
-        self._contacts = self._contacts.and_born(np.array([x]), np.array([share]), x)
+        self._form(self.past.form_lump())
 
-    def _form_rest(self) -> None:
-        """The few contacts that are due, and formed on no panel, do so now."""
-        past, x = self._past, self._state.x
-        rest = past.born(self._state.t) - past.formed
-        if abs(rest) > 1e-17:
-            self._contacts = self._contacts.and_born(np.array([x]), np.array([rest]), x)
-            past.formed += rest
+    def break_together(self, x: float, before: float) -> None:
+        """Contacts at an exact threshold break at this place, of a share `before` that held."""
+        self.contacts = self.contacts.moved(x)
+        self.state = self.state._replace(x=x)
+        self.past.add_lump(self.state.t, before - self.contacts.unbroken())
+
+    def _form(self, share: float) -> None:
+        """So many contacts form here and now."""
+        x = self.state.x
+        self.contacts = self.contacts.and_born(np.array([x]), np.array([share]), x)
+
+    @property
+    def balance_of_spring(self) -> float:
+        """K (X_T - X) - F, per N_c<k> (a length)."""
+        held = self.contacts.response(np.array([self.state.x]))
+        pull = self.machine.spring * (float(self.drive.at(self.state.t)) - self.state.x)
+        return pull - float(held.force[0])
+
+    @property
+    def hardly_any_holds(self) -> bool:
+        """Whether so few contacts hold that their force is below the tolerance."""
+        held = self.contacts.response(np.array([self.state.x])).holding[0]
+        longest = MOST_FORCE * self.contacts.survival.longest
+        return bool(held * longest <= ALIKE * self.tolerance)
+
+    def near(self, x: float) -> float:
+        """Positions nearer than that are the same."""
+        return SAME * self.accuracy / (1.0 + self.machine.spring) + SAME_ROUNDED * abs(x)
+
+    def asked(self, begin: float, end: float) -> slice:
+        """Which of the asked times lie on a motion."""
+        return self._record.between(begin, end)
+
+    def asked_times(self, which: slice) -> Array:
+        """The asked times."""
+        return self._record.times[which]
+
+    def write(self, at: int, state: State, contacts: Cohorts, spent: Energies) -> None:
+        """The results at one asked time on a motion; `spent` since the motion began."""
+        record, energies = self._record, self.energies.and_then(spent)
+        record.place[at], record.speed[at] = state.x, state.w
+        record.work[at], record.damped[at], record.on_contacts[at] = energies
+        held = contacts.response(np.array([state.x]))
+        # where hardly any holds it may be below 0 by its error
+        record.holding[at] = max(float(held.holding[0]), 0.0)
+        record.contact_force[at] = held.force[0]
+        record.stored[at] = contacts.stored(state.x)
+
+    def instant(self, t: float, x: float, breaks: float) -> Instant:
+        """The slider at a time on the present leg, for the record."""
+        drive = float(self.drive.at(t))
+        return Instant(t, drive, x, self.machine.spring * (drive - x), breaks)
+
+    @property
+    def slip_speed(self) -> float:
+        """Speed along the way of the drive above which the spring's force falls."""
+        return max(self.drive.way * self.drive.speed, 0.0)

@@ -30,7 +30,7 @@ from origins.thresholds.law import Array
 MOST_TRIES = 14
 # Changes at which it has converged, in units of the error that a panel may have; and rounding, in mean thresholds.
 CONVERGED, ROUNDING = 0.01, 3e-15
-# Shortest way of a panel on which contacts form and break, in longest travels of a contact.
+# Shortest way of a panel on which contacts form and break, in passages (see FastSliding).
 LEAST_PASSAGE = 2.0
 UNIT: Array = np.eye(STAGES)
 
@@ -108,19 +108,18 @@ class Pull(NamedTuple):
 
 
 class Begin(NamedTuple):
-    """A panel's beginning: the slider, the contacts' force (a length), the share that holds, and the shares that have
-    formed and that have broken since t = 0, where number is conserved: what does not hold has broken, and not formed
-    again."""
+    """A panel's beginning: the slider, the contacts' force (a length), the share that holds, and
+    PastBreaks.formed_less_lumps, which less the breaks is that share."""
 
     state: State
     force: float
     holding: float
-    formed: float
+    formed_less_lumps: float
 
     @property
     def broken(self) -> float:
-        """Share that has broken."""
-        return self.formed - self.holding
+        """Share that has broken one by one since t = 0."""
+        return self.formed_less_lumps - self.holding
 
 
 class Motion(NamedTuple):
@@ -148,7 +147,7 @@ class Collocation:
         self._machine, self._contacts, self._sliding = machine, contacts, sliding
         self._past, self._accuracy = past, accuracy
         # shortest way of a panel on which contacts form and break
-        self._shortest = LEAST_PASSAGE * sliding.longest
+        self._shortest = LEAST_PASSAGE * sliding.passage
 
     def solve(self, state: State, width: float, drive: Array, guess: Array) -> Solved | None:
         """The motion over a time `width`, or None where that is too long to be found.
@@ -156,8 +155,8 @@ class Collocation:
         drive : X_T at the nodes; guess : speeds there
         """
         held, past = self._contacts.response(np.array([state.x])), self._past
-        formed = past.share + past.formed - past.broken_together
-        begin = Begin(state, float(held.force[0]), float(held.holding[0]), formed)
+        force, holding = float(held.force[0]), float(held.holding[0])
+        begin = Begin(state, force, holding, past.formed_less_lumps)
         births = PanelBirths(past, state.t, width)
         way = width * abs(float(TO_NODES[-1] @ guess))
         fast = bool(births.all_known and births.born[-1] and way >= self._shortest)
@@ -192,7 +191,7 @@ class Collocation:
             except np.linalg.LinAlgError:
                 return None
             w = w - change
-            last, broken = broken, begin.formed - pull.holding + births.born[1:]
+            last, broken = broken, begin.formed_less_lumps - pull.holding + births.born[1:]
             births.guess_from(np.append(begin.broken, broken))
             moved = float(np.abs(integral @ change).max())
             change_of_force = (min(float(pull.holding.max()), 1.0) + k) * moved
@@ -214,7 +213,8 @@ class Collocation:
         place, breaks, force = panel.last()
         # what a place misses changes the force by the stiffness of the contacts that hold, and by the spring
         stiffness = self._machine.spring + max(begin.holding, float(found.pull.holding.max()))
-        passed = min(travel / unit, 1.0)
+        # of the contacts that are born on the panel about this part breaks on it, too
+        rebroken = min(travel / unit, 1.0)
         rest = past.born(t + width) - past.formed - births.born[-1] if births.all_known else 0.0
         missed = Missed(
             place=stiffness * float(place),
@@ -222,8 +222,8 @@ class Collocation:
             force=float(force),
             births=unit * births.missed,
             fast=found.pull.missed,
-            unresolved=0.0 if fast else unit * float(births.born[-1]) * passed**4,
-            late=unit * abs(rest) * passed,
+            unresolved=0.0 if fast else unit * float(births.born[-1]) * rebroken**4,
+            late=unit * abs(rest) * rebroken,
         )
         return Solved(panel, births.rate, missed, fast)
 
@@ -243,9 +243,8 @@ class Collocation:
     def _slow(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull:
         """The same where those born on the panel are summed node by node."""
         old, no_drag = self._contacts.response(x), np.zeros(x.size)
-        counted = (
-            width * TO_NODES * birth_rate
-        )  # of births around the node j, those that count at i
+        # of births around the node j, those that count at i
+        counted = width * TO_NODES * birth_rate
         if not counted.any():
             return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
         way = 1.0 if TO_NODES[-1] @ w >= 0.0 else -1.0

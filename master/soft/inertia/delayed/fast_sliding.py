@@ -15,6 +15,8 @@ from scipy.interpolate import CubicHermiteSpline
 from master.soft.inertia.delayed.panel import NODES, POSITION, STAGES, Panel
 from origins.thresholds.law import Array, ThresholdLaw
 
+# Survival below which no contact holds where births pass the slider in numbers.
+FEW = 1e-12
 # Pieces of [0, largest threshold] on which survivals are integrated, and Gauss nodes of each.
 PIECES, GAUSS = 24, 6
 # Matrices from values at the nodes to the coefficients of the polynomial through them, in powers of the place, and to
@@ -39,15 +41,15 @@ class BornOnPanel(NamedTuple):
 class FastSliding:
     """What the law of thresholds says of contacts on a slider that passes many of them on one panel.
 
-    longest : travel after which no contact holds any more (a length)
+    passage : travel after which hardly any contact holds that formed before it (a length)
     """
 
-    def __init__(self, law: ThresholdLaw, longest: float) -> None:
+    def __init__(self, law: ThresholdLaw) -> None:
         at, weight = np.polynomial.legendre.leggauss(GAUSS)
-        edges = np.linspace(0.0, longest, PIECES + 1)
+        self.passage = max([float(law.isf(FEW)), *law.atoms[0]])
+        edges = np.linspace(0.0, self.passage, PIECES + 1)
         half = 0.5 * np.diff(edges)[:, None]
         places = edges[:-1, None] + half * (1.0 + at)
-        self.longest, self._law = longest, law
         powers = np.arange(3)[:, None]
         parts = (half * weight * law.sf(places) * places ** powers[:, :, None]).sum(axis=-1)
         sums = np.pad(np.cumsum(parts, axis=1), ((0, 0), (1, 0)))
@@ -56,12 +58,12 @@ class FastSliding:
 
     def at(self, travel: Array, rate: Array, speed: Array, width: float) -> BornOnPanel:
         """At the nodes of a panel of this width: travels (a length), births per time, and speeds, all above 0."""
-        c, d, e = self._integrals(np.minimum(travel, self.longest)).T
+        c, d, e = self._integrals(np.minimum(travel, self.passage)).T
         j = rate / speed
         rise = (_SLOPES @ j) / width / speed
         force = j * d - rise * e
         # the next terms, squares of j'/j times a mean threshold
-        whole_c, whole_d, _ = self._integrals(self.longest)
+        whole_c, whole_d, _ = self._integrals(self.passage)
         off = np.abs(rise) * whole_d**2 / whole_c
         missed = np.divide(off**2, np.abs(force), out=np.zeros(off.size), where=force != 0.0)
         return BornOnPanel(j * c - rise * d, force, float(np.minimum(missed, j * d).max()))
@@ -73,7 +75,7 @@ class FastSliding:
         nodes of the `whole` panel of which it may be a part. They count as born at one place where all their force is
         below `least_force`."""
         begin, end = (float(panel.at(t, POSITION)) for t in (panel.begin, panel.end))
-        way, far = np.sign(end - begin), min(self.longest, abs(end - begin))
+        way, far = np.sign(end - begin), min(self.passage, abs(end - begin))
         at, weight = np.polynomial.legendre.leggauss(GAUSS)
         half = 0.5 * far / PIECES
         middle = far * (np.arange(PIECES) + 0.5) / PIECES

@@ -5,21 +5,60 @@ from bisect import bisect_right
 import numpy as np
 
 from master.soft.inertia.delayed.panel import BREAKS, Panel
+from origins.thresholds.law import Array
+
+# Multiples of the delay after a kink of the breaks at which births have a visible one: each is smoother by one order.
+ECHOES = 3
+# Rounding of times, relative: that of some sums of them.
+EPSILON = 1e-13
 
 
 class PastBreaks:
     """Breaks per contact since t = 0: on panels, between which no contact breaks, and lumps that break together.
 
-    share : of all contacts, that held at t = 0 or formed together since; formed : that formed one by one
-    breaks : up to now, without lumps; broken_together : in lumps
+    held_or_in_lumps : share of all contacts that held at t = 0, or formed in lumps since
+    formed : share that formed one by one, on panels or at the end of a closed motion
+    breaks : share that broke one by one, on panels and the few in closed motions; broken_together : in lumps
     lumps : (time, share) of those still to form again, in order
+
+    At each instant, as no contact is lost,
+
+        holding = held_or_in_lumps + formed - breaks - broken_together.
+
+    Collocation finds the breaks on a panel from that, with the share that holds by the survivals of its contacts.
     """
 
-    def __init__(self, delay: float, share: float) -> None:
-        self.delay, self.share, self.formed = delay, share, 0.0
+    def __init__(self, delay: float, held: float) -> None:
+        """Before any breaks, with this share that holds."""
+        self.delay, self.held_or_in_lumps, self.formed = delay, held, 0.0
         self.breaks = self.broken_together = 0.0
         self.lumps = list[tuple[float, float]]()
+        # panels with breaks, when they begin, and before each the sum of the few breaks in closed motions so far
         self._begins, self._panels, self._jumps = list[float](), list[Panel](), [0.0]
+        self._kinks = list[float]()
+
+    @property
+    def all_formed(self) -> float:
+        """Share that held at t = 0, or formed since; a contact that formed twice counts twice."""
+        return self.held_or_in_lumps + self.formed
+
+    @property
+    def formed_less_lumps(self) -> float:
+        """What would hold if none had broken but in lumps; less the breaks it is the share that holds."""
+        return self.all_formed - self.broken_together
+
+    def holding(self, formed: Array, breaks: Array) -> Array:
+        """The share that holds as lumps are now, with so many formed and broken one by one."""
+        return self.held_or_in_lumps + formed - self.broken_together - breaks
+
+    def kink(self, t: float) -> None:
+        """The rate of breaks has a kink at t, and that of births one delay later, a smoother one after two."""
+        self._kinks += [t + k * self.delay for k in range(1, ECHOES + 1)]
+
+    def next_kink(self, t: float) -> float:
+        """When the births have their next kink, later than t but for rounding; inf for none."""
+        self._kinks = [kink for kink in self._kinks if kink > t * (1.0 + EPSILON)]
+        return min(self._kinks, default=np.inf)
 
     def add(self, panel: Panel) -> None:
         """Contacts broke on this panel, which follows the last one, and the few of a closed motion in between."""
@@ -41,7 +80,7 @@ class PastBreaks:
     def form_lump(self) -> float:
         """The share of the next lump, which forms again."""
         _, share = self.lumps.pop(0)
-        self.share += share
+        self.held_or_in_lumps += share
         return share
 
     @property

@@ -1,16 +1,24 @@
 """A slider with mass whose contacts form again after a delay, at T = 0, along the whole path of its drive.
 
-While contacts break or form, X(t) is found panel by panel (`_panel`). A panel ends where the slider turns, where it
-passes a place at which it turned before, and where births begin. Where none breaks or forms the motion is closed
-(`_hold`): millions of swings of a slider that sticks, or whose contacts are all out, cost nothing.
+While contacts break or form, X(t) is found panel by panel (`OnPanels.advance`). A panel ends where the slider turns,
+where it passes a place at which it turned before, and where births begin. Where none breaks or forms the motion is
+closed (`Swinging.swing`): millions of swings of a slider that sticks, or whose contacts are all out, cost nothing.
 """
 
 import numpy as np
 
+from master.motion import Motion
 from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import RINGS
-from master.soft.inertia.delayed.panels import MOST_PANELS, OnPanels
-from master.soft.inertia.delayed.swinging import Swinging
+from master.soft.inertia.delayed.body import Body
+from master.soft.inertia.delayed.drive_path import DrivePath
+from master.soft.inertia.delayed.panel import NODES
+from master.soft.inertia.delayed.panel_search import MOST_PANELS
+from master.soft.inertia.delayed.panels import OnPanels
+from master.soft.inertia.delayed.swinging import SwingEnd, Swinging
+from master.soft.inertia.record import Record
+from origins import Contacts
+from origins.drive import Drive
 
 # Most turns and closed motions: some 30 s.
 MOST_TURNS = 3_000
@@ -19,38 +27,85 @@ MOST_TURNS = 3_000
 SEEN, HELD, FASTER = 800, 0.5, 10.0
 
 
-class DelayedSlider(OnPanels, Swinging):
-    """A slider with mass and a delay that is followed along the path of its drive."""
+class DelayedSlider:
+    """A slider with mass and a delay that is followed along the path of its drive.
 
-    # when contacts last held, and the panels up to then
-    _held_at, _panels_before = 0.0, 0
+    stored_first : energy of the contacts at t = 0, per N_c<k> (length squared)
+
+    The body is the state; both kinds of motion change it in turns.
+    _swings : closed motions so far
+    _held_at, _panels_before : when contacts last held, and the panels up to then
+    """
+
+    def __init__(
+        self,
+        contacts: Contacts,
+        drive: Drive,
+        motion: Motion,
+        record: Record,
+        tolerance: float,
+        until: float,
+    ) -> None:
+        """At rest, in balance, at t = 0.
+
+        motion : of the drive; record : is told of all that happens
+        tolerance : of the force (a length); until : reading of time.monotonic() at which to stop
+        """
+        self._until, self._path = until, DrivePath(motion)
+        self._body = Body(contacts, drive, self._path, record, tolerance)
+        self._on_panels = OnPanels(self._body, record, contacts)
+        self._swinging, self._swings = Swinging(self._body, record), 0
+        self._held_at, self._panels_before = 0.0, 0
+        self.stored_first = self._body.contacts.stored(0.0)
+
+    @property
+    def nodes(self) -> int:
+        """Instants at which the motion was solved."""
+        return self._on_panels.search.tried * NODES.size
 
     def run(self) -> None:
         """Follow the drive to its end; StoppedError where that takes too long."""
-        self._hold()
-        while self._leg < self._motion.speeds.size:
-            stop_after(self._until)
-            if self._turns > MOST_TURNS:
-                raise StoppedError(RINGS)
-            if self._panel():
-                self._hold()
+        self._swing()
+        while not self._path.over:
+            self._check_limits()
+            if self._on_panels.advance():
+                self._swing()
             self._foretell()
+
+    def _swing(self) -> None:
+        """Go on by closed motions as long as they follow each other: no contact breaks or forms."""
+        while not self._path.over:
+            end = self._swinging.swing()
+            if end is not SwingEnd.TOO_SHORT:
+                self._on_panels.search.begin_anew()
+            if not end.goes_on:
+                break
+            self._swings += 1
+            self._check_limits()
+
+    def _check_limits(self) -> None:
+        """StoppedError after too much time, or too many turns and swings."""
+        stop_after(self._until)
+        if self._on_panels.turns + self._swings > MOST_TURNS:
+            raise StoppedError(RINGS)
 
     def _foretell(self) -> None:
         """StoppedError for a slip that would take too many panels. Contacts that break within a short time form again
         together one delay later, and break again: each such volley takes some panels until the slider's swings fade."""
-        state, fastest = self._state, FASTER * float(np.abs(self._motion.speeds).max())
-        if abs(state.w) <= fastest and self._contacts.unbroken() >= HELD:
-            self._held_at, self._panels_before = state.t, self._panels
-        seen = self._panels - self._panels_before
+        state, tried = self._body.state, self._on_panels.search.tried
+        slow = abs(state.w) <= FASTER * self._path.fastest
+        if slow and self._body.contacts.unbroken() >= HELD:
+            self._held_at, self._panels_before = state.t, tried
+        seen = tried - self._panels_before
         if seen < SEEN:
             return
-        lasts, end = state.t - self._held_at, float(self._motion.times[-1])
-        left = min(self._slip_time, end - self._held_at) - lasts
+        lasts = state.t - self._held_at
+        left = min(self._slip_time, self._path.end - self._held_at) - lasts
         panels = seen * left / lasts
-        if self._panels + panels > MOST_PANELS:
+        if tried + panels > MOST_PANELS:
+            delay = self._body.past.delay
             raise StoppedError(
-                f"stopped in the slip that begins at t = {self._held_at:.6g}: a delay of {self._past.delay:g} is so "
+                f"stopped in the slip that begins at t = {self._held_at:.6g}: a delay of {delay:g} is so "
                 f"short beside it that contacts break and form too often, on some {panels:.0e} panels of time; "
                 "take eq_model.simulate, end the path before, or leave the mass out and give a slip rule"
             )
@@ -58,17 +113,9 @@ class DelayedSlider(OnPanels, Swinging):
     @property
     def _slip_time(self) -> float:
         """About how long a slip lasts until its swings are no longer than a threshold."""
-        mass, damping, spring, _ = self._machine
+        mass, damping, spring, _ = self._body.machine
         if damping == 0.0:
             return np.inf
         apart = np.sqrt(max(damping**2 - 4.0 * mass * spring, 0.0))
         fading = 2.0 * spring / (damping + apart) if apart else 0.5 * damping / mass
         return float(np.pi * np.sqrt(mass / spring) + max(-np.log(spring), 0.0) / fading)
-
-    def _hold(self) -> None:
-        """Go on by the closed motion as long as it holds: no contact breaks or forms."""
-        while self._leg < self._motion.speeds.size and self._swing():
-            stop_after(self._until)
-            self._turns += 1
-            if self._turns > MOST_TURNS:
-                raise StoppedError(RINGS)

@@ -1,118 +1,143 @@
 """A slider with mass while hardly a contact breaks or forms: its motion is closed, however often it swings."""
 
+from enum import Enum
+
 import numpy as np
 
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.closed import watch_closed
-from master.soft.inertia.delayed.body import EPSILON, DelayedBody
+from master.soft.inertia.delayed.body import Body, Energies
 from master.soft.inertia.delayed.collocation import State
+from master.soft.inertia.delayed.past_breaks import EPSILON
 from master.soft.inertia.oscillation import Oscillation
 from master.soft.inertia.reaction import ALIKE
-from master.soft.inertia.record import Instant, Watched, crossing
+from master.soft.inertia.record import Instant, Record, Watched, crossing
 from origins.thresholds.law import Array
 
 # Shortest closed motion that is worth it, in periods.
 SHORTEST = 1e-9
 
 
-class Swinging(DelayedBody):
-    """Closed motions."""
+class SwingEnd(Enum):
+    """Why a closed motion ended; the value says whether another one may follow at once."""
 
-    def _swing(self) -> bool:
-        """One closed motion; returns whether another one may follow."""
-        past, state, machine = self._past, self._state, self._machine
-        if past.next_lump <= state.t * (1.0 + EPSILON):
-            self._form_lump()
-        alike = ALIKE * self._tolerance
-        least, atoms = self._near(state.x), self._contacts.survival.atoms.size > 0
-        forward, back = (self._contacts.reach(state.x, way, least, alike) for way in (1, -1))
-        leg_end = self._leg_end()
+    TOO_SHORT = "too short", False  # none was begun
+    BROKE_TOGETHER = "contacts at an exact threshold broke together", True
+    BREAKS_NEXT = "contacts begin to break one by one", False
+    LEG_ENDED = "the drive's leg ended", True
+    CALM = "what is left of the swings counts as rest", True
+    LUMP_FORMS = "contacts that broke together form again", True
+    BIRTHS_NEXT = "contacts begin to form one by one", False
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether another closed motion may follow."""
+        return self.value[1]
+
+
+class Swinging:
+    """Closed motions of a body; it has no state of its own."""
+
+    def __init__(self, body: Body, record: Record) -> None:
+        """The record is told of falls of the spring's force."""
+        self._body, self._record = body, record
+
+    def swing(self) -> SwingEnd:
+        """One closed motion, from the present state up to where it ends."""
+        body = self._body
+        past, machine = body.past, body.machine
+        if past.next_lump <= body.state.t * (1.0 + EPSILON):
+            body.form_lump()
+        state = body.state
+        alike = ALIKE * body.tolerance
+        least, atoms = body.near(state.x), body.contacts.survival.atoms.size > 0
+        forward, back = (body.contacts.reach(state.x, way, least, alike) for way in (1, -1))
+        leg_end = body.drive.leg_end
         births = past.next_birth(state.t, 0.5 * alike / machine.unit)
         end = min(leg_end, births) - state.t
-        held = self._contacts.response(np.array([state.x]))
         # just after a passage it may be below 0 by its error
-        holding = max(self._contacts.unbroken(), 0.0)
-        stiff = machine.spring + holding
-        pull = machine.spring * (float(self._drive(state.t)) - state.x) - float(held.force[0])
-        given = machine.mass, machine.damping, stiff, pull, machine.spring * self._speed
+        holding = max(body.contacts.unbroken(), 0.0)
+        stiff, rate = machine.spring + holding, machine.spring * body.drive.speed
+        given = machine.mass, machine.damping, stiff, body.balance_of_spring, rate
         motion = Oscillation.of(*given, 0.0, state.w)
-        quiet = QUIET * self._tolerance / (1.0 + machine.spring)
+        quiet = QUIET * body.tolerance / (1.0 + machine.spring)
         if motion.size <= quiet:
             motion = Oscillation.of(*given, motion.centre, motion.drift)
             calm = np.inf
         else:
             calm = motion.time_until(quiet)
-        lasts, passed = motion.first_passing(-back, forward, min(end, calm))
-        short = end <= 0.0 or (passed and lasts < SHORTEST * motion.period)
-        if short and not (atoms and passed):
-            return False
-        self._take_swing(motion, lasts, stiff)
-        self._last, self._width = None, np.inf
-        if passed and atoms:
-            self._break_together(passed * (forward if passed > 0 else back) + state.x, holding)
-            return True
-        if passed:
-            return False
+        # +1 where the slider comes to break contacts forwards, -1 backwards, 0 where it does neither
+        lasts, breaks_at = motion.first_passing(-back, forward, min(end, calm))
+        short = end <= 0.0 or (breaks_at and lasts < SHORTEST * motion.period)
+        if short and not (atoms and breaks_at):
+            return SwingEnd.TOO_SHORT
+        self._take(motion, lasts, stiff)
+        if breaks_at and atoms:
+            reach = forward if breaks_at > 0 else back
+            body.break_together(breaks_at * reach + state.x, holding)
+            return SwingEnd.BROKE_TOGETHER
+        if breaks_at:
+            return SwingEnd.BREAKS_NEXT
         if lasts == leg_end - state.t:
-            self._next_leg()
-            return True
+            body.end_leg()
+            return SwingEnd.LEG_ENDED
         if lasts < end:
-            return True  # calm
-        self._state = self._state._replace(t=births)
-        return past.next_lump <= births
+            return SwingEnd.CALM
+        body.wait_until(births)
+        return SwingEnd.LUMP_FORMS if past.next_lump <= births else SwingEnd.BIRTHS_NEXT
 
-    def _take_swing(self, motion: Oscillation, lasts: float, stiff: float) -> None:
-        """Take a closed motion: results at the asked times, energies, falls, and the state."""
-        record, state, machine, v = self._record, self._state, self._machine, self._speed
-        k, held = machine.spring, self._contacts.response(np.array([state.x]))
-        which = record.between(state.t, state.t + lasts)
-        at = np.append(record.times[which] - state.t, lasts)
+    def _take(self, motion: Oscillation, lasts: float, stiff: float) -> None:
+        """Go on to the end of a closed motion: results at the asked times, energies and falls on the way."""
+        body, state, k = self._body, self._body.state, self._body.machine.spring
+        which, v = body.asked(state.t, state.t + lasts), body.drive.speed
+        at = np.append(body.asked_times(which) - state.t, lasts)
         y, w = motion.travel(at), motion.speed(at)
-        begin, hold = float(held.force[0]), stiff - k
-        pull, rate = k * (float(self._drive(state.t)) - state.x), k * v
+        # K (X_T - X) is linear in the time but for X, whose integral is that of the balance and of the departure
+        pull, rate = k * (float(body.drive.at(state.t)) - state.x), k * v
         mean = (pull - k * motion.centre) * at + 0.5 * (rate - k * motion.drift) * at**2
-        work = v * (mean - k * motion.departure_integral(at))
-        damped = machine.damping * motion.squared_speed(at)
-        on_contacts = begin * y + 0.5 * hold * y**2
-        record.place[which], record.speed[which] = state.x + y[:-1], w[:-1]
-        record.work[which] = self._work + work[:-1]
-        record.damped[which] = self._damped + damped[:-1]
-        record.on_contacts[which] = self._on_contacts + on_contacts[:-1]
-        for index, x in zip(
-            range(which.start, which.stop), (state.x + y[:-1]).tolist(), strict=True
-        ):
-            self._write_contacts(index, self._contacts, x)
-        self._watch_swing(motion, lasts)
-        self._work, self._damped = self._work + float(work[-1]), self._damped + float(damped[-1])
-        self._on_contacts += float(on_contacts[-1])
-        x, end = state.x + float(y[-1]), state.t + lasts
-        self._contacts = self._contacts.moved(x)
-        self._state = State(end, x, float(w[-1]))
-        self._form_rest()
+        given = v * (mean - k * motion.departure_integral(at))
+        damped = body.machine.damping * motion.squared_speed(at)
+        # F is a straight line in X while none breaks
+        force = float(body.contacts.response(np.array([state.x])).force[0])
+        on_contacts = force * y + 0.5 * (stiff - k) * y**2
+        spent = [Energies(*some) for some in np.stack([given, damped, on_contacts], 1).tolist()]
+        ends = [
+            State(state.t + dt, state.x + dx, speed)
+            for dt, dx, speed in zip(at.tolist(), y.tolist(), w.tolist(), strict=True)
+        ]
+        for index in range(which.start, which.stop):
+            nth = index - which.start
+            body.write(index, ends[nth], body.contacts, spent[nth])
+        self._watch(motion, lasts)
+        body.go_on(ends[-1], body.contacts.moved(ends[-1].x), spent[-1])
 
-    def _watch_swing(self, motion: Oscillation, lasts: float) -> None:
+    def _watch(self, motion: Oscillation, lasts: float) -> None:
         """Falls of the spring's force in a closed motion."""
-        state, breaks = self._state, self._past.breaks + self._past.broken_together
-        limit = max(self._way * self._speed, 0.0)
+        body, state = self._body, self._body.state
+        breaks, limit = body.past.breaks + body.past.broken_together, body.slip_speed
+        drive, k, unbroken = body.drive, body.machine.spring, body.contacts.unbroken()
 
         def seen(times: Array) -> Watched:
-            def when(k: int) -> float:
+            def when(index: int) -> float:
                 def excess(t: float) -> float:
-                    return self._way * float(motion.speed(t)) - limit
+                    return drive.way * float(motion.speed(t)) - limit
 
-                return crossing(excess, times[k], times[k + 1])
+                return crossing(excess, times[index], times[index + 1])
 
             def at(t: float) -> Instant:
-                return self._instant(state.t + t, state.x + float(motion.travel(t)), breaks)
+                return body.instant(state.t + t, state.x + float(motion.travel(t)), breaks)
 
-            places = state.x + motion.travel(times), motion.speed(times)
-            held = np.full(times.size, self._contacts.unbroken())
-            return self._watched(times, places, held, self._drive(state.t + times), at, when)
+            x = state.x + motion.travel(times)
+            return Watched(
+                times=times,
+                speeds=drive.way * motion.speed(times),
+                places=x,
+                forces=k * (drive.at(state.t + times) - x),
+                held=np.full(times.size, unbroken),
+                drive_speed=drive.way * drive.speed,
+                way=drive.way,
+                at=at,
+                when=when,
+            )
 
         watch_closed(self._record, motion, lasts, seen)
-
-    def _break_together(self, x: float, before: float) -> None:
-        """Contacts at an exact threshold break at this place, of a share `before` that held."""
-        self._contacts = self._contacts.moved(x)
-        self._state = self._state._replace(x=x)
-        self._past.add_lump(self._state.t, before - self._contacts.unbroken())
