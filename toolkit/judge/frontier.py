@@ -109,16 +109,20 @@ def draw_picture(found: dict[str, Any]) -> Any:
         if not points:
             continue
         run_time = [point["run_time"] for point in points]
-        error = [max(point["error"] or 0.0, floor) for point in points]
+        error = np.array([max(point["error"] or 0.0, floor) for point in points])
         claimed = [point["claimed_error"] or np.nan for point in points]
-        axes.plot(run_time, error, marker, color=colour, label=method)
+        known = np.where(error > floor, error, np.nan)
+        axes.plot(run_time, known, marker, color=colour, label=method)
+        axes.plot(run_time, np.where(error > floor, np.nan, floor), marker, color=colour, alpha=0.3)
         line = front(points, method, floor)
         axes.plot(line.run_time, line.error, "-", color=colour, lw=1)
         if np.isfinite(claimed).any():
             label = f"{method}: its claim"
             axes.plot(run_time, claimed, marker, mfc="none", mec=colour, label=label)
     axes.set(xscale="log", yscale="log", xlabel="run time (CPU-seconds of one thread)")
-    axes.axhline(floor, color="0.4", lw=0.8, label="the reference's own error")
+    axes.axhline(
+        floor, color="0.4", lw=0.8, label="the reference's own error, with runs at or below it"
+    )
     if found["witness"] is not None:
         least = max(found["witness"]["standard_error"], LEAST)
         axes.axhline(least, color="0.4", lw=0.8, ls=":", label="no independent road tells below")

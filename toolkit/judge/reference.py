@@ -8,17 +8,20 @@ from origins.contacts import check_contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.judge.closed_form import closed_form
+from toolkit.judge.slips import Counts, alike, slips_so_far
 from toolkit.results.beside import apart
 from toolkit.scene.scene import Scene
 
 
 class Answer(NamedTuple):
     """A method's force at the points of the path that it reaches, and the error that it claims, both in lengths; None
-    where it claims none. `found` is the solver's own answer."""
+    where it claims none. `found` is the solver's own answer; `slips`, of the ensemble on a spring, are those so far at
+    each point."""
 
     force: Array
     claimed: float | None
     found: Any = None
+    slips: Counts | None = None
 
 
 class Run(NamedTuple):
@@ -32,12 +35,18 @@ class Run(NamedTuple):
 
 class Reference(NamedTuple):
     """The force that the others are held against, its own error in mean thresholds, what it is in words, and at which
-    points of the path it is compared."""
+    points of the path it is compared; on a spring with the `slips` so far at each."""
 
     force: Array
     error: float
     words: str
     told: Any
+    slips: Counts | None = None
+
+    @property
+    def soft(self) -> bool:
+        """Whether it is the force of a slider on a spring."""
+        return self.slips is not None
 
 
 def exact_force(scene: Scene) -> Reference | None:
@@ -58,11 +67,18 @@ def best_of(solved: list[Run]) -> Run:
     return min(reversed(solved), key=lambda run: run.answer.claimed or 0.0)
 
 
-def finest(scene: Scene, solved: list[Run], seconds: float) -> Reference:
-    """The run of the master equation that claims the smallest error. On a spring the points of the path next to a slip
-    tell nothing, as there a slip that comes a little early is an error as large as its drop."""
+def finest(scene: Scene, solved: list[Run], sampled: list[Run]) -> Reference:
+    """The run of the master equation that claims the smallest error, or else the ensemble's largest. On a spring the
+    points of the path next to a slip tell nothing, as there a slip that comes a little early is an error as large as
+    its drop."""
     if not solved:
-        raise InputError(f"precision: the master equation gave no answer within {seconds:.0f} s")
+        largest = sampled[-1].answer
+        error = float(largest.claimed or 0.0) / scene.contacts.mean_threshold
+        told = np.ones(largest.force.size, bool)
+        if largest.slips is not None:
+            told = alike(largest.slips, largest.slips)
+        words = f"the ensemble at {sampled[-1].setting:.0e} contacts, its own largest run, good to its standard error"
+        return Reference(largest.force, error, words, told, largest.slips)
     best = best_of(solved)
     found, told = best.answer.found, np.ones(best.answer.force.size, bool)
     words = f"the master equation at {best.setting:.0e} ({best.run_time:.2g} s)"
@@ -74,16 +90,26 @@ def finest(scene: Scene, solved: list[Run], seconds: float) -> Reference:
         told[:-1] &= ~slip.any(axis=1)
         told[1:] &= ~slip.any(axis=1)
         words += ", its own finest run, away from slips"
-    return Reference(best.answer.force, float(found.force_error), words, told)
+    slips = None if scene.drive.spring is None else slips_so_far(found, scene.drive)
+    return Reference(best.answer.force, float(found.force_error), words, told, slips)
 
 
-def largest_error(force: Array, reference: Reference, unit: float) -> float | None:
+def compared(answer: Answer, reference: Reference) -> Any:
+    """At which points, of those that both reach, an answer can be compared with the reference."""
+    both = min(answer.force.size, reference.force.size)
+    told = reference.told[:both]
+    if answer.slips is not None and reference.slips is not None:
+        told = told & alike(answer.slips, reference.slips)[:both]
+    return told
+
+
+def largest_error(answer: Answer, reference: Reference, unit: float) -> float | None:
     """The largest difference in mean thresholds where both are known, as the paper's closure of ageing may end before
     the path does; None for the reference's own bits, of which it tells nothing."""
-    if np.array_equal(force, reference.force):
+    if np.array_equal(answer.force, reference.force):
         return None
-    both = min(force.size, reference.force.size)
-    off = np.abs(force[:both] - reference.force[:both])[reference.told[:both]]
+    told = compared(answer, reference)
+    off = np.abs(answer.force[: told.size] - reference.force[: told.size])[told]
     return float(off.max(initial=0.0)) / unit
 
 
@@ -96,11 +122,18 @@ def witness_of(sampled: Run, solved: list[Run], unit: float) -> dict[str, Any]:
     return {"contacts": found.contacts, "standard_error": error, "worst_deviation": worst}
 
 
-def of_witness(witness: dict[str, Any] | None, own: bool) -> list[str]:
-    """In words what an independent road says of a reference that is the master equation's `own` finest run."""
+def of_witness(witness: dict[str, Any] | None, solved: list[Run], sampled: list[Run]) -> list[str]:
+    """In words what an independent road says of a reference that is the finest run of one of the two solvers. On a
+    spring there is no witness: contacts that are finitely many slip late by more than the scatter tells."""
+    if not solved:
+        return ["no independent road: the ensemble is held against its own largest run alone"]
+    if witness is None and sampled:
+        return [
+            "independent of the master equation is the ensemble; on a spring its slips come late by what its number of "
+            "contacts decides, and the two agree as far as its errors fall with it"
+        ]
     if witness is None:
-        only = "no independent road: master is held against its own finest run alone"
-        return [only] if own else []
+        return ["no independent road: master is held against its own finest run alone"]
     worst, contacts = witness["worst_deviation"], witness["contacts"]
     beside = "of which too few broke to compare, or all at once"
     if worst is not None:

@@ -44,6 +44,14 @@ class Terminated(BaseException):
 class TimeIsUp(BaseException):
     """The time given to `no_longer_than` is over."""
 
+    timer, number = signal.ITIMER_REAL, signal.SIGALRM
+
+
+class TooMuchWork(TimeIsUp):
+    """The CPU time given to `no_longer_than` is over."""
+
+    timer, number = signal.ITIMER_PROF, signal.SIGPROF
+
 
 @contextmanager
 def terminable() -> Iterator[None]:
@@ -81,7 +89,7 @@ def _insisting(said: list[int]) -> Iterator[None]:
             return before(lost)
         number = said[-1] if said and issubclass(lost.exc_type, Terminated) else signal.SIGINT
         if issubclass(lost.exc_type, TimeIsUp):
-            number = signal.SIGALRM
+            number = lost.exc_type.number
         # from another thread and a moment later, when the callback has returned
         main = threading.main_thread().ident or 0
         timer = threading.Timer(_AGAIN, signal.pthread_kill, [main, number])
@@ -96,20 +104,21 @@ def _insisting(said: list[int]) -> Iterator[None]:
 
 
 @contextmanager
-def no_longer_than(seconds: float | None) -> Iterator[None]:
-    """Raise TimeIsUp within once so many seconds are over; in the main thread only, None for no limit."""
+def no_longer_than(seconds: float | None, over: type[TimeIsUp] = TimeIsUp) -> Iterator[None]:
+    """Raise `over` within once so many seconds are over, of TooMuchWork CPU time, which does not hang on what else the
+    machine does; in the main thread only, None for no limit."""
 
     def ring(number: int, frame: Any) -> NoReturn:
-        raise TimeIsUp
+        raise over
 
-    with _handled(ring, *([] if seconds is None else [signal.SIGALRM])) as before:
+    with _handled(ring, *([] if seconds is None else [over.number])) as before:
         try:
             if before:
-                signal.setitimer(signal.ITIMER_REAL, max(seconds or 0.0, 1e-6))
+                signal.setitimer(over.timer, max(seconds or 0.0, 1e-6))
             yield
         finally:
             if before:
-                signal.setitimer(signal.ITIMER_REAL, 0.0)
+                signal.setitimer(over.timer, 0.0)
 
 
 class Deferred:
