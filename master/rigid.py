@@ -62,9 +62,10 @@ def solve_rigid(
     march = march_of(contacts, motion, life, max(tolerance, finest(motion, life, mean)), until)
     march.run()
     # a march that was stopped has solved the points up to the end of its last panel; without a panel not even X = 0
-    solved_until = march.reached * (1.0 + 1e-12) if march.begin.size else -np.inf
+    solved = march.solved
+    solved_until = solved.end * (1.0 + 1e-12) if solved.count else -np.inf
     kept = arrivals <= (solved_until if march.unfinished else np.inf)
-    worst = march.error.max(initial=0.0 if march.error.size else np.inf) + march.unseen_error
+    worst = solved.error.max(initial=0.0 if solved.count else np.inf) + march.unseen_error
     if worst > RESOLVED:
         worst = np.inf
     rounding = round_off(march.motion, mean, march.steady_since)
@@ -73,7 +74,7 @@ def solve_rigid(
     reason = why_above(march, error, tolerance, rounding * mean / march.stretch)
     success, message = outcome(contacts, error, tolerance, reason)
     if march.unfinished:
-        end = f"X = {motion.at(np.array(march.reached)):.6g}"
+        end = f"X = {motion.at(np.array(solved.end)):.6g}"
         success, message = False, f"stopped at {end} by wall_time, the path is cut there; {message}"
     t = np.minimum(arrivals[kept], march.steady_since)
     # contacts that broke within the last delay are out
@@ -83,11 +84,11 @@ def solve_rigid(
     return Solution(
         path=drive.path[kept],
         time=drive.arrival_times()[kept],
-        force=_read(march, march.force, t),
+        force=_read(march, solved.force, t),
         force_error=error,
         holding=holding,
         run_time=clock.perf_counter() - began,
-        nodes=march.begin.size * polynomials.DEGREE,
+        nodes=solved.count * polynomials.DEGREE,
         success=success,
         message=message,
         _march=march,
@@ -100,16 +101,17 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
     """Why the error is above the tolerance (both in mean thresholds): the largest part of it, and what to do.
     `rounding` is the round-off as a share of the contacts, as the other parts are."""
     above = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
-    if not march.begin.size:
+    solved, jump = march.solved, march.jump
+    if not solved.count:
         return f"{above}; loosen the tolerance"
-    panel, jump = int(np.argmax(march.error)), march.jump
-    near = f"near X = {march.motion.at(march.begin[panel]):.6g}"
-    if jump.size and jump.size == march.error[panel]:
+    panel = int(np.argmax(solved.error))
+    near = f"near X = {march.motion.at(solved.begin[panel]):.6g}"
+    if jump.size and jump.size == solved.error[panel]:
         clock = "a travel of " if march.life.timeless and not march.births.delay else "t = "
         near = f"{near}: the number jumps by {jump.size:.1e} at {clock}{jump.time:.6g}, on leg {jump.leg}"
         near += " (from 0), where no edge is"
     parts = {
-        f"a panel {near}": march.error[panel],
+        f"a panel {near}": solved.error[panel],
         "survivals of the contacts' laws": march.survival_error,
         "sums over births on earlier legs": march.unseen_error - march.survival_error,
         "round-off along the path": rounding,
@@ -217,8 +219,8 @@ def round_off(motion: Motion, mean: float, steady_since: float = np.inf) -> floa
 
 def breaks_until(march: March, t: Array) -> Array:
     """Breaks per contact up to times t, those of lumps included; 0 before t = 0."""
-    before = np.append(0.0, np.cumsum(march.breaks[:-1, -1]))
-    out = _read(march, before[:, None] + march.breaks, np.maximum(t, 0.0))
+    before = np.append(0.0, np.cumsum(march.solved.breaks[:-1, -1]))
+    out = _read(march, before[:, None] + march.solved.breaks, np.maximum(t, 0.0))
     for lump in march.lumps[1:]:
         out = out + lump.weight * (t >= lump.time - march.births.delay)
     return np.where(t < 0.0, 0.0, out)
@@ -226,7 +228,8 @@ def breaks_until(march: March, t: Array) -> Array:
 
 def _read(march: March, values: Array, t: Array) -> Array:
     """Values at times t, shape (n,), from those at the panels' beginnings and nodes; at a jump the value after it."""
-    begin, since, width, knots = march.begin, march.since, march.width, march.motion.times
+    begin, since, width = march.solved.begin, march.solved.since, march.solved.width
+    knots = march.motion.times
     # at a jump, a time that rounding puts just before it is read after it; elsewhere values are continuous
     rounded = ROUNDED * begin + SAME_TIME * (since + width.min(initial=np.inf))
     read_from = begin - np.where(_begin_at_jumps(march, rounded), rounded, 0.0)
@@ -242,5 +245,6 @@ def _begin_at_jumps(march: March, rounded: Array) -> npt.NDArray[np.bool_]:
     where contacts break together, and where they form again one delay later."""
     born = np.array([lump.time for lump in march.lumps[1:]])
     jumps = np.sort(np.concatenate([born, born - march.births.delay, [np.inf]]))
-    after = jumps[np.searchsorted(jumps, march.begin - rounded)]
-    return after <= march.begin + rounded
+    begin = march.solved.begin
+    after = jumps[np.searchsorted(jumps, begin - rounded)]
+    return after <= begin + rounded

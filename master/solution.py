@@ -45,14 +45,15 @@ class StretchDistribution:
             origin, history = origin[inside], motion.history(at, np.zeros((inside.size, 1)))
             held = life.survival_and_force(origin[:, None], history).survival[:, 0]
             out[inside] = start.pdf(origin) * held
-        slopes = march.breaks @ polynomials.SLOPES.T / march.width[:, None]
+        solved = march.solved
+        slopes = solved.breaks @ polynomials.SLOPES.T / solved.width[:, None]
         for leg in np.flatnonzero(motion.speeds):
             first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
             speed = float(motion.speeds[leg])
             s = motion.times[leg] + (law.mean() + now - x - motion.positions[leg]) / speed
             here = np.flatnonzero((s > first) & (s <= last))
-            panel = np.maximum(np.searchsorted(march.begin, s[here] - delay) - 1, 0)
-            place = np.minimum((s[here] - delay - march.begin[panel]) / march.width[panel], 1.0)
+            panel = np.maximum(np.searchsorted(solved.begin, s[here] - delay) - 1, 0)
+            place = np.minimum((s[here] - delay - solved.begin[panel]) / solved.width[panel], 1.0)
             rate = polynomials.legendre_sum(slopes[panel], 2.0 * place[:, None] - 1.0)[:, 0]
             history = motion.history(at, s[here, None])
             held = life.survival_and_force(law, history).survival[:, 0]
@@ -164,7 +165,8 @@ def _deltas(march: March, t: float) -> dict[float, float]:
 
 def _held(march: March, leg: int, t: float) -> float:
     """Share of all contacts that were born on a leg and hold at the time t."""
-    panels, motion = march.panels(0, int(np.searchsorted(march.begin, t))), march.motion
+    solved, motion = march.solved, march.motion
+    panels = solved.pick(0, int(np.searchsorted(solved.begin, t)))
     legs, now = motion.leg(panels.middle_of_births(march.births.delay)), int(motion.leg(t))
     panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
     past, x = Past(replace(march.births, until=np.inf)), np.array([[t - motion.times[now]]])

@@ -68,8 +68,8 @@ def errors(degree: int, counts: list[int]) -> list[float]:
     for count in counts:
         edges = np.linspace(0.0, END, count + 1)
         march = March(births, contacts.start, edges, 1e9, END, life.largest_stretch).run()
-        if len(march.width) != count:
-            raise SystemExit(f"{len(march.width)} panels where {count} were asked for")
+        if march.solved.count != count:
+            raise SystemExit(f"{march.solved.count} panels where {count} were asked for")
         at = (edges[:-1, None] + END / count * np.linspace(0.05, 0.95, 10)).ravel()
         exact = at - (1.0 - np.exp(-4.0 * at)) / 4.0
         found.append(float(np.abs(breaks_until(march, at) - exact).max()))

@@ -21,6 +21,7 @@ from master.renewal.births import MOST_WORK, Births, Jump, Lump, Panels, panel_a
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
 from master.renewal.present import TARGETS, Present, Run, solve_run
+from master.renewal.solved import SolvedPanels
 from master.survival.life import NO_SURVIVAL
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -49,14 +50,13 @@ class March:
     guess : the first guess of the width of a panel, a length
     stretch : the longest |x|, or force per contact born: an error of the number times this is one of the force
 
-    begin, since, width, breaks, force, error : arrays, one entry or row a panel; `since` is `begin` counted from its
-        leg's beginning, which keeps all digits; the others as in Run
-    lumps : the start first; widest : largest width of the next panels
+    solved : the panels so far
+    lumps : the start first; their times are on the path
+    present, _past : sums over births on the present leg, and over all other contacts
+    widest : largest width of the next panels; inf before the first
     steady_since : when the march ended because breaks were steady; inf where they were not
     unfinished, jump : whether it was stopped before the last edge; the largest Jump, of size 0 where there is none
     """
-
-    STORED = "begin", "since", "width", "breaks", "force", "error"
 
     def __init__(
         self,
@@ -68,17 +68,19 @@ class March:
         stretch: float,
     ) -> None:
         """Begin with the start as the only lump, before the first panel."""
-        self.births, self.edges, self.tolerance, self.guess = births, edges, tolerance, guess
-        self.life, self.motion = births.life, births.motion
-        self.stretch, self.unfinished = stretch, False
-        self.begin = self.since = self.width = self.error = np.empty(0)
-        self.breaks = self.force = np.empty((0, polynomials.DEGREE + 1))
+        self.births, self.life, self.motion = births, births.life, births.motion
+        self.edges, self.tolerance = edges, tolerance
+        self.guess, self.stretch = guess, stretch
+
+        self.solved = SolvedPanels()
         self.lumps = [Lump(0.0, 1.0, start)]
+        self.present, self._past = Present(births), Past(births)
+        self.widest = self.steady_since = np.inf
+        self.unfinished, self.jump = False, Jump(0.0, 0, 0.0)
+
+        # whether the start is told by the table of births of the first leg: G_0(t) = E(t, 0)
         alike = start.is_single and start.span == births.law.span
         self._as_births = alike and self.life.start_as_births
-        self.present, self._past = Present(births), Past(births)
-        self.steady_since = self.widest = np.inf
-        self.jump = Jump(0.0, 0, 0.0)
 
     @property
     def survival_error(self) -> float:
@@ -91,31 +93,31 @@ class March:
         sums over earlier births (see ErrorBudget). A wrong survival conserves the number as well as the right one."""
         return self.survival_error + self._past.error
 
-    @property
-    def reached(self) -> float:
-        """The time at which the last solved panel ends."""
-        return float(self.begin[-1] + self.width[-1]) if self.begin.size else 0.0
-
     def run(self) -> "March":
         """Solve all panels; on a single leg, those until breaks have become steady."""
         try:
             for _ in self.runs():
                 if self.motion.one_leg and self._steady():
                     # later changes are at most those that `_steady` allows, an error; going on would cost digits
-                    self.steady_since = self.reached - 0.5 * self.width[-1]
-                    self.error[-1] += ALIKE * self.tolerance
+                    self.steady_since = self.solved.end - 0.5 * self.solved.width[-1]
+                    self.solved.error[-1] += ALIKE * self.tolerance
                     break
         except StoppedError:
             self.unfinished = True
         return self
 
     def runs(self) -> Iterator[None]:
-        """Solve all panels, yielding after each run of them."""
+        """Solve all panels, yielding after each run of them.
+
+        A leg begins with panels of the first guess, as its speed is another one; but a march that goes on after `cut`
+        does not begin its leg here, and keeps the width that it has. Only before its first panel that is inf.
+        """
         before = -1
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            if leg != before and (before >= 0 or self.widest == np.inf):
+            goes_on = before < 0 and self.widest < np.inf
+            if leg != before and not goes_on:
                 moving = bool(self.motion.speeds[leg])
                 self.widest = self._duration(self.guess, leg) if moving else OF_HOLD * (end - begin)
             before, leg_begin = leg, self.motion.times[leg]
@@ -126,18 +128,21 @@ class March:
         first = self._duration(self.guess, leg)
         most = self._duration(self.life.largest_stretch, leg)
         tolerance, quick = self.tolerance, self.life.quick
-        widths, t = PanelWidth(end - begin, self.widest, first, most, tolerance, quick), begin
+        widths = PanelWidth(end - begin, self.widest, first, most, tolerance, quick)
+        leg_begin, t = float(self.motion.times[leg]), begin
         while not widths.reached(end - t):
             stop_after(self.births.until)
             proposal = widths.propose(end - t)
             run = self._run(t, proposal.width, proposal.panels, leg)
+
             # beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(t)
             bad = np.flatnonzero(run.error > tolerance)
             if bad.size and widths.too_narrow(t) and run.error[bad[0]] > self.jump.size:
-                self.jump = Jump(self.motion.times[leg] + t, leg, float(run.error[bad[0]]))
+                self.jump = Jump(leg_begin + t, leg, float(run.error[bad[0]]))
             good = int(bad[0]) if bad.size and not keep_all else run.error.size
-            self.keep(self.motion.times[leg] + t, proposal.width, run, good, t)
+            self.solved.append(leg_begin + t, t, proposal.width, run, good)
+
             t = t + good * proposal.width if good < proposal.ahead else end
             if good < run.error.size:
                 widths.narrow(good, float(run.error[good]))
@@ -161,23 +166,14 @@ class March:
         """Whether breaks have been steady for longer than any life. Each rate of breaks is a mean of those before, to
         the longest life (renewal equation); where these agree to the tolerance, so do all that follow."""
         memory, speed = MEMORIES * self._memory(0), self.motion.speeds[0]
-        after_last_lump, ahead = self.reached - self.lumps[-1].time, self.edges[-1] - self.reached
+        solved, now = self.solved, self.solved.end
+        after_last_lump, ahead = now - self.lumps[-1].time, self.edges[-1] - now
         if not speed or after_last_lump < memory or ahead < MEMORIES_AHEAD * memory:
             return False
-        first = panel_at(self.begin, self.reached - memory)
-        slopes = self.breaks[first:] @ polynomials.SLOPES.T / self.width[first:, None]
-        nodes = polynomials.gauss(polynomials.PANEL_NODES).nodes
-        rates = slopes @ polynomials.legendre_values(nodes).T
+        rates = solved.rates_from(now - memory)
         alike = np.ptp(rates) < ALIKE * self.tolerance * rates.mean()
-        change = float(np.ptp(self.force[first:]))
+        change = float(np.ptp(solved.force[-len(rates) :]))
         return bool(alike and change < ALIKE * self.tolerance * self.stretch)
-
-    def keep(self, t: float, width: float, run: Run, good: int, since: float) -> None:
-        """Append the first `good` panels of a run that begins at t, `since` from its leg's beginning."""
-        steps = width * np.arange(good)
-        new = t + steps, since + steps, np.full(good, width), *(part[:good] for part in run)
-        for name, values in zip(self.STORED, new, strict=True):
-            setattr(self, name, np.concatenate([getattr(self, name), values]))
 
     def _run(self, t: float, width: float, count: int, leg: int) -> Run:
         """Solve panels of one width from t on, counted from the leg's beginning."""
@@ -185,18 +181,17 @@ class March:
         alike = self._count_alike(width, leg)
         of_panel = self.present.on(float(self.motion.speeds[leg]), width, alike + count)
         known = self.known_on(leg, t + width * (np.arange(count)[:, None] + TARGETS), alike)
-        return solve_run(of_panel, known, self.breaks[self.width.size - alike :], self.stretch)
+        earlier = self.solved.breaks[self.solved.count - alike :]
+        return solve_run(of_panel, known, earlier, self.stretch)
 
     def _count_alike(self, width: float, leg: int) -> int:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
         survival depends on the lag alone. Panels from so long ago that none holds are left out."""
         # A birth holds no longer than the memory, and a panel's last births come one width after its first: panels
         # that begin before `oldest`, a second width on the safe side of rounding, add nothing.
-        oldest = self.reached - self._memory(leg) - 2.0 * width
-        leg_begin = self.motion.times[leg] - SAME_BEGIN * width
-        first = int(np.searchsorted(self.begin, max(oldest, leg_begin)))
-        other = np.flatnonzero(self.width[first:] != width)
-        return self.width.size - first - (int(other[-1]) + 1 if other.size else 0)
+        oldest = self.solved.end - self._memory(leg) - 2.0 * width
+        leg_begin = float(self.motion.times[leg]) - SAME_BEGIN * width
+        return self.solved.count_alike(width, max(oldest, leg_begin))
 
     def known_at(self, t: Array) -> Array:
         """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
@@ -212,9 +207,10 @@ class March:
 
         Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
-        leg_begin, last = float(self.motion.times[leg]), self.begin.size - alike
+        leg_begin, solved = float(self.motion.times[leg]), self.solved
+        last = solved.count - alike
         if leg != self._past.leg:
-            self._past.enter(leg, self.panels(0))
+            self._past.enter(leg, solved.pick(0))
         t, delay = grid.ravel(), self.births.delay
         # a start that is as births at t = 0 on this leg is in their table
         in_table = leg == 0 and self._as_births
@@ -223,11 +219,11 @@ class March:
             out += self.present.look_up(float(self.motion.speeds[leg]), grid)
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         oldest = leg_begin + t.min() - self._memory(leg)
-        first = panel_at(self.begin, oldest)
-        on_it = self.panels(max(first, self._past.first), last)
+        first = panel_at(solved.begin, oldest)
+        on_it = solved.pick(max(first, self._past.first), last)
         out += self.births_on_leg(t, leg, on_it).reshape(out.shape)
         if delay > 0.0 and first < last:
-            out[0] += self._out(leg_begin + t, self.panels(first, last)).reshape(grid.shape)
+            out[0] += self._out(leg_begin + t, solved.pick(first, last)).reshape(grid.shape)
         return out
 
     def _out(self, t: Array, panels: Panels) -> Array:
@@ -236,11 +232,6 @@ class March:
         since = t - np.array([[[0.0]], [[self.births.delay]]]) - panels.begin[:, None]
         broken = polynomials.values(np.clip(since / panels.width[:, None], 0.0, 1.0))
         return np.asarray(np.einsum("ptn,pn->t", broken[0] - broken[1], panels.breaks))
-
-    def panels(self, first: int, last: int | None = None) -> Panels:
-        """Solved panels from one to before another."""
-        stored = self.begin, self.since, self.width, self.breaks
-        return Panels(*(part[first:last] for part in stored))
 
     def births_on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
         """Number and force at times t, counted from the beginning of the leg, of births on that leg. `panels`: those
@@ -257,7 +248,7 @@ class March:
         if not t > 0.0 or not len(self.life.atoms):
             return
         leg = int(self.motion.leg(t))
-        beside = 0.5 * min(self.width[-1], end - t)
+        beside = 0.5 * min(self.solved.width[-1], end - t)
         sides = t + beside * np.array([[-1.0, -0.5, 0.0], [0.0, 0.5, 1.0]]) - self.motion.times[leg]
         # the times of a row lie on one leg: those after a knot are asked for by themselves
         rows = [sides] if t < self.motion.times[leg + 1] else [sides[:1], sides[1:]]
@@ -274,16 +265,7 @@ class March:
         other.present = self.present.counted_on(births)
         other._past.count_errors_of(self._past)  # with which the panels so far were solved
         other.widest = min(self.widest, self.guess)
-        begun = int(np.searchsorted(self.begin, t - SAME_BEGIN * self.guess))
-        for name in self.STORED:
-            setattr(other, name, getattr(self, name)[:begun].copy())
-        if begun and other.reached > t:
-            width = t - other.begin[-1]
-            places = np.append(0.0, polynomials.NODES) * width / other.width[-1]
-            to_part = polynomials.values(places)
-            other.width[-1] = width
-            for values in (other.breaks, other.force):
-                values[-1] = to_part @ values[-1]
+        other.solved = self.solved.up_to(t, SAME_BEGIN * self.guess)
         other.lumps = [self.lumps[0], *(lump for lump in self.lumps[1:] if lump.time < t)]
         return other
 
@@ -296,5 +278,5 @@ class March:
         nearly, run = end - min(1e-6 * self.guess, end - begin), Run(nothing, nothing, np.zeros(1))
         for first, last in ((begin, nearly), (nearly, end)):
             if last > first:
-                self.keep(first, last - first, run, 1, first - leg_begin)
+                self.solved.append(first, first - leg_begin, last - first, run, 1)
         self.lumps.append(Lump(end, 1.0 - float(number[0, 0]), self.births.law))

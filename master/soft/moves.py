@@ -12,7 +12,7 @@ import numpy as np
 from master.motion import Motion
 from master.numerics import polynomials
 from master.outcome import StoppedError
-from master.renewal.births import MOST_WORK, Births, reforming_law
+from master.renewal.births import MOST_WORK, Births, panel_at, reforming_law
 from master.renewal.edges import SMOOTHER, Kink, edges
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
@@ -126,7 +126,7 @@ class Move:
         self._kinks, self._ahead = loaded.kinks, 2.0 * contacts.unit
         self._widest = self._guess
         self._plan(loaded.march, loaded.cut, loaded.end)
-        self._first = len(self._march.begin)
+        self._first = self._march.solved.count
         self._steady: SteadyForce | None = None
 
     def at(self, y: Array | float) -> Any:
@@ -170,42 +170,40 @@ class Move:
 
     def curve_to(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
-        while len(self._march.begin) == self._first or (
-            self._steady is None and self._march.reached < self.loaded.end + y
+        while self._march.solved.count == self._first or (
+            self._steady is None and self._march.solved.end < self.loaded.end + y
         ):
             # following a lump over one run of panels costs as much as 15 pieces of integrals
             self._march.births.work += 15 * len(self._march.lumps)
             if self._march.births.work > MOST_WORK:
                 raise StoppedError("stopped as slips ask for too much work")
-            before = len(self._march.begin)
+            before = self._march.solved.count
             if not self._advance():
                 self._ahead *= 2.0
-                self._plan(self._march, self._march.reached, self._march.reached)
-            self.contacts.nodes += (len(self._march.begin) - before) * polynomials.DEGREE
+                self._plan(self._march, self._march.solved.end, self._march.solved.end)
+            self.contacts.nodes += (self._march.solved.count - before) * polynomials.DEGREE
             self._steady = self._steady_force()
         return self.solved_curve(y)
 
     @property
     def solved(self) -> bool:
         """Whether any panel of the move is solved."""
-        return len(self._march.begin) > self._first
+        return self._march.solved.count > self._first
 
     def solved_curve(self, y: float = 0.0) -> LoadCurve:
         """The load on the panels solved so far; where breaks are steady, up to the travel y at least."""
         loaded, march, largest = self.loaded, self._march, self.contacts.life.largest_stretch
-        panels = march.begin, march.width, march.force, march.error
-        begin, width, force, missed = (np.array(values[self._first :]) for values in panels)
-        begin -= loaded.end
+        solved, own_panels = march.solved, slice(self._first, None)
+        begin, width = solved.begin[own_panels] - loaded.end, solved.width[own_panels]
+        force, missed = solved.force[own_panels], solved.error[own_panels]
         # a drop by more than this share of the contacts, well above rounding, makes a slip
         times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]
         # round-off of the force grows with the distance travelled
         rounding = 1e-14 * (self.contacts.unit + begin) + march.unseen_error * largest
         unknown = loaded.error + self.contacts.unknown
         error = unknown + np.maximum.accumulate(missed) * largest + rounding
-        drops, series = (
-            np.array(times) - loaded.end,
-            self.direction * force @ polynomials.TO_LEGENDRE.T,
-        )
+        drops = np.array(times) - loaded.end
+        series = self.direction * force @ polynomials.TO_LEGENDRE.T
         own = missed * largest + 1e-15 * self.contacts.unit
         curve = LoadCurve(begin, width, series, error, own, drops, self.contacts.spring)
         return curve if self._steady is None else self._steady.extend(curve, y, largest)
@@ -218,18 +216,15 @@ class Move:
         """
         march, largest = self._march, self.contacts.life.largest_stretch
         memory = max(1.1 * march.present.straight(float(self.direction)).longest, 2.0 * largest)
-        undisturbed = march.reached - max(self.loaded.end, march.lumps[-1].time)
+        undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].time)
         if undisturbed < memory:
             return None
-        first = max(int(np.searchsorted(march.begin, march.reached - memory, "right")) - 1, 0)
-        slopes = march.breaks[first:] @ polynomials.SLOPES.T / march.width[first:, None]
-        nodes = polynomials.gauss(polynomials.PANEL_NODES).nodes
-        rates = slopes @ polynomials.legendre_values(nodes).T
+        rates = march.solved.rates_from(march.solved.end - memory)
         differ = float(np.ptp(rates) / rates.mean())
         if not 0.0 <= differ <= self.contacts.steady_rates:
             return None
-        force = self.direction * float(march.force[-1, -1])
-        return SteadyForce(force, differ * abs(force) + float(np.ptp(march.force[first:])))
+        last, steady = float(march.solved.force[-1, -1]), march.solved.force[-len(rates) :]
+        return SteadyForce(self.direction * last, differ * abs(last) + float(np.ptp(steady)))
 
     def _decohered_at(self, level: float) -> SteadyForce | None:
         """The force of steady breaks, where it is F to the tolerance before the load can be at `level` again.
@@ -239,14 +234,14 @@ class Move:
         """
         march, contacts = self._march, self.contacts
         memory = 2.2 * contacts.life.largest_stretch
-        undisturbed = march.reached - max(self.loaded.end, march.lumps[-1].time)
+        undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].time)
         if undisturbed < DECOHERES * memory:
             return None
-        first = max(int(np.searchsorted(march.begin, march.reached - memory, "right")) - 1, 0)
-        force = self.direction * march.force[first:] @ BETWEEN.T
+        first = panel_at(march.solved.begin, march.solved.end - memory)
+        force = self.direction * march.solved.force[first:] @ BETWEEN.T
         half, (steady, error) = BEYOND * 0.5 * float(np.ptp(force)), contacts.steady_force
         most = 0.5 * float(force.max() + force.min()) + half
-        ahead = (level - most) / contacts.spring - (march.reached - self.loaded.end)
+        ahead = (level - most) / contacts.spring - (march.solved.end - self.loaded.end)
         if ahead <= 0.0 or not np.isfinite(contacts.decoherence_length):
             return None
         left = HIDDEN * half * np.exp(-ahead / contacts.decoherence_length)
@@ -256,7 +251,7 @@ class Move:
 
     def travel_of_state(self, y: float) -> float:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
-        return y if self._steady is None else min(y, self._march.reached - self.loaded.end)
+        return y if self._steady is None else min(y, self._march.solved.end - self.loaded.end)
 
     def _advance(self) -> bool:
         """Solve some more panels; False at the end of the plan."""

@@ -34,7 +34,7 @@ class MoveWithoutBirths(Move):
     def _advance(self) -> bool:
         """See Move: some panels on which nothing is born, as wide as polynomials allow."""
         march, life, tolerance = self._march, self.contacts.life, self._march.tolerance
-        begin = max(march.reached, self.loaded.end)
+        begin = max(march.solved.end, self.loaded.end)
         later = march.edges[march.edges > begin + STILL * life.resolution_length]
         if not later.size:
             return False
@@ -63,7 +63,7 @@ class MoveWithoutBirths(Move):
         self._together = min(2 * self._together, MOST_TOGETHER) if good == count else 1
         leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
         run = Run(np.zeros_like(force), force, error)
-        march.keep(begin, width, run, good, begin - leg_begin)
+        march.solved.append(begin, begin - leg_begin, width, run, good)
         return True
 
     def held(self, y: float) -> float:

@@ -124,9 +124,10 @@ def unit_of(cycle: Cycle) -> float:
 
 def _steepest_and_highest(march: March, cycle: Cycle) -> tuple[Largest, Largest]:
     """The steepest fall and F_s (paper, Eq. Q6b) from F on the panels; `cycle` as in `forward_march`."""
-    begin, width = cycle.velocity * np.array([march.begin, march.width])
-    series = np.array(march.force) @ polynomials.TO_LEGENDRE.T
-    errors = (np.maximum(march.error, BREAKS_ROUNDED) + march.unseen_error) * march.stretch
+    solved = march.solved
+    begin, width = cycle.velocity * solved.begin, cycle.velocity * solved.width
+    series = solved.force @ polynomials.TO_LEGENDRE.T
+    errors = (np.maximum(solved.error, BREAKS_ROUNDED) + march.unseen_error) * march.stretch
     # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
     # over which contacts break: conservation puts the number right at the panel's end
     shifted = np.maximum.accumulate(errors * np.minimum(width / cycle.resolution_length, 1.0))

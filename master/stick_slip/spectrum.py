@@ -167,9 +167,10 @@ def _remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> float:
     horizon = 6.0 * cycle.birth_to_birth + max(-2.0 * cycle.contacts.start.span[0], 0.0)
     march = forward_march(cycle, horizon, TOLERANCE).run()
     share = np.append(0.0, polynomials.NODES)
-    x = cycle.velocity * (np.array(march.begin)[:, None] + np.array(march.width)[:, None] * share)
-    off = (np.array(march.error) + march.unseen_error) * march.stretch
-    apart = np.abs(np.array(march.force) - spectrum.force(x))
+    solved = march.solved
+    x = cycle.velocity * (solved.begin[:, None] + solved.width[:, None] * share)
+    off = (solved.error + march.unseen_error) * march.stretch
+    apart = np.abs(solved.force - spectrum.force(x))
     significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
     # twice as much, as the terms left out may add up in phase elsewhere
     left = 2.0 * apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))

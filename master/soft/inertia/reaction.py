@@ -112,7 +112,8 @@ class Reaction(Move):
 
     def _rates(self, first: int) -> Array:
         """Breaks per contact and length on the panels from one on."""
-        return np.asarray(self._march.breaks[first:, -1] / self._march.width[first:])
+        solved = self._march.solved
+        return np.asarray(solved.breaks[first:, -1] / solved.width[first:])
 
     def panel_at(self, y: float, last: float = np.inf) -> Panel:
         """The panel on which y lies, an edge on the one that it ends; none that begins at `last` or later."""
@@ -152,14 +153,14 @@ class Reaction(Move):
         steady = min(y, self.steady_from)
         self.panel_at(steady)
         march, at = self._march, self.loaded.end + steady
-        begins = march.begin[self._first :]
+        begins = march.solved.begin[self._first :]
         index = self._first + max(int(np.searchsorted(begins, at)) - 1, 0)
-        share = np.clip((at - march.begin[index]) / march.width[index], 0.0, 1.0)
-        done = float(march.breaks[self._first : index, -1].sum())
-        done += float(polynomials.values(np.array([share]))[0] @ march.breaks[index])
+        share = np.clip((at - march.solved.begin[index]) / march.solved.width[index], 0.0, 1.0)
+        done = float(march.solved.breaks[self._first : index, -1].sum())
+        done += float(polynomials.values(np.array([share]))[0] @ march.solved.breaks[index])
         done += sum(one.weight for one in march.lumps[1:] if self.loaded.end < one.time < at)
         if y > steady:
-            done += (y - steady) * float(self._rates(len(march.begin) - 1).mean())
+            done += (y - steady) * float(self._rates(march.solved.count - 1).mean())
         return done
 
     def stop(self, y: float, error: float) -> LoadingHistory:
@@ -174,7 +175,7 @@ class Reaction(Move):
         self.panel_at(float(y.max()))
         # what was reached before the time was over has its energies, too
         births = replace(self._march.births, life=_StoredLife(self._march.life), until=np.inf)
-        march = self._march.cut(self._march.reached, births)
+        march = self._march.cut(self._march.solved.end, births)
         march.present = Present(births)
         at = np.maximum(self.loaded.end + y, self.loaded.end + 1e-12 * self.contacts.unit)
         different, back = np.unique(at, return_inverse=True)
