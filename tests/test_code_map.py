@@ -30,13 +30,14 @@ def test_the_page_is_what_the_docstrings_say() -> None:
 
 
 def test_the_files_that_run_are_named() -> None:
-    """master.solve lists the files of master in which a function runs for the scene of the README, and no others."""
-    room, ran = Path(master.__file__).parent, set[str]()
+    """master.solve lists the files of master in which a function runs for the README's scene, in the order in which
+    they begin, and no others."""
+    room, ran = Path(master.__file__).parent, dict[str, None]()
 
     def note(frame: FrameType, event: str, _: object) -> None:
         path = Path(frame.f_code.co_filename)
         if event == "call" and frame.f_code.co_name != "<module>" and room in path.parents:
-            ran.add(".".join(path.relative_to(room).with_suffix("").parts))
+            ran.setdefault(".".join(path.relative_to(room).with_suffix("").parts))
 
     start = origins.gaussian_start(0.0, 0.025)
     contacts = origins.Contacts(origins.gaussian(1.0, 0.05), start)
@@ -46,4 +47,4 @@ def test_the_files_that_run_are_named() -> None:
     finally:
         sys.setprofile(None)
     told = re.search(r"in which they begin, are (.*?);", master.solve.__doc__ or "", re.DOTALL)
-    assert told is not None and set(re.findall(r"`([\w.]+)`", told[1])) == ran
+    assert told is not None and re.findall(r"`([\w.]+)`", told[1]) == list(ran)

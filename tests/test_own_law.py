@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.stats
 from solving import gauss
 
 import eq_model
@@ -54,20 +55,23 @@ class Hazards(GrowingThresholds):
         return fresh * ((1.0 + self.age + duration) / (1.0 + self.age)) ** self.power
 
 
-def steady(power, velocity):
+def steady(power, velocity, tau=1.0):
     """F_k: integrals of x E and E, with E(x) = S(x/g(x/v)), up to where one contact in 1e17 breaks."""
     end = far = float(PC.isf(1e-17))
     for _ in range(200):
-        end = far * (1.0 + end / velocity) ** power
+        end = far * (1.0 + end / velocity / tau) ** power
     x, weights = gauss(np.linspace(0.0, end, 401), 10)
-    held = weights * PC.sf(x / (1.0 + x / velocity) ** power)
+    held = weights * PC.sf(x / (1.0 + x / velocity / tau) ** power)
     return float(held @ x / held.sum())
 
 
-@pytest.mark.parametrize(("power", "velocity"), [(0.1, 1.0), (0.1, 1e-3), (0.5, 3.0)])
-def test_steady_sliding_is_a_quadrature(power, velocity):
-    found = master.steady_state(Contacts(Power(PC, power, 1.0)), velocity=velocity)
-    assert abs(found.force - steady(power, velocity)) <= found.force_error + 1e-12
+@pytest.mark.parametrize(
+    ("power", "velocity", "tau"),
+    [(0.1, 1.0, 1.0), (0.1, 1e-3, 1.0), (0.5, 3.0, 1.0), (0.3, 0.1, 7.0)],
+)
+def test_steady_sliding_is_a_quadrature(power, velocity, tau):
+    found = master.steady_state(Contacts(Power(PC, power, tau)), velocity=velocity)
+    assert abs(found.force - steady(power, velocity, tau)) <= found.force_error + 1e-12
     assert found.force_error < 1e-9
 
 
@@ -107,6 +111,16 @@ class Convex(Power):
         return 1.0 + (np.asarray(age) / self.time_unit) ** 2
 
 
+class OfOneAge(Power):
+    def factor(self, age):
+        return float(np.mean(super().factor(age)))
+
+
+class BeginsAt2(Power):
+    def factor(self, age):
+        return 1.0 + super().factor(age)
+
+
 class NotInverse(Hazards):
     def threshold_at(self, hazard, pinned_for):
         return 2.0 * super().threshold_at(hazard, pinned_for)
@@ -130,10 +144,12 @@ class Delay(Power):
 @pytest.mark.parametrize(
     ("law", "said"),
     [
-        (Convex(PC, 0.1, 1.0), "rises and falls again on a leg"),
+        (Convex(PC, 0.1, 7.0), r"thresholds \(power growth\): factor must be concave, and rises"),
+        (BeginsAt2(PC, 0.1, 7.0), r"thresholds \(power growth\): factor\(0\) is 2 and must be 1"),
+        (OfOneAge(PC, 0.1, 7.0), r"factor of ages \(8,\) has the shape \(\), not theirs"),
         (NotInverse(0.1, 1.0), r"hazard_at at threshold_at\(hazard, age\) is not that hazard"),
         (OfAnotherAge(0.1, 1.0), "at_start is not the law of thresholds at the age of the start"),
-        (Shrinks(PC, 0.1, 1.0), "threshold_at falls with the age"),
+        (Shrinks(PC, 0.1, 1.0), "factor must not fall with the age"),
         (Delay(PC, 0.1, 1.0), "is the name of another law"),
     ],
 )
@@ -154,3 +170,11 @@ def test_contacts_that_never_break_are_refused():
 
 def test_a_factor_that_stays_1_is_no_law():
     assert Contacts(Power(PC, 0.0, 1.0)).laws == ()
+
+
+def test_the_law_of_older_contacts_begins_as_that_of_fresh_ones():
+    """Lengths g times as large, and a density at 0 that is lower by g; scipy's normal has no quantile there."""
+    with np.errstate(all="raise", under="ignore"):
+        law = Power(scipy.stats.norm(1.0, 0.1), 0.5, 7.0, age=21.0).at_start
+        assert law.std() == pytest.approx(0.2, rel=1e-12)
+    assert law.pdf(0.0) == pytest.approx(scipy.stats.norm.pdf(0.0, 1.0, 0.1) / 2.0, rel=1e-12)

@@ -145,25 +145,26 @@ class ColdSlider:
         while True:
             move = self._begun(direction, self._loaded)
             begin = direction * (self._base + move.at(0.0))
-            loads = spring * (direction * drives - begin)
+            # the load (see curve.py) that each of these X_T asks for
+            asked = spring * (direction * drives - begin)
             try:
-                slip = move.next_slip(y, loads[-1])
+                slip = move.next_slip(y, asked[-1])
             except StoppedError:
                 if move.solved:
                     curve = move.solved_curve()
                     last = min(curve.slip_begins(y), curve.end)
                     load = float(curve.force(last)) + spring * last
-                    self._keep(curve, loads[: np.searchsorted(loads, load)], y, last, direction)
+                    self._keep(curve, asked[: np.searchsorted(asked, load)], y, last, direction)
                 raise
-            curve, count = slip.curve, int(np.searchsorted(loads, slip.load))
-            at, off = self._keep(curve, loads[:count], y, slip.travel, direction)
+            curve, count = slip.curve, int(np.searchsorted(asked, slip.load))
+            at, off = self._keep(curve, asked[:count], y, slip.travel, direction)
             if not np.isfinite(slip.load):
                 # F' jumps to 1 at a turn: the error of its place is one of the force
                 jump = abs(1.0 + spring - float(curve.load_slope(at[-1])))
                 stop = move.travel_of_state(at[-1])
                 self._base += direction * (at[-1] - stop)
                 self._loaded = move.stopped(stop, float(curve.error_at(at[-1]) + jump * off[-1]))
-                if self.contacts.unknown and self._may_have_slipped(move, slip, loads[-1]):
+                if self.contacts.unknown and self._may_have_slipped(move, slip, asked[-1]):
                     self.error = max(self.error, abs(float(curve.force(at[-1]))))
                 return
             drives = drives[count:]
@@ -181,13 +182,13 @@ class ColdSlider:
         return bool(np.isfinite(move.next_slip(last.travel, load + missed).load))
 
     def _keep(
-        self, curve: LoadCurve, loads: Array, low: float, high: float, direction: int
+        self, curve: LoadCurve, asked: Array, low: float, high: float, direction: int
     ) -> tuple[Array, Array]:
-        """Keep the force at these loads, which are met from one travel to another: the travels there, and their errors
-        (lengths)."""
-        if not loads.size:
-            return loads, loads
-        at = curve.travel_at(loads, low, high)
+        """Keep the force at the loads that are asked for, met between the travels `low` and `high`: the travels there,
+        and their errors (lengths)."""
+        if not asked.size:
+            return asked, asked
+        at = curve.travel_at(asked, low, high)
         self.force.append(direction * curve.force(at))
         off = curve.travel_errors(at, self._base_error)
         self.error = max(self.error, self.spring * float(off.max()))

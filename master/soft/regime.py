@@ -269,9 +269,9 @@ def _lacking(
             else f"{told}; lengthen the path"
         )
     force = np.abs(found.force)
-    # 0.1 of the rise of F over the last step of the path if the slider sticks
-    loads = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])
-    if force[-1] > force[:-1].max(initial=0.0) + loads:
+    # 0.1 of the rise of F over the last step of the path if the slider sticks: less may be rounding, or errors
+    rise = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])
+    if force[-1] > force[:-1].max(initial=0.0) + rise:
         return ", where the force still rises as high as never before; lengthen it"
     return ""
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import refuse
+from origins.errors import InputError
 from origins.laws.timed_law import EXACT, MEAN_RATE, ChangingThresholds
 from origins.thresholds.law import Array, Thresholds
 
@@ -43,6 +43,8 @@ class GrowingThresholds(ChangingThresholds, ABC):
     """
 
     law: ClassVar[str] = "growing"
+    # the class whose docstring says what a law has to be
+    _stated_by: ClassVar[str] = "GrowingThresholds"
     age: float | None
     interface: Any = None
     time_unit: float
@@ -124,5 +126,5 @@ class GrowingThresholds(ChangingThresholds, ABC):
             self._refuse(f"{fault}: thresholds must grow ever more slowly")
 
     def _refuse(self, fault: str) -> None:
-        """InputError for a law that is not what this class says."""
-        refuse("thresholds", self, f"{fault}; see origins.GrowingThresholds")
+        """InputError for a law that is not what this class says; it is named by `law`, as its repr says nothing."""
+        raise InputError(f"thresholds ({self.law}): {fault}; see origins.{self._stated_by}")

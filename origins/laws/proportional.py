@@ -10,13 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import between, non_negative, refuse
-from origins.laws.growing import GrowingThresholds
+from origins.laws.growing import AGES, INVERSE, GrowingThresholds
 from origins.laws.timed_law import LINKED
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.powered import Powered, straight
 from origins.thresholds.scipy_laws import as_thresholds
 
 LONGEST = 1e100  # of times, in time_unit, over which thresholds may be followed
+# Rounding of a factor, relative: that of some operations.
+ROUNDED = 1e-15
 # The strongest contacts whose breaks are asked for: a larger share than this of all holds at no age that is followed.
 STRONGEST = 1e-17
 
@@ -36,6 +38,7 @@ class ProportionalGrowth(GrowingThresholds):
     """
 
     keeps_tail = True
+    _stated_by = "ProportionalGrowth"
 
     def __init__(self, fresh: object, time: float, age: float = 0.0) -> None:
         self.fresh = as_thresholds(fresh)
@@ -109,6 +112,27 @@ class ProportionalGrowth(GrowingThresholds):
         at_birth[few] = self.fresh.ppf(-np.expm1(-hazard[few]))
         at_birth[~few] = self.fresh.isf(np.exp(-hazard[~few]))
         return at_birth
+
+    def check_growth(self) -> None:
+        """See GrowingThresholds; faults of the factor are told as such."""
+        ages = self.time_unit * np.append(0.0, AGES)
+        factor = np.asarray(self.factor(ages))
+        if factor.shape != ages.shape:
+            self._refuse(f"factor of ages {ages.shape} has the shape {factor.shape}, not theirs")
+        if not np.isfinite(factor).all():
+            self._refuse("factor is not finite at all ages")
+        if not abs(factor[0] - 1.0) <= INVERSE:
+            self._refuse(f"factor(0) is {factor[0]:.6g} and must be 1")
+        steps = np.diff(factor) / np.diff(ages)
+        if not (steps >= 0.0).all():
+            self._refuse("factor must not fall with the age")
+        # differences of the factor are rounded, and the more of the slope the closer the ages
+        rounding = ROUNDED * factor[1:] / np.diff(ages)
+        bent = np.flatnonzero(np.diff(steps) > INVERSE * steps[1:] + rounding[1:] + rounding[:-1])
+        if bent.size:
+            at = float(ages[bent[0] + 1])
+            self._refuse(f"factor must be concave, and rises ever faster near the age {at:.3g}")
+        super().check_growth()
 
     def check_speed(self, velocity: float) -> None:
         """InputError for speeds so low that the ages at which contacts break are beyond floating point."""

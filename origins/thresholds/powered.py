@@ -82,8 +82,19 @@ class Powered(Thresholds):
         if base.support()[0] == 0.0:
             self.onset_power = (base.onset_power + 1.0) / power.exponent - 1.0
         self._at_zero = -np.inf * self.onset_power  # log P_c(0)
-        if self.onset_power == 0.0:  # the density begins at a finite value, the cdf divided by x
-            self._at_zero = float(np.log(1e-30 / self.ppf(1e-30)))
+        if self.onset_power == 0.0:
+            self._at_zero = self._log_finite_density_at_zero()
+
+    def _log_finite_density_at_zero(self) -> float:
+        """log P_c(0) where the density begins at a finite value."""
+        if self.power.exponent == 1.0:
+            slope = self._back.slope(np.zeros(1))
+            with np.errstate(divide="ignore"):  # bases that begin above 0 have none there
+                return float((self.base.logpdf(np.zeros(1)) + np.log(slope))[0])
+        # the density of the base vanishes or diverges there, as the power does: P_c(0) is the cdf divided by x where
+        # the cdf is as small as this
+        share = 1e-30
+        return float(np.log(share / self.ppf(share)))
 
     def _logpdf(self, x: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -145,6 +145,8 @@ class FrozenThresholds(ScipyDensity):
         mean = self._mean
         if n == 2 and centre != 0.0:
             return float(self._ask("var")) + (mean - centre) ** 2
-        value = mean if n == 1 else float(self._ask("moment", n))
+        if n != int(n):  # scipy has whole ones only
+            return super()._moment(n, centre)
+        value = mean if n == 1 else float(self._ask("moment", int(n)))
         # where a moment is infinite some distributions evaluate a formula that is not valid there
         return value if value >= mean**n * (1.0 - 1e-9) else np.inf

@@ -38,7 +38,8 @@ ONSET = OnsetControl()
 
 
 class SlipBegins:
-    """The search for a slip along the steps of one smooth section.
+    """The search for a slip along the steps of one smooth section. It writes Steps.guess: after each step what the next
+    one is foreseen to take in time, and while it searches what the last step tried did.
 
     shrink : factor on the next step's size: 1 far from slips
     """
@@ -69,10 +70,8 @@ class SlipBegins:
         last = self._last_before_exact(size, longest) if steps.contacts.memory.exact else None
         if last is not None and last.now > trial.now:
             trial = last
-        return (
-            trial,
-            trial.now < steps.section_end,
-        )  # at the section's end, a slip may still be to come
+        # at the section's end, a slip may still be to come
+        return trial, trial.now < steps.section_end
 
     def _is_fold_within(self, step: BalancedStep, size: float) -> bool:
         """Whether a fold lies before the end of a step of this size."""

@@ -105,6 +105,10 @@ class Steps:
 
     `begin` starts a smooth section, `step` gives the balanced step of a size; taking it is up to the caller.
 
+    Two numbers are learned on the way, with which the search for the next balance begins: `guess`, which SlipBegins
+    writes after each step that is taken, and `_imbalance_per_time`, which each call of `step` writes, also for a step
+    that is not taken.
+
     contacts, spring : whose steps they are, and K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
     sign : direction in which the spring pulls: travels and imbalances are counted along it
@@ -114,11 +118,8 @@ class Steps:
 
     def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
         self.contacts, self.spring, self._drive = contacts, spring, drive
-        self.length, self.sign, self.guess = (
-            CONTROL.coarsest * contacts.memory.scales.length,
-            1.0,
-            0.5,
-        )
+        self.length = CONTROL.coarsest * contacts.memory.scales.length
+        self.sign, self.guess = 1.0, 0.5
         ageing = contacts.memory.finer_before_slips
         self._accuracy = CONTROL.balance_of_ageing if ageing else CONTROL.balance
         # how fast the imbalance grows with the steps of time (a length), at first a guess
@@ -159,7 +160,7 @@ class Steps:
         return float(self.sign * (self.spring * stretch - trial.force))
 
     def step(self, size: float) -> BalancedStep:
-        """The balanced step of this size, or up to the section's end.
+        """The balanced step of this size, or up to the section's end. The slope at the root begins the next search.
 
         The root is looked for in the number of its steps of time. Below 0, as time does not go back, the imbalance goes
         on as a straight line: a root there says that there is no balance from now on.
