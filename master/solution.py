@@ -35,7 +35,8 @@ class StretchDistribution:
         """
         shape, x = np.shape(x), np.ravel(np.asarray(x, dtype=float))
         march, t = self._march, self._time
-        motion, life, law, delay = march.motion, march.life, march.births.law, march.births.delay
+        motion, life = march.motion, march.life
+        law, delay = march.births.law, march.births.delay
         now, start = float(motion.at(np.array(t))), march.lumps[0].law
         at, out = np.full((1, 1), t), np.zeros(x.size)
         if not start.is_single:

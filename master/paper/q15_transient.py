@@ -146,7 +146,8 @@ def solve_q15(
     began, end = time.perf_counter(), float(drive.path[-1])
     step = 0.5 * narrowest_half_width(contacts)  # coarser steps do not resolve the laws
     fine = paper_transient(contacts, drive.path, step, drive.velocity)
-    better, error, stuck, late = fine.force, np.inf, False, ""
+    better, error = fine.force, np.inf
+    stuck, late = False, ""  # whether finer steps no longer help; why they were left out
     while error > tolerance and not stuck and CELLS * fine.edges.size * end / step <= 2.5e7:
         if time.monotonic() + 4.0 * fine.run_time > until:  # halved steps take four times as long
             late = ", as wall_time leaves no time for finer ones"

@@ -179,7 +179,8 @@ def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[t
     passes = before * (1.0 + SAME_TIME) < reached
     meets = np.searchsorted(bends, before, "right") < np.searchsorted(bends, rounded, "right")
     for leg in np.flatnonzero((passes | meets) & (speeds != 0.0) & (np.diff(times) > 0.0)).tolist():
-        begin, end, speed, x = times[leg], times[leg + 1], speeds[leg], stretch[leg]
+        begin, end = times[leg], times[leg + 1]
+        speed, x = speeds[leg], stretch[leg]
         back = [(before[leg], np.nan)] if passes[leg] and (leg or x * speed < 0.0) else []
         new = bends[(before[leg] < bends) & (bends <= rounded[leg])].tolist()
         for goal, bend in [*back, *zip(new, new, strict=True)]:

@@ -104,7 +104,8 @@ class PanelWidth:
         rules: WidthRules = RULES,
     ) -> None:
         """Begin at an edge, with panels as wide as those before it."""
-        self.length, self.widest, self.tolerance, self.rules = length, widest, tolerance, rules
+        self.length, self.widest = length, widest
+        self.tolerance, self.rules = tolerance, rules
         self._first, self._most, self._quick = first, most, quick
         self._narrowest = min(first, length) * (rules.least_quick if quick else rules.least)
         self._width, self._run = 0.0, rules.first_run

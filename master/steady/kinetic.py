@@ -152,10 +152,12 @@ def kinetic_curve(
     for laws in np.unique(cases[:, 1:], axis=0):
         these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
         steady[:, these] = _at_once(points.contacts(*laws), cases[these, 0])
-    force, force_error, length, length_error = steady[:, which.ravel()].reshape(4, *points.shape)
+    found = steady[:, which.ravel()].reshape(4, *points.shape)
+    (force, force_error), (length, length_error) = found[:2], found[2:]
     # in addition to the delay new contacts may have to wait until they can hold
     out = contacts.replace(delay=None).waiting_time
-    speeds, _, _, waits = points.rows.T.reshape(4, *points.shape)
+    # a row's first is the speed, its last the delay
+    speeds, waits = (points.rows[:, k].reshape(points.shape) for k in (0, 3))
     holding = length / (length + speeds * (waits + out))
     off = holding * (1.0 - holding) * length_error / length
     force, force_error = force * holding, force_error * holding + np.abs(force) * off

@@ -114,7 +114,8 @@ class AngleThresholds(Thresholds):
     def _fit_panels(self, edges: Array, below: Function) -> None:
         """Keep panels between edges: both ends, the law C at the lower one, and the Chebyshev series in t of what is
         above it, shape (24, panels), with its derivative. Panels that a series does not resolve are halved."""
-        lower, upper, done, nodes = edges[:-1], edges[1:], [], chebyshev.chebpts2(_NODES)
+        lower, upper = edges[:-1], edges[1:]
+        done, nodes = [], chebyshev.chebpts2(_NODES)
         for split in range(25):
             x = lower[:, None] + (upper - lower)[:, None] * _along(nodes)
             x[:, -1] = upper

@@ -84,8 +84,12 @@ class _Landscapes(NamedTuple):
         # no node falls on a line of symmetry
         nodes = spacing * np.indices((n, n)).reshape(2, -1) + [[0.012345], [0.00789]]
         table = np.exp(1j * (self.waves @ nodes))
-        derivatives = (1j * k, 1j * m, -k * k, -k * m, -m * m)
-        x, y, xx, xy, yy = (((each * self.amplitudes.T) @ table).real for each in derivatives)
+
+        def derivative(of_wave: Array) -> Array:
+            return np.asarray(((of_wave * self.amplitudes.T) @ table).real)
+
+        x, y = derivative(1j * k), derivative(1j * m)
+        xx, xy, yy = derivative(-k * k), derivative(-k * m), derivative(-m * m)
         # nodes from which Newton's step is shorter than the spacing
         near = np.hypot(yy * x - xy * y, xx * y - xy * x) < spacing * np.abs(xx * yy - xy * xy)
         which, node = np.nonzero(near)

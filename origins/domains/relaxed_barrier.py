@@ -99,7 +99,8 @@ class _MovingIsland:
             refuse("atoms", atoms, "needs some that FixAtoms does not fix, and no other constraint")
         if not rigid and self.moving.size > 1500:
             refuse("atoms", atoms, "may hold at most 1500 that move by themselves; take rigid=True")
-        self.rigid, self.planar, self.periods, self.evaluations = rigid, planar, periods, 0
+        self.rigid, self.planar = rigid, planar
+        self.periods, self.evaluations = periods, 0
         self.rest = atoms.positions[self.moving]
         turn = np.cross([0.0, 0.0, 1.0], self.rest - self.rest.mean(axis=0))
         # atoms on one vertical line have no rotation, except by rounding

@@ -101,7 +101,8 @@ class SoftLaw(NamedTuple):
 
 # Cells of the table of D along 1/(1 + y): cubics are exact to a relative 1e-9. That of the inverse goes along the
 # log, y² + ln D(y), from _LOW, below which y is its exponential to 1e-11, to _HIGH: cubics are exact to 2e-10.
-_CELLS, _LOW, _HIGH, _STEP = 2048.0, -12.0, 64.0, 1.0 / 64.0
+_CELLS = 2048.0
+_LOW, _HIGH, _STEP = -12.0, 64.0, 1.0 / 64.0
 
 
 @cache

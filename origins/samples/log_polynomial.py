@@ -128,7 +128,8 @@ class LogPolynomial(Thresholds):
         ridge[-1, -1] = form.power * 0.01 / size
         weaker = np.multiply.outer(10.0 ** np.arange(2.0, -10.5, -1.0), bends)
         cost = min(0.5 * float(np.log(size)), 2.0)
-        tried, scores, information, errors = [], [], [], []
+        tried, scores = [], []
+        information, errors = [], []  # likelihood less the number of parameters; error of m
         for smooth in [straight + bends, *weaker][: 1 if few else None]:
             penalty = smooth + ridge
             state = self._highest(start, penalty)

@@ -90,7 +90,8 @@ def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
 
 def summary(result: Result) -> dict[str, Any]:
     """The most important numbers of a run; lengths in the unit of the thresholds, times in seconds."""
-    asked, solved, eq, sweep = result.asked, result.master, result.eq, result.sweep
+    asked, sweep = result.asked, result.sweep
+    solved, eq = result.master, result.eq
     content: dict[str, Any] = {"name": result.name, "title": result.title}
     content |= {"version": result.version, "mean_threshold": result.mean_threshold}
     content |= {"success": result.success, "unit": result.thresholds.unit}

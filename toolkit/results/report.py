@@ -15,7 +15,8 @@ APART = 6.0  # standard errors at which both solvers do not agree; chance makes 
 
 def report(result: Any) -> list[str]:
     """A line for a rough surface, one per solver with its error and its run time, then the notes."""
-    lines, solved, eq, sweep = [result.title or result.name], result.master, result.eq, result.sweep
+    lines = [result.title or result.name]
+    solved, eq, sweep = result.master, result.eq, result.sweep
     if apart := contradiction(result):
         lines.append(f"verdict {apart}")
     if result.interface is not None:

@@ -11,7 +11,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 from queue import Empty, Queue
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,17 @@ WORTH = 6.0
 _ROWS = "points-rank-{:05d}.jsonl"
 
 Answer = dict[str, Column]
-Job = tuple[str, str, dict[str, Any], str, bool]
+
+
+class Job(NamedTuple):
+    """A point to solve, for this process or another: the scene there, its text and its tables, the folder to which its
+    files are relative, and whether the critical spring is asked for, too."""
+
+    name: str
+    text: str
+    tables: dict[str, Any]
+    folder: str
+    springs: bool
 
 
 def solve_points(
@@ -48,7 +58,7 @@ def solve_points(
     for point in grid.points:
         tables = grid.tables(given, point)
         folder = str(scene.folder.resolve())
-        jobs.append((scene.name, to_toml(tables), tables, folder, grid.critical_spring))
+        jobs.append(Job(scene.name, to_toml(tables), tables, folder, grid.critical_spring))
         keys.append(_identity(jobs[-1]))
     rank, size = (0, 1) if comm is None else (comm.Get_rank(), comm.Get_size())
     done: dict[str, Any] = on_root(comm, lambda: {} if kept is None else earlier_points(kept))
@@ -72,11 +82,10 @@ def solve_points(
 
 def _identity(job: Job) -> str:
     """What tells a point's numbers from others': the scene at the point, the files that it names, and the version."""
-    _, text, tables, folder, springs = job
-    whole = sha256(f"{__version__} {springs} {text}".encode())
-    for file in _files(tables):
+    whole = sha256(f"{__version__} {job.springs} {job.text}".encode())
+    for file in _files(job.tables):
         with suppress(OSError):
-            whole.update((Path(folder) / file).read_bytes())
+            whole.update((Path(job.folder) / file).read_bytes())
     return whole.hexdigest()[:32]
 
 

@@ -42,8 +42,8 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
     Text gives the unit, for a spring "0.5 N_c<k>", or "50 N/m", which needs thresholds from a surface and drive.area,
     the nominal area in m². For a surface a bare number but 0 is refused, as either unit could be meant.
     """
-    interface, given, key, unit = contacts.interface, getattr(table, name), f"drive.{name}", ""
-    own = _MACHINE[name]
+    interface, own = contacts.interface, _MACHINE[name]
+    key, given, unit = f"drive.{name}", getattr(table, name), ""
     if isinstance(given, str):
         read = re.fullmatch(f"{_NUMBER} ({re.escape(own.si)}|{re.escape(own.shared)})", given)
         if read is None:

@@ -89,7 +89,8 @@ def build(
     Raises InputError with the path of the bad key, counted from `where`.
     """
     call = _called(kinds, table, where)
-    title, function, parameters, arguments = call.title, call.function, call.keys, call.arguments
+    title, function = call.title, call.function
+    parameters, arguments = call.keys, call.arguments
     given = {"folder": folder, "comm": comm, "thresholds": thresholds}  # not for a scene to say
     given = {key: value for key, value in given.items() if key in call.given}
     with inside(where, {key: key for key in (*parameters, *arguments)}):

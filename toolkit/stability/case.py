@@ -133,7 +133,8 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     if not values.size:
         return Judgement(_short(answer), np.nan, np.nan, np.inf, answer.message)
     both, cut = min(values.size, known.size), values.size < known.size  # a path may be cut
-    values, claims, known, floors = values[:both], claims[:both], known[:both], floors[:both]
+    values, claims = values[:both], claims[:both]
+    known, floors = known[:both], floors[:both]
     off = np.where(values == known, 0.0, np.abs(values - known))
     if (unknown := ~np.isfinite(off)).any():
         honest = not answer.success and np.isinf(claims[unknown]).all()

@@ -34,9 +34,10 @@ from toolkit.verdict.readings import readings_of
 RULES = ("reset", "reform-after", "instant")
 # s for all readings and rules together; share of what is left for the scene's own, and then for its contacts' number
 WALL_TIME, OWN = 60.0, 0.5
-# of K* and F_s of readings other than the scene's own; resampled laws of samples, the fewest whose scatter tells
-# something, and the tolerance for these
-TOLERANCE, RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 1e-6, 10, 4, 1e-3
+# of K* and F_s of readings other than the scene's own
+TOLERANCE = 1e-6
+# resampled laws of samples, the fewest whose scatter tells something, and the tolerance for these
+RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long
 LONGER = 12.0
 

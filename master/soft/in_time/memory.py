@@ -28,8 +28,10 @@ STRONGEST = 1e-18
 # Least threshold that is told apart from 0, in mean or largest thresholds.
 NO_THRESHOLD = 1e-12
 # Nodes for a start with a width on the coarsest steps, and those more with each halving: with heat or with
-# thresholds that change each node has a record of its own; without they cost little, and a start may be wide.
-WARM_NODES, MORE_WARM_NODES, COLD_NODES, MOST_DOUBLINGS = 24, 8, 100, 3
+# thresholds that change each node has a record of its own; without they cost little, and a start may be wide: they are
+# doubled with each halving, a few times.
+WARM_NODES, MORE_WARM_NODES = 24, 8
+COLD_NODES, MOST_DOUBLINGS = 100, 3
 # Fall of ln h over two cells, from the attempt frequency, up to which A is still told apart from 0 at the far edge; and
 # least fraction of the contacts in a cell where that matters.
 TOLD_APART, BULK = 600.0, 1e-3
@@ -63,7 +65,8 @@ class Memory:
     resolves_heat : whether ln A is known at the next two edges above |x|, from which it is extrapolated
     """
 
-    error, finer_before_slips, exact, resolves_heat, safety = 1e-15, False, False, True, 3.0
+    error, safety = 1e-15, 3.0
+    finer_before_slips, exact, resolves_heat = False, False, True
     largest_stretch: float
     width: int
     scales: Scales

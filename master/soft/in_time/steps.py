@@ -201,7 +201,8 @@ def secant(
 ) -> tuple[float, float]:
     """The root of an increasing function, where it is called last, and the slope there. Both are found from guesses by
     the secant method. A step that leaves the bracket of the root is replaced by bisection."""
-    low, high, at, value = -np.inf, np.inf, guess, function(guess)
+    low, high = -np.inf, np.inf
+    at, value = guess, function(guess)
     for _ in range(MOST_SECANTS):
         low, high = (at, high) if value < 0.0 else (low, at)
         after = at - value / slope

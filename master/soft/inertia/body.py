@@ -43,7 +43,8 @@ class Body:
         self.spring, self.unit, self.tolerance = contacts.spring, contacts.unit, tolerance
         # stiffness against the slider while all contacts hold, in N_c<k>
         self.stiff, self.quiet = 1.0 + self.spring, QUIET * tolerance
-        self.t, self.leg, self.base, self.y, self.w = 0.0, 0, 0.0, 0.0, 0.0
+        self.t, self.leg = 0.0, 0
+        self.base, self.y, self.w = 0.0, 0.0, 0.0
         self.work = self.damped = self.on_contacts = self.broken = 0.0
         self.steps = self.turns = 0
         moving = motion.speeds[motion.speeds != 0.0]

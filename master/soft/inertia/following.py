@@ -103,7 +103,8 @@ class Following(Body):
 
     def _follow_to(self, which: slice, balance: Array, end: float) -> None:
         """Results at the asked times, and the state at the end, from the balances there, in this order."""
-        record, move, m, d = self.record, self.move, self.mass, self.move.direction
+        record, move = self.record, self.move
+        m, d = self.mass, move.direction
         curve, k, rate = move.curve, self.spring, self.spring * self._speed
         slow = slow_motion(curve, balance, rate, m, self.damping)
         if rate > 0.0 and d == self.way:
@@ -122,7 +123,8 @@ class Following(Body):
         record.on_contacts[which] = self.on_contacts + on_contacts[:-1]
         record.work[which] = work[:-1]
         record.store_later(move, which, y[:-1])
-        self.t, self.y, self.w, self.work = end, float(y[-1]), float(w[-1]), float(work[-1])
+        self.t, self.y, self.w = end, float(y[-1]), float(w[-1])
+        self.work = float(work[-1])
         self.damped, self.on_contacts = self.damped + damped[-1], self.on_contacts + on_contacts[-1]
 
     def _taken(self, y: float, rate: float) -> tuple[float, float]:

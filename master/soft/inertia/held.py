@@ -64,7 +64,8 @@ class Held(Body):
 
     def held(self) -> Mode:
         """The closed motion while no contact breaks."""
-        m, g, t, y = self.mass, self.damping, self.t, self.y
+        m, g = self.mass, self.damping
+        t, y = self.t, self.y
         shift, end = self._top_force - self._top, self._leg_end() - t
         pull, rate = float(self._pull(t)) - shift, self.spring * self._speed
         motion = Oscillation.of(m, g, self.stiff, pull, rate, y, self.w)

@@ -19,8 +19,18 @@ FINE, FINEST = 1e-3, 1e-12
 POINTS = 17
 
 
+class Integrated(NamedTuple):
+    """The integrator's state: travel and speed, and energies per N_c<k> as in Record."""
+
+    y: float
+    w: float
+    damped: float
+    work: float
+    on_contacts: float
+
+
 class Step(NamedTuple):
-    """A step of the integrator, in time since `begun`; the state is y, w, damped, work, on_contacts.
+    """A step of the integrator, in time since `begun`; a state is an array of what `Integrated` names.
 
     first, last : times of its beginning and end; state : at the end; inside : the state at times between
     """
@@ -90,7 +100,8 @@ class Moving(Body):
 
     def _solver(self) -> DOP853:
         """The integrator from the present state to the end of the drive's leg."""
-        m, g, k, move, v = self.mass, self.damping, self.spring, self.move, self._speed
+        m, g, k = self.mass, self.damping, self.spring
+        move, v = self.move, self._speed
         pull, rate = float(self._pull(self.t)), k * v
         # behind a drop F is another polynomial: until it is reached, the one before goes on
         self._drop = np.inf
@@ -116,13 +127,15 @@ class Moving(Body):
         self._watch_step(step)
         which = record.between(begun + step.first, end)
         for at in range(which.start, which.stop):
-            y, w, damped, work, on_contacts = step.inside(record.times[at] - begun).tolist()
-            record.place[at], record.speed[at] = self.base + d * y, d * w
-            record.contact_force[at] = d * self._force(y)
-            record.damped[at], record.work[at], record.on_contacts[at] = damped, work, on_contacts
-            record.store_later(self.move, slice(at, at + 1), np.array([y]))
-        self.t = end
-        self.y, self.w, self.damped, self.work, self.on_contacts = step.state.tolist()
+            now = Integrated(*step.inside(record.times[at] - begun).tolist())
+            record.place[at], record.speed[at] = self.base + d * now.y, d * now.w
+            record.contact_force[at] = d * self._force(now.y)
+            record.damped[at], record.work[at] = now.damped, now.work
+            record.on_contacts[at] = now.on_contacts
+            record.store_later(self.move, slice(at, at + 1), np.array([now.y]))
+        last = Integrated(*step.state.tolist())
+        self.t, self.y, self.w = end, last.y, last.w
+        self.damped, self.work, self.on_contacts = last.damped, last.work, last.on_contacts
 
     def _watch_step(self, step: Step) -> None:
         """Falls of the spring's force within a step."""

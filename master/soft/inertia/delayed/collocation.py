@@ -173,7 +173,8 @@ class Collocation:
         fast: bool,
     ) -> Motion | None:
         """Newton's method for the speeds at the nodes; None where it does not converge."""
-        m, g, k, unit = self._machine
+        m, g = self._machine.mass, self._machine.damping
+        k, unit = self._machine.spring, self._machine.unit
         (_, x_0, w_0), integral = begin.state, width * TO_NODES
         enough = CONVERGED * self._accuracy + ROUNDING * (unit + (1.0 + k) * abs(x_0))
         w, broken = guess, np.full(NODES.size, begin.broken)

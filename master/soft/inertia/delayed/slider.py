@@ -113,7 +113,8 @@ class DelayedSlider:
     @property
     def _slip_time(self) -> float:
         """About how long a slip lasts until its swings are no longer than a threshold."""
-        mass, damping, spring, _ = self._body.machine
+        machine = self._body.machine
+        mass, damping, spring = machine.mass, machine.damping, machine.spring
         if damping == 0.0:
             return np.inf
         apart = np.sqrt(max(damping**2 - 4.0 * mass * spring, 0.0))
