@@ -203,3 +203,12 @@ def test_a_slip_of_a_machine_that_is_long_beside_the_delay_is_foretold() -> None
     assert not found.success and 0 < found.force.size < 12
     assert "a delay of 0.001 is so short beside it" in found.message
     assert "eq_model.simulate" in found.message
+
+
+@pytest.mark.parametrize("delay", [1e-3, 1e-6])
+def test_a_delay_too_short_for_a_slip_of_a_million_thresholds_is_refused(delay: float) -> None:
+    """The swing of 0.1 kg on 50 N/m takes 0.14; before any work, and only where the path goes beyond the first slip."""
+    machine = {"spring": 1e-6, "mass": 2e-9, "damping": 2e-8, "velocity": 160.0}
+    with pytest.raises(origins.InputError, match=f"delay = {delay:g}: contacts break and form"):
+        solve(delayed(delay, ELASTIC), [1e5, 2.4e6], 1e-3, **machine)
+    assert solve(delayed(delay, ELASTIC), [1e4], 1e-3, **machine).success

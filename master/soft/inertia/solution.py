@@ -13,6 +13,7 @@ from master.outcome import Progress, StoppedError
 from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET, RINGS
+from master.soft.inertia.delayed.foretold import refuse_short_delay
 from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
@@ -185,10 +186,12 @@ def _check(contacts: Contacts, drive: Drive, idle: Idle) -> None:
         hint = f"the master equation follows a slider with mass at T = 0, with no law but a delay, not with {held}"
         also = "use eq_model.simulate, or " if others == ["stiffness"] else ""
         refuse("mass", drive.mass, f"{hint}; {also}leave one of them out")
-    weights = contacts.thresholds.atoms[1]
-    if contacts.delay is None or not weights.size:
+    if contacts.delay is None:
         return
-    if not contacts.start.is_single or weights.sum() < ALL_ATOMS:
+    weights = contacts.thresholds.atoms[1]
+    if not weights.size:
+        refuse_short_delay(contacts, drive)
+    elif not contacts.start.is_single or weights.sum() < ALL_ATOMS:
         fault = "exact thresholds beside others, or a start with a width, break at ever new places"
         raise InputError(
             f"contacts: with a mass and a delay {fault}; give the exact values a width"

@@ -5,13 +5,12 @@ where it passes a place at which it turned before, and where births begin. Where
 closed (`Swinging.swing`): millions of swings of a slider that sticks, or whose contacts are all out, cost nothing.
 """
 
-import numpy as np
-
 from master.motion import Motion
 from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.body import Body
 from master.soft.inertia.delayed.drive_path import DrivePath
+from master.soft.inertia.delayed.foretold import slip_time
 from master.soft.inertia.delayed.panel import NODES
 from master.soft.inertia.delayed.panel_search import MOST_PANELS
 from master.soft.inertia.delayed.panels import OnPanels
@@ -100,7 +99,9 @@ class DelayedSlider:
         if seen < SEEN:
             return
         lasts = state.t - self._held_at
-        left = min(self._slip_time, self._path.end - self._held_at) - lasts
+        machine = self._body.machine
+        slip = slip_time(machine.mass, machine.damping, machine.spring)
+        left = min(slip, self._path.end - self._held_at) - lasts
         panels = seen * left / lasts
         if tried + panels > MOST_PANELS:
             delay = self._body.past.delay
@@ -109,14 +110,3 @@ class DelayedSlider:
                 f"short beside it that contacts break and form too often, on some {panels:.0e} panels of time; "
                 "take eq_model.simulate, end the path before, or leave the mass out and give a slip rule"
             )
-
-    @property
-    def _slip_time(self) -> float:
-        """About how long a slip lasts until its swings are no longer than a threshold."""
-        machine = self._body.machine
-        mass, damping, spring = machine.mass, machine.damping, machine.spring
-        if damping == 0.0:
-            return np.inf
-        apart = np.sqrt(max(damping**2 - 4.0 * mass * spring, 0.0))
-        fading = 2.0 * spring / (damping + apart) if apart else 0.5 * damping / mass
-        return float(np.pi * np.sqrt(mass / spring) + max(-np.log(spring), 0.0) / fading)
