@@ -17,7 +17,7 @@ from toolkit.rate_state.words import page
 from toolkit.scene.scene import load_scene
 
 PICTURES = Path(__file__).parent / "pictures"
-SCENE = "rate-state"
+SCENE, WEAKENING = "rate-state", "rate-state-weakening"
 KELVIN = (200.0, 300.0, 400.0)
 DELAYED = origins.Contacts(origins.gaussian(1.0, 0.2), delay=origins.Delay(0.1))
 
@@ -49,14 +49,15 @@ def draw_speeds(axes: Any) -> None:
     axes.legend(fontsize="small", title="dotted: slope $α\\,F_k(∞)$", title_fontsize="small")
 
 
-def draw(judged: Judged) -> None:
-    """Speeds, steps and rests, side by side."""
-    figure = Figure(figsize=(16, 5.2), layout="constrained")
-    speeds, steps, rests = figure.subplots(1, 3)
+def draw(heated: Judged, weakening: Judged) -> None:
+    """Speeds and steps with heat; below, steps and rests of contacts that strengthen."""
+    figure = Figure(figsize=(12, 10.4), layout="constrained")
+    (speeds, steps), (falling, rests) = figure.subplots(2, 2)
     draw_speeds(speeds)
-    draw_steps(steps, judged)
-    draw_rests(rests, judged)
-    figure.savefig(PICTURES / "rate_and_state.png", dpi=110)
+    draw_steps(steps, heated)
+    draw_steps(falling, weakening)
+    draw_rests(rests, weakening)
+    figure.savefig(PICTURES / "rate_and_state.png", dpi=100)
 
 
 def swings(spring: float) -> str:
@@ -84,11 +85,38 @@ def print_springs() -> None:
         print(f"spring {spring}: swings {swings(spring)}")
 
 
+def print_weakening() -> None:
+    """The ageing law beside steps of the scene whose friction falls with the speed; and what a slider does on springs
+    near the critical one, by the master equation. It comes down from a speed at which contacts have no time to
+    strengthen, and goes on at 1 µm/s."""
+    scene = load_scene(WEAKENING, False)
+    found = master.rate_state(scene.contacts, scene.sliding, decades=0, evolution="ageing")
+    print(
+        f"ageing law: D_c = {1e9 * found.slip_distance.value:.2f} nm, off by {found.misfit.share:.1%} of b"
+    )
+    for newtons_per_metre in (1.15e6, 1.28e6):
+        spring = newtons_per_metre / scene.scale.spring
+        speeds, onward = np.geomspace(1e-3, scene.sliding, 30), 2e-9 * np.arange(1, 151)
+        slid = np.r_[0.25 / newtons_per_metre + 6e-8, 5e-9 * np.arange(1, 30)]
+        slid[1:] += slid[0]
+        times = np.cumsum(np.diff(slid, prepend=0.0) / speeds)
+        path = np.r_[0.0, slid, slid[-1] + onward]
+        arrival = np.r_[0.0, times, times[-1] + onward / scene.sliding]
+        given: dict[str, Any] = {"spring": spring, "slip": "instant", "time": arrival}
+        run = master.solve(scene.contacts, path, 1e-3, **given)
+        force = 1e3 * scene.scale.force * np.asarray(run.force)[-50:]
+        print(f"spring {newtons_per_metre:.3g} N/m: {force.min():.2f} to {force.max():.2f} mN")
+
+
 def main() -> None:
-    judged = judge(load_scene(SCENE, False), lambda what: None)
-    print("\n".join(page(judged)))
-    draw(judged)
+    heated, weakening = (
+        judge(load_scene(name, False), lambda what: None) for name in (SCENE, WEAKENING)
+    )
+    for judged in (heated, weakening):
+        print("\n".join([*page(judged), ""]))
+    draw(heated, weakening)
     print_springs()
+    print_weakening()
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from solving import gauss
 import eq_model
 import origins
 from eq_model.whole_drive import whole_drive
+from master.rate_state.speeds import slope_at
 from origins import Contacts, Delay, Drive, InputError, Thermal, strengthening
 
 PC = origins.gaussian(mean=1.0, std=0.2)
@@ -66,6 +67,30 @@ def test_the_two_logarithms_of_heat_and_growth_multiply():
         found = slope(beta, velocity, EYRING)
         assert found == pytest.approx(width * b - beta * a, abs=0.0025)
         assert found > 0.012
+
+
+BOTH = Contacts(strengthening(PC, beta=0.03, time=TIME), thermal=EYRING)
+
+
+@pytest.mark.slow
+def test_a_minus_b_of_both_is_that_of_a_quadrature():
+    """The slope that `rate_state` tells, of contacts with heat whose thresholds strengthen, and its error."""
+    found = slope_at(BOTH, 1e-4)
+    assert found.error < 1e-4
+    assert found.value == pytest.approx(slope(0.03, 1e-4, EYRING) * UNAGED, abs=found.error + 2e-5)
+
+
+@pytest.mark.slow
+def test_single_contacts_have_the_slope_of_both():
+    """F_k at speeds a decade apart: their difference to that of the quadrature, in its standard error."""
+    given = {"n_contacts": 300_000, "n_replicas": 1, "seed": 1}
+    slow, fast = (
+        eq_model.simulate(BOTH, [0.0, 12.0], velocity=speed, **given) for speed in (1e-5, 1e-4)
+    )
+    exact = kinetic(0.03, 1e-4, EYRING) - kinetic(0.03, 1e-5, EYRING)
+    error = np.hypot(slow.force_standard_error[-1], fast.force_standard_error[-1])
+    assert error < 0.05 * exact  # one that does not cancel the two logarithms is seen
+    assert abs(fast.force[-1] - slow.force[-1] - exact) < 4.0 * error
 
 
 def standard_errors(found, exact):

@@ -208,17 +208,13 @@ def verdict(arguments: argparse.Namespace) -> int:
 def rate_state(arguments: argparse.Namespace) -> int:
     """a, b and D_c of the scene's contacts, from velocity steps and rests: one page, a picture, tables; returns 1 where
     an answer is not known to its tolerance."""
-    from toolkit.rate_state.files import save_rate_state
-    from toolkit.rate_state.judge import judge as judged
+    from toolkit.rate_state.report import report_rate_state
     from toolkit.rate_state.words import page
 
     formats = read_formats(arguments.format)
     scene = load_scene(arguments.scene, False, changes=read_changes(arguments.changes))
     folder = arguments.out or f"{scene.name}-output"
-    check_folder(folder)  # before the work, not after it
-    with closing(Progress("rate-state")) as bar, within(scene.deadline(), scene, "[rate-state]"):
-        found = judged(scene, bar.doing)
-    save_rate_state(found, folder, formats)
+    found = report_rate_state(scene, folder, formats)
     print("\n".join([*page(found), f"written to {folder}"]))
     return 0 if found.found.success else 1
 

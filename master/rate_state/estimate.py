@@ -11,7 +11,7 @@ from master.rate_state.law import EvolutionLaw, RateStateLaw
 from master.rate_state.reading import TWICE, Reading, read_steps
 from master.rate_state.rests import healing_of, rest_of
 from master.rate_state.result import CONSTANT, Misfit, Parameter, RateState, SpeedScan
-from master.rate_state.speeds import Slope, constant_between, scan_speeds, slope_at
+from master.rate_state.speeds import Slope, constant_between, fill_scan, slope_at
 from master.rate_state.stability import critical_spring_of
 from master.rate_state.traces import LIVES, SLOW_TOLERANCE, Rest, VelocityStep, is_slow, steps_about
 from master.steady.kinetic import kinetic_curve
@@ -36,6 +36,7 @@ def rate_state(
     decades: int = 2,
     tolerance: float = 1e-5,
     progress: Callable[[str], None] = lambda what: None,
+    known: Callable[[Callable[[], RateState]], None] = lambda so_far: None,
 ) -> RateState:
     """a, b, a - b, D_c and the healing rate of contacts on a rigid slider, by the master equation.
 
@@ -48,6 +49,8 @@ def rate_state(
     tolerance : of forces, in mean thresholds; after rests ten times this. Of contacts with heat whose thresholds grow
         1e-3 at least, as a step takes half a minute to that.
     progress : called with a word on what begins.
+    known : called once, after the steps at v, with a function that gives what is known when it is called, for a caller
+        who is interrupted: speeds that were not reached are NaN, such rests are left out, and `success` is False.
 
     a is the largest change of the force after a step, b = a - (a - b), and D_c that of the law that goes on like the
     solved force; see `read_steps`, which says what the `definition` of each compares.
@@ -81,13 +84,7 @@ def rate_state(
     else:
         small = steps_about(contacts, velocity, min(SMALL_STEP, ratio**0.5), 0.1 * tolerance)
     speeds = np.asarray(velocity * 10.0 ** np.arange(-decades, decades + 1.0))
-    scan = scan_speeds(contacts, speeds, found, ratio, evolution, tolerance, progress)
-    solved = list[Rest]()
-    for rest in times:
-        progress(f"a rest of {rest:.3g}")
-        solved.append(
-            rest_of(contacts, velocity, float(rest), tolerance if slow else LOOSER * tolerance)
-        )
+    scan, solved = SpeedScan.of(speeds, found), list[Rest]()
     # F_k is curved in ln v, and b is of the finite step: about the middle of both steady forces the law meets either
     middle = 0.5 * (steps[0].steady_before + steps[0].steady_after)
     about = replace(law, kinetic_force=middle)
@@ -95,30 +92,42 @@ def rate_state(
     largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
     critical = max(found.b - found.a, 0.0) / found.slip_distance if found.evolves else 0.0
     own = critical_spring_of(small, unit, steps)
-    success, message = _judged([*steps, *small], solved, found)
-    return RateState(
-        velocity=velocity,
-        kinetic_force=float(curve.force),
-        kinetic_force_error=float(curve.force_error) * unit,
-        **_parameters(found, slope, scan),
-        direct_slip=found.direct_slip,
-        healing=healing_of(solved),
-        law=law,
-        steps=steps,
-        law_steps=law_steps,
-        rests=tuple(solved),
-        law_rests=replace(law, evolution="ageing").after_rest(times),
-        misfit=_misfit(steps, law_steps, 0.0, largest),
-        misfit_later=_misfit(steps, law_steps, found.direct_slip, largest),
-        critical_spring=critical,
-        critical_spring_error=_error_of_spring(found, critical),
-        critical_spring_solved=own.value,
-        critical_spring_solved_error=own.error,
-        scan=scan,
-        run_time=time.perf_counter() - began,
-        success=success,
-        message=message,
-    )
+
+    def so_far() -> RateState:
+        """The numbers from the steps, and from the speeds and rests that are solved."""
+        at_rest = np.array([one.time for one in solved])
+        success, message = _judged([*steps, *small], solved, times.size, found)
+        return RateState(
+            velocity=velocity,
+            kinetic_force=float(curve.force),
+            kinetic_force_error=float(curve.force_error) * unit,
+            **_parameters(found, slope, scan),
+            direct_slip=found.direct_slip,
+            healing=healing_of(solved),
+            law=law,
+            steps=steps,
+            law_steps=law_steps,
+            rests=tuple(solved),
+            law_rests=replace(law, evolution="ageing").after_rest(at_rest),
+            misfit=_misfit(steps, law_steps, 0.0, largest),
+            misfit_later=_misfit(steps, law_steps, found.direct_slip, largest),
+            critical_spring=critical,
+            critical_spring_error=_error_of_spring(found, critical),
+            critical_spring_solved=own.value,
+            critical_spring_solved_error=own.error,
+            scan=scan,
+            run_time=time.perf_counter() - began,
+            success=success,
+            message=message,
+        )
+
+    known(so_far)
+    fill_scan(scan, contacts, ratio, evolution, tolerance, progress)
+    for rest in times:
+        progress(f"a rest of {rest:.3g}")
+        loose = tolerance if slow else LOOSER * tolerance
+        solved.append(rest_of(contacts, velocity, float(rest), loose))
+    return so_far()
 
 
 def _parameters(found: Reading, slope: Slope, scan: SpeedScan) -> dict[str, Parameter]:
@@ -162,10 +171,13 @@ def _misfit(
 
 
 def _judged(
-    steps: Sequence[VelocityStep], rests: Sequence[Rest], found: Reading
+    steps: Sequence[VelocityStep], rests: Sequence[Rest], asked: int, found: Reading
 ) -> tuple[bool, str]:
-    """Whether all answers are known and became steady, and that there is a D_c; and a message."""
+    """Whether all answers are known and became steady, with as many rests as were asked for, and that there is a D_c;
+    and a message."""
     faults = list[str]()
+    if len(rests) < asked:
+        faults.append(f"interrupted: {asked - len(rests)} of {asked} rests were not followed")
     if not all(one.settled for one in steps):
         left = max(one.error / max(float(np.ptp(one.force)), 1e-300) for one in steps)
         faults.append(

@@ -1,8 +1,12 @@
 """What rate_state returns: a, b and D_c with their errors, the solved answers, and the law beside them."""
 
 from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
 
 from master.rate_state.law import RateStateLaw
+from master.rate_state.reading import Reading
 from master.rate_state.traces import Rest, VelocityStep
 from origins.brief import brief
 from origins.thresholds.law import Array
@@ -42,6 +46,19 @@ class SpeedScan:
     b: Array
     a_minus_b: Array
     slip_distance: Array
+
+    @classmethod
+    def of(cls, speeds: Array, own: Reading) -> Self:
+        """NaN but at the middle one of the speeds, whose reading this is."""
+        scan = cls(speeds, *np.full((4, speeds.size), np.nan))
+        scan.keep(speeds.size // 2, own)
+        return scan
+
+    def keep(self, number: int, found: Reading) -> None:
+        """Take over a reading at the speed of this number."""
+        self.a[number], self.b[number] = found.a, found.b
+        self.a_minus_b[number] = found.a - found.b
+        self.slip_distance[number] = found.slip_distance
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from master.rate_state.law import EvolutionLaw
-from master.rate_state.reading import Reading, read_steps
+from master.rate_state.reading import read_steps
 from master.rate_state.result import SpeedScan
 from master.rate_state.traces import steps_about
 from master.steady.kinetic import kinetic_curve
@@ -46,21 +46,18 @@ def slope_at(contacts: Contacts, velocity: float) -> Slope:
     return Slope(near + (near - far) / 3.0, abs(near - far) / 3.0 + of_forces)
 
 
-def scan_speeds(
+def fill_scan(
+    scan: SpeedScan,
     contacts: Contacts,
-    speeds: Array,
-    own: Reading,
     ratio: float,
     evolution: EvolutionLaw,
     tolerance: float,
     progress: Callable[[str], None],
-) -> SpeedScan:
-    """The numbers at each of the speeds, of which the middle one has its `own` already; NaN where the contacts cannot
-    be followed or do not become steady."""
-    rows = np.full((speeds.size, 4), np.nan)
-    rows[speeds.size // 2] = own.a, own.b, own.a - own.b, own.slip_distance
-    for row, speed in zip(rows, speeds, strict=True):
-        if np.isfinite(row[0]):
+) -> None:
+    """Solve for the numbers that the scan lacks, in place; they stay NaN where the contacts cannot be followed or do
+    not become steady."""
+    for number, speed in enumerate(scan.velocity):
+        if np.isfinite(scan.a[number]):
             continue
         progress(f"steps about a speed of {speed:.3g}")
         try:
@@ -68,9 +65,7 @@ def scan_speeds(
         except InputError:
             continue
         if steps[0].settled:
-            found = read_steps(steps, evolution)
-            row[:] = found.a, found.b, found.a - found.b, found.slip_distance
-    return SpeedScan(speeds, *rows.T)
+            scan.keep(number, read_steps(steps, evolution))
 
 
 def constant_between(at: Array, values: Array, middle: int, room: float) -> Range:

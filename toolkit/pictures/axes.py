@@ -44,6 +44,13 @@ def force_name(scale: Scale, of: str = "F") -> tuple[str, str]:
     return rf"force ${of}/(N_c\langle k\rangle)$", scale.length_unit
 
 
+def name_over_load(axes: Any, scale: Scale) -> None:
+    """Opposite to an axis of forces that of F over the load, where that is known."""
+    if (load := scale.load) is not None:
+        over = axes.secondary_yaxis("right", functions=(lambda f: f / load, lambda mu: mu * load))
+        over.set_ylabel(r"$\mu = F$/load")
+
+
 def spring_name(unit: str) -> tuple[str, str]:
     """Name and unit of an axis of critical springs in this unit."""
     if unit == SHARED:

@@ -10,7 +10,8 @@ from toolkit.results.records import Result
 from toolkit.scene.scale import written
 
 _UNEVEN = 20.0  # legs whose durations differ by more are drawn equally wide
-_MOST_LEGS, _LEAST_WIDTH = 12, 0.08  # that are named; part of the axis that a name needs
+# legs that are named; part of the axis that a letter of a name needs; ticks at ends of legs
+_MOST_LEGS, _LETTER, _TICKS = 12, 0.011, 6
 
 
 class Leg(NamedTuple):
@@ -53,8 +54,8 @@ def write_along(axes: Any, result: Result) -> None:
     both = (lambda t: np.interp(t, times, number), lambda n: np.interp(n, number, times))
     axes.set_xscale("function", functions=both)
     turns = np.unique([times[0], *(leg.end for leg in legs)])
-    turns = turns[some_of(turns.size, 8)]
-    axes.set_xticks(turns, [f"{time:.9g}" for time in turns])
+    turns = turns[some_of(turns.size, _TICKS)]
+    axes.set_xticks(turns, [f"{time:.4g}" for time in turns])
     axes.set_xlim(times[0], times[-1])
     scale = "each leg equally wide"
     if drive.hold_scale is not None:
@@ -80,9 +81,9 @@ def mark_legs(axes: Any, result: Result, named: bool = False) -> None:
     for leg in legs:
         ends = axes.transData.transform([(leg.begin, 0.0), (leg.end, 0.0)])
         (left, _), (right, _) = axes.transAxes.inverted().transform(ends)
-        if right - left > _LEAST_WIDTH:
-            unit = result.scale.speed_unit
-            speed = f"{leg.speed:.3g}" if unit != "m/s" else written(leg.speed, unit)
-            said = "hold" if leg.speed == 0.0 else f"speed {speed}"
+        unit = result.scale.speed_unit
+        speed = f"{leg.speed:.3g}" if unit != "m/s" else written(leg.speed, unit)
+        said = "hold" if leg.speed == 0.0 else f"speed {speed}"
+        if right - left > _LETTER * len(said):
             where: dict[str, Any] = {"transform": axes.transAxes, "ha": "center", "va": "top"}
             axes.text(0.5 * (left + right), 0.96, said, fontsize="small", **where)

@@ -41,7 +41,8 @@ def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
             number += 1
     if x.min() > 0.0 and x.max() > 30.0 * x.min():
         axes.set_xscale("log")
-    units = {"drive.velocity": result.scale.speed_unit, "contacts.thresholds.pressure": "Pa"}
+    units = dict.fromkeys(("velocity", "drive.velocity"), result.scale.speed_unit)
+    units |= {"contacts.thresholds.pressure": "Pa"}
     name_axis(axes.xaxis, first, unit or units.get(first, ""))
     name_axis(axes.yaxis, *_axis_of(name, columns, result))
     value, _ = _with_error(result, name)

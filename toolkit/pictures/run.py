@@ -16,6 +16,7 @@ from toolkit.pictures.axes import (
     in_lines,
     legend_above,
     name_axis,
+    name_over_load,
     some_of,
 )
 from toolkit.pictures.legs import mark_legs, write_along
@@ -111,9 +112,7 @@ def _name_forces(axes: Any, result: Result, name: str) -> None:
     scale = result.scale
     usual, unit = force_name(scale)
     name_axis(axes.yaxis, usual.replace("force", name) if name else usual, unit)
-    if (load := scale.load) is not None:
-        over = axes.secondary_yaxis("right", functions=(lambda f: f / load, lambda mu: mu * load))
-        over.set_ylabel(r"$\mu = F$/load")
+    name_over_load(axes, scale)
 
 
 def plot_position(axes: Any, result: Result) -> Any:

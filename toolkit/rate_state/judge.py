@@ -19,7 +19,7 @@ TOLERANCE = 1e-3
 class Judged:
     """What rate and state says of a scene; K* is that of contacts that move forward from the scene's start.
 
-    mean_threshold : <x_s>, a length; critical_spring : K*/(N_c <k>), and its error
+    mean_threshold : <x_s>, a length; critical_spring : K*/(N_c <k>), and its error, NaN where it is not known
     """
 
     name: str
@@ -31,21 +31,29 @@ class Judged:
     critical_spring_error: float
 
 
-def judge(scene: Scene, progress: Callable[[str], None]) -> Judged:
-    """Solve velocity steps and rests of the scene's contacts at its speed. Raises InputError as master.rate_state."""
+def judge(
+    scene: Scene,
+    progress: Callable[[str], None],
+    known: Callable[[Callable[[], Judged]], None] = lambda so_far: None,
+) -> Judged:
+    """Solve velocity steps and rests of the scene's contacts at its speed. `known` is as that of master.rate_state, K*
+    not being known then. Raises InputError as master.rate_state."""
     import master
 
-    contacts, velocity = scene.contacts, scene.sliding
-    rests = contacts.mean_threshold / velocity * np.geomspace(SHORTEST_REST, LONGEST_REST, RESTS)
-    found = master.rate_state(contacts, velocity, rests=rests, progress=progress)
+    def judged(found: RateState, spring: float = np.nan, error: float = np.nan) -> Judged:
+        """Of an answer and its K*."""
+        title = scene.title or scene.name
+        return Judged(scene.name, title, scene.scale, found, mean, spring, error)
+
+    contacts, velocity, mean = scene.contacts, scene.sliding, scene.contacts.mean_threshold
+    rests = mean / velocity * np.geomspace(SHORTEST_REST, LONGEST_REST, RESTS)
+    found = master.rate_state(
+        contacts,
+        velocity,
+        rests=rests,
+        progress=progress,
+        known=lambda so_far: known(lambda: judged(so_far())),
+    )
     progress("the critical spring K*")
     line = master.phase_line(contacts, velocity, tolerance=TOLERANCE)
-    return Judged(
-        name=scene.name,
-        title=scene.title or scene.name,
-        scale=scene.scale,
-        found=found,
-        mean_threshold=contacts.mean_threshold,
-        critical_spring=float(line.critical_spring),
-        critical_spring_error=float(line.critical_spring_error),
-    )
+    return judged(found, float(line.critical_spring), float(line.critical_spring_error))

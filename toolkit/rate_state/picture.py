@@ -5,7 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.pictures.axes import DASHES, OKABE_ITO, force_name, in_lines, legend_above, name_axis
+from toolkit.pictures.axes import (
+    DASHES,
+    OKABE_ITO,
+    force_name,
+    in_lines,
+    legend_above,
+    name_axis,
+    name_over_load,
+)
 from toolkit.rate_state.judge import Judged
 
 # slip after a step that is drawn, in D_c or in slips of the direct effect, and before the step, of that after it
@@ -25,6 +33,8 @@ def draw_rate_state(judged: Judged) -> Any:
     left, right = figure.subplots(1, 2)
     draw_steps(left, judged)
     draw_rests(right, judged)
+    for axes in (left, right):
+        name_over_load(axes, judged.scale)
     figure.suptitle(in_lines(judged.title), fontsize="medium", parse_math=False)
     return figure
 
@@ -77,6 +87,10 @@ def _mark_numbers(axes: Any, judged: Judged, far: float) -> None:
 def draw_rests(axes: Any, judged: Judged) -> None:
     """The peak after a rest, the ageing law's, and the healing rate, against the time at rest."""
     found, scale = judged.found, judged.scale
+    if not found.rests:
+        axes.text(0.5, 0.5, "no rest was followed", ha="center", transform=axes.transAxes)
+        axes.set_axis_off()
+        return
     times = np.array([one.time for one in found.rests])
     peaks = {
         "largest force after a rest": np.array([one.peak for one in found.rests]),

@@ -136,5 +136,7 @@ def _of_springs(judged: Judged) -> Iterator[str]:
     by_law = spring(found.critical_spring) if found.critical_spring else stable
     solved = spring(found.critical_spring_solved) if found.critical_spring_solved else stable
     yield f"Smooth sliding is unstable {solved}, by the solved answer to a small step; {by_law}, by (b - a)/D_c."
+    if np.isnan(judged.critical_spring):
+        return
     own = spring(judged.critical_spring) if judged.critical_spring else stable
     yield f"From the scene's start a slider slips at least once {own}, K*."

@@ -1,0 +1,34 @@
+"""The command's work: rate and state of a scene into a folder, what is known of it if it is stopped."""
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+
+from origins.errors import InputError
+from toolkit.processes.signals import Terminated
+from toolkit.rate_state.files import save_rate_state
+from toolkit.rate_state.judge import Judged, judge
+from toolkit.results.folders import check_folder
+from toolkit.running.progress import Progress
+from toolkit.running.solvers import within
+from toolkit.scene.scene import Scene
+
+
+def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judged:
+    """Rate and state of the scene, with its files in `folder`, which is checked before the work. Once the steps are
+    solved, an interrupt, or the end of `wall_time`, leaves there what is known. Raises InputError."""
+    check_folder(folder)
+    so_far = list[Callable[[], Judged]]()
+    try:
+        with closing(Progress("rate-state")) as bar, within(scene.deadline(), scene, "all of it"):
+            found = judge(scene, bar.doing, so_far.append)
+    except (KeyboardInterrupt, Terminated, InputError) as stop:
+        if not so_far:
+            raise
+        save_rate_state(so_far[0](), folder, formats)
+        said = f"what is known so far is written to {folder}"
+        if isinstance(stop, InputError):
+            raise InputError(f"{stop}; {said}") from stop
+        stop.add_note(said)
+        raise
+    save_rate_state(found, folder, formats)
+    return found
