@@ -94,10 +94,10 @@ def print_weakening() -> None:
     print(
         f"ageing law: D_c = {1e9 * found.slip_distance.value:.2f} nm, off by {found.misfit.share:.1%} of b"
     )
-    for newtons_per_metre in (1.15e6, 1.28e6):
+    for newtons_per_metre in (1.09e6, 1.33e6):
         spring = newtons_per_metre / scene.scale.spring
         speeds, onward = np.geomspace(1e-3, scene.sliding, 30), 2e-9 * np.arange(1, 151)
-        slid = np.r_[0.25 / newtons_per_metre + 6e-8, 5e-9 * np.arange(1, 30)]
+        slid = np.r_[0.25 / newtons_per_metre + 6e-8, 8e-9 * np.arange(1, 30)]
         slid[1:] += slid[0]
         times = np.cumsum(np.diff(slid, prepend=0.0) / speeds)
         path = np.r_[0.0, slid, slid[-1] + onward]

@@ -208,6 +208,13 @@ def test_strengthening_has_no_direct_effect_and_heals() -> None:
     exact = BETA * fresh / (1.0 - BETA * fresh / found.kinetic_force)
     assert found.b.value == pytest.approx(exact, rel=3e-3)
     assert found.a_minus_b.value == pytest.approx(-exact, rel=3e-3)
+    # without a direct effect the critical spring is as steep as the force falls just after a small step
+    x = np.linspace(0.0, 4.0, 4001)
+    growth = 1.0 + BETA * np.log1p(x / 1e-3)
+    lost = x**2 * WIDE.pdf(x / growth) * BETA / (1e-3 + x) / growth**2
+    steepest = np.trapezoid(lost, x) / np.trapezoid(WIDE.sf(x / growth), x)
+    off = abs(found.critical_spring_solved - steepest)
+    assert off < found.critical_spring_solved_error < 0.2 * steepest
     rest = found.rests[1]
     path, arrival = np.r_[0.0, 12.0, 12.0], np.r_[0.0, 12.0, 12.0 + rest.time]
     path, arrival = np.r_[path, 12.0 + rest.peak_slip], np.r_[arrival, arrival[-1] + rest.peak_slip]
