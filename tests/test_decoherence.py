@@ -12,7 +12,7 @@ from solving import gauss
 import master
 import origins
 from master.stick_slip.extremes import cycle_table
-from master.stick_slip.roots import Transform
+from master.stick_slip.transform import Transform
 from origins import Contacts, Thermal, gaussian
 
 WIDE, WAIT = gaussian(1.0, 0.2), origins.Delay(0.3)

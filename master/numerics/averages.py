@@ -150,6 +150,7 @@ def stretch_nodes(born: Start, most: float, count: int) -> StretchNodes:
     pieces = np.linspace(low, high, max(9, count // 4))  # some 3 count nodes
     edges = np.clip(np.append(pieces, born.breakpoints), low, high)
     whole = Pieces.between(edges[None])
+    # pieces on which the density is a polynomial to 1e-12: finer ones would resolve its rounding
     fine = integrals(lambda _, x: finite_density(born, x)[None], whole, 1, 1e-12).pieces
     width = (fine.high - fine.low)[:, None]
     nodes = (fine.low[:, None] + width * _GAUSS.nodes).ravel()

@@ -24,6 +24,8 @@ SMOOTHER = 1e-2
 # Most edges beside the knots, as halving resolves further bends; and most where breaks jump, at exact thresholds, which
 # it does not.
 MOST_EDGES, MOST_JUMPS = 400, 4000
+# Largest jump of the breaks, in tolerances of their number, that may be left to the panels' own errors.
+LEFT_TO_PANELS = 1e3
 # Thresholds are alike where the least is above this part of the largest.
 ALIKE = 0.9
 # Two edges nearer than this share of the time since their leg began, and ROUNDED of all the time, count as equal, and a
@@ -64,10 +66,10 @@ def edges(
     first = [*known, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
     most += births.motion.speeds.size - 1
-    # where there are too many, the smallest are left to the panels' own errors
+    # where there are too many, the smallest are left to the panels' own errors: a decade of sizes at a time
     while len(met := list(islice(chain.following(first, least), most + 1))) > most:
         least *= 10.0
-    too_many = bool(births.life.atoms.size) and least > 1e3 * tolerance
+    too_many = bool(births.life.atoms.size) and least > LEFT_TO_PANELS * tolerance
     end = float(births.motion.times[-1])
     # a kink at the end is an edge already; it is kept for a march that goes on from there
     inside = (kink.time for kink in met if kink.time < end - chain.close(kink.time))

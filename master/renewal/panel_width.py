@@ -13,9 +13,9 @@ from master.numerics import polynomials
 from master.survival.life import Life
 from origins.thresholds.law import Array
 
-# First guess of a panel's width at a tolerance of 1e-8, in resolution lengths of the life; with Gaussian thresholds
-# panels of this width then have errors of 1e-10.
-WIDE = 6.0
+# First guess of a panel's width at the tolerance WIDE_AT, in resolution lengths of the life; with Gaussian thresholds
+# panels of this width then have errors of 1e-10. At other tolerances it goes as errors of a polynomial do.
+WIDE, WIDE_AT = 6.0, 1e-8
 
 
 @dataclass(frozen=True)
@@ -173,4 +173,6 @@ class PanelWidth:
 
 def first_width(life: Life, tolerance: float) -> float:
     """First guess of a panel's width, a length; the tolerance is that of the number of breaks on a panel."""
-    return WIDE * life.resolution_length * float((tolerance / 1e-8) ** (1.0 / polynomials.DEGREE))
+    return (
+        WIDE * life.resolution_length * float((tolerance / WIDE_AT) ** (1.0 / polynomials.DEGREE))
+    )

@@ -19,6 +19,9 @@ from origins.thresholds.law import Array
 ACCURACY, COARSEST = 1e-9, 1e-7
 # Share of contacts below which numbers underflow.
 UNDERFLOW = 1e-290
+# Relative rounding of a moment of P_c in closed form, that of two operations; and of an integral of the survival, a sum
+# of some hundred.
+OF_MOMENT, OF_INTEGRAL = 4e-16, 1e-13
 
 
 class Cycle(Straight):
@@ -68,8 +71,8 @@ class Cycle(Straight):
             length, area = self.length, self.area
             self.length = law.mean()
             self.area = 0.5 * law.moment(power) / self.length ** (power - 2)
-            self.length_error = abs(self.length - length) + 4e-16 * self.length
-            self.area_error = abs(self.area - area) + 4e-16 * self.area
+            self.length_error = abs(self.length - length) + OF_MOMENT * self.length
+            self.area_error = abs(self.area - area) + OF_MOMENT * self.area
             return
         # of E on each panel, the mean of those at its ends; of K at most as many, at the stretch there
         errors = life.error_at(held, self.survival_error)
@@ -82,9 +85,8 @@ class Cycle(Straight):
             off += life.rounded_away(velocity) / units
         elif contacts.stiffness == "linked":  # farther thresholds are missing in the table of <k x>
             off += thresholds_beyond(contacts, life.largest_stretch) / units
-        # relative round-off of integrals of the survival
-        self.length_error = float(off[0]) + 1e-13 * self.length
-        self.area_error = float(off[1]) * self.scale + 1e-13 * abs(self.area)
+        self.length_error = float(off[0]) + OF_INTEGRAL * self.length
+        self.area_error = float(off[1]) * self.scale + OF_INTEGRAL * abs(self.area)
 
     @property
     def birth_to_birth(self) -> float:

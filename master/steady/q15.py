@@ -24,6 +24,10 @@ from origins.thresholds.scipy_laws import as_thresholds
 PRINTED = "(Q15), the paper's closure of ageing,"
 # Grids of cells, each halved from the one before; and the cells of the first.
 GRIDS, CELLS = 5, 2000
+# Survivals to which cells are nearly equal, and to which they go: beyond lie a contact in a thousand, and none.
+BULK, FARTHEST = 1e-3, 1e-25
+# Most steps of Newton's method for C, each of which squares its error.
+MOST_STEPS = 50
 # Factor on the largest difference between extrapolations that leave out one of the grids.
 SAFETY = 4.0
 # Relative rounding of all values, measured by scaling.
@@ -104,12 +108,12 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
 
 
 def _edges(fresh: Thresholds, final: Thresholds, halvings: int) -> Array:
-    """Edges of some CELLS 2^halvings cells, nearly equal over the bulk of both laws (to a survival of
-    1e-3) and growing along a far tail (to 1e-25): they are equal in s, where x = lower + bulk sinh(s),
-    so that errors extrapolate. There are edges where either law bends, jumps or has an atom."""
+    """Edges of some CELLS 2^halvings cells, nearly equal over the bulk of both laws and growing along a far tail: they
+    are equal in s, where x = lower + bulk sinh(s), so that errors extrapolate. There are edges where either law bends,
+    jumps or has an atom."""
     lower, end = final.support()
-    high = min(end, max(float(fresh.isf(1e-3)), float(final.isf(1e-3))))
-    upper = min(end, highest(fresh, final, 1e-25))
+    high = min(end, max(float(fresh.isf(BULK)), float(final.isf(BULK))))
+    upper = min(end, highest(fresh, final, FARTHEST))
     bulk = high - lower
     corners = np.concatenate([fresh.breakpoints, fresh.atoms[0], final.breakpoints, [lower, upper]])
     corners = np.unique(corners.clip(lower, upper))
@@ -158,7 +162,7 @@ def _solve(
         if 0 < k < edges.size - 1 and edges[k] == atom:  # on an edge: two cells, with the same <x>
             moved = share * (atom - middle[k - 1]) / (middle[k] - middle[k - 1])
             born[k - 1 : k + 1] += moved * np.array([-1.0, 1.0])
-    for _ in range(50):
+    for _ in range(MOST_STEPS):
         age = make_ageing(hops, diffusion * length)
         gained = age(born) - born
         by_length = age(gained) / length  # derivative by C

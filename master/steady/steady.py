@@ -97,7 +97,7 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
             "cycle_length_error": cycle.length_error / unit,
             "_held": partial(_held, cycle),
         }
-    relative = known["force_error"] * unit / max(abs(known["force"]), 1e-300)
+    relative = known["force_error"] * unit / max(abs(known["force"]), 1e-300)  # F_k may be 0
     success, message = judged("F_k", relative, WELL)
     return SteadyState(success=bool(success), message=message, **known)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from master.numerics.table import Table
 from master.steady.cycle import check_finite, thresholds_beyond
+from master.survival.life import ALL_ATOMS
 from origins import Contacts
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import NODES, finite_density, gauss, panel_edges
@@ -58,7 +59,7 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
     total, off = np.zeros((2, 2, speeds.size))
     if positions.size:
         total += np.einsum("a,kas->ks", shares, moments(positions))
-    if float(shares.sum()) < 1.0 - 1e-14:
+    if float(shares.sum()) < ALL_ATOMS:
         edges = panel_edges(law, tail=TAIL)
         at_edges = moments(np.maximum(edges, NARROWEST_PANEL * unit))
         parts = -np.diff(law.sf(edges))[:, None] * np.maximum(at_edges[:, 1:], at_edges[:, :-1])

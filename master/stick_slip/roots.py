@@ -11,27 +11,14 @@ right of a line of constant Re s as w crosses the real axis above 1 along it: Ne
 has to find as many.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
-from master.numerics import polynomials
-from master.numerics.table import SIZE, Table
-from master.renewal.present import NARROWEST_PANEL
-from master.steady.cycle import UNDERFLOW, Cycle
-from origins.thresholds.law import Array
+from master.steady.cycle import Cycle
+from master.stick_slip.transform import Complex, Transform
+from master.survival.life import ALL_ATOMS
 from origins.thresholds.tail import tail_rate
 
-Complex = npt.NDArray[np.complex128]
-
-# Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times e^(-sx) to rounding.
-WAVE = 4.0
-# Share of the contacts so small that no measurement could find one: their survival counts as unknown.
-NOBODY = 1e-120
-# Relative rounding of a sum.
-SUM_ROUNDING = 4e-16
 # Roots are searched up to this share of the decay rate of E's tail, or of that of exact values.
 NEAR = 0.9
 # Ratio of the longest to the mean life beyond which the few longest ones cannot be resolved.
@@ -60,129 +47,6 @@ MOST_NEWTON, LAST_NEWTON = 20, 1e-8
 CONVERGED, SAME = 1e-7, 1e-6
 
 
-class Values(NamedTuple):
-    """The transforms of E, K and D at numbers s, per contact born, with their errors; arrays of shape (n,)."""
-
-    held: Complex  # of E, a length
-    held_error: Array
-    force: Complex  # of K, a length squared
-    force_error: Array
-    conserved: Complex  # D, a length
-    conserved_error: Array
-    slope: Complex  # dD/ds, a length squared
-
-    def root_error(self) -> Array:
-        """Error of s (per length) where s is a root: the residual and the error of D, divided by |dD/ds|."""
-        return (np.abs(self.conserved) + self.conserved_error) / np.abs(self.slope)
-
-
-class _Nodes(NamedTuple):
-    """Ways, shape (n,); E, -x E and K times the nodes' weights, shape (3, n); errors of E and K, shape (2, n)."""
-
-    way: Array
-    sums: Array
-    errors: Array
-
-
-def _count_felt(held: Array, way: Array, decay: float) -> int:
-    """How many values of E, at sorted x, to the last where E e^(decay x) is not negligible."""
-    size = np.where(held > UNDERFLOW, np.log(np.maximum(held, UNDERFLOW)) + decay * way, -np.inf)
-    return int(np.flatnonzero(size > size.max() + np.log(1e-20))[-1]) + 1
-
-
-class Transform:
-    """Transforms of E and K of contacts born at some stretches, and D of number conservation.
-
-    Left of the imaginary axis the few contacts that hold for long matter: E is tabulated to a
-    relative accuracy on each panel, until it underflows or no wave grows as fast as it falls.
-    """
-
-    def __init__(self, cycle: Cycle, deepest: float) -> None:
-        """Extend the table of E until hardly any contact holds; deepest: the fastest decay of a wave (per length)."""
-        self.cycle, self.deepest = cycle, deepest
-        life, edges = cycle.life, cycle.table.edges
-        for _ in range(40):  # doublings of the way
-            edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
-            held = cycle.scaled(edges[:, None] * (1.0 - 1e-12)).survival[:, 0]
-            felt = _count_felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
-            if felt < edges.size:
-                break
-            edges = np.append(edges, 2.0 * edges[-1])
-        edges = edges[: felt + 1]
-        # where each survival takes long (many stretches at birth, warm grains) the table is coarser
-        short = life.quick or (cycle.born.is_single and life.pair_work < 100)
-        accuracy = 1e-13 if short else max(cycle.accuracy, 1e-9)
-
-        self._survival_error = cycle.survival_error
-
-        def for_table(way: Array) -> Array:
-            found = cycle.scaled(way)
-            self._survival_error = max(self._survival_error, found.error)
-            return found.both
-
-        def sizes(values: Array, _: Array) -> Array:
-            """Relative to the panel's values, but for those 1e-4 times its largest, or known no better."""
-            held = np.abs(values[0])
-            held = np.maximum(held.min(axis=1), np.maximum(1e-4 * held.max(axis=1), UNDERFLOW))
-            known = life.error_at(held, self._survival_error)
-            return np.maximum(held, np.stack([known, known + life.error_of_force]) / accuracy)
-
-        shortest = NARROWEST_PANEL * min(cycle.typical, float(edges[1]))
-        # last coefficients of 100 times the accuracy may be rounding of E itself
-        self.table = Table(for_table, edges, accuracy, shortest, looser=sizes, rounding=1e2)
-
-    def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
-        """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way
-        of wave/fastest, `fastest` the largest |s|."""
-        table, scale, life = self.table, self.cycle.scale, self.cycle.life
-        felt = _count_felt(table(table.begin)[0], table.end, decay)
-        pieces = np.maximum(np.ceil(table.widths[:felt] * fastest / wave), 1.0).astype(int)
-        numbers = np.append(0, pieces.cumsum())
-        edges = np.interp(np.arange(numbers[-1] + 1), numbers, table.edges[: felt + 1])[:, None]
-        way = edges[:-1] + np.diff(edges, axis=0) * polynomials.gauss(size).nodes
-        weight = np.diff(edges, axis=0) * polynomials.gauss(size).series[:, 0]
-        held, force = values = table(way)
-        # a contact that holds though it should not, or the other way round, bears the force of the others there
-        by_one = np.divide(np.abs(force), held, out=np.zeros_like(held), where=held > UNDERFLOW)
-        wrong = life.error_at(held, self._survival_error)
-        errors = wrong * np.stack([np.ones(way.shape), np.maximum(by_one, way / scale)])
-        # shares below NOBODY are of contacts that nobody has: no wave may hang on them
-        errors += np.abs(values) * np.where(held < NOBODY, 1.0, SUM_ROUNDING)
-        errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
-        errors[1] = (errors[1] + life.error_of_force * (way < life.largest_stretch)) * scale
-        some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])
-        return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
-
-    def __call__(self, s: Complex, nodes: _Nodes | None = None) -> Values:
-        """The transforms at s (per length) of shape (n,), none of which is 0; nodes are for all s near."""
-        if nodes is None:
-            nodes = self.nodes(np.abs(s).max(initial=0.0), -s.real.min(initial=0.0))
-        wait, (way, sums, errors) = self.cycle.wait, nodes
-        rounded = way * np.abs(sums[::2])  # a rounded way turns the wave
-        transforms, off = np.empty((3, s.size), dtype=complex), np.empty((2, s.size))
-        with np.errstate(over="ignore", invalid="ignore"):
-            for i, number in enumerate(s):
-                wave = np.exp(-number * way)
-                transforms[:, i] = sums @ wave
-                off[:, i] = (errors + SUM_ROUNDING * abs(number) * rounded) @ np.abs(wave)
-            held, held_slope, force = transforms
-            waited, out = np.exp(-s * wait), -np.expm1(-s * wait) / s
-            conserved = held * waited + out
-            slope = waited * (held_slope - wait * held) + (wait * waited - out) / s
-            cancelled = 1.0 + (1.0 + np.abs(s) * wait) * np.abs(waited)
-            error = off[0] * np.abs(waited) + np.finfo(float).eps * cancelled / np.abs(s)
-        return Values(held, off[0], force, off[1], conserved, error, slope)
-
-    def held_on_line(self, decay: float, step: float, count: int) -> Complex:
-        """The transform of E at -decay + i step k for k < count, to 1e-8."""
-        way, sums, _ = self.nodes(float(np.hypot(decay, step * count)), decay, 8, 8.0)
-        # waves of many frequencies are products of those of a few, and of every few
-        few = int(np.ceil(np.sqrt(count)))
-        turns = (np.exp(-1j * step * apart * way) for apart in (1, few))
-        each, coarse = (np.vander(turn, few, increasing=True) for turn in turns)
-        return (coarse.T * (sums[0] * np.exp(decay * way)) @ each).ravel()[:count]
-
-
 def crowding(cycle: Cycle) -> float:
     """Decay rate (per length) near which infinitely many roots of ever higher frequency crowd, due to
     exact thresholds; inf without any, 0 where all contacts break at exact thresholds."""
@@ -191,7 +55,7 @@ def crowding(cycle: Cycle) -> float:
     sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], ways)
     before, after = cycle.scaled(sides.reshape(-1, 1)).survival.reshape(sides.shape)
     ways, shares = ways[before > after] + cycle.wait, (before - after)[before > after]
-    if not ways.size or shares.sum() > 1.0 - 1e-14:
+    if not ways.size or shares.sum() > ALL_ATOMS:
         return 0.0 if ways.size else np.inf
     logs = np.log(shares)
     ends = 0.0, -2.0 * float(logs.max()) / float(ways.min())
@@ -255,6 +119,7 @@ def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, 
     step = float((TURN * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
     by_work = np.sqrt(MOST_SUMMANDS * step / transform.table.end[-1])
     highest = min(MOST_FREQUENCIES / cycle.birth_to_birth, by_work)
+    # waves that are shorter than E's resolution fade in its transform; and some steps at least, to count turns at all
     last = max(4.0 / cycle.resolution_length, 15.0 * step)
     while True:
         last = min(2.0 * last, highest)
@@ -289,6 +154,7 @@ def _newton(transform: Transform, starts: Complex, decay: float, step: float) ->
             move = np.log1p(-s * found.conserved) * broken / (found.conserved + s * found.slope)
         ends[moving] += move
         last[moving] = np.abs(move)
+    # of each pair one: the others lie below the real axis, and s = 0 on it, which is no root
     good = (last <= CONVERGED * np.abs(ends)) & (ends.imag > 0.1 * step)
     ends = ends[good & (ends.real > -decay - BESIDE * step)]
     ends = ends[~np.tril(np.abs(np.subtract.outer(ends, ends)) <= SAME * step, -1).any(axis=1)]

@@ -12,7 +12,8 @@ import numpy.typing as npt
 from master.numerics import polynomials
 from master.steady.cycle import Cycle
 from master.stick_slip.extremes import cycle_table, forward_march
-from master.stick_slip.roots import BROAD, Complex, Transform, crowding, deepest_wave, leading_roots
+from master.stick_slip.roots import BROAD, crowding, deepest_wave, leading_roots
+from master.stick_slip.transform import Complex, Transform
 from origins import Contacts, InputError
 from origins.brief import brief
 from origins.contacts import LAWS, check_contacts
@@ -22,6 +23,8 @@ from origins.thresholds.tail import tail_rate
 
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
+# Relative rounding of an amplitude, a product of some sums.
+ROUNDING = 1e-14
 # Rate at which roots crowd, times the mean way from birth to birth, below which exact values leave no slowest root.
 LEAST_CROWDING = 1e-2
 # Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd everywhere.
@@ -120,7 +123,7 @@ def decoherence_spectrum(
     values, first = transform(beside), of_start(beside)
     late = np.exp(-beside * wait) * (1.0 / beside - first.held)
     amplitude, moved = np.split(2.0 * values.force * late / values.slope, 2)
-    share = values.force_error / np.abs(values.force) + 1e-14
+    share = values.force_error / np.abs(values.force) + ROUNDING
     share += first.held_error / np.abs(1.0 / beside - first.held)
     kinetic, kinetic_off = cycle.force()
     spectrum = DecoherenceSpectrum(

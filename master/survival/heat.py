@@ -105,6 +105,7 @@ class ThermalLife(LawLife):
         # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
         counted &= np.minimum(log_rate[:, 1:], log_rate[:, :-1]) < _NEGLIGIBLE_FROM
         few = np.maximum(per_survival * self.law.sf(least), FEW)
+        # a tenth, as the error of these sums is one of several
         accuracy = max(0.1 * self.coefficient_limit, _FINEST) * few
         sums, missed, _ = integrals_above(
             survival_by_density, least, self.panels, counted, accuracy
@@ -157,7 +158,7 @@ class MeanRateLife(LawLife):
 
         def looser(values: Array, widths: Array) -> Array:
             largest = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * rates.scale)
-            # near a bend panels get narrow and add little to L
+            # near a bend panels get narrow and add little to L: those below 1e-3 of all widths are asked for less
             return np.asarray(largest / np.minimum(1.0, widths / (1e-3 * far)))
 
         return Table(
@@ -165,7 +166,7 @@ class MeanRateLife(LawLife):
             edges[edges <= far],
             self._accuracy,
             1e-13 * far,  # narrower panels are rounding
-            size=14,
+            size=14,  # coefficients on a panel
             looser=looser,
             rounding=rounding,
         )

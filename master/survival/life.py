@@ -35,6 +35,9 @@ SMALLEST = 1e-100
 LOWEST, MOST_BELOW_LOWEST = 1e-290, 1e-12
 # Survival of P_c at which panels for sums over thresholds end: e^-69, which not even the stiffest contacts outweigh.
 PANELS_END = 1e-30
+# Accuracy of the table of survivals weighted by stiffness, of which K is made where stiffness is linked; and its
+# narrowest panel, in mean thresholds: beside a density that diverges halving ends there.
+OF_LINKED, NARROWEST_OF_LINKED = 1e-12, 1e-9
 # Weight of exact thresholds, short of 1, from which on the rest is their rounding and no spread of thresholds.
 ALL_ATOMS = 1.0 - 1e-14
 
@@ -199,7 +202,7 @@ class LawLife(Life):
     def __init__(self, contacts: Contacts) -> None:
         """Find how far contacts may be stretched, where their survival bends, and how finely it varies."""
         law = self.law = contacts.thresholds
-        self.error_of_force = 1e-12 if contacts.stiffness == "linked" else 0.0
+        self.error_of_force = OF_LINKED if contacts.stiffness == "linked" else 0.0
         self.atoms, self.atom_weights = law.atoms
         # a contact born in the far tail has a threshold even farther out
         births = [contacts.start] + ([contacts.reforming.law] if contacts.reforming else [])
@@ -262,9 +265,7 @@ class ColdLife(LawLife):
             self.largest_birth_stretch = self.largest_stretch
         self._survival_table: Table | None = None  # where stiffness is linked
         if contacts.stiffness == "linked":
-            shortest = (
-                1e-9 * self._mean
-            )  # of a panel: beside a density that diverges halving ends here
+            shortest = NARROWEST_OF_LINKED * self._mean
             edges, accuracy = self.marks, self.error_of_force
             self._survival_table = Table(lambda x: law.sf(x)[None], edges, accuracy, shortest)
 

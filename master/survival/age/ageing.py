@@ -25,6 +25,8 @@ from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
 
+# Share of the thresholds that may lie above the longest stretch: below the rounding of 1.
+NONE_ABOVE = 1e-17
 # Error of the survival of contacts that age, in tolerances of the force, of which it is one part of several; and the
 # least, to which first passages are solved in a time that users wait for.
 PART, FINEST = 0.2, 1e-10
@@ -90,9 +92,10 @@ class AgeingLife(ChangingLife):
         laws = contacts.thresholds, ageing.final
         self.contacts, self.motion, self.has_strands = contacts, motion, not motion.one_leg
         self.accuracy, self._until = accuracy, until
-        self.largest_stretch = highest(*laws, 1e-17)
+        self.largest_stretch = highest(*laws, NONE_ABOVE)
         self.width = min(narrowest(law) for law in laws)
         self.resolution_length = RESOLUTION * self.width
+        # in a hold, at the speed 0, as long as any number
         longest = LONGEST_LIFE * self.largest_stretch / np.maximum(np.abs(motion.speeds), 1e-300)
         # of each leg the time until it ends or hardly any contact holds
         self._durations = np.minimum(np.diff(motion.times), longest)
@@ -189,6 +192,7 @@ class AgeingLife(ChangingLife):
     def _interpolated(self, speed: float, stretch: Array, lag: Array) -> tuple[Array, float]:
         """As `_fraction_holding`, of contacts born at many stretches (n,) without a bend between, after lags (n,)."""
         low = float(stretch.min())
+        # one stretch, but for rounding, is followed as a narrow range
         span = max(float(np.ptp(stretch)), 1e-12 * self.largest_stretch)
         for count in BETWEEN:
             nodes = chebyshev.chebpts1(count)
@@ -222,11 +226,13 @@ class AgeingLife(ChangingLife):
         """Of contacts that are born now at a stretch."""
         contacts, fastest = self.contacts, float(np.abs(self.motion.speeds).max())
         assert contacts.ageing is not None
-        aim = max(1e-2 * self.accuracy, 1e-11 if self.has_strands else 1e-12)  # of each panel
+        # of each panel, as a survival is a sum over some fifty; finer ones would resolve their rounding
+        aim = max(1e-2 * self.accuracy, 1e-11 if self.has_strands else 1e-12)
         return Passage(contacts.thresholds, contacts.ageing, fastest, stretch, aim)
 
     def begin(self, nodes: StretchNodes) -> Passages:
         """A strand of contacts that are born now."""
+        # a tenth: it is one of several parts of the error of a strand
         return Passages(self._passage, *nodes, 0.1 * self.accuracy)
 
     def follow(self, strands: Passages, first: int) -> Iterator[tuple[Array, Array]]:
@@ -253,6 +259,7 @@ class AgeingLife(ChangingLife):
         if born in self._stretches:
             return self._stretches[born]
         largest = self.contacts.thresholds.support()[1]
+        # at which survivals by different numbers of stretches are compared
         lags, speed = np.linspace(0.0, self._durations[0], 150), float(self.motion.speeds[0])
         before = np.zeros(1)
         for count in COUNTS:

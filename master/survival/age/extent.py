@@ -14,6 +14,6 @@ def highest(fresh: Thresholds, final: Thresholds, fraction: float) -> float:
 
 def narrowest(law: Thresholds) -> float:
     """Standard deviation of a normal law whose narrowest tenth of the weight is as narrow as this law's."""
-    spread = np.diff(law.ppf(np.linspace(0.1, 0.9, 9)))
+    spread = np.diff(law.ppf(np.linspace(0.1, 0.9, 9)))  # tenths but for the tails, which are wider
     # the narrowest tenth of a normal law of standard deviation 1 is 0.25 wide
     return float(spread[spread > 0.0].min(initial=law.mean())) / 0.25

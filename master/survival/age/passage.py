@@ -109,6 +109,7 @@ class Passage:
         self._fresh, self._held, above = fresh, float(fresh.sf(least)), fresh.atoms[0] > least
         self._values, self._weights = (part[above] for part in fresh.atoms)
         self._pieces = np.unique(np.maximum(np.append(panel_edges(fresh), least), least))
+        # fresh thresholds above the rounding of 1, and as far as the final law spreads any
         self._furthest = max(float(fresh.isf(1e-16)), normal.mean) + _ALL_WITHIN * normal.std
         # of the last coefficients of integrals over earlier breaks, whose errors are far smaller
         self._resolved = min(100.0 * accuracy, 1e-8)
@@ -155,6 +156,7 @@ class Passage:
         recedes = -here.slope - self._pull * max(self._furthest - self._mean, 0.0)
         if recedes > 0.0:
             last = min(last, float(np.sqrt(4.0 * _LOG_MET * self._diffusion)) / recedes)
+        # over the length D/v diffusion is as fast as the slider; a tenth of the final width resolves that law
         least = min(self._diffusion / speed, 0.1 * self._std) / speed if speed else np.inf
         first = _FIRST_PART * float(np.sqrt(min(1.0 / self._pull, least)))
         few = bool(self._panels) and abs(self._panels[-1].breaks) < self._accuracy  # near the level
@@ -167,6 +169,7 @@ class Passage:
                 np.abs(series[-k:]).max() * step / (2.0 * polynomials.DEGREE) for k in (6, 2)
             )
             rounded = _HARDLY * before < tail < _ROUNDED
+            # no change is faster than that for which the first panel was made: it is halved twice at most
             if tail > self._accuracy and not rounded and step > 0.3 * first:
                 width, before = 0.5 * step, tail
                 continue

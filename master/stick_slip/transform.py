@@ -1,0 +1,160 @@
+"""Transforms of E and K of a steady cycle over the way since birth, and D of number conservation: see roots."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from master.numerics import polynomials
+from master.numerics.table import SIZE, Table
+from master.renewal.present import NARROWEST_PANEL
+from master.steady.cycle import UNDERFLOW, Cycle
+from master.survival.life import TIE
+from origins.thresholds.law import Array
+
+Complex = npt.NDArray[np.complex128]
+
+# Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times e^(-sx) to rounding.
+WAVE = 4.0
+# The same on a line, where 1e-8 will do.
+ON_LINE_SIZE, ON_LINE_WAVE = 8, 8.0
+# Share of the contacts so small that no measurement could find one: their survival counts as unknown.
+NOBODY = 1e-120
+# Parts of the largest integrand below which it adds nothing: below rounding, however many panels they are.
+NOT_FELT = 1e-20
+# Most doublings of the way to which E is tabulated: to 1e12 times that of the cycle's table.
+MOST_DOUBLINGS = 40
+# Last coefficients of the table of E where each survival is quick, and the least where it takes long; and the part of a
+# panel's largest value up to which values are known to that accuracy of their own size.
+OF_TABLE, OF_SLOW_TABLE, OF_LARGEST = 1e-13, 1e-9, 1e-4
+# Work of a survival (Life.pair_work) from which on it takes long.
+SLOW = 100
+# Relative rounding of a sum.
+SUM_ROUNDING = 4e-16
+
+
+class Values(NamedTuple):
+    """The transforms of E, K and D at numbers s, per contact born, with their errors; arrays of shape (n,)."""
+
+    held: Complex  # of E, a length
+    held_error: Array
+    force: Complex  # of K, a length squared
+    force_error: Array
+    conserved: Complex  # D, a length
+    conserved_error: Array
+    slope: Complex  # dD/ds, a length squared
+
+    def root_error(self) -> Array:
+        """Error of s (per length) where s is a root: the residual and the error of D, divided by |dD/ds|."""
+        return (np.abs(self.conserved) + self.conserved_error) / np.abs(self.slope)
+
+
+class _Nodes(NamedTuple):
+    """Ways, shape (n,); E, -x E and K times the nodes' weights, shape (3, n); errors of E and K, shape (2, n)."""
+
+    way: Array
+    sums: Array
+    errors: Array
+
+
+def _count_felt(held: Array, way: Array, decay: float) -> int:
+    """How many values of E, at sorted x, to the last where E e^(decay x) is not negligible."""
+    size = np.where(held > UNDERFLOW, np.log(np.maximum(held, UNDERFLOW)) + decay * way, -np.inf)
+    return int(np.flatnonzero(size > size.max() + np.log(NOT_FELT))[-1]) + 1
+
+
+class Transform:
+    """Transforms of E and K of contacts born at some stretches, and D of number conservation.
+
+    Left of the imaginary axis the few contacts that hold for long matter: E is tabulated to a
+    relative accuracy on each panel, until it underflows or no wave grows as fast as it falls.
+    """
+
+    def __init__(self, cycle: Cycle, deepest: float) -> None:
+        """Extend the table of E until hardly any contact holds; deepest: the fastest decay of a wave (per length)."""
+        self.cycle, self.deepest = cycle, deepest
+        life, edges = cycle.life, cycle.table.edges
+        for _ in range(MOST_DOUBLINGS):
+            # the last panel, which was doubled, is looked at in 16 parts, each edge from its left: E may jump there
+            edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
+            held = cycle.scaled(edges[:, None] * (1.0 - TIE)).survival[:, 0]
+            felt = _count_felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
+            if felt < edges.size:
+                break
+            edges = np.append(edges, 2.0 * edges[-1])
+        edges = edges[: felt + 1]
+        # where each survival takes long (many stretches at birth, warm grains) the table is coarser
+        short = life.quick or (cycle.born.is_single and life.pair_work < SLOW)
+        accuracy = OF_TABLE if short else max(cycle.accuracy, OF_SLOW_TABLE)
+
+        self._survival_error = cycle.survival_error
+
+        def for_table(way: Array) -> Array:
+            found = cycle.scaled(way)
+            self._survival_error = max(self._survival_error, found.error)
+            return found.both
+
+        def sizes(values: Array, _: Array) -> Array:
+            """Relative to the panel's values, but for those below OF_LARGEST of its largest, or known no better."""
+            held = np.abs(values[0])
+            held = np.maximum(
+                held.min(axis=1), np.maximum(OF_LARGEST * held.max(axis=1), UNDERFLOW)
+            )
+            known = life.error_at(held, self._survival_error)
+            return np.maximum(held, np.stack([known, known + life.error_of_force]) / accuracy)
+
+        shortest = NARROWEST_PANEL * min(cycle.typical, float(edges[1]))
+        # last coefficients of 100 times the accuracy may be rounding of E itself
+        self.table = Table(for_table, edges, accuracy, shortest, looser=sizes, rounding=1e2)
+
+    def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
+        """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way
+        of wave/fastest, `fastest` the largest |s|."""
+        table, scale, life = self.table, self.cycle.scale, self.cycle.life
+        felt = _count_felt(table(table.begin)[0], table.end, decay)
+        pieces = np.maximum(np.ceil(table.widths[:felt] * fastest / wave), 1.0).astype(int)
+        numbers = np.append(0, pieces.cumsum())
+        edges = np.interp(np.arange(numbers[-1] + 1), numbers, table.edges[: felt + 1])[:, None]
+        way = edges[:-1] + np.diff(edges, axis=0) * polynomials.gauss(size).nodes
+        weight = np.diff(edges, axis=0) * polynomials.gauss(size).series[:, 0]
+        held, force = values = table(way)
+        # a contact that holds though it should not, or the other way round, bears the force of the others there
+        by_one = np.divide(np.abs(force), held, out=np.zeros_like(held), where=held > UNDERFLOW)
+        wrong = life.error_at(held, self._survival_error)
+        errors = wrong * np.stack([np.ones(way.shape), np.maximum(by_one, way / scale)])
+        # shares below NOBODY are of contacts that nobody has: no wave may hang on them
+        errors += np.abs(values) * np.where(held < NOBODY, 1.0, SUM_ROUNDING)
+        errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
+        errors[1] = (errors[1] + life.error_of_force * (way < life.largest_stretch)) * scale
+        some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])
+        return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
+
+    def __call__(self, s: Complex, nodes: _Nodes | None = None) -> Values:
+        """The transforms at s (per length) of shape (n,), none of which is 0; nodes are for all s near."""
+        if nodes is None:
+            nodes = self.nodes(np.abs(s).max(initial=0.0), -s.real.min(initial=0.0))
+        wait, (way, sums, errors) = self.cycle.wait, nodes
+        rounded = way * np.abs(sums[::2])  # a rounded way turns the wave
+        transforms, off = np.empty((3, s.size), dtype=complex), np.empty((2, s.size))
+        with np.errstate(over="ignore", invalid="ignore"):
+            for i, number in enumerate(s):
+                wave = np.exp(-number * way)
+                transforms[:, i] = sums @ wave
+                off[:, i] = (errors + SUM_ROUNDING * abs(number) * rounded) @ np.abs(wave)
+            held, held_slope, force = transforms
+            waited, out = np.exp(-s * wait), -np.expm1(-s * wait) / s
+            conserved = held * waited + out
+            slope = waited * (held_slope - wait * held) + (wait * waited - out) / s
+            cancelled = 1.0 + (1.0 + np.abs(s) * wait) * np.abs(waited)
+            error = off[0] * np.abs(waited) + np.finfo(float).eps * cancelled / np.abs(s)
+        return Values(held, off[0], force, off[1], conserved, error, slope)
+
+    def held_on_line(self, decay: float, step: float, count: int) -> Complex:
+        """The transform of E at -decay + i step k for k < count, to 1e-8."""
+        fastest = float(np.hypot(decay, step * count))
+        way, sums, _ = self.nodes(fastest, decay, ON_LINE_SIZE, ON_LINE_WAVE)
+        # waves of many frequencies are products of those of a few, and of every few
+        few = int(np.ceil(np.sqrt(count)))
+        turns = (np.exp(-1j * step * apart * way) for apart in (1, few))
+        each, coarse = (np.vander(turn, few, increasing=True) for turn in turns)
+        return (coarse.T * (sums[0] * np.exp(decay * way)) @ each).ravel()[:count]
