@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,9 +20,12 @@ from toolkit.processes.signals import TimeIsUp
 from toolkit.scene.scale import guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import judge
+from toolkit.verdict.budget import Budget
+from toolkit.verdict.files import plain
 from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow
 from toolkit.verdict.machine import NO_TIME, Behaviour, Known, Machine
+from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.words import disagreeing
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
@@ -497,6 +501,45 @@ def test_a_fall_that_is_none_is_no_disagreement() -> None:
         finite = Finite(own.rule, 1000, "now and then", 0.6, 1e-3, 0.6 - fall, 1e-3, 1.2)
         said = judge.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
         assert bool(disagreeing(said)) is apart
+
+
+def test_doubts_about_the_input_stand_before_the_answer(capsys: Any) -> None:
+    """A pressure of 1 Pa where 1 MPa is meant: before the sentence, in the file and in the picture's title."""
+    tables = {"thresholds": ROUGH | {"pressure": 1.0}, "verdict": {"readings": ["gw/amontons"]}}
+    _, page, found = judged(capsys, drive={"area": 1e-6}, **tables)
+    said = [line for line in page.splitlines() if line.startswith("do not trust this: ")]
+    assert found["do_not_trust"] == said and "pressure is 1 Pa: is the unit right?" in said[0]
+    assert page.splitlines()[2] == said[0] and page.splitlines()[2 + len(said)] == found["verdict"]
+
+
+def test_curves_that_lie_on_one_another_are_one_in_the_legend(capsys: Any) -> None:
+    """Far below K* both rules that renew contacts after a slip give one trace; its error is told in newtons."""
+    stated = {"mean_stiffness": 5.0, "contact_density": 5e11}
+    law = {"kind": "gaussian", "mean": 4e-9, "std": 8e-10}
+    scene = write(
+        contacts={"thresholds": law, "interface": stated},
+        drive=MACHINE | {"spring": "50 N/m"},
+        verdict={"rules": ["reset", "reform-after"]},
+        master=None,
+    )
+    found = judge.verdict(load_scene(scene, solved=False))
+    (label,) = draw_verdict(found).axes[0].get_legend_handles_labels()[1]
+    assert label == "a slip renews all contacts or contacts re-form after the slip: stick-slip"
+    one, told = found.own.behaviours[0], plain(found)["readings"][0]["behaviours"][0]
+    assert told["force_error"] == pytest.approx(one.error * 4e-9 * 5.0 * 5e11 * 1e-6, rel=1e-6)
+
+
+def test_a_busy_machine_is_given_more_of_the_clock(monkeypatch: Any) -> None:
+    """Half of the processor for one process: 60 s of its work are 120 of the clock, but not where these were given."""
+    now = {"clock": 0.0, "work": 0.0}
+    monkeypatch.setattr(time, "monotonic", lambda: now["clock"])
+    monkeypatch.setattr(time, "process_time", lambda: now["work"])
+    shared, given = Budget(60.0, strict=False), Budget(60.0, strict=True)
+    now |= {"clock": 40.0, "work": 20.0}
+    assert shared.left() == pytest.approx(80.0, rel=0.05) and given.left() == 20.0
+    assert shared.part(0.5).left() == pytest.approx(40.0, rel=0.05)
+    now["work"] = 80.0  # several threads: the clock counts
+    assert shared.left() == 20.0
 
 
 @pytest.mark.parametrize("laws", [{}, {"delay": origins.Delay(3.0)}])

@@ -4,7 +4,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NamedTuple, NoReturn
 
@@ -104,12 +104,18 @@ def _insisting(said: list[int]) -> Iterator[None]:
 
 
 @contextmanager
-def no_longer_than(seconds: float | None, over: type[TimeIsUp] = TimeIsUp) -> Iterator[None]:
+def no_longer_than(
+    seconds: float | None,
+    over: type[TimeIsUp] = TimeIsUp,
+    left: Callable[[], float] | None = None,
+) -> Iterator[None]:
     """Raise `over` within once so many seconds are over, of TooMuchWork CPU time, which does not hang on what else the
-    machine does; in the main thread only, None for no limit."""
+    machine does; in the main thread only, None for no limit. `left`, if given, says then how many more there are."""
 
-    def ring(number: int, frame: Any) -> NoReturn:
-        raise over
+    def ring(number: int, frame: Any) -> None:
+        if left is None or (more := left()) <= 0.0:
+            raise over
+        signal.setitimer(over.timer, max(more, 0.1))
 
     with _handled(ring, *([] if seconds is None else [over.number])) as before:
         try:

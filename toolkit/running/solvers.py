@@ -62,10 +62,12 @@ def follow(
 
 
 @contextmanager
-def within(deadline: float | None, scene: Scene, what: str) -> Iterator[None]:
-    """Raise InputError within once the deadline, in s of the monotonic clock, has passed."""
+def within(
+    deadline: float | None, scene: Scene, what: str, left: Callable[[], float] | None = None
+) -> Iterator[None]:
+    """Raise InputError within once the deadline, in s of the monotonic clock, has passed, and no s are `left`."""
     try:
-        with no_longer_than(None if deadline is None else deadline - time.monotonic()):
+        with no_longer_than(None if deadline is None else deadline - time.monotonic(), left=left):
             yield
     except TimeIsUp:
         hint = f"is over before {what} is solved; give more, or ask for less"

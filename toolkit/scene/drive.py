@@ -17,17 +17,19 @@ _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 
 
 class MachineUnit(NamedTuple):
-    """How a number of the machine is written as text: in SI units, or over N_c<k>, with an example of the first."""
+    """How a number of the machine is written as text: in SI units, or over N_c<k>, with an example of the first; and in
+    which others, each with what one of it is in SI units."""
 
     si: str
     shared: str
     example: str
+    others: dict[str, float]
 
 
 _MACHINE = {
-    "spring": MachineUnit("N/m", "N_c<k>", "50 N/m"),
-    "mass": MachineUnit("kg", "N_c<k> s2", "0.2 kg"),
-    "damping": MachineUnit("N s/m", "N_c<k> s", "3 N s/m"),
+    "spring": MachineUnit("N/m", "N_c<k>", "50 N/m", {"mN/m": 1e-3, "N/mm": 1e3, "N/µm": 1e6}),
+    "mass": MachineUnit("kg", "N_c<k> s2", "0.2 kg", {"g": 1e-3, "mg": 1e-6}),
+    "damping": MachineUnit("N s/m", "N_c<k> s", "3 N s/m", {"kg/s": 1.0}),
 }
 
 
@@ -45,12 +47,16 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
     interface, own = contacts.interface, _MACHINE[name]
     key, given, unit = f"drive.{name}", getattr(table, name), ""
     if isinstance(given, str):
-        read = re.fullmatch(f"{_NUMBER} ({re.escape(own.si)}|{re.escape(own.shared)})", given)
+        read = re.fullmatch(f"{_NUMBER} (.+)", given)
         if read is None:
             hint = f'must be a number and a unit, "{own.example}" or "0.5 {own.shared}"'
             refuse(key, given, hint)
+        known = {own.si: 1.0, own.shared: 1.0} | own.others
+        if read[2] not in known:
+            refuse(key, given, f"unit {read[2]} is not known; known: {', '.join(known)}")
         check = non_negative if name == "damping" else positive
-        given, unit = check(key, float(read[1])), read[2]
+        given = check(key, float(read[1]) * known[read[2]])
+        unit = own.shared if read[2] == own.shared else own.si
     if unit == own.si:
         if interface is None:
             raise InputError(f"{key}: in {unit} {laws.NEEDS_STIFFNESS}; or give a number")

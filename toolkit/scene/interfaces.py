@@ -21,6 +21,10 @@ _UNITS |= {"mean_plane_separation": "m", "patch_area": "m2", "mean_area": "m2", 
 _UNITS |= {"mean_force_threshold": "N", "contact_density": "1/m2", "mean_stiffness": "N/m"}
 
 
+# of the contacts: where more are plastic the elastic theory says nothing
+_MOSTLY = 0.5
+
+
 @dataclass(frozen=True)
 class Number:
     """A value, its error (same unit; None where the value has none) and its unit: "" for a pure number."""
@@ -99,6 +103,21 @@ def remarks(law: Thresholds) -> list[str]:
                 f"{gaps:.1%} of the scan's points are missing: a slope counts where the point and its next neighbours "
                 "on both axes are there; filling gaps gives other slopes, several times as large where gaps are many"
             )
+    return said
+
+
+def doubts(contacts: Contacts) -> list[str]:
+    """Remarks after which no number of these contacts can be trusted before they are settled: those that ask whether
+    the input is meant, a temperature at which nothing holds, contacts taken as elastic where most are plastic."""
+    law = contacts.thresholds
+    surface, said = law.interface, [one for one in remarks(law) if "?" in one]
+    elastic = isinstance(surface, Interface) and surface.regime == "elastic"
+    plastic = surface.plastic_fraction or 0.0 if elastic else 0.0
+    if plastic > _MOSTLY:
+        hint = 'take regime = "mixed", or "plastic"'
+        said.append(f"{plastic:.0%} of the contacts would be plastic, and are elastic here: {hint}")
+    if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:
+        said += filter(None, [too_hot(contacts.thermal.temperature, law)])
     return said
 
 

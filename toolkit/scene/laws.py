@@ -59,6 +59,8 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
     "substrate": SUBSTRATES,
 }
 
+# k_BT/<k> in m² and K, beyond those of any contact: a larger temperature is in another unit than it seems
+_LARGEST, _HOTTEST = 1e-3, 1e6
 # what the law "eyring" takes in place of its width, and in which units
 _ACTIVATION = {"kelvin": "K", "shear_strength": "Pa", "activation_volume": "m³"}
 
@@ -186,6 +188,9 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
         if 1.0 < joules < 1e4 < kelvin:  # plausible temperatures, in K
             hint = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; if joules are meant, write temperature ="
             refuse(where, given, f"{hint} {{ kelvin = {joules:.4g} }}")
+        if given > _LARGEST and kelvin > _HOTTEST:
+            hint = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; did you mean temperature ="
+            refuse(where, given, f"{hint} {{ kelvin = {given:g} }}")
     if not isinstance(given, Mapping):
         return table
     if set(given) != {"kelvin"}:

@@ -95,9 +95,10 @@ def _column(file: str, lines: list[str], name: str, place: int | None, decimal: 
     if not rows:
         refuse("file", file, "holds no numbers; write one value a line")
     width = len(rows[0][1])
-    if place is None and all(re.fullmatch(r"\s*\d+,\d+\s*", lines[n - 1]) for n, _ in rows):
+    parted = re.compile(r"\s*[-+]?\d+,\d+(?:[eE][-+]?\d+)?\s*")
+    if place is None and all(parted.fullmatch(lines[n - 1]) for n, _ in rows):
         hint = """a decimal comma? write decimal = ","; two columns? say which, as column = 2"""
-        refuse("file", file, f"holds two whole numbers a line, parted by a comma: {hint}")
+        refuse("file", file, f"holds two numbers a line, parted by a comma: {hint}")
     if place is None and width > 1:
         names = _names(lines)
         such = f'"{names[-1]}"' if len(names) == width else width

@@ -15,7 +15,7 @@ from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.picture import save_verdict_picture
-from toolkit.verdict.words import details, page, sentence
+from toolkit.verdict.words import details, page, sentence, warnings
 
 
 def save_verdict(
@@ -38,6 +38,7 @@ def plain(verdict: Verdict) -> dict[str, Any]:
     return {
         "name": verdict.name,
         "title": verdict.title,
+        "do_not_trust": warnings(verdict),
         "verdict": sentence(verdict),
         "numbers": details(verdict),
         "hangs_on": dependence(verdict),
@@ -59,6 +60,7 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
             "force": scale.force_unit,
             "spring": scale.spring_unit,
             "length": scale.length_unit,
+            "error": "mean thresholds <x_s>",
         }
     }
     out |= {"load": scale.load, "contacts": scale.contacts}
@@ -67,7 +69,8 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
         quantity = getattr(answer, name)
         out[name] = {key: value and value * factor for key, value in asdict(quantity).items()}
     out["spring"] = answer.machine and answer.machine.spring * scale.spring
-    out["behaviours"] = [_of_behaviour(one, scale.force) for one in answer.behaviours]
+    mean = answer.contacts.mean_threshold
+    out["behaviours"] = [_of_behaviour(one, scale.force, mean) for one in answer.behaviours]
     return out
 
 
@@ -79,12 +82,14 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
     return out | {name: out[name] * force for name in forces}
 
 
-def _of_behaviour(behaviour: Any, force: float) -> dict[str, Any]:
-    """What the slider does under one rule, without its trace, which friction.csv has."""
+def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
+    """What the slider does under one rule, without its trace, which friction.csv has: forces with their error; `error`
+    and `heat_left_out` stay in mean thresholds."""
     out = {
         name: value for name, value in asdict(behaviour).items() if name not in ("drive", "force")
     }
-    return out | {name: out[name] * force for name in ("before", "after")}
+    out |= {name: out[name] * force for name in ("before", "after")}
+    return out | {"force_error": behaviour.error * mean * force}
 
 
 def write_friction(verdict: Verdict, path: Path) -> None:

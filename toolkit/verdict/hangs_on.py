@@ -99,10 +99,11 @@ def _of_a_stuck_slider(verdict: Verdict) -> Iterator[str]:
     smooth = [one.rule for one in own.behaviours if one.kind == "smooth"]
     if smooth and own.machine.spring < own.critical_spring.value and not own.contacts.in_time:
         force, unit = own.scale.force, own.scale.force_unit
-        fall = written(max(own.static.value - own.kinetic.value, 0.0) * force, unit)
+        fall = own.static.value - own.kinetic.value
+        ends = f"F_s, {written(fall * force, unit)} above F_k," if fall > 0.0 else "a rise to F_k"
         yield (
-            f"K is below K*, and yet sliding is smooth if {named(smooth)}: after F_s, {fall} above F_k, the slider "
-            "slips once or a few times on its way to F_k, and then no more, as contacts have forgotten their start"
+            f"K is below K*, and yet sliding is smooth if {named(smooth)}: after {ends} the slider slips once or a few "
+            "times, and then no more, as contacts have forgotten their start"
         )
 
 
@@ -221,7 +222,7 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
     said += f", from {' down to '.join(ends)}"
     if finite.kind == "stick-slip":
         return said + beside
-    return f"{said}, {finite.slips:.2g} times a slider on the way that was followed"
+    return f"{said}, {finite.slips:.2g} slips a slider on the way that was followed"
 
 
 def named(rules: Sequence[str]) -> str:

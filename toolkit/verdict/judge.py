@@ -19,6 +19,7 @@ from toolkit.running.solvers import within
 from toolkit.scene.scale import Scale, scale_of, with_uncertainty
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
+from toolkit.verdict.budget import Budget
 from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow
 from toolkit.verdict.machine import (
@@ -126,25 +127,26 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         name = "turns" if table.turns is not None else "times"
         refuse(f"drive.{name}", getattr(table, name), "a verdict drives one way; leave it out")
     readings, rules = readings_of(scene), _rules(scene, table)
-    scene = replace(scene, wall_time=scene.wall_time or WALL_TIME)
-    deadline, answers = began + (scene.wall_time or WALL_TIME), list[Answer]()
+    # what is given is of the clock, as of a queue; else a busy machine says what a quiet one does
+    budget = Budget(scene.wall_time or WALL_TIME, strict=scene.wall_time is not None)
+    scene, answers = replace(scene, wall_time=scene.wall_time or WALL_TIME), list[Answer]()
     left_out, finite = dict[str, str](), tuple[Finite, ...]()
     for number, reading in enumerate(readings):
         progress(f"reading {number + 1} of {len(readings)}: {reading.name}")
-        left = deadline - time.monotonic()
         # the scene's own is the answer; what it does not need is left to the number of contacts, and to the others
-        seconds = left * (OWN if reading.own else 1.0 / (len(readings) - number))
+        part = budget.part(OWN if reading.own else 1.0 / (len(readings) - number))
+        deadline = time.monotonic() + budget.left()
         try:
             if reading.contacts is None:
                 raise InputError(reading.refused)
-            with within(deadline, scene, "this reading"):
-                answers.append(_answer(table, reading.name, reading.contacts, rules, seconds))
+            with within(deadline, scene, "this reading", budget.left):
+                answers.append(_answer(table, reading.name, reading.contacts, rules, part))
         except InputError as error:
             if reading.own:
                 raise
             left_out[reading.name] = str(error)
         if reading.own:
-            finite = _finite(scene, answers[0], OWN * (deadline - time.monotonic()), progress)
+            finite = _finite(scene, answers[0], budget.part(OWN), progress)
             unit = answers[0].contacts.mean_threshold
             pairs = zip(answers[0].behaviours, finite, strict=False)
             more = tuple(with_more(one, many, unit) for one, many in pairs)
@@ -161,20 +163,20 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
 
 
 def _finite(
-    scene: Scene, own: Answer, seconds: float, progress: Callable[[str], None]
+    scene: Scene, own: Answer, budget: Budget, progress: Callable[[str], None]
 ) -> tuple[Finite, ...]:
-    """Sliders of as many contacts as the area holds, or as [eq] names, for each rule of the own reading, within about
-    so many seconds."""
+    """Sliders of as many contacts as the area holds, or as [eq] names, for each rule of the own reading, about within
+    the budget."""
     number = own.scale.contacts
     if number is None and scene.eq is not None:
         number = float(scene.eq.contacts)
     if number is None or own.machine is None:
         return ()
-    found, until = list[Finite](), time.monotonic() + seconds
+    found = list[Finite]()
     for one in own.behaviours:
         progress(f"sliders of {number:,.0f} contacts, slip rule {one.rule}")
-        left = until - time.monotonic()
-        found.append(follow_finite(own.machine, own.contacts, number, one, own.static.value, left))
+        static, left = own.static.value, budget.left()
+        found.append(follow_finite(own.machine, own.contacts, number, one, static, left))
     return tuple(found)
 
 
@@ -198,14 +200,14 @@ def _rules(scene: Scene, table: DriveTable) -> tuple[str, ...]:
 
 
 def _answer(
-    table: DriveTable, name: str, contacts: Contacts, rules: tuple[str, ...], seconds: float
+    table: DriveTable, name: str, contacts: Contacts, rules: tuple[str, ...], budget: Budget
 ) -> Answer:
-    """The answer of one reading, within about so many seconds."""
+    """The answer of one reading, about within the budget."""
     import master
 
-    velocity, until = table.velocity, time.monotonic() + seconds
+    velocity = table.velocity
     steady = master.steady_state(contacts, velocity=velocity)
-    found = _propensity(contacts, velocity, until)
+    found = _propensity(contacts, velocity, budget)
     kinetic = Quantity(steady.force, steady.force_error * contacts.mean_threshold)
     ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
     static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
@@ -223,17 +225,17 @@ def _answer(
     asked = rules if machine is not None else ()
     with suppress(TimeIsUp):  # what is found by then is told
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
-            share = (until - time.monotonic()) / left
+            share = budget.left() / left
             behaviours.append(follow(cast(Machine, machine), contacts, rule, known_before, share))
         if machine is not None and [one.refused for one in behaviours] == [True]:
             # no solver takes the slider with its mass: what it does without one, under each slip rule
             light = replace(machine, mass=None, damping=0.0)
             for left, rule in zip(range(len(RULES), 0, -1), RULES, strict=True):
-                share = (until - time.monotonic()) / left
+                share = budget.left() / left
                 behaviours.append(follow(light, contacts, rule, known_before, share))
         if sampled_parts(contacts.thresholds):
             known = [kinetic, static, critical]
-            kinetic, static, critical = _with_sampling(contacts, velocity, known, until)
+            kinetic, static, critical = _with_sampling(contacts, velocity, known, budget)
     behaviours += [not_followed(rule, NO_TIME) for rule in asked[len(behaviours) :]]
     return Answer(
         name,
@@ -247,23 +249,23 @@ def _answer(
     )
 
 
-def _propensity(contacts: Contacts, velocity: float, until: float) -> Any:
+def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:
     """K*, F_s and the decoherence length of these contacts, roughly first: laws with many peaks take a minute for more,
-    which is spent only where it is there, in s of the monotonic clock, and where K* is not infinite anyway."""
+    which is spent only where it is there, and where K* is not infinite anyway."""
     import master
 
     rough = master.propensity(contacts, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
-    late = time.monotonic() + LONGER * rough.run_time > until
+    late = LONGER * rough.run_time > budget.left()
     if late or not np.isfinite(rough.critical_spring):
         return rough
     return master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
 
 
 def _with_sampling(
-    contacts: Contacts, velocity: float, known: list[Quantity], until: float
+    contacts: Contacts, velocity: float, known: list[Quantity], budget: Budget
 ) -> list[Quantity]:
     """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; without
-    it where there is no time for enough of them, in s of the monotonic clock."""
+    it where there is no time for enough of them."""
     import master
 
     def row(law: Thresholds) -> list[float]:
@@ -272,6 +274,7 @@ def _with_sampling(
         found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
         return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
 
+    until = time.monotonic() + budget.left()
     rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
     if len(rows) < FEWEST:
         return known

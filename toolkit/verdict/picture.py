@@ -16,14 +16,21 @@ from toolkit.pictures.axes import (
     style_of,
 )
 from toolkit.scene.scale import SHARED
-from toolkit.verdict.hangs_on import NAMED
+from toolkit.verdict.hangs_on import NAMED, named
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.machine import Behaviour
-from toolkit.verdict.words import disagreeing, sentence
+from toolkit.verdict.words import disagreeing, sentence, warnings
 
-# of the force, in mean thresholds: a trace with a larger error is not drawn
+# of the force, in mean thresholds: a trace of the master equation with a larger error is not drawn; one of the ensemble
+# is a slider's own, and its error that of fewer contacts than there are
 _UNKNOWN = 0.1
+# of the largest force: curves nearer than that are one in the picture
+_ALIKE = 2e-3
 _DENSITY_POINTS = 400
+# of a density that is drawn: the axis ends at so many times what this share of its points stays below
+_HIGH, _MOST = 1.5, 0.98
+# of the panels below the trace: heights with one reading, and more for each other one (in), and widths
+_LOW, _EACH, _ONE_WIDE, _WIDE = 2.8, 0.2, (2.2, 1.0), (1.0, 1.0)
 
 
 def save_verdict_picture(verdict: Verdict, path: Path) -> None:
@@ -36,10 +43,13 @@ def draw_verdict(verdict: Verdict) -> Any:
     from matplotlib.figure import Figure
 
     pulled = bool(_known(verdict)) or any(finite.drive.size for _, finite in disagreeing(verdict))
-    low = 4.0 + 0.2 * len(verdict.answers)
+    many = len(verdict.answers)
+    low = _LOW + (1.2 + _EACH * many) * (many > 1)
     figure = Figure(figsize=(11, low + 4.4 * pulled), layout="constrained")
     rows: list[Any] = [["trace", "trace"]] * pulled + [["thresholds", "springs"]]
-    places = figure.subplot_mosaic(rows, height_ratios=[4.4] * pulled + [low])
+    shares: dict[str, Any] = {"height_ratios": [4.4] * pulled + [low]}
+    shares["width_ratios"] = _WIDE if many > 1 else _ONE_WIDE
+    places = figure.subplot_mosaic(rows, **shares)
     if pulled:
         _draw_trace(places["trace"], verdict)
     _draw_thresholds(places["thresholds"], verdict)
@@ -47,7 +57,7 @@ def draw_verdict(verdict: Verdict) -> Any:
     if len(verdict.answers) > 1:
         handles, labels = places["thresholds"].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
-    title = f"{in_lines(verdict.title)}\n{in_lines(sentence(verdict))}"
+    title = "\n".join(map(in_lines, [verdict.title, *warnings(verdict), sentence(verdict)]))
     figure.suptitle(title, fontsize="medium", parse_math=False)
     return figure
 
@@ -55,17 +65,19 @@ def draw_verdict(verdict: Verdict) -> Any:
 def _draw_trace(axes: Any, verdict: Verdict) -> None:
     """The spring's force against the drive for each rule, slips at their own places; and that of one of the sliders of
     so many contacts where these do something else."""
-    known, scale = _known(verdict), verdict.own.scale
-    for number, behaviour in enumerate(known):
+    known, scale = _alike(_known(verdict)), verdict.own.scale
+    for number, same in enumerate(known):
+        behaviour = same[0]
         style: dict[str, Any] = {"color": OKABE_ITO[number], "ls": DASHES[number], "lw": 1.3}
-        label = f"{NAMED[behaviour.rule]}: {behaviour.kind}"
-        if not behaviour.success:
+        label = f"{named([one.rule for one in same])}: {behaviour.kind}"
+        if not behaviour.success or behaviour.error >= _UNKNOWN:
             label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
         axes.plot(behaviour.drive, behaviour.force * scale.force, label=label, **style)
     for number, (_, finite) in enumerate(disagreeing(verdict), start=len(known)):
         if finite.drive.size:
             label = f"{finite.contacts:,} contacts, {NAMED[finite.rule]}: {finite.kind}"
-            style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 1}
+            # thin, and above the others, which it may follow for long
+            style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
             axes.plot(finite.drive, finite.force * scale.force, label=label, **style)
     axes.margins(x=0.01, y=0.05)
     low, high = axes.get_ylim()
@@ -78,32 +90,56 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
 
 def _known(verdict: Verdict) -> list[Behaviour]:
     """What the slider does under the rules whose force is known well enough to be drawn."""
-    return [one for one in verdict.own.behaviours if one.drive.size and one.error < _UNKNOWN]
+    each = [one for one in verdict.own.behaviours if one.drive.size]
+    return [one for one in each if one.error < _UNKNOWN or one.contacts is not None]
+
+
+def _alike(behaviours: list[Behaviour]) -> list[list[Behaviour]]:
+    """Behaviours in groups whose traces lie on one another, so that one curve stands for all of a group."""
+    groups = list[list[Behaviour]]()
+    for one in behaviours:
+        alike = [group for group in groups if _on_one_curve(one, group[0])]
+        if alike:
+            alike[0].append(one)
+        else:
+            groups.append([one])
+    return groups
+
+
+def _on_one_curve(one: Behaviour, other: Behaviour) -> bool:
+    """Whether two traces have the same points, as far as a picture shows."""
+    if one.kind != other.kind or one.drive.shape != other.drive.shape:
+        return False
+    pairs = (one.drive, other.drive), (one.force, other.force)
+    return all(np.abs(a - b).max() <= _ALIKE * np.abs(b).max() for a, b in pairs)
 
 
 def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
-    """P_c of each reading, each to its own peak, as readings differ by orders of magnitude."""
+    """P_c of each reading as the density of ln x_s, whose area is 1 for each, as readings differ by orders of
+    magnitude; where it diverges the axis ends."""
+    top = 0.0
     for number, answer in enumerate(verdict.answers):
         x, density = _density(answer.contacts)
         style = style_of(number) | {"lw": 1.3 if number else 2.2, "ms": 4}
         # marks of different curves at different places
         style["markevery"] = (7 * number % 40, 40)
         axes.plot(x, density, label=answer.name, **style)
+        # of a density that diverges the highest points hang on where it is drawn
+        top = max(top, min(density.max(), _HIGH * np.quantile(density, _MOST)))
     axes.set_xscale("log")
-    axes.set_ylim(0.0, 1.1)
+    axes.set_ylim(0.0, 1.1 * top)
     name_axis(axes.xaxis, "threshold $x_s$", verdict.own.scale.length_unit)
-    axes.set_ylabel("$x_s\\,P_c(x_s)$ over its peak")
+    axes.set_ylabel(r"$x_s\,P_c(x_s)$, per unit of $\ln x_s$")
 
 
 def _density(contacts: Contacts) -> tuple[Any, Any]:
-    """x and x P_c(x), the density of ln x, over its largest value."""
+    """x and x P_c(x), the density of ln x."""
     law = contacts.thresholds
     low, high = float(law.ppf(1e-3)), float(law.isf(1e-4))
     x = np.geomspace(max(low, 1e-6 * high), 1.05 * high, _DENSITY_POINTS)
     density = x * law.pdf(x)
     finite = np.isfinite(density)
-    top = density[finite].max(initial=0.0)
-    return x[finite], density[finite] / (top or 1.0)
+    return x[finite], density[finite]
 
 
 def _draw_springs(axes: Any, verdict: Verdict) -> None:

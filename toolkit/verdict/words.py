@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence, named, others
@@ -18,12 +19,18 @@ KNOWN = 1e-3
 
 
 def page(verdict: Verdict) -> list[str]:
-    """The verdict on one page: title, sentence, its numbers, table, what it hangs on, run time."""
-    lines = [verdict.title, "", sentence(verdict), *(f"  {line}" for line in details(verdict)), ""]
+    """The verdict on one page: title, doubts about the input, sentence, numbers, table, what it hangs on, run time."""
+    lines = [verdict.title, "", *warnings(verdict), sentence(verdict)]
+    lines += [*(f"  {line}" for line in details(verdict)), ""]
     lines += table(verdict)
     lines += [numerical_errors(verdict), "", "What it hangs on"]
     lines += [f"  {line}" for line in dependence(verdict)]
     return [*lines, "", f"run time {verdict.run_time:.1f} s"]
+
+
+def warnings(verdict: Verdict) -> list[str]:
+    """Why no number of the verdict can be trusted, before all else; empty as a rule."""
+    return [f"do not trust this: {doubt}" for doubt in doubts(verdict.own.contacts)]
 
 
 def sentence(verdict: Verdict) -> str:

@@ -1,0 +1,36 @@
+"""How long a verdict may take: on a busy machine longer than on a quiet one, so that both say the same."""
+
+import time
+
+# s by which the pace is smoothed, as that of the first moments says little
+_SMOOTH = 1.0
+
+
+class Budget:
+    """So many `seconds`, of the clock on the wall if `strict`, else of those in which this process could work.
+
+    Where other programs have the cores, a process has fewer seconds of the processor than of the clock; with several
+    threads it has more, and then the clock counts. `pace`: seconds of the clock for each that counts, so far.
+    """
+
+    def __init__(self, seconds: float, strict: bool, pace: float = 1.0) -> None:
+        self._seconds, self._strict, self._first_pace = seconds, strict, pace
+        self._clock, self._work = time.monotonic(), time.process_time()
+
+    def left(self) -> float:
+        """How many s of the clock are left at the pace so far; below 0 once the time is over."""
+        used, pace = self._used()
+        return (self._seconds - used) * pace
+
+    def part(self, share: float) -> "Budget":
+        """A budget from now on, of this share of what is left."""
+        used, pace = self._used()
+        return Budget(share * (self._seconds - used), self._strict, pace)
+
+    def _used(self) -> tuple[float, float]:
+        """Seconds that count, and the pace."""
+        clock = time.monotonic() - self._clock
+        if self._strict:
+            return clock, 1.0
+        used = min(clock, time.process_time() - self._work)
+        return used, (clock + _SMOOTH * self._first_pace) / (used + _SMOOTH)
