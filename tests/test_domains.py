@@ -13,6 +13,8 @@ from scipy.optimize import minimize_scalar
 import master
 import origins
 import toolkit
+from origins import Contacts
+from toolkit.scene.interfaces import of_islands
 
 A = 2.5
 SETTINGS = {"lattice_constant": A, "mean_atoms": 60.0, "stiffness": 1.0, "samples": 2000, "seed": 3}
@@ -76,6 +78,20 @@ def test_islands_without_a_barrier_are_left_out_and_told() -> None:
         origins.triangular_barrier(np.pi / 2, 4, 3, 0.4) / (2.0 * np.pi), rel=1e-12
     )
     assert record.mean_force == pytest.approx(law.mean(), rel=1e-12)
+
+
+def test_few_listed_angles_are_told_of() -> None:
+    """Up to 8 barriers are exact values; of more F_k is theirs, and K* hangs on the smoothing, as a note says."""
+    angles = np.linspace(0.0, 0.4, 11)
+    each = {"sizes": [(5, 4)], "stiffness": 1.0, "samples": 440}
+    exact, smooth = (origins.domains(A, angles=angles[:n], **each) for n in (5, 11))
+    assert exact.atoms[0].size == 5 and not of_islands(exact)
+    assert not smooth.atoms[0].size
+    values = np.unique(smooth.domains.barriers) / (2.0 * np.pi)
+    kinetic = (values @ values) / (2.0 * values.sum())
+    assert master.steady_state(Contacts(smooth)).force == pytest.approx(kinetic, rel=0.02)
+    (note,) = of_islands(smooth)
+    assert "11 listed angles" in note and "hangs on the smoothing" in note
 
 
 # -- one island over all angles --------------------------------------------------------------------

@@ -217,8 +217,8 @@ def of_islands(law: Thresholds) -> list[str]:
     if law.atoms[0].size:
         return []
     if isinstance(law, Sampled):
-        if np.unique(law.domains.angles).size < law.domains.angles.size / 2:
-            return []  # few angles, in turn
+        if few := of_listed_angles(law):
+            return few
         return [
             "P_c of islands at all angles peaks where a barrier stands still in the angle, and samples smooth "
             "that away: K* hangs on the smoothing, and is no number of the islands"
@@ -235,6 +235,20 @@ def of_islands(law: Thresholds) -> list[str]:
     return [
         "K* is infinite: P_c peaks as an inverse square root where a barrier stands still in the angle; as relaxed "
         f"contacts break for the first time, F/(N<k>) drops at most by about {', '.join(drops)}"
+    ]
+
+
+def of_listed_angles(law: Thresholds) -> list[str]:
+    """A note on islands at few listed angles, taken in turn, whose barriers are told by a smooth law; else none."""
+    if law.domains is None or not isinstance(law, Sampled) or law.atoms[0].size:
+        return []
+    many = np.unique(law.domains.angles).size
+    if many >= law.domains.angles.size / 2:
+        return []
+    return [
+        f"P_c is a smooth law with narrow peaks at the barriers of {many} listed angles: F_k is that of the exact "
+        "values, whose K* is infinite; this one's hangs on the smoothing, and takes minutes: leave angles out, or list "
+        "8 at most, which are taken as exact"
     ]
 
 

@@ -16,6 +16,7 @@ from toolkit.processes.signals import TimeIsUp
 from toolkit.results.html import as_table
 from toolkit.running.resampled import of_resampled
 from toolkit.running.solvers import within
+from toolkit.scene.interfaces import of_listed_angles
 from toolkit.scene.scale import Scale, scale_of, with_uncertainty
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
@@ -143,7 +144,10 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
                 answers.append(_answer(table, reading.name, reading.contacts, rules, part))
         except InputError as error:
             if reading.own:
-                raise
+                notes = (
+                    [] if reading.contacts is None else of_listed_angles(scene.contacts.thresholds)
+                )
+                raise InputError("; ".join([str(error), *notes])) from error
             left_out[reading.name] = str(error)
         if reading.own:
             finite = _finite(scene, answers[0], budget.part(OWN), progress)
