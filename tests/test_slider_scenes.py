@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from solving import same_bits
 
 import eq_model
@@ -15,6 +16,7 @@ import master
 import origins
 import toolkit
 from toolkit.command import main
+from toolkit.pictures.points import plot_points_swing
 from toolkit.pictures.traces import slips_of, with_slips
 from toolkit.scene.scene import SHIPPED
 
@@ -107,7 +109,10 @@ def test_a_sweep_over_drive_speeds_has_the_swings_and_where_they_end() -> None:
     tables["eq"] |= {"contacts": 400}
     tables["drive"] |= {"to": 2500.0, "points": 2001}
     tables["sweep"] = {"drive.velocity": [8.0, 16.0]}
-    swept = toolkit.run(tables).sweep
+    done = toolkit.run(tables)
+    swept: Any = done.sweep
+    (band,) = plot_points_swing(Figure().subplots(), done).patches
+    assert band.get_x() == 8.0 and band.get_label() == "swings end at 12 ± 4"
     alone = run("critical-speed", 400, 2, to=2500.0, points=2001, velocity=8.0)
     swings = np.ptp(alone.eq.forces[:, -500:], axis=1)
     assert swept["eq_force_swing"][0] == swings.mean()

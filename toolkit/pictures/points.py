@@ -18,6 +18,7 @@ from toolkit.results.points import PointsRecord
 from toolkit.results.records import Result
 
 _LINES = 8  # as can be distinguished
+_NOISE = 0.1  # part of the largest swing below which the force swings by chance
 
 
 def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
@@ -98,8 +99,20 @@ def plot_points_spring(axes: Any, result: Result) -> Any:
 
 
 def plot_points_swing(axes: Any, result: Result) -> Any:
-    """By how much the force of the ensemble's spring swings in the end: stick-slip, or the noise of smooth sliding."""
-    return plot_points(axes, result, "eq_force_swing")
+    """By how much the force of the ensemble's spring swings in the end: stick-slip, or the noise of smooth sliding; and
+    between which points of a sweep over one key of numbers that ends."""
+    plot_points(axes, result, "eq_force_swing")
+    sweep: Any = result.sweep
+    x, (value, _) = _numbers(sweep[sweep.along[0]])[0], _with_error(result, "eq_force_swing")
+    order = np.argsort(x, kind="stable")
+    x, swings = x[order], value[order] > _NOISE * np.nanmax(value)
+    ends = np.flatnonzero(swings[:-1] & ~swings[1:])
+    if len(sweep.along) == 1 and ends.size == 1 and not swings[ends[0] + 1 :].any():
+        low, high = x[ends[0]], x[ends[0] + 1]
+        where = f"swings end at {0.5 * (low + high):.4g} ± {0.5 * (high - low):.2g}"
+        axes.axvspan(low, high, color="0.9", lw=0, zorder=0, label=where)
+        legend_above(axes)
+    return axes
 
 
 def with_swing(sweep: object) -> bool:

@@ -201,6 +201,8 @@ def _draw_top_speeds(
     begin = moments(place, curve.path, force, slips)
     inside = np.searchsorted(place, begin + slips.duration) - np.searchsorted(place, begin)
     begin = np.where(inside < _RESOLVED, begin, np.nan)
+    if not np.isfinite(begin).any():
+        return
     at, ink = begin + 0.5 * slips.duration, INK["master" if replica is None else "eq"]
     axes.vlines(at, 0.0, slips.top_speed, color=ink, lw=0.7, alpha=0.7)
     label = "top speed of a slip" if replica in (None, 0) else None
@@ -213,6 +215,16 @@ def _swept(result: Result) -> Callable[[Any, Result], Any]:
     return plot_points if isinstance(result.sweep, PointsRecord) else plot_sweep
 
 
+def _shows_slips(result: Result) -> bool:
+    """Whether points of the path lie in most slips that last, or in the delay after them: else the fraction that holds
+    at some point tells by chance whether a slip is near."""
+    wait = float((result.asked.contacts.delay or {}).get("time", 0.0))
+    between = float(np.median(np.diff(result.time))) if in_time(result) else 0.0
+    slips = [slips_of(curve) for curve in result.curves]
+    lasting = [one.duration for one in slips if one is not None and one.duration is not None]
+    return all(not lasts.size or np.median(lasts) + wait >= between for lasts in lasting)
+
+
 def draw_run(result: Result, figure: Any) -> Any:
     """Draw all panels of a run on an empty figure, and return it."""
     solved, below = result.master, list[Callable[[Any, Result], Any]]()
@@ -220,7 +232,7 @@ def draw_run(result: Result, figure: Any) -> Any:
         below.append(plot_position)
     if is_heavy(result.eq) or getattr(solved, "velocity", None) is not None:
         below.append(plot_velocity)
-    if any((curve.holding < 1.0 - 1e-9).any() for curve in result.curves):
+    if any((curve.holding < 1.0 - 1e-9).any() for curve in result.curves) and _shows_slips(result):
         below.append(plot_holding)
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
