@@ -90,6 +90,7 @@ FORCES = [
         ),
         Contacts(origins.growing_grains(1.0, 1.0, age=0.31)),
         1e-6,
+        slow=True,
     ),
     case(
         "exact values held at room temperature: attempts closer together than times can tell made nan",

@@ -93,6 +93,10 @@ class GrowingLife(ChangingLife):
     ) -> GrowingLife:
         """See ChangingLife."""
         life = cls(contacts, float(motion.times[-1]))
+        if (
+            life._growing.begins_at_0
+        ):  # with looser ones tables of grains are rough, and never fine enough
+            return life
         loosest = min(OF_TOLERANCE * tolerance, LOOSEST)
         life._limit = max(life._limit, loosest)
         if contacts.thermal is not None:
