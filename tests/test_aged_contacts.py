@@ -135,7 +135,13 @@ def test_what_has_no_first_passage_is_refused_in_one_line(name: str, call: str) 
         assert "use eq_model.simulate" in told
 
 
-@pytest.mark.parametrize("name", LEFT_TO_THE_ENSEMBLE)
+# that of heat takes as long to compile as all others of this file to run; a rate of another law beside ageing is above
+SLOW = {"heat": pytest.mark.slow}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=SLOW.get(name, ())) for name in LEFT_TO_THE_ENSEMBLE]
+)
 def test_the_ensemble_takes_what_is_refused(name: str) -> None:
     """On a stiff spring the master equation follows the densities of thresholds, in cells."""
     contacts, path = LEFT_TO_THE_ENSEMBLE[name], np.array([0.3, 0.5, 0.7])

@@ -58,10 +58,10 @@ def test_a_slip_in_which_all_breaks_is_a_reset():
 
 
 def test_slips_of_contacts_that_all_break_are_solved_once():
-    path = [0.0, 1e4 * (first_slip(1e-6)[1] / 1e-6 + 1.0)]
+    path = [0.0, 1e3 * (first_slip(1e-6)[1] / 1e-6 + 1.0)]
     found = master.solve(CONTACTS, path, 1e-6, spring=1e-6, slip="reform-after")
-    few = master.solve(CONTACTS, [0.0, path[1] / 5e3], 1e-6, spring=1e-6, slip="reform-after")
-    assert found.slips.drive.size > 9_000 and found.nodes <= 2 * few.nodes
+    few = master.solve(CONTACTS, [0.0, path[1] / 5e2], 1e-6, spring=1e-6, slip="reform-after")
+    assert found.slips.drive.size > 900 and found.nodes <= 2 * few.nodes
     assert found.force_error <= 1e-6
 
 

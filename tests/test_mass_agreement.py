@@ -43,7 +43,8 @@ PULLED = {
     ),
 }
 CASES = [(law, damped, delay) for law in PULLED for damped in (0, 1) for delay in (0.0, 0.3, 3.0)]
-FAST = [("lubricated", 0, 0.0), ("persson", 1, 3.0)]
+# the same of a fourth of the sliders, whose means are known half as well; only the delay is changed, by twice as much
+QUICK = ("persson", 1, 3.0, 4)
 
 
 def asked(law: str, **numbers: float) -> dict[str, Any]:
@@ -57,14 +58,14 @@ def asked(law: str, **numbers: float) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    "law, damped, delay",
-    [pytest.param(*case, marks=() if case in FAST else pytest.mark.slow) for case in CASES],
+    "law, damped, delay, fewer",
+    [QUICK, *(pytest.param(*case, 1, marks=pytest.mark.slow) for case in CASES)],
 )
-def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float) -> None:
+def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float, fewer: int) -> None:
     damping = DAMPED * damped * 2.0 * (PULLED[law].spring * MASS) ** 0.5
     numbers = {"mass": MASS, "damping": damping, "delay": delay}
-    found = master.solve(**asked(law, **numbers), tolerance=3e-5)
-    count, replicas = found.slips.drive.size, REPLICAS * (1 if delay else MORE)
+    found = master.solve(**asked(law, **numbers), tolerance=3e-5 * fewer**2)
+    count, replicas = found.slips.drive.size, REPLICAS * (1 if delay else MORE) // fewer
     assert found.success and count > 0
     drawn = [
         eq_model.simulate(**asked(law, **numbers), n_contacts=n, n_replicas=many, seed=1).slips
@@ -82,7 +83,7 @@ def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float) -
         return float((np.abs(exact - value)[:both] / error[:both]).max())
 
     assert off(found) < FURTHEST
-    for name in [name for name, number in numbers.items() if number]:
-        changed = numbers | {name: (1.0 + SEEN) * numbers[name]}
+    for name in [name for name, number in numbers.items() if number] if fewer == 1 else ["delay"]:
+        changed = numbers | {name: (1.0 + SEEN * fewer**0.5) * numbers[name]}
         other = master.solve(**asked(law, **changed), tolerance=3e-4)
         assert off(other) > FURTHEST, name

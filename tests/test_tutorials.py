@@ -76,6 +76,7 @@ def test_an_ensemble(page: str, capsys: Any) -> None:
     assert "4.95 ±" in told and "12.8 ms" in told
 
 
+@pytest.mark.slow
 def test_notebook_prints_what_it_holds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its code cells in their order, without a kernel: they are plain Python."""
     monkeypatch.chdir(tmp_path)
