@@ -287,6 +287,9 @@ def test_bad_input_is_one_line_and_leaves_nothing(command: str, capsys: Any) -> 
     line = refused(capsys, command, write(), "--out", "mine.toml/below")
     assert "out = 'mine.toml/below': " in line
     assert "has neither [master] nor [eq]" in refused(capsys, "run", write(master=None))
+    # of a machine: five loadings of a spring of 0.5 N_c<k> by contacts of mean threshold 1
+    said = refused(capsys, "cost", write(master=None, drive={"spring": 0.5}))
+    assert "--set drive.to=15 --set 'master={}'" in said
     assert os.listdir() == ["mine.toml"]
 
 

@@ -21,7 +21,13 @@ from origins.laws.temperature import TooHot, too_cold
 from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, tables
 from toolkit.scene.changes import changed
-from toolkit.scene.drive import has_path, histogram_points, make_drive, sliding_speed
+from toolkit.scene.drive import (
+    has_path,
+    histogram_points,
+    make_drive,
+    sliding_speed,
+    some_slips,
+)
 from toolkit.scene.grid import Grid, make_grid
 from toolkit.scene.paper import scene_of_figure
 from toolkit.scene.scale import SHARED, SI, Scale, scale_of
@@ -209,9 +215,13 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
     if not name.isprintable():
         refuse("scene", name, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:
+        hint = "add one of them"
+        if table.drive is not None and not has_path(table.drive):
+            far = some_slips(table.drive, make_contacts(table.contacts, folder, comm))
+            hint = f"of a machine add a path, too, such as --set drive.to={far:.2g} --set 'master={{}}'"
         raise InputError(
-            "scene: has neither [master] nor [eq] nor [sweep]; add one of them. `verdict` and `thresholds` need none, "
-            "and load_scene(..., solved=False) gives its contacts"
+            f"scene: has neither [master] nor [eq] nor [sweep]; {hint}. `verdict` and `thresholds` need none, and "
+            "load_scene(..., solved=False) gives its contacts"
         )
     one_of("units", table.units, (SI, SHARED))
     if table.sweep is not None and (grid := make_grid(table.sweep, given)) is not None:

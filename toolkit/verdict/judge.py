@@ -36,6 +36,8 @@ from toolkit.verdict.readings import readings_of
 RULES = ("reset", "reform-after", "instant")
 # s for all readings and rules together; share of what is left for the scene's own, and then for its contacts' number
 WALL_TIME, OWN = 60.0, 0.5
+# of a reading's time for a slider with mass; where that does not do, slip rules have the rest
+HEAVY = 0.8
 # of K* and F_s of readings other than the scene's own
 TOLERANCE = 1e-6
 # resampled laws of samples, the fewest whose scatter tells something, and the tolerance for these
@@ -229,10 +231,11 @@ def _answer(
     asked = rules if machine is not None else ()
     with suppress(TimeIsUp):  # what is found by then is told
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
-            share = budget.left() / left
+            share = budget.left() / left * (HEAVY if machine and machine.mass else 1.0)
             behaviours.append(follow(cast(Machine, machine), contacts, rule, known_before, share))
-        if machine is not None and [one.refused for one in behaviours] == [True]:
-            # no solver takes the slider with its mass: what it does without one, under each slip rule
+        unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
+        if machine is not None and unknown == ["mass"]:
+            # no solver takes the slider with its mass, or not in time: what it does without one, under each slip rule
             light = replace(machine, mass=None, damping=0.0)
             for left, rule in zip(range(len(RULES), 0, -1), RULES, strict=True):
                 share = budget.left() / left

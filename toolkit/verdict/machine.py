@@ -102,11 +102,6 @@ class Behaviour:
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
 
-    @property
-    def refused(self) -> bool:
-        """Whether no solver takes such a slider."""
-        return not self.drive.size and self.message != NO_TIME
-
 
 def not_followed(rule: str, why: str) -> Behaviour:
     """A behaviour that could not be found, and why."""
