@@ -89,8 +89,8 @@ def test_set_of_each_command(capsys: Any) -> None:
     spring = ("--set", "drive.spring=5.0", "--set", 'verdict.rules=["reset"]')
     status, out, _ = said(capsys, "verdict", file, *std, *spring)
     assert status == 0 and "smooth at" in "\n".join(out)
-    heavy = (*spring, "--set", "drive.mass=1.0")
-    assert "takes a slider without mass" in refused(capsys, "precision", file, *heavy)
+    never = ("--set", "master.tolerance=2.0")
+    assert "master.tolerance = 2.0" in refused(capsys, "precision", file, *never)
     _, out, _ = said(capsys, "show", write("rough", thresholds=ROUGH), "--set", "drive.area=1e-6")
     assert "area = 1e-06" in out
 
