@@ -15,7 +15,8 @@ from master.rate_state.reading import TWICE
 from master.rate_state.traces import VelocityStep
 from origins.thresholds.law import Array
 
-# per mean slip of a life: wave numbers q that are looked at
+# per mean slip of a life: wave numbers q that are looked at; a straight line between neighbours is off by some 1e-4, as
+# the transform swings with the answer's last slip
 _LEAST_WAVE, _MOST_WAVE, _WAVES = 1e-2, 1e3, 2000
 # straight pieces, between neighbours of the slips at which the response is known, of the smooth curve through them
 _FINER = 4
@@ -28,33 +29,56 @@ class CriticalSpring(NamedTuple):
     error: float
 
 
+class Crossing(NamedTuple):
+    """A spring at which Re T = 0, and the wave number of the disturbance that neither grows nor decays on it."""
+
+    spring: float
+    wave: float
+
+
 def critical_spring_of(
     steps: Sequence[VelocityStep], unit: float, larger: Sequence[VelocityStep] = ()
 ) -> CriticalSpring:
     """The spring below which smooth sliding is unstable, by the mean answer to small steps up and down; 0 where it is
     stable on every spring. `unit`: a length, the mean threshold.
 
-    Its error is the sum of three parts. What the steps leave out: the mean of both ways is an even function of
-    ε = ln(v_after/v_before), so that `larger` steps about the same speed are off by ε_l² where these are by ε_s², and
-    these by the difference times ε_s²/(ε_l² - ε_s²), taken twice for higher orders; without them, how far each way
-    alone is from the mean, of first order in ε. What the slips do: the answer taken as straight between those at which
-    it is known. And what the error of the forces does, as a shift of the whole answer.
+    Disturbances so fast that the sign of Re T is not known, by the error of the forces and by what the slips leave out,
+    are not looked at. The error is the sum of three parts. What the steps leave out: the mean of both ways is an even
+    function of ε = ln(v_after/v_before), so that `larger` steps about the same speed are off by ε_l² where these are by
+    ε_s², and these by the difference times ε_s²/(ε_l² - ε_s²), taken twice for higher orders; without them, how far
+    each way alone is from the mean, of first order in ε. What the slips do: the answer taken as straight between those
+    at which it is known, and the error of the forces in Im T. And what that error does as a shift of the whole answer.
     """
     from scipy.interpolate import PchipInterpolator
 
+    def of_answer(slip: Array, response: Array) -> float:
+        """The largest spring by a response at these slips."""
+        return _largest(waves, transform(slip, response, waves)).spring
+
+    waves = np.geomspace(_LEAST_WAVE, _MOST_WAVE, _WAVES) / unit
     known, mean = steps[0].slip, _mean(steps)
     places = np.arange((known.size - 1) * _FINER + 1) / _FINER
     slip = np.interp(places, np.arange(known.size), known)
-    value = _largest(slip, PchipInterpolator(known, mean)(slip), unit)
-    straight = _largest(known, mean, unit)
+    smooth = transform(slip, PchipInterpolator(known, mean)(slip), waves)
+    plain = transform(known, mean, waves)
     small, shift = abs(steps[0].log_ratio), steps[0].error / abs(steps[0].log_ratio)
-    shifted = max(abs(_largest(known, mean + way * shift, unit) - straight) for way in (-1, 1))
+    # of q T, which is a spring
+    error = np.maximum.accumulate(waves * np.abs(smooth - plain)) + waves * shift
+    told = np.flatnonzero(waves * np.abs(smooth.real) > error)
+    waves = waves[: told[-1] + 1 if told.size else None]
+    smooth, plain = smooth[: waves.size], plain[: waves.size]
+    value, wave = _largest(waves, smooth)
+    # the transform of a constant is that constant
+    moved = (_largest(waves, smooth + way * shift).spring for way in (-1, 1))
+    shifted = max(abs(one - value) for one in moved)
+    straight = _largest(waves, plain).spring
     if larger:
-        apart = abs(_largest(larger[0].slip, _mean(larger), unit) - straight)
+        apart = abs(of_answer(larger[0].slip, _mean(larger)) - straight)
         left_out = TWICE * apart / ((larger[0].log_ratio / small) ** 2 - 1.0)
     else:
-        left_out = max(abs(_largest(known, one.response, unit) - straight) for one in steps)
-    return CriticalSpring(value, abs(straight - value) + shifted + left_out)
+        left_out = max(abs(of_answer(known, one.response) - straight) for one in steps)
+    known_to = float(np.interp(wave, waves, error[: waves.size]))
+    return CriticalSpring(value, max(abs(straight - value), known_to) + shifted + left_out)
 
 
 def _mean(steps: Sequence[VelocityStep]) -> Array:
@@ -62,17 +86,17 @@ def _mean(steps: Sequence[VelocityStep]) -> Array:
     return np.mean([one.response for one in steps], axis=0)
 
 
-def _largest(slip: Array, response: Array, unit: float) -> float:
-    """The largest spring at which Re T = 0, of a response that is straight between its points."""
-    waves = np.geomspace(_LEAST_WAVE, _MOST_WAVE, _WAVES) / unit
-    answer = transform(slip, response, waves)
+def _largest(waves: Array, answer: Array) -> Crossing:
+    """The largest spring at which Re T = 0, of the transform at these wave numbers; 0 where there is none."""
     turns = np.flatnonzero(np.diff(np.sign(answer.real)))
     share = answer.real[turns] / (answer.real[turns] - answer.real[turns + 1])
     springs = waves * answer.imag
     crossed = (1.0 - share) * springs[turns] + share * springs[turns + 1]
+    found = [Crossing(0.0, 0.0), *map(Crossing, crossed, waves[turns])]
     # where the force does not rise at first, the fastest disturbances decide: Re T goes to 0 with 1/q
-    fastest = springs[-1] if answer.real[-1] <= 0.0 else 0.0
-    return float(max(crossed.max(initial=0.0), fastest, 0.0))
+    if answer.real[-1] <= 0.0:
+        found.append(Crossing(springs[-1], waves[-1]))
+    return Crossing(*map(float, max(found)))
 
 
 def transform(slip: Array, response: Array, waves: Array) -> Array:
