@@ -19,6 +19,10 @@ class StoppedError(Exception):
     """The slider cannot be followed any further, for the reason that the message gives."""
 
 
+class FaultError(StoppedError):
+    """What was found cannot be, whatever was asked: a fault of the program."""
+
+
 def stop_after(until: float) -> None:
     """Raise StoppedError after this reading of time.monotonic()."""
     if time.monotonic() > until:

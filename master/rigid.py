@@ -79,7 +79,7 @@ def solve_rigid(
     t = np.minimum(arrivals[kept], march.steady_since)
     # contacts that broke within the last delay are out
     holding = 1.0 - (breaks_until(march, t) - breaks_until(march, t - march.births.delay))
-    if fault := unconserved(holding, tolerance, float(worst)):
+    if fault := march.fault or unconserved(holding, tolerance, float(worst)):
         success, message, error = False, fault, np.inf
     return Solution(
         path=drive.path[kept],
@@ -109,7 +109,7 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
     if jump.size and jump.size == solved.error[panel]:
         clock = "a travel of " if march.life.timeless and not march.births.delay else "t = "
         near = f"{near}: the number jumps by {jump.size:.1e} at {clock}{jump.time:.6g}, on leg {jump.leg}"
-        near += " (from 0), where no edge is"
+        near += " (from 0), where no edge is, or a sum over births is wrong from there on"
     parts = {
         f"a panel {near}": solved.error[panel],
         "survivals of the contacts' laws": march.survival_error,

@@ -6,6 +6,7 @@ import pytest
 import master
 import origins
 from master import rigid
+from master.renewal.solved import SolvedPanels
 from master.soft.regime import Followed, slips_of
 from origins import Contacts, Drive
 
@@ -26,7 +27,24 @@ def test_a_jump_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
     found = master.solve(contacts, path, tolerance=1e-10)
     said = found.message
     assert not found.success and "of a panel near X = 1: the number jumps by " in said
-    assert "at a travel of 1, on leg 0 (from 0), where no edge is" in said
+    assert (
+        "at a travel of 1, on leg 0 (from 0), where no edge is, or a sum over births is wrong"
+        in said
+    )
+
+
+def test_a_gap_between_panels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second run of panels begins one width too late."""
+    true, runs = SolvedPanels.append, list[float]()
+
+    def late(self, begin, since, width, run, good):
+        runs.append(begin)
+        true(self, begin + width * (len(runs) == 2), since, width, run, good)
+
+    monkeypatch.setattr(SolvedPanels, "append", late)
+    found = master.solve(Contacts(origins.gaussian(1.0, 0.1)), [1.5, 0.5])
+    assert len(runs) == 2 and not found.success and found.force_error == np.inf
+    assert "number is not conserved: panels end at t = " in found.message
 
 
 @pytest.mark.parametrize(

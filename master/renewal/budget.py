@@ -37,6 +37,11 @@ class ErrorBudget:
     without heat (median 1e-7), and 0.06 of it with heat (median 5e-3), where sums over births are COARSER (see past).
     The error that counts is in force_error, and where the sum is above the tolerance, `success` is False.
 
+    These errors see what numbers do, and no fault of bookkeeping: a survival, a birth or a panel that is counted twice
+    or not at all conserves the number as well, unless it jumps. So that panels leave no gap is checked as they are
+    kept (SolvedPanels.append), that no more contacts hold than there are at the end (outcome.unconserved), and all else
+    by tests, beside the plain twin and the ensemble.
+
     The error is inf where the sum of panels, survivals and births is above 0.1 (RESOLVED in master/rigid.py). A
     tolerance below that of rounded positions is raised to it (`finest` there), and force_error stays above what was
     asked for. A march that ends early, as breaks are steady, adds ALIKE = 0.25 of a panel's part to its last panel,

@@ -16,7 +16,7 @@ from copy import copy
 import numpy as np
 
 from master.numerics import polynomials
-from master.outcome import StoppedError, stop_after
+from master.outcome import FaultError, StoppedError, stop_after
 from master.renewal.births import MOST_WORK, Births, Jump, Lump, Panels, panel_at
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
@@ -55,7 +55,8 @@ class March:
     present, _past : sums over births on the present leg, and over all other contacts
     widest : largest width of the next panels; inf before the first
     steady_since : when the march ended because breaks were steady; inf where they were not
-    unfinished, jump : whether it was stopped before the last edge; the largest Jump, of size 0 where there is none
+    unfinished, fault : whether it was stopped before the last edge, and the fault of the program if one stopped it
+    jump : the largest Jump, of size 0 where there is none
     """
 
     def __init__(
@@ -76,7 +77,8 @@ class March:
         self.lumps = [Lump(0.0, 1.0, start)]
         self.present, self._past = Present(births), Past(births)
         self.widest = self.steady_since = np.inf
-        self.unfinished, self.jump = False, Jump(0.0, 0, 0.0)
+        self.unfinished, self.fault = False, ""
+        self.jump = Jump(0.0, 0, 0.0)
 
         # whether the start is told by the table of births of the first leg: G_0(t) = E(t, 0)
         alike = start.is_single and start.span == births.law.span
@@ -102,8 +104,9 @@ class March:
                     self.steady_since = self.solved.end - 0.5 * self.solved.width[-1]
                     self.solved.error[-1] += ALIKE * self.tolerance
                     break
-        except StoppedError:
+        except StoppedError as why:
             self.unfinished = True
+            self.fault = str(why) if isinstance(why, FaultError) else ""
         return self
 
     def runs(self) -> Iterator[None]:

@@ -5,9 +5,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from master.numerics import polynomials
+from master.outcome import FaultError
 from master.renewal.births import Panels, panel_at
 from master.renewal.present import Run
 from origins.thresholds.law import Array
+
+# Parts of a panel's width, and of the time, by which rounding may put the next one beside its end: the controller takes
+# an edge for reached at some 1e-8 of a width before it.
+SAME_PLACE, ROUNDED_TIME = 1e-6, 1e-12
 
 
 def _none() -> Array:
@@ -25,6 +30,7 @@ class SolvedPanels:
     begin : time on the path; since : the same counted from the beginning of the panel's leg, which keeps all digits
     width : a time
     breaks, force, error : as in Run
+    slack : a time by which the last panel may end too early, as one that began hardly before a cut was left out
     """
 
     begin: Array = field(default_factory=_none)
@@ -33,6 +39,7 @@ class SolvedPanels:
     breaks: Array = field(default_factory=_no_rows)
     force: Array = field(default_factory=_no_rows)
     error: Array = field(default_factory=_none)
+    slack: float = field(default=0.0, init=False)
 
     @property
     def count(self) -> int:
@@ -45,7 +52,18 @@ class SolvedPanels:
         return float(self.begin[-1] + self.width[-1]) if self.count else 0.0
 
     def append(self, begin: float, since: float, width: float, run: Run, good: int) -> None:
-        """Add the first `good` panels of a run that begins at `begin`, and `since` from its leg's beginning."""
+        """Add the first `good` panels of a run that begins at `begin`, and `since` from its leg's beginning.
+
+        Raises FaultError where that is not the end of the panels so far: each of them conserves the number by itself,
+        and no residual would tell of breaks that are left out in between, or counted twice.
+        """
+        gap = begin - self.end if self.count else begin
+        beside = max(width, float(self.width[-1])) if self.count else width
+        if abs(gap) > SAME_PLACE * beside + ROUNDED_TIME * abs(begin) + self.slack:
+            raise FaultError(
+                f"number is not conserved: panels end at t = {self.end:.9g}, and the next one begins at {begin:.9g}, "
+                "a fault of the program"
+            )
         steps = width * np.arange(good)
         self.begin = np.append(self.begin, begin + steps)
         self.since = np.append(self.since, since + steps)
@@ -77,6 +95,7 @@ class SolvedPanels:
         begun = int(np.searchsorted(self.begin, t - rounded))
         stored = self.begin, self.since, self.width, self.breaks, self.force, self.error
         other = SolvedPanels(*(part[:begun].copy() for part in stored))
+        other.slack = rounded
         if begun and other.end > t:
             width = t - other.begin[-1]
             places = np.append(0.0, polynomials.NODES) * width / other.width[-1]
