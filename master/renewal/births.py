@@ -120,7 +120,8 @@ class Panels(NamedTuple):
         return self.begin + 0.5 * self.width + delay
 
     def births_begin(self, leg_begin: Array | float, delay: float) -> Array:
-        """When their births begin, counted from the beginning of the leg on which these are."""
+        """When their births begin, counted from the beginning of the leg on which these are. leg_begin : of that leg, a
+        time on the path; one for all panels, or an array with that of each, so that each has a clock of its own."""
         return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
 
     def births(self, begin: Array) -> "BirthPanels":

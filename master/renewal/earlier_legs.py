@@ -44,8 +44,8 @@ class Fitted(NamedTuple):
 class EarlierLegs:
     """Births on some of the legs before the present one.
 
-    faded : legs of whose births hardly any held at the latest of the times that were asked for last, and the share of
-        all contacts that did
+    may_be_left_out : legs of whose births hardly any held at the latest of the times that were asked for last, and the
+        share of all contacts that did
     """
 
     def __init__(
@@ -62,11 +62,11 @@ class EarlierLegs:
         self._births, self._life, self._motion = births, births.life, motion
         self._leg, self._legs = leg, legs
         self._born, self._accuracy = born, accuracy
-        self.faded = dict[int, float]()
+        self.may_be_left_out = dict[int, float]()
 
-    def sums(self, t: Array, negligible: float) -> Sums:
-        """Number and force at times t, shape (n,); both of shape (2, n). Legs of whose births at most a `negligible`
-        share holds have faded."""
+    def sums(self, t: Array, left_out_below: float) -> Sums:
+        """Number and force at times t, shape (n,); both of shape (2, n). Legs of whose births at most this share of all
+        contacts holds may be left out."""
         both, missed, survival_error = np.zeros((2, t.size)), np.zeros(t.size), 0.0
         held = np.zeros(self._leg)  # of the births on each leg, at the latest time
         pieces = self._pieces(t)
@@ -86,7 +86,8 @@ class EarlierLegs:
             if size == polynomials.PANEL_NODES:
                 pieces = pieces.halves()
             size = min(2 * size, polynomials.PANEL_NODES)
-        self.faded = {leg: held[leg] for leg in self._legs.tolist() if held[leg] <= negligible}
+        few = [leg for leg in self._legs.tolist() if held[leg] <= left_out_below]
+        self.may_be_left_out = {leg: float(held[leg]) for leg in few}
         return Sums(both, float(missed.max()), survival_error)
 
     def _fitted(self, pieces: Pieces, t: Array, size: int) -> Fitted:
@@ -148,10 +149,14 @@ class EarlierLegs:
         """Times of birth, at the one stretch `born`, for which the survival at t bends or its force does, an array of
         shape (targets, legs, bends); some lie outside the leg.
 
-        Contacts born at s have had stretches from born + low - X(s) to born + high - X(s), low and high being the ends
-        of the way since then, and have born + now - X(s). There is a bend where X(s) - born is one of `goals`: the
-        largest stretch is a mark (high - mark) or the smallest is minus a mark (low + mark), a mark being a bend of
-        P_c, |born| or the end of P_c; both are equally far from 0 (middle); or one of the three is 0 (now, high, low).
+        Let low and high be the ends of the way since then, and o = X(s) - born the place where the contact is relaxed.
+        Its stretch is x = now - o, and its largest |x| so far is that at the end which is farther from o:
+
+            low ------ high - mark ------ middle ------ low + mark ------ high      places o
+             |     largest |x| = high - o    |     largest |x| = o - low    |
+
+        A mark is a bend of P_c, |born| or the end of P_c. There is a bend where o is one of `goals`: the largest |x| is
+        a mark, or changes from one end to the other (middle); or o is now, where x = 0, high or low.
         """
         motion, legs = self._motion, self._legs
         now = motion.at(t)[:, None, None]

@@ -20,13 +20,13 @@ def sums_of_lumps(births: Births, motion: Motion, lumps: Sequence[Lump], grid: A
 
     A lump counts on a panel by where its birth lies:
 
-    - behind the panel: the contacts are out on all of it, number 1 and force 0;
+    - after the panel: the contacts are unborn on all of it, that is out, number 1 and force 0;
     - before the panel: E and K, or nothing where none may hold any more at the earliest of all times;
     - amid the panel: out at times before the birth, E and K at those after. Edges lie at the births of large lumps
       only, so that the panel's error shows the kink of a small one.
 
     Mostly a birth lies on an edge, where rounding tells no side. One that is nearer to a panel's end than INSIDE of the
-    width is not amid: whether it is before or behind is decided by the middle column of the row. That column says, too,
+    width is not amid: whether it is before or after is decided by the middle column of the row. That column says, too,
     on which side of an exact threshold the row is (see History).
     """
     both, survival_error = np.zeros((2, *grid.shape)), 0.0
@@ -38,19 +38,19 @@ def sums_of_lumps(births: Births, motion: Motion, lumps: Sequence[Lump], grid: A
         weight = np.array([lump.weight for lump in alike])
         birth = np.array([[lump.time] for lump in alike])  # (lumps, 1), against rows (rows,)
         amid = (panel_begin < birth) & (birth < panel_end)
-        behind = (birth > middle) & ~amid
-        both[0] += (weight @ behind)[:, None]
+        unborn = (birth > middle) & ~amid
+        both[0] += (weight @ unborn)[:, None]
         may_hold = births.may_hold(law, motion.history(earliest, birth))[:, None]
         # pairs of a lump and a row, shape (pairs,)
-        lump, row = np.nonzero((may_hold | (birth >= earliest)) & ~behind)
+        lump, row = np.nonzero((may_hold | (birth >= earliest)) & ~unborn)
         if not row.size:
             continue
         births.add_work(row.size)
         t, born = grid[row], birth[lump]  # (pairs, columns) and (pairs, 1)
         found = births.life.survival_and_force(law, motion.history(np.maximum(t, born), born))
         survival_error = max(survival_error, found.error)
-        still_out = amid[lump, row, None] & (t < born)
-        survivors = np.where(still_out, [[[1.0]], [[0.0]]], found.both)  # (2, pairs, columns)
+        still_unborn = amid[lump, row, None] & (t < born)
+        survivors = np.where(still_unborn, [[[1.0]], [[0.0]]], found.both)  # (2, pairs, columns)
         for total, added in zip(both, weight[lump, None] * survivors, strict=True):
             np.add.at(total, row, added)
     return Sums(both, 0.0, survival_error)

@@ -123,30 +123,31 @@ class March:
             if leg != before and not goes_on:
                 moving = bool(self.motion.speeds[leg])
                 self.widest = self._duration(self.guess, leg) if moving else OF_HOLD * (end - begin)
-            before, leg_begin = leg, self.motion.times[leg]
-            yield from self._segment(begin - leg_begin, end - leg_begin, leg)
+            before, leg_begin = leg, float(self.motion.times[leg])
+            yield from self._segment(leg, begin - leg_begin, end - leg_begin)
 
-    def _segment(self, begin: float, end: float, leg: int) -> Iterator[None]:
-        """Solve from one edge to the next, both counted from the leg's beginning, yielding after each good run."""
+    def _segment(self, leg: int, since: float, edge: float) -> Iterator[None]:
+        """Solve from one edge to the next, yielding after each good run; `since` and `edge` are counted from the
+        beginning of the leg, as all times here but those that are kept."""
+        leg_begin = float(self.motion.times[leg])
         first = self._duration(self.guess, leg)
         most = self._duration(self.life.largest_stretch, leg)
         tolerance, quick = self.tolerance, self.life.quick
-        widths = PanelWidth(end - begin, self.widest, first, most, tolerance, quick)
-        leg_begin, t = float(self.motion.times[leg]), begin
-        while not widths.reached(end - t):
+        widths = PanelWidth(edge - since, self.widest, first, most, tolerance, quick)
+        while not widths.reached(edge - since):
             stop_after(self.births.until)
-            proposal = widths.propose(end - t)
-            run = self._run(t, proposal.width, proposal.panels, leg)
+            proposal = widths.propose(edge - since)
+            run = self._run(leg, since, proposal.width, proposal.panels)
 
             # beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error
-            keep_all = self.births.work > MOST_WORK or widths.too_narrow(t)
+            keep_all = self.births.work > MOST_WORK or widths.too_narrow(since)
             bad = np.flatnonzero(run.error > tolerance)
-            if bad.size and widths.too_narrow(t) and run.error[bad[0]] > self.jump.size:
-                self.jump = Jump(leg_begin + t, leg, float(run.error[bad[0]]))
+            if bad.size and widths.too_narrow(since) and run.error[bad[0]] > self.jump.size:
+                self.jump = Jump(leg_begin + since, leg, float(run.error[bad[0]]))
             good = int(bad[0]) if bad.size and not keep_all else run.error.size
-            self.solved.append(leg_begin + t, t, proposal.width, run, good)
+            self.solved.append(leg_begin + since, since, proposal.width, run, good)
 
-            t = t + good * proposal.width if good < proposal.ahead else end
+            since = since + good * proposal.width if good < proposal.to_edge else edge
             if good < run.error.size:
                 widths.narrow(good, float(run.error[good]))
                 self.widest = widths.widest
@@ -178,12 +179,19 @@ class March:
         change = float(np.ptp(solved.force[-len(rates) :]))
         return bool(alike and change < ALIKE * self.tolerance * self.stretch)
 
-    def _run(self, t: float, width: float, count: int, leg: int) -> Run:
-        """Solve panels of one width from t on, counted from the leg's beginning."""
+    def _enter(self, leg: int) -> None:
+        """Let the past see all contacts from this leg, if it sees them from another one: births on legs before become
+        earlier ones, and some that hardly hold are left out for good. Called before each sum over known births."""
+        if leg != self._past.leg:
+            self._past.enter(leg, self.solved.pick(0))
+
+    def _run(self, leg: int, since: float, width: float, count: int) -> Run:
+        """Solve panels of one width, the first of which begins `since` the leg's beginning."""
+        self._enter(leg)
         self.births.work += WORK_OF_PANEL * count
         alike = self._count_alike(width, leg)
         of_panel = self.present.on(float(self.motion.speeds[leg]), width, alike + count)
-        known = self.known_on(leg, t + width * (np.arange(count)[:, None] + TARGETS), alike)
+        known = self.known_on(leg, since + width * (np.arange(count)[:, None] + TARGETS), alike)
         earlier = self.solved.breaks[self.solved.count - alike :]
         return solve_run(of_panel, known, earlier, self.stretch)
 
@@ -199,10 +207,12 @@ class March:
     def known_at(self, t: Array) -> Array:
         """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
         leg = self.motion.leg_of_all(t)
+        self._enter(leg)
         return self.known_on(leg, t - self.motion.times[leg])
 
     def known_on(self, leg: int, grid: Array, alike: int = 0) -> Array:
-        """Number and force of all contacts whose births are known, at later times on a leg; (2, *grid.shape).
+        """Number and force of all contacts whose births are known, at later times on a leg that the past has entered;
+        (2, *grid.shape).
 
         grid : times in rows, counted from the leg's beginning
         alike : the last panels, so many, are left out: they have the width of the panels to be solved, and solve_run
@@ -212,8 +222,6 @@ class March:
         """
         leg_begin, solved = float(self.motion.times[leg]), self.solved
         last = solved.count - alike
-        if leg != self._past.leg:
-            self._past.enter(leg, solved.pick(0))
         t, delay = grid.ravel(), self.births.delay
         # a start that is as births at t = 0 on this leg is in their table
         in_table = leg == 0 and self._as_births
@@ -251,6 +259,7 @@ class March:
         if not t > 0.0 or not len(self.life.atoms):
             return
         leg = int(self.motion.leg(t))
+        self._enter(leg)
         beside = 0.5 * min(self.solved.width[-1], end - t)
         sides = t + beside * np.array([[-1.0, -0.5, 0.0], [0.0, 0.5, 1.0]]) - self.motion.times[leg]
         # the times of a row lie on one leg: those after a knot are asked for by themselves

@@ -76,11 +76,11 @@ RULES = WidthRules()
 
 
 class Proposal(NamedTuple):
-    """Panels to solve next: their width, their number, and how many of this width lie before the edge."""
+    """Panels to solve next: their width, their number, and how many of this width it takes to the edge."""
 
     width: float
     panels: int
-    ahead: int
+    to_edge: int
 
 
 class PanelWidth:
@@ -120,11 +120,11 @@ class PanelWidth:
         """Equal panels that fill the distance `left` to the edge, none wider than the widest, and how many to solve
         now."""
         rules = self.rules
-        ahead = max(1, int(np.ceil(left / self.widest * (1.0 - rules.same))))
+        to_edge = max(1, int(np.ceil(left / self.widest * (1.0 - rules.same))))
         # the same width, to the last bit, finds its sums again
-        if abs(left / ahead - self._width) > rules.same * self._width:
-            self._width = left / ahead
-        return Proposal(self._width, min(self._run, ahead), ahead)
+        if abs(left / to_edge - self._width) > rules.same * self._width:
+            self._width = left / to_edge
+        return Proposal(self._width, min(self._run, to_edge), to_edge)
 
     def too_narrow(self, t: float) -> bool:
         """Whether panels at t, counted from the leg's beginning, are so narrow that halving resolves only rounding."""
@@ -162,7 +162,7 @@ class PanelWidth:
         self._run = min(rules.run_growth * self._run, rules.longest_run)
         # a new width pays at once where panels are narrow or hardly any contact breaks, else if it serves many panels
         patience = 0 if calm or narrow else rules.patience
-        easy = self._good_panels > patience and proposal.ahead - errors.size >= patience
+        easy = self._good_panels > patience and proposal.to_edge - errors.size >= patience
         if not (unresolved or (easy and width > rules.fills * self.widest)):
             return
         factor = rules.far_widening if largest < rules.far_below * spare else rules.widening

@@ -4,9 +4,11 @@ They are of three kinds: lumps, the start among them; births on the legs before,
 from the slider's displacements alone (earlier_legs.py); and such births of contacts that age, which have to be followed
 from leg to leg (strand_births.py). Past adds them up, and forgets legs of whose births hardly any contact holds.
 
-Two clocks: the march counts t from the beginning of the path, so that births.motion, Panels.begin and Lump.time do;
-here times are counted from the beginning of the present leg, to keep digits, so that the motion, the births and the
-grids of Past, EarlierLegs and sums_of_lumps are. Past.enter turns one into the other for births, `_summed` for lumps.
+Three clocks. The march counts t from the beginning of the path, so that births.motion, Panels.begin and Lump.time do.
+Here times are counted from the beginning of the present leg, to keep digits, so that the motion, the births and the
+grids of Past, EarlierLegs and sums_of_lumps are; Past.enter turns one into the other for births, `_summed` for lumps.
+In between, births are counted from the beginning of their own leg (Panels.births_begin), as strands of ageing contacts
+are throughout.
 """
 
 from collections.abc import Sequence
@@ -48,7 +50,7 @@ class Past:
         # the motion, its times and positions counted from the beginning of the present leg; when that is on the path
         self._motion, self._leg_begin = births.motion, 0.0
         self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
-        self._negligible = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
+        self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
         self.leg, self.first = -1, 0
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
@@ -72,7 +74,7 @@ class Past:
         """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first` on, one delay
         late, fall on it. `panels`: all that are solved.
 
-        Legs have faded of whose births hardly any held when they were last asked for, on the leg before. A proposal
+        Legs are left out of whose births hardly any held when they were last asked for, on the leg before. A proposal
         that was rejected may have asked: a survival only falls, so that at any time of that leg more of them held than
         on this one."""
         births, path, before = self._births, self._births.motion, self.leg
@@ -87,8 +89,8 @@ class Past:
             self._follow_strands(range(max(before, 0), leg), panels, begin, legs)
             return
         if self._earlier is not None:
-            self._legs_left_out |= self._earlier.faded.keys()
-            self.left_out += sum(abs(held) for held in self._earlier.faded.values())
+            self._legs_left_out |= self._earlier.may_be_left_out.keys()
+            self.left_out += sum(abs(held) for held in self._earlier.may_be_left_out.values())
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
         self._earlier = None
         if counted.size:
@@ -117,7 +119,7 @@ class Past:
         for strand in self._strands:
             both += strand.sums(t)
         if self._earlier is not None:
-            both += self._counted(self._earlier.sums(t, self._negligible))
+            both += self._counted(self._earlier.sums(t, self._left_out_below))
         # from here on their times are counted from the leg's beginning, too
         on_leg = [lump._replace(time=lump.time - self._leg_begin) for lump in lumps]
         of_lumps = self._counted(sums_of_lumps(self._births, self._motion, on_leg, grid))
@@ -146,16 +148,16 @@ class Past:
         for leg in new:
             on_leg = legs == leg
             number = float(np.abs(panels.breaks[on_leg]).max(axis=1).sum())
-            if number > self._negligible:
+            if number > self._left_out_below:
                 born = panels.pick(on_leg).births(begin[on_leg])
                 self._strands.append(StrandBirths(self._births, leg, born))
                 # single strands are not followed below this survival
-                self.left_out += self._negligible * self._strands[-1].births
+                self.left_out += self._left_out_below * self._strands[-1].births
             else:
                 self.left_out += number
         followed, self._strands = self._strands, list[StrandBirths]()
         for each in followed:
-            if each.seen_from(self._motion, self._negligible):
+            if each.seen_from(self._motion, self._left_out_below):
                 self._strands.append(each)
             else:
                 self.left_out += each.holding

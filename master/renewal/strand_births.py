@@ -69,12 +69,12 @@ class StrandBirths:
         """By the stretches at birth, the first passages with splines between instants, and rounding."""
         return self._known_error + self._strands.error + ROUNDING
 
-    def seen_from(self, motion: Motion, negligible: float) -> bool:
-        """Follow the strands to the leg that begins at t = 0 of this motion; whether more than is negligible hold."""
-        leg, self._strands.dropped_below = int(motion.leg(np.finfo(float).tiny)), negligible
+    def seen_from(self, motion: Motion, left_out_below: float) -> bool:
+        """Follow the strands to the leg that begins at t = 0 of this motion; whether more than this share hold."""
+        leg, self._strands.dropped_below = int(motion.leg(np.finfo(float).tiny)), left_out_below
         while self._seen < leg:
             self._seen += 1
-            if not self.holding > negligible:
+            if not self.holding > left_out_below:
                 return False
             times, followed = next(self._legs)
             survivors = followed.reshape(*followed.shape[:-1], -1, SIZE)
