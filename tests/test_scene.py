@@ -76,6 +76,10 @@ def test_kelvins_are_a_temperature_where_contacts_have_a_stiffness() -> None:
     # joules; and micrometres taken for metres
     with pytest.raises(InputError, match=r"temperature = 4\.14e-21: .*\{ kelvin = 299\.9 \}"):
         contacts(4.14e-21)
+    with pytest.raises(
+        InputError, match=r"in m², .* did you mean temperature = \{ kelvin = 300 \}"
+    ):
+        contacts(300.0)
     told = r"^contacts\.thermal\.temperature\.kelvin = 300\.0: k_BT/<k> = .* in their unit\?"
     with pytest.raises(InputError, match=told):
         contacts({"kelvin": 300.0}, radius=1.0, std=0.05, density=1.0)
