@@ -18,9 +18,12 @@ def refuse(name: str, value: object, hint: str) -> NoReturn:
 
 
 def shown(value: object) -> str:
-    """`value` as a message shows it, in at most 60 characters."""
+    """`value` as a message shows it, in at most 60 characters; of an object without a repr of its own the class, as
+    its address tells nothing."""
     text = repr(value)
-    if isinstance(value, np.ndarray):
+    if type(value).__repr__ is object.__repr__:
+        text = f"{type(value).__name__}(...)"
+    elif isinstance(value, np.ndarray):
         text = f"array of shape {value.shape}"
     elif isinstance(value, np.generic):
         text = repr(value.item())

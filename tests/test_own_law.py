@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 import scipy.stats
@@ -116,6 +118,16 @@ class OfOneAge(Power):
         return float(np.mean(super().factor(age)))
 
 
+class OfOneNumber(Power):
+    def factor(self, age):
+        return 1.0 + math.log1p(age)
+
+
+class OfARow(Power):
+    def factor(self, age):
+        return np.array([super(OfARow, self).factor(one) for one in np.ravel(age)])
+
+
 class BeginsAt2(Power):
     def factor(self, age):
         return 1.0 + super().factor(age)
@@ -124,6 +136,11 @@ class BeginsAt2(Power):
 class NotInverse(Hazards):
     def threshold_at(self, hazard, pinned_for):
         return 2.0 * super().threshold_at(hazard, pinned_for)
+
+
+class OfOneStretch(Hazards):
+    def hazard_at(self, x, pinned_for):
+        return float(x) / float(pinned_for)
 
 
 class OfAnotherAge(Hazards):
@@ -141,12 +158,22 @@ class Delay(Power):
     law = "delay"
 
 
+SHAPES = "must take arrays of any shape and return the same shape"
+
+
 @pytest.mark.parametrize(
     ("law", "said"),
     [
         (Convex(PC, 0.1, 7.0), r"thresholds \(power growth\): factor must be concave, and rises"),
         (BeginsAt2(PC, 0.1, 7.0), r"thresholds \(power growth\): factor\(0\) is 2 and must be 1"),
-        (OfOneAge(PC, 0.1, 7.0), r"factor of ages \(8,\) has the shape \(\), not theirs"),
+        (OfOneAge(PC, 0.1, 7.0), rf"factor {SHAPES}; for the shape \(2, 4\) it returns \(\)"),
+        (OfARow(PC, 0.1, 7.0, age=1.0), rf"{SHAPES}; for the shape \(\) it returns \(1,\)"),
+        (OfOneNumber(PC, 0.1, 7.0), rf"\(power growth\): factor {SHAPES}; .* ends in TypeError: "),
+        (BeginsAt2(PC, 0.1, 7.0, age=1.0), r"factor\(0\) is 2 and must be 1"),
+        (
+            OfOneStretch(0.1, 1.0),
+            rf"hazard_at {SHAPES}; for the shape \(7, 3\) it ends in TypeError",
+        ),
         (NotInverse(0.1, 1.0), r"hazard_at at threshold_at\(hazard, age\) is not that hazard"),
         (OfAnotherAge(0.1, 1.0), "at_start is not the law of thresholds at the age of the start"),
         (Shrinks(PC, 0.1, 1.0), "factor must not fall with the age"),
@@ -157,6 +184,14 @@ def test_a_law_that_solvers_would_follow_wrongly_is_refused(law, said):
     with pytest.raises(InputError, match=said) as refused:
         Contacts(law)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("name", ["thermal", "ageing", "delay", "start"])
+def test_a_law_in_another_law_s_place_is_named_by_its_class(name):
+    """Its address would tell nothing."""
+    with pytest.raises(InputError, match=rf"^{name} = Power\(\.\.\.\): must be"):
+        Contacts(PC, **{name: Power(PC, 0.1, 1.0)})
+    assert repr(Contacts(Power(PC, 0.1, 1.0))).startswith("Contacts(thresholds=Power(...), ")
 
 
 def test_contacts_that_never_break_are_refused():

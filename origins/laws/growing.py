@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -65,6 +65,10 @@ class GrowingThresholds(ChangingThresholds, ABC):
         of_their_own = "ageing: thresholds that grow with their age do age, by a law of their own"
         return {MEAN_RATE: f"{averages}; {EXACT}", "ageing": f"{of_their_own}; leave one out"}
 
+    def __repr__(self) -> str:
+        """The class alone, as nothing is known here of a subclass's arguments."""
+        return f"{type(self).__name__}(...)"
+
     def __str__(self) -> str:
         """The law in words."""
         return f"thresholds that grow from the age {self.age:.4g} on"
@@ -101,11 +105,12 @@ class GrowingThresholds(ChangingThresholds, ABC):
     def check_growth(self) -> None:
         """InputError where hazards at some ages, stretches and speeds are not what this class says of them, so that no
         solver follows a law that it would follow wrongly."""
-        hazards, ages = np.array([0.05, 0.7, 3.0]), self.time_unit * AGES[:, None]
-        thresholds = self.threshold_at(hazards, ages)
         # contacts of one threshold pass many hazards at once
         exact = self.at_start.atoms[0].size > 0
-        if not (exact or np.allclose(self.hazard_at(thresholds, ages), hazards, rtol=INVERSE)):
+        hazards, ages = np.array([0.05, 0.7, 3.0]), self.time_unit * AGES[:, None]
+        thresholds = self._asked("threshold_at", hazards, ages)
+        found = self._asked("hazard_at", thresholds, ages)
+        if not (exact or np.allclose(found, hazards, rtol=INVERSE)):
             self._refuse("hazard_at at threshold_at(hazard, age) is not that hazard")
         if not (np.diff(thresholds, axis=0) >= 0.0).all():
             self._refuse("threshold_at falls with the age")
@@ -125,6 +130,20 @@ class GrowingThresholds(ChangingThresholds, ABC):
             fault = f"hazard_at rises and falls again on a leg of the speed {at:.3g}"
             self._refuse(f"{fault}: thresholds must grow ever more slowly")
 
-    def _refuse(self, fault: str) -> None:
+    def _asked(self, name: str, *given: Array | float) -> Array:
+        """What the method of this name gives; InputError where it fails or the shape is another than that of what it
+        was given, as that of code for single numbers."""
+        shape = np.broadcast_shapes(*map(np.shape, given))
+        rule = f"{name} must take arrays of any shape and return the same shape"
+        try:
+            found = np.asarray(getattr(self, name)(*given), dtype=float)
+        except (TypeError, ValueError, IndexError) as error:
+            said = " ".join(f"{type(error).__name__}: {error}".split())
+            self._refuse(f"{rule}; for the shape {shape} it ends in {said}")
+        if found.shape != shape:
+            self._refuse(f"{rule}; for the shape {shape} it returns {found.shape}")
+        return found
+
+    def _refuse(self, fault: str) -> NoReturn:
         """InputError for a law that is not what this class says; it is named by `law`, as its repr says nothing."""
         raise InputError(f"thresholds ({self.law}): {fault}; see origins.{self._stated_by}")

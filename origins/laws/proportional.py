@@ -51,7 +51,7 @@ class ProportionalGrowth(GrowingThresholds):
 
     @abstractmethod
     def factor(self, age: npt.ArrayLike) -> Array:
-        """g at these ages >= 0 (times); shape of them."""
+        """g at these ages >= 0 (times), a number or an array of any shape; shape of them."""
 
     @property
     def apart(self) -> dict[str, str]:
@@ -79,7 +79,9 @@ class ProportionalGrowth(GrowingThresholds):
 
     @cached_property
     def at_start(self) -> Thresholds:
-        """P_c of all contacts at X = 0: that of fresh ones, in lengths g(age) times as large."""
+        """P_c of all contacts at X = 0: that of fresh ones, in lengths g(age) times as large. InputError where the
+        factor is not what ProportionalGrowth says: nothing that it gives is used before."""
+        self._check_factor()
         if self.age == 0.0 or not self.grows:
             return self.fresh
         law = Powered(self.fresh, straight(float(self.factor(self.start_pinned_for)), 1.0))
@@ -113,12 +115,11 @@ class ProportionalGrowth(GrowingThresholds):
         at_birth[~few] = self.fresh.isf(np.exp(-hazard[~few]))
         return at_birth
 
-    def check_growth(self) -> None:
-        """See GrowingThresholds; faults of the factor are told as such."""
+    def _check_factor(self) -> None:
+        """InputError where the factor of some ages is not what this class says of it."""
+        self._asked("factor", self.time_unit)
         ages = self.time_unit * np.append(0.0, AGES)
-        factor = np.asarray(self.factor(ages))
-        if factor.shape != ages.shape:
-            self._refuse(f"factor of ages {ages.shape} has the shape {factor.shape}, not theirs")
+        factor = self._asked("factor", ages.reshape(2, -1)).ravel()
         if not np.isfinite(factor).all():
             self._refuse("factor is not finite at all ages")
         if not abs(factor[0] - 1.0) <= INVERSE:
@@ -132,7 +133,6 @@ class ProportionalGrowth(GrowingThresholds):
         if bent.size:
             at = float(ages[bent[0] + 1])
             self._refuse(f"factor must be concave, and rises ever faster near the age {at:.3g}")
-        super().check_growth()
 
     def check_speed(self, velocity: float) -> None:
         """InputError for speeds so low that the ages at which contacts break are beyond floating point."""
