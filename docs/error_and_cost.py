@@ -1,7 +1,8 @@
-"""The tables of docs/error-and-cost.md, and README's: python docs/error_and_cost.py [SCENE ...]
+"""The tables of docs/error-and-cost.md, and README's: python docs/error_and_cost.py [--errors] [SCENE ...]
 
 Runs `mesofriction precision` and `mesofriction cost` of all shipped scenes, or of those that are named, whose
-rows alone are then made anew. All take some ten minutes on two cores; start-up times ask for an idle machine.
+rows alone are then made anew. All take some ten minutes on two cores; start-up times ask for an idle machine, and with
+`--errors` only the first table, of CPU times, is made.
 """
 
 import json
@@ -55,9 +56,10 @@ def error_row(scene: str, found: dict[str, Any] | str) -> str:
     last = own["master"][-1] if own["master"] else None
     best = own["ensemble"][-1] if own["ensemble"] else None
     spans = [line for line in found["notes"] if line.startswith("cheapest: ")]
-    words = (
-        spans[0].removeprefix("cheapest: ").partition(";")[0] if spans else "master at every error"
-    )
+    only = [span["method"] for span in found.get("cheapest", [])] or ["master"]
+    words = f"{only[0]} at every error"
+    if spans:
+        words = spans[0].removeprefix("cheapest: ").partition(";")[0]
     cells = [point(first, floor), point(last, floor), point(best, floor), words]
     return f"| {scene} | {' | '.join(cells)} |"
 
@@ -88,13 +90,14 @@ def with_rows(text: str, name: str, head: str, rows: list[str]) -> str:
 
 def main(names: list[str]) -> None:
     """Write the rows of these scenes, or of all, into the page, and the page's rows of README's scenes into README."""
-    scenes = names or shipped_scenes()
+    errors_alone = "--errors" in names
+    scenes = [name for name in names if name != "--errors"] or shipped_scenes()
     with ThreadPoolExecutor(2) as pool:
         pairs = zip(scenes, pool.map(precision_of, scenes), strict=True)
         errors = {scene: error_row(scene, found) for scene, found in pairs}
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = used.ru_utime + used.ru_stime
-    costs = {scene: cost_row(scene) for scene in scenes}
+    costs = {} if errors_alone else {scene: cost_row(scene) for scene in scenes}
     page = PAGE.read_text(encoding="utf-8")
     for name, head, made in (("errors", ERRORS, errors), ("costs", COSTS, costs)):
         made = rows_of(page, name) | made
