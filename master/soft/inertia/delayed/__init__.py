@@ -1,12 +1,12 @@
 """A slider with mass whose contacts form again one delay after they break: births are known before they come.
 
-State (`Body`): time, X and dX/dt; contacts in `Cohorts` that formed at one position each, of which the largest |x| so
-far tells how many hold (T = 0); the `PastBreaks`, which are the births one delay later; and the leg of the drive.
-Contacts that break at an exact threshold do so together, and form again together: a lump.
+State (`DelayedBody`): time, X and dX/dt; contacts in `Cohorts` that formed at one position each, of which the largest
+|x| so far tells how many hold (T = 0); the `PastBreaks`, which are the births one delay later; and the leg of the
+drive. Contacts that break at an exact threshold do so together, and form again together: a lump.
 
 Two kinds of motion take turns (`DelayedSlider.run`), and change the body by its methods alone:
 
-1. While contacts break or form, a `Panel` of time: X, breaks and force are polynomials through the nodes of Radau's
+1. While contacts break or form, a `TimePanel` of time: X, breaks and force are polynomials through the nodes of Radau's
    rule, at which M dW/dt + γ W + F = K (X_T - X) is imposed and solved by Newton's method (`Collocation`). A panel that
    misses more than the accuracy is narrowed; one on which the slider turns, or passes a place at which the force has a
    kink, is cut there; it ends where births have a kink, one, two or three delays after one of breaks (`OnPanels`, which

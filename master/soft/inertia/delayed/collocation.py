@@ -20,7 +20,7 @@ from master.soft.inertia.delayed.panel import (
     PLACES,
     STAGES,
     TO_NODES,
-    Panel,
+    TimePanel,
 )
 from master.soft.inertia.delayed.panel_births import PanelBirths
 from master.soft.inertia.delayed.past_breaks import PastBreaks
@@ -85,7 +85,7 @@ class Solved(NamedTuple):
     """A panel, the rate of births at its nodes, what it misses, and whether the slider is so `fast` that contacts form
     and break on it (see FastSliding)."""
 
-    panel: Panel
+    panel: TimePanel
     birth_rate: Array
     missed: Missed
     fast: bool
@@ -122,7 +122,7 @@ class Begin(NamedTuple):
         return self.formed_less_lumps - self.holding
 
 
-class Motion(NamedTuple):
+class Iterate(NamedTuple):
     """Newton's guess at the nodes: speeds, breaks since t = 0, and what the contacts do."""
 
     speed: Array
@@ -171,7 +171,7 @@ class Collocation:
         guess: Array,
         births: PanelBirths,
         fast: bool,
-    ) -> Motion | None:
+    ) -> Iterate | None:
         """Newton's method for the speeds at the nodes; None where it does not converge."""
         m, g = self._machine.mass, self._machine.damping
         k, unit = self._machine.spring, self._machine.unit
@@ -197,18 +197,18 @@ class Collocation:
             moved = float(np.abs(integral @ change).max())
             change_of_force = (min(float(pull.holding.max()), 1.0) + k) * moved
             if max(change_of_force, unit * float(np.abs(broken - last).max())) <= enough:
-                return Motion(w, broken, pull)
+                return Iterate(w, broken, pull)
         return None
 
     def _judged(
-        self, begin: Begin, width: float, found: Motion, births: PanelBirths, fast: bool
+        self, begin: Begin, width: float, found: Iterate, births: PanelBirths, fast: bool
     ) -> Solved | None:
         """The panel, and what it misses; None where a `fast` one is too short to be one."""
         (t, x_0, _), unit, past = begin.state, self._machine.unit, self._past
         values = np.empty((3, PLACES.size))
         values[:, 0] = x_0, begin.broken, begin.force
         values[:, 1:] = x_0 + width * TO_NODES @ found.speed, found.broken, found.pull.force
-        panel, travel = Panel.through(t, width, values), float(np.ptp(values[0]))
+        panel, travel = TimePanel.through(t, width, values), float(np.ptp(values[0]))
         if fast and travel < 0.5 * self._shortest:
             return None
         place, breaks, force = panel.last()

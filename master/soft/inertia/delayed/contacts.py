@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from master.numerics.averages import stretch_nodes
-from master.soft.inertia.delayed.panel import POSITION, TO_NODES, Panel
+from master.soft.inertia.delayed.panel import POSITION, TimePanel
 from master.soft.inertia.delayed.survival import Survival
 from master.survival.life import TIE
 from origins import Contacts
@@ -96,10 +96,10 @@ class Cohorts:
             weight=np.append(self.weight, weight),
         )
 
-    def after(self, panel: Panel, birth_rate: Array, least_force: float) -> "Cohorts":
+    def after(self, panel: TimePanel, birth_rate: Array, least_force: float) -> "Cohorts":
         """After a panel on which the slider does not turn; `birth_rate` is that at its nodes. Those born on it count as
         born at one place where that changes the force by less than `least_force`."""
-        x, weight = panel.nodes(POSITION), panel.width * TO_NODES[-1] * birth_rate
+        x, weight = panel.nodes(POSITION), panel.weights * birth_rate
         end = float(x[-1])
         later, born = self.moved(end), float(weight.sum())
         if not born > 0.0:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from master.soft.inertia.delayed.panel import NODES, POSITION, STAGES, Panel
+from master.soft.inertia.delayed.panel import NODES, POSITION, STAGES, TimePanel
 from origins.thresholds.law import Array, ThresholdLaw
 
 # Survival below which no contact holds where births pass the slider in numbers.
@@ -69,7 +69,7 @@ class FastSliding:
         return BornOnPanel(j * c - rise * d, force, float(np.minimum(missed, j * d).max()))
 
     def born(
-        self, panel: Panel, whole: Panel, rate: Array, least_force: float
+        self, panel: TimePanel, whole: TimePanel, rate: Array, least_force: float
     ) -> tuple[Array, Array]:
         """Positions and weights of contacts that form on the last thresholds of a panel; `rate`, births per time at the
         nodes of the `whole` panel of which it may be a part. They count as born at one place where all their force is

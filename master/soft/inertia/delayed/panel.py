@@ -46,7 +46,7 @@ SLOPES: Array = 2.0 * (
 
 
 @dataclass(frozen=True)
-class Panel:
+class TimePanel:
     """Polynomials of time on one panel.
 
     begin, width : times; series : Legendre coefficients of X, breaks and force, shape (3, STAGES + 1)
@@ -57,7 +57,7 @@ class Panel:
     series: Array
 
     @classmethod
-    def through(cls, begin: float, width: float, values: Array) -> "Panel":
+    def through(cls, begin: float, width: float, values: Array) -> "TimePanel":
         """With these values at PLACES, shape (3, STAGES + 1)."""
         return cls(begin, width, values @ TO_SERIES.T)
 
@@ -88,7 +88,7 @@ class Panel:
         """When one of them has a value that it has not passed at the beginning, but at the end."""
         return float(brentq(lambda t: float(self.at(t, row)) - value, self.begin, self.end))
 
-    def cut(self, end: float) -> "Panel":
+    def cut(self, end: float) -> "TimePanel":
         """The same polynomials up to an earlier end."""
         if end >= self.end:
             return self
@@ -109,6 +109,11 @@ class Panel:
     def integral(self, values: Array) -> float:
         """The integral over the panel of what has these values at its nodes."""
         return self.width * float(TO_NODES[-1] @ values)
+
+    @property
+    def weights(self) -> Array:
+        """Of the nodes in integrals over the panel, times."""
+        return self.width * TO_NODES[-1]
 
     def last(self) -> Array:
         """The larger of the last two coefficients of each polynomial: about what the polynomial misses."""

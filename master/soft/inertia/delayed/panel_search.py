@@ -3,10 +3,10 @@
 import numpy as np
 
 from master.outcome import StoppedError
-from master.soft.inertia.delayed.body import Body
+from master.soft.inertia.delayed.body import DelayedBody
 from master.soft.inertia.delayed.collocation import LEAST_PASSAGE, Collocation, Missed, Solved
 from master.soft.inertia.delayed.fast_sliding import FastSliding
-from master.soft.inertia.delayed.panel import NODES, POSITION, Panel
+from master.soft.inertia.delayed.panel import NODES, POSITION, TimePanel
 from master.soft.inertia.delayed.past_breaks import EPSILON
 from master.soft.inertia.delayed.width_control import WIDTHS
 
@@ -24,18 +24,18 @@ class PanelSearch:
     _last : the panel before, whose polynomial is the first guess on the next; None where there is none to go on from
     """
 
-    def __init__(self, body: Body, sliding: FastSliding) -> None:
+    def __init__(self, body: DelayedBody, sliding: FastSliding) -> None:
         """Before the first panel."""
         self._body, self._sliding = body, sliding
         self.tried = 0
         self._width = np.inf
-        self._last: Panel | None = None
+        self._last: TimePanel | None = None
 
     def begin_anew(self) -> None:
         """A closed motion came in between."""
         self._last, self._width = None, np.inf
 
-    def follow(self, panel: Panel | None) -> None:
+    def follow(self, panel: TimePanel | None) -> None:
         """The next panel follows this one smoothly; None where it does not, as after a turn."""
         self._last = panel
 

@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from master.soft.inertia.delayed.body import Body, Energies
+from master.soft.inertia.delayed.body import DelayedBody, Energies
 from master.soft.inertia.delayed.collocation import Solved, State
 from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.fast_sliding import FastSliding
-from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, Panel
+from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, TimePanel
 from master.soft.inertia.delayed.panel_search import PanelSearch
 from master.soft.inertia.record import Instant, Record, Watched, crossing
 from origins import Contacts
@@ -30,7 +30,7 @@ MOST_AIMS = 8
 class Part(NamedTuple):
     """The beginning of the panel that was solved, or all of it: up to an asked time, or to a turn."""
 
-    panel: Panel
+    panel: TimePanel
     solved: Solved
 
     @property
@@ -59,7 +59,7 @@ class OnPanels:
         contacts of a start at one stretch reach a bend of P_c
     """
 
-    def __init__(self, body: Body, record: Record, contacts: Contacts) -> None:
+    def __init__(self, body: DelayedBody, record: Record, contacts: Contacts) -> None:
         """Before the first panel; the record is told of falls of the spring's force."""
         self._body, self._record = body, record
         self._sliding = FastSliding(contacts.thresholds)
@@ -97,7 +97,7 @@ class OnPanels:
             body.wait_until(stop)
         return turn is not None or body.hardly_any_holds
 
-    def _turn_in(self, panel: Panel) -> float | None:
+    def _turn_in(self, panel: TimePanel) -> float | None:
         """When the slider turns on the panel, if it does."""
         body = self._body
         speed = panel.slope(panel.begin + PARTS * panel.width, POSITION)
@@ -113,7 +113,7 @@ class OnPanels:
                 return t
         return None
 
-    def _level_in(self, panel: Panel) -> float | None:
+    def _level_in(self, panel: TimePanel) -> float | None:
         """The first place on the panel at which the force has a kink."""
         begin, end = _ends(panel)
         near = self._body.near(begin)
@@ -141,7 +141,7 @@ class OnPanels:
             best = again
         return best
 
-    def _passed(self, level: float, panel: Panel) -> None:
+    def _passed(self, level: float, panel: TimePanel) -> None:
         """Forget a level, and note the kink of the breaks there, if the slider passed it on the panel; the next panel
         aims at it again where this one ended before it."""
         begin, end = _ends(panel)
@@ -159,12 +159,11 @@ class OnPanels:
         self._watch(panel)
         end = part.end(0.0 if turned else None)
         contacts = self._after(part, OF_MERGING * body.accuracy)
-        body.past.add(panel)
-        body.past.formed += panel.integral(part.birth_rate)
+        formed, spent = panel.integral(part.birth_rate), self._spent(panel)
         if turned:
             self._levels.append(end.x)
         self.search.follow(None if turned else panel)
-        body.go_on(end, contacts, self._spent(panel))
+        body.take_panel(panel, end, contacts, formed, spent)
 
     def _after(self, part: Part, least_force: float) -> Cohorts:
         """The contacts after a part of a panel; see Cohorts.after."""
@@ -176,7 +175,7 @@ class OnPanels:
             return contacts.moved(end).and_born(born, weight, end)
         return contacts.after(panel, part.birth_rate, least_force)
 
-    def _spent(self, panel: Panel) -> Energies:
+    def _spent(self, panel: TimePanel) -> Energies:
         """Energies of the motion on a panel."""
         body, x = self._body, panel.nodes(POSITION)
         speed, pull = panel.slope(panel.times, POSITION), panel.nodes(FORCE)
@@ -198,7 +197,7 @@ class OnPanels:
             part = Part(cut, whole.solved)
             body.write(at, part.end(), self._after(part, 0.0), self._spent(cut))
 
-    def _watch(self, panel: Panel) -> None:
+    def _watch(self, panel: TimePanel) -> None:
         """Falls of the spring's force on a panel."""
         body, drive, past = self._body, self._body.drive, self._body.past
         times, limit = panel.begin + PARTS * panel.width, body.slip_speed
@@ -229,6 +228,6 @@ class OnPanels:
         self._record.watch(watched)
 
 
-def _ends(panel: Panel) -> tuple[float, float]:
+def _ends(panel: TimePanel) -> tuple[float, float]:
     """X at a panel's beginning and at its end."""
     return float(panel.at(panel.begin, POSITION)), float(panel.at(panel.end, POSITION))

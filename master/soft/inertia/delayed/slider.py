@@ -8,7 +8,7 @@ closed (`Swinging.swing`): millions of swings of a slider that sticks, or whose 
 from master.motion import Motion
 from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import RINGS
-from master.soft.inertia.delayed.body import Body
+from master.soft.inertia.delayed.body import DelayedBody
 from master.soft.inertia.delayed.drive_path import DrivePath
 from master.soft.inertia.delayed.foretold import slip_time
 from master.soft.inertia.delayed.panel import NODES
@@ -51,7 +51,7 @@ class DelayedSlider:
         tolerance : of the force (a length); until : reading of time.monotonic() at which to stop
         """
         self._until, self._path = until, DrivePath(motion)
-        self._body = Body(contacts, drive, self._path, record, tolerance)
+        self._body = DelayedBody(contacts, drive, self._path, record, tolerance)
         self._on_panels = OnPanels(self._body, record, contacts)
         self._swinging, self._swings = Swinging(self._body, record), 0
         self._held_at, self._panels_before = 0.0, 0

@@ -6,7 +6,7 @@ import numpy as np
 
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.closed import watch_closed
-from master.soft.inertia.delayed.body import Body, Energies
+from master.soft.inertia.delayed.body import DelayedBody, Energies
 from master.soft.inertia.delayed.collocation import State
 from master.soft.inertia.delayed.past_breaks import EPSILON
 from master.soft.inertia.oscillation import Oscillation
@@ -38,7 +38,7 @@ class SwingEnd(Enum):
 class Swinging:
     """Closed motions of a body; it has no state of its own."""
 
-    def __init__(self, body: Body, record: Record) -> None:
+    def __init__(self, body: DelayedBody, record: Record) -> None:
         """The record is told of falls of the spring's force."""
         self._body, self._record = body, record
 
@@ -109,7 +109,7 @@ class Swinging:
             nth = index - which.start
             body.write(index, ends[nth], body.contacts, spent[nth])
         self._watch(motion, lasts)
-        body.go_on(ends[-1], body.contacts.moved(ends[-1].x), spent[-1])
+        body.take_swing(ends[-1], body.contacts.moved(ends[-1].x), spent[-1])
 
     def _watch(self, motion: Oscillation, lasts: float) -> None:
         """Falls of the spring's force in a closed motion."""
