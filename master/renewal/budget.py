@@ -26,6 +26,13 @@ class ErrorBudget:
 
         force_error = (worst panel + survivals + births) * stretch/mean + round_off.
 
+    | part      | who measures it                             | unit                  | its share             |
+    |-----------|---------------------------------------------|-----------------------|-----------------------|
+    | round_off | rigid.round_off, from the path              | mean thresholds       | taken off first       |
+    | survivals | each query of a life (Survivors.error)      | share of the contacts | what is known, off    |
+    | panels    | residuals between the nodes (Run.error)     | share of the contacts | the rest, 0.4 or more |
+    | births    | last coefficients (Past.error), not summed  | share of the contacts | none of its own       |
+
     An error of the number of contacts that hold counts as one of the force by the longest stretch that a contact can
     have. Errors of panels are not summed along the path: conservation fixes the number on each anew. The start is one
     of the survivals, and has no part of its own. Survivals known before are taken off first, with round-off; panels get

@@ -59,7 +59,9 @@ class Breaks:
         return BirthsUpTo(0.0, float(KroghInterpolator(times, breaks)(broken_at)))
 
     def begin_section(self) -> None:
-        """The rate of breaks may jump at this instant."""
+        """The rate of breaks may jump at this instant, so that no polynomial goes through the breaks before and after.
+        Called where steps of the drive begin (slider.py), where a slip begins, and where one with births ends
+        (slip_ends.py), and by `repeat_jump`."""
         self._sections.append(self._sections[-1][-1:])
 
     def repeat_bend(self, at: float) -> None:

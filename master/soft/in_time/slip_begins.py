@@ -58,7 +58,8 @@ class SlipBegins:
             size = min(size, steps.size(step.trial))
         longest = size
         if steps.contacts.jumps and step.time_steps > 0.0:
-            # at a jump of P_c F falls at once: there is no fold, but a step beyond ends earlier
+            # at a jump of P_c F falls at once: there is no fold, but a step beyond ends earlier, that is, it takes less
+            # time than this one, whose time is its size less its travel
             longest = ONSET.beyond_jump * size
             slips = steps.step(longest).time_steps < size - steps.travelled(step.trial)
         else:
