@@ -24,9 +24,9 @@ from toolkit.verdict.budget import Budget
 from toolkit.verdict.files import plain
 from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow
-from toolkit.verdict.machine import NO_TIME, Behaviour, Known, Machine
+from toolkit.verdict.machine import NO_TIME, Behaviour, Known, Machine, not_followed
 from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.words import disagreeing
+from toolkit.verdict.words import disagreeing, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}
@@ -490,6 +490,20 @@ def test_a_slider_cut_after_a_slip_tells_of_it(capsys: Any, monkeypatch: Any) ->
     before = one["before"]
     assert before > one["after"] and f"from {guarded(before, 'N', 1e-9)} down to" in page
     assert "force before a slip (reset)" in page
+
+
+def test_slips_that_were_seen_are_told_beside_what_was_not_followed() -> None:
+    """A mass that no solver takes comes first, and what was seen without it is told all the same."""
+    contacts, nan = Contacts(gaussian(1.0, 0.3)), float("nan")
+    seen = replace(infinite("undecided", 16), before=0.2, after=0.0, message="cut", success=False)
+    refused = replace(not_followed("mass", "no such slider"), before=nan)
+    number, scale = judge.Quantity(1.0, 0.0), scale_of(contacts, None)
+    answer = judge.Answer("own", contacts, scale, number, number, number, SOFT, (refused, seen))
+    said = sentence(judge.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+    assert said.startswith("not decided (no such slider) if mass, damping and delay decide; ")
+    assert (
+        "16 slips were seen, the last from 0.2" in said and "if a slip renews all contacts" in said
+    )
 
 
 def test_a_fall_that_is_none_is_no_disagreement() -> None:

@@ -123,9 +123,13 @@ def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
 
 
 def _told(verdict: Verdict, answer: Answer) -> list[str]:
-    """What the rules say under one reading, with its numbers."""
-    groups, parts = _groups(answer), list[str]()
-    for kind, alike in groups.items():
+    """What the rules say under one reading, with its numbers; those that are not decided by why, or what was seen."""
+    groups = dict[tuple[str, str], list[Behaviour]]()
+    for one in answer.behaviours:
+        why = (one.message if not one.slips else one.rule) if one.kind == "undecided" else ""
+        groups.setdefault((one.kind, why), []).append(one)
+    parts = list[str]()
+    for (kind, _), alike in groups.items():
         said = _behaved(verdict, answer, kind, alike)
         parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
     return parts
