@@ -95,6 +95,9 @@ class _Kinks:
         # narrow peak of breaks
         near, far = self.life.safe_stretch, self.life.largest_stretch
         self._bends = np.union1d(self.life.bends, [near, far] if near > ALIKE * far else [])
+        # contacts that have moved by more before `continued_from`, a thousandth for rounding, hold no more
+        self._farthest = 1.001 * max([far, *self._bends])
+        self._place = float(self.motion.at(np.array(continued_from)))
 
     def of_start(self, start: Start) -> list[Kink]:
         """Kinks that follow from t = 0: contacts of the start may break at once, and births begin a delay later."""
@@ -121,6 +124,9 @@ class _Kinks:
         """Kinks when contacts meet bends, if their births at the time `birth` have a jump or bend of this size.
         At a jump of P_c breaks are one order smoother; at an exact threshold they are as sharp, times the share of the
         contacts that have it."""
+        gone = abs(self._place - float(self.motion.at(np.array(birth))))
+        if birth < self.continued_from and gone > self._farthest + max(map(abs, law.span)):
+            return
         # the ends of a narrow law are like a jump
         is_narrow = np.ptp(law.span) < (1.0 - ALIKE) * self.life.largest_stretch
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
