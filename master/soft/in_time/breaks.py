@@ -28,7 +28,7 @@ class Breaks:
     """
 
     def __init__(self, delay: float, now: float) -> None:
-        self.delay, self._began = delay, now
+        self.delay, self._counted_since = delay, now
         # ends of steps with the breaks up to there, in sections along which breaks are smooth
         self._sections = [[(now, 0.0)]]
         self.pending: dict[float, float] = {}
@@ -46,8 +46,8 @@ class Breaks:
         """Births up to the end of a step that begins now."""
         if not self.delay:
             return BirthsUpTo(1.0, 0.0)
-        broken_at = end - self.delay - LATE * (end - self._began)
-        if broken_at <= self._began:
+        broken_at = end - self.delay - LATE * (end - self._counted_since)
+        if broken_at <= self._counted_since:
             return BirthsUpTo(0.0, 0.0)
         if broken_at > now:  # within this step, along which breaks are a straight line
             fraction = (broken_at - now) / (end - now)
@@ -59,9 +59,14 @@ class Breaks:
         return BirthsUpTo(0.0, float(KroghInterpolator(times, breaks)(broken_at)))
 
     def begin_section(self) -> None:
-        """The rate of breaks may jump at this instant, so that no polynomial goes through the breaks before and after.
-        Called where steps of the drive begin (slider.py), where a slip begins, and where one with births ends
-        (slip_ends.py), and by `repeat_jump`."""
+        """The rate of breaks, or their sum, may jump at this instant: no polynomial leads across. Called by
+
+        - `Slider._slide`, as each section of steps begins: the drive turns, births jump or bend, or a slip has ended;
+        - `slip_without_births`, before its step, which takes no time: its breaks are a section of their own, whose sum
+          `repeat_jump` reads. The section after it begins with the next `_slide`.
+
+        Not by `slip_with_births`: births follow at once there, and nobody asks for past breaks.
+        """
         self._sections.append(self._sections[-1][-1:])
 
     def repeat_bend(self, at: float) -> None:
@@ -70,10 +75,8 @@ class Breaks:
             self.pending.setdefault(later, 0.0)
 
     def repeat_jump(self, at: float) -> None:
-        """Breaks jumped by those of the last section, which took no time, and a section begins: births repeat it a
-        delay later."""
+        """Breaks jumped by those of the last section, which took no time: births repeat it a delay later."""
         (_, before), (_, after) = self._sections[-1][0], self._sections[-1][-1]
-        self.begin_section()
         self.repeat_bend(at)
         self.pending[at + self.delay] += after - before
 

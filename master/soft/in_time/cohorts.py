@@ -83,20 +83,22 @@ class Cohorts:
         # the groups of a cohort, by the stretches at its birth
         self._at_birth = _per_survival(memory, reformed)
         count = reformed.stretch.size
-        # the last two cohorts, which share the births of a step
-        self._newest, self._one_before = slice(-count, None), slice(-2 * count, -count)
-        self._begin(_per_survival(memory, start), memory.start(start.stretch))
+        self._newest, self._last_two = slice(-count, None), slice(-2 * count, None)
+        # weights in the last two cohorts per contact born in a step: half of its births belong to its begin, half to
+        # its end
+        self._per_birth = 0.5 * np.tile(self._at_birth.weight, 2)
+        self._replace_all(_per_survival(memory, start), memory.start(start.stretch))
 
     def relax(self) -> None:
         """Replace all contacts, also those that are out, by those just formed again."""
-        self._begin(self._at_birth, self.memory.fresh(self._at_birth.stretch, 0.0))
+        self._replace_all(self._at_birth, self.memory.fresh(self._at_birth.stretch, 0.0))
 
-    def _begin(self, start: StretchNodes, record: Array) -> None:
+    def _replace_all(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
         groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
         held = groups.survival_and_force(self.memory)
         self.holding, self.force = (held @ groups.weight).tolist()
-        self._started = start.stretch.size  # so many groups are of the start, and stand first
+        self._n_of_start = start.stretch.size  # so many groups are of the start, and stand first
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
         self.past_breaks, self._births_so_far = Breaks(self.delay, self.now), 0.0
 
@@ -110,8 +112,7 @@ class Cohorts:
         held = groups.survival_and_force(self.memory)
         held_before, force_before = (held @ groups.weight).tolist()
         # of those born in this step, per contact born: survival and force
-        both_ends = 0.5 * (held[:, self._one_before] + held[:, self._newest])
-        survival, force_of_new = (both_ends @ self._at_birth.weight).tolist()
+        survival, force_of_new = (held[:, self._last_two] @ self._per_birth).tolist()
         births = BirthsUpTo(0.0, self._births_so_far)
         if not (without_births or (self.delay and now == self.now)):
             births = self.past_breaks.births_up_to(now, self.now)
@@ -130,9 +131,7 @@ class Cohorts:
         self._stop_at_limits()
         self.position, self.now = self.position + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
-        half = 0.5 * (trial.births - self._births_so_far) * self._at_birth.weight
-        groups.weight[self._newest] = half
-        groups.weight[self._one_before] += half
+        groups.weight[self._last_two] += (trial.births - self._births_so_far) * self._per_birth
         self._note_unresolved(groups, held)
         self.groups = self._without_dead(groups, held[0])
         self.past_breaks.add(self.now, trial.breaks)
@@ -143,10 +142,10 @@ class Cohorts:
         shares the births of the next step."""
         count = self._at_birth.stretch.size
         alive = survival > DEAD
-        cohorts = survival[self._started :].reshape(-1, count)
-        alive[self._started :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
+        cohorts = survival[self._n_of_start :].reshape(-1, count)
+        alive[self._n_of_start :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
         alive[self._newest] = True
-        self._started = int(np.count_nonzero(alive[: self._started]))
+        self._n_of_start = int(np.count_nonzero(alive[: self._n_of_start]))
         return groups.pick(alive)
 
     def slide_steadily(self, travel: float, error: float) -> None:
@@ -165,8 +164,8 @@ class Cohorts:
     def _note_unresolved(self, groups: Groups, held: Array) -> None:
         """Bound the force of contacts born in steps of which it is unknown how many hold."""
         count = self._at_birth.stretch.size
-        survival, force = held[:, self._started :]
-        born = np.abs(groups.weight[self._started :])
+        survival, force = held[:, self._n_of_start :]
+        born = np.abs(groups.weight[self._n_of_start :])
         unknown = np.where(survival[:-count] < UNRESOLVED * survival[count:], 0.5, 0.0)
         unknown *= np.abs(force[count:] - force[:-count]) * np.sqrt(born[count:] * born[:-count])
         self.unresolved = max(self.unresolved, float(unknown.sum()))

@@ -1,7 +1,14 @@
 """Where a slip begins: where a longer step would end earlier.
 
-That is at a fold, where the time of balance, as a function of the step's size, is the latest, or where contacts at an
-exact threshold break and there is no balance from then on.
+A balanced step of the size s takes τ(s) steps of time, and the rest, s - τ(s), is its travel. τ rises from τ(0) = 0 as
+long as the slider needs the drive to move on; where τ is the largest it needs no more, and slips. This lies within a
+step of the size s, or just beyond, on one of three conditions (`SlipBegins.up_to_slip`):
+
+- no balance: τ(s) <= 0, the spring pulls more than contacts bear from now on;
+- a fold within, τ' = 0 before s: τ(0.99 s) >= τ(s), so that the last 0.01 s is all travel, and takes no time or less;
+- F falls beyond: τ(1.01 s) < τ(s). This is asked instead where P_c jumps: τ has a kink there, and no fold before it.
+
+Before contacts at an exact threshold break, the last balance is taken where it comes later than the largest τ found.
 """
 
 from typing import NamedTuple
@@ -10,7 +17,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from master.soft.in_time.cohorts import Trial
-from master.soft.in_time.steps import CONTROL, BalancedStep, Steps
+from master.soft.in_time.steps import CONTROL, Steps, TriedStep
 
 
 class OnsetControl(NamedTuple):
@@ -50,21 +57,22 @@ class SlipBegins:
         # the fraction of its size that the last step took in steps of time, unknown yet
         self._last_time_fraction = np.nan
 
-    def up_to_slip(self, step: BalancedStep, size: float) -> tuple[Trial, bool]:
+    def up_to_slip(self, step: TriedStep, size: float) -> tuple[Trial, bool]:
         """The step that was asked for with this size, or that up to a slip that begins within it; and whether one
         does."""
         steps = self._steps
         if step.trial.now > steps.contacts.now:  # it may have been cut at the section's end
             size = min(size, steps.size(step.trial))
-        longest = size
-        if steps.contacts.jumps and step.time_steps > 0.0:
-            # at a jump of P_c F falls at once: there is no fold, but a step beyond ends earlier, that is, it takes less
-            # time than this one, whose time is its size less its travel
+        longest, no_balance = size, step.time_steps <= 0.0
+        falls_beyond = fold_within = False
+        if steps.contacts.jumps and not no_balance:
+            # F falls at once at a jump: there is no fold, but a step beyond takes less time than this one, whose time
+            # is its size less its travel, also if it was cut
             longest = ONSET.beyond_jump * size
-            slips = steps.step(longest).time_steps < size - steps.travelled(step.trial)
-        else:
-            slips = self._is_fold_within(step, size)
-        if not slips:
+            falls_beyond = steps.step(longest).time_steps < size - steps.travelled(step.trial)
+        elif not no_balance:
+            fold_within = self._is_fold_within(step, size)
+        if not (no_balance or falls_beyond or fold_within):
             self._foresee(step.time_steps / size, size)
             return step.trial, False
         trial = self._latest(size, longest)
@@ -74,14 +82,11 @@ class SlipBegins:
         # at the section's end, a slip may still be to come
         return trial, trial.now < steps.section_end
 
-    def _is_fold_within(self, step: BalancedStep, size: float) -> bool:
-        """Whether a fold lies before the end of a step of this size."""
+    def _is_fold_within(self, step: TriedStep, size: float) -> bool:
+        """Whether a fold lies before the end of this step, which has this size."""
         # far from a slip the slider follows the drive, and this part of the size is time
         if step.time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
-        if step.time_steps <= 0.0:
-            return True
-        # nearer, a fold lies within the step where a shorter one takes as much time or more
         return self._steps.step(ONSET.before_fold * size).time_steps >= step.time_steps
 
     def _foresee(self, time_fraction: float, size: float) -> None:
@@ -98,7 +103,7 @@ class SlipBegins:
             self.shrink = min(max(to_slip, ONSET.least_shrink), 1.0)
 
     def _latest(self, size: float, longest: float) -> Trial:
-        """The step up to a fold: that which takes the most time."""
+        """The step that takes the most time: that up to a fold or a kink of τ."""
         found = minimize_scalar(
             lambda at: -self._steps.step(at).time_steps,
             bounds=(0.0, longest),

@@ -65,7 +65,6 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
 
     Once breaks are steady F stays that of sliding at infinite speed, and the spring's balance tells the rest.
     """
-    contacts.past_breaks.begin_section()
     step, least = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
     begin, travelled, forces = contacts.position, list[float](), list[float]()
 
@@ -94,7 +93,6 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
         if first and imbalance(low) > 0.0:
             low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
         contacts.take(contacts.trial(low, contacts.now))
-    contacts.past_breaks.begin_section()
 
 
 def _first_travel(imbalance: Callable[[float], float], least: float) -> float:

@@ -53,16 +53,18 @@ MOST_SECANTS = 40
 LEAST_UNIFORM = 1e-200
 
 
-class BalancedStep(NamedTuple):
-    """A step at whose end the forces balance.
+class TriedStep(NamedTuple):
+    """A step of a chosen size, so much of it time, the rest travel.
 
-    time_steps : how much of its size are steps of time. Below 0 if there is no balance from now on: then the step takes
-        no time, and this is how far back the balance would be.
+    time_steps : how much of its size are steps of time. Below 0 the step takes no time, and the imbalance goes on as a
+        straight line: of a balanced step this says that there is no balance from now on, and how far back it would be.
     trial : where it leads to
+    imbalance : of the forces at its end, see Steps.imbalance (a length)
     """
 
     time_steps: float
     trial: Trial
+    imbalance: float
 
 
 class StepCount:
@@ -75,7 +77,7 @@ class StepCount:
     """
 
     def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
-        self._begin, self._end = begin, end
+        self._section_begin, self._section_end = begin, end
         self._rate, self._first = rate, min(first, end - begin)
         self._per_e_fold = 0.0
         if not rate:
@@ -85,19 +87,20 @@ class StepCount:
 
     def steps(self, time: float) -> float:
         """Steps since the begin."""
-        later = time - self._begin
+        later = time - self._section_begin
         return self._rate * later + self._per_e_fold * float(np.log1p(later / self._first))
 
     def time(self, steps: float) -> float:
         """The time after so many steps, at most the end."""
         if not self._per_e_fold:
-            return min(self._begin + steps / self._rate, self._end)
+            return min(self._section_begin + steps / self._rate, self._section_end)
         # u = (time - begin)/first solves uniform u + ln(1 + u) = e_folds: Wright's function omega(z), omega + ln omega
         # = z, is uniform (1 + u)
         e_folds = steps / self._per_e_fold
         uniform = max(self._rate * self._first / self._per_e_fold, LEAST_UNIFORM)
         omega = float(wrightomega(e_folds + uniform + np.log(uniform)))
-        return min(self._begin + self._first * (omega / uniform - 1.0), self._end)
+        later = self._first * (omega / uniform - 1.0)
+        return min(self._section_begin + later, self._section_end)
 
 
 class Steps:
@@ -159,59 +162,66 @@ class Steps:
         stretch = self._drive.at(np.array(trial.now)) - self.contacts.position - trial.travel
         return float(self.sign * (self.spring * stretch - trial.force))
 
-    def step(self, size: float) -> BalancedStep:
+    def step(self, size: float) -> TriedStep:
         """The balanced step of this size, or up to the section's end. The slope at the root begins the next search.
 
-        The root is looked for in the number of its steps of time. Below 0, as time does not go back, the imbalance goes
-        on as a straight line: a root there says that there is no balance from now on.
+        The root is looked for in the number of its steps of time, also below 0, as time does not go back: a root there
+        says that there is no balance from now on.
         """
-        now, slope, trial = self.contacts.now, self._imbalance_per_time, None
+        now, slope = self.contacts.now, self._imbalance_per_time
         steps_so_far = self._count.steps(now)
 
-        def imbalance(time_steps: float) -> float:
-            nonlocal trial
+        def tried(time_steps: float) -> TriedStep:
             later, back = max(time_steps, 0.0), min(time_steps, 0.0)
             time = max(self._count.time(steps_so_far + later), now) if later else now
             trial = self.contacts.trial(self.sign * self.length * (size - later), time)
-            return self.imbalance(trial) + slope * back
+            return TriedStep(time_steps, trial, self.imbalance(trial) + slope * back)
 
         accuracy = self._accuracy * size
-        found, self._imbalance_per_time = secant(imbalance, self.guess * size, slope, accuracy)
-        if found < 0.0 and self.contacts.memory.exact:
-            found = _before_exact(imbalance, size, accuracy, found)
-            imbalance(found)
-        assert trial is not None  # the one at the root, which was tried last
-        return BalancedStep(found, trial)
+        root = secant(tried, self.guess * size, slope, accuracy)
+        self._imbalance_per_time = root.slope
+        if root.step.time_steps < 0.0 and self.contacts.memory.exact:
+            return _before_exact(tried, size, accuracy) or root.step
+        return root.step
 
 
 def _before_exact(
-    imbalance: Callable[[float], float], size: float, accuracy: float, found: float
-) -> float:
-    """The steps of time at the last balance before exact thresholds break, in a step of this size; or else `found`."""
+    tried: Callable[[float], TriedStep], size: float, accuracy: float
+) -> TriedStep | None:
+    """The step of this size to the last balance before exact thresholds break; None where there is none."""
     time_steps = size * np.array(CONTROL.time_fractions)
     for high, low in pairwise(time_steps.tolist()):
-        if imbalance(low) < 0.0:
-            held = imbalance(high) <= 0.0
-            return high if held else float(brentq(imbalance, low, high, xtol=accuracy))
-    return found
+        if tried(low).imbalance < 0.0:
+            last = tried(high)
+            if last.imbalance <= 0.0:
+                return last
+            return tried(float(brentq(lambda at: tried(at).imbalance, low, high, xtol=accuracy)))
+    return None
+
+
+class Root(NamedTuple):
+    """The balanced step, and the slope there of the imbalance over the steps of time (a length)."""
+
+    step: TriedStep
+    slope: float
 
 
 def secant(
-    function: Callable[[float], float], guess: float, slope: float, accuracy: float
-) -> tuple[float, float]:
-    """The root of an increasing function, where it is called last, and the slope there. Both are found from guesses by
-    the secant method. A step that leaves the bracket of the root is replaced by bisection."""
+    tried: Callable[[float], TriedStep], guess: float, slope: float, accuracy: float
+) -> Root:
+    """The step without imbalance, which increases with the steps of time, and the slope there. Both are found from
+    guesses by the secant method. A step that leaves the bracket of the root is replaced by bisection."""
     low, high = -np.inf, np.inf
-    at, value = guess, function(guess)
+    step = tried(guess)
     for _ in range(MOST_SECANTS):
+        at, value = step.time_steps, step.imbalance
         low, high = (at, high) if value < 0.0 else (low, at)
         after = at - value / slope
         if abs(after - at) <= accuracy:
             break
         if not low < after < high and np.isfinite(high - low):
             after = 0.5 * (low + high)
-        last_at, last_value = at, value
-        at, value = after, function(after)
-        rise = (value - last_value) / (at - last_at)
+        step = tried(after)
+        rise = (step.imbalance - value) / (after - at)
         slope = rise if rise > 0.0 else slope
-    return at, slope
+    return Root(step, slope)
