@@ -45,8 +45,8 @@ def solve(
     master.paper.explicit. The files that do the work on a rigid slider, in the order in which they begin, are `solve`,
     `rigid`, `motion`, `survival.make`, `survival.life`, `renewal.births`, `renewal.budget`, `renewal.edges`,
     `renewal.panel_width`, `renewal.march`, `renewal.solved`, `renewal.present`, `renewal.past`, `outcome`,
-    `numerics.polynomials`, `renewal.lumps` and, for a start with a width, `numerics.averages`; docs/equations.md says
-    what each does, and derives the equation.
+    `renewal.straight`, `numerics.polynomials`, `renewal.lumps` and, for a start with a width, `numerics.averages`;
+    docs/equations.md says what each does, and derives the equation.
 
     Parameters
     ----------

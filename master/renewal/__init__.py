@@ -15,9 +15,10 @@ At an edge, where the breaks may jump, contacts that reach an exact threshold to
 (`March._break_lumps`).
 
 In reading order: `births.py` (what is born, and polynomials of births), `march.py` (the steps), `present.py` (births on
-the present leg, and `solve_run`), `past.py` (all other contacts: lumps, of `lumps.py`, and births on earlier legs, of
-`earlier_legs.py`, those of contacts that age of `strand_births.py`). Beside them: `edges.py` (where panels end),
-`panel_width.py` (how wide they are), `solved.py` (the panels so far), `budget.py` (the parts of the tolerance).
+the present leg, whose survival is in `straight.py`, and `solve_run`), `past.py` (all other contacts: lumps, of
+`lumps.py`, and births on earlier legs, of `earlier_legs.py`, those of contacts that age of `strand_births.py`). Beside
+them: `edges.py` (where panels end), `panel_width.py` (how wide they are), `solved.py` (the panels so far), `budget.py`
+(the parts of the tolerance).
 
 Tests: tests/test_solve.py, test_turning.py, test_panel_edges.py and test_orders_panels.py; for errors
 test_force_error.py, test_unseen_errors.py and test_faults_name_themselves.py. A plain twin: `paper/renewal.py`, held

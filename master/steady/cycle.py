@@ -9,7 +9,7 @@ integrals over the way, the slider's travel since a contact's birth (paper, Eqs.
 import numpy as np
 
 from master.renewal.births import reforming_law
-from master.renewal.present import Straight
+from master.renewal.straight import Straight
 from master.survival.life import Life
 from origins import Contacts, InputError
 from origins.start import Start

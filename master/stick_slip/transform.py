@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master.numerics import polynomials
 from master.numerics.table import SIZE, Table
-from master.renewal.present import NARROWEST_PANEL
+from master.renewal.straight import NARROWEST_PANEL
 from master.steady.cycle import UNDERFLOW, Cycle
 from master.survival.life import TIE
 from origins.thresholds.law import Array
