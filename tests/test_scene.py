@@ -79,7 +79,7 @@ def test_kelvins_are_a_temperature_where_contacts_have_a_stiffness() -> None:
     with pytest.raises(
         InputError, match=r"in m², .* did you mean temperature = \{ kelvin = 300 \}"
     ):
-        contacts(300.0)
+        contacts(300)
     told = r"^contacts\.thermal\.temperature\.kelvin = 300\.0: k_BT/<k> = .* in their unit\?"
     with pytest.raises(InputError, match=told):
         contacts({"kelvin": 300.0}, radius=1.0, std=0.05, density=1.0)

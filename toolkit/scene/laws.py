@@ -183,7 +183,7 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
     contacts whose stiffness in N/m is known by their interface `surface`. Raises InputError for others, and for a
     number that can only be meant in joules."""
     given, where = table.get("temperature"), f"{where}.temperature"
-    if isinstance(given, float) and surface is not None:
+    if isinstance(given, int | float) and surface is not None:  # whole numbers of TOML, too
         joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
         if 1.0 < joules < 1e4 < kelvin:  # plausible temperatures, in K
             hint = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; if joules are meant, write temperature ="
