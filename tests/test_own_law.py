@@ -213,3 +213,13 @@ def test_the_law_of_older_contacts_begins_as_that_of_fresh_ones():
         law = Power(scipy.stats.norm(1.0, 0.1), 0.5, 7.0, age=21.0).at_start
         assert law.std() == pytest.approx(0.2, rel=1e-12)
     assert law.pdf(0.0) == pytest.approx(scipy.stats.norm.pdf(0.0, 1.0, 0.1) / 2.0, rel=1e-12)
+
+
+def test_a_density_that_begins_at_a_finite_value_has_no_onset_power():
+    """scipy's cdf of it is rounded near its begin, where a fit gave 3e-4; older contacts then had none at 0."""
+    fresh = scipy.stats.truncnorm(-2.0, 3.0, loc=1.0, scale=0.5)
+    for law in (Contacts(fresh).thresholds, Contacts(scipy.stats.uniform(0.3, 0.5)).thresholds):
+        assert law.onset_power == law.onset_power_error == 0.0
+    older = origins.strengthening(fresh, 0.05, 1.0, age=1e3).at_start
+    expected = fresh.pdf(0.0) / (1.0 + 0.05 * np.log1p(1e3))
+    assert older.pdf(0.0) == pytest.approx(expected, rel=1e-12)

@@ -10,6 +10,9 @@ from origins.errors import InputError, refuse
 from origins.thresholds.law import Array, Thresholds
 
 _ROUNDING = 1e-15  # weight at or below x = 0, or far out, that may be due to rounding
+# Relative change of a density that is finite and above 0 at its onset, up to 2e-6 of the way to the median: far above
+# that by any slope, far below that by any power that the fit tells from 0.
+_STRAIGHT = 1e-3
 _FROZEN = ("pdf", "logpdf", "cdf", "sf", "logsf", "ppf", "isf", "moment", "support")
 _NEWER = ("pdf", "logpdf", "cdf", "ccdf", "icdf", "iccdf", "mean", "support", "sample")
 
@@ -86,10 +89,15 @@ class ScipyDensity(Thresholds):
         return self._ask("logpdf", x)
 
     def _fit_onset(self) -> None:
-        """Set onset_power to the limit of (x - a) P_c / cdf - 1 at the support's lower end a, and its error."""
+        """Set onset_power to the limit of (x - a) P_c / cdf - 1 at the support's lower end a, and its error. It is 0
+        where the density begins at a finite value: a fit would miss it by rounding, as some cdf have few digits."""
         lower, self.onset_power = self._support[0], np.inf  # where there is no limit
         halvings = np.array([36.0, 42.0] if lower == 0.0 else [19.0, 22.0])
         x = lower + (float(self.ppf(0.5)) - lower) * 2.0**-halvings
+        begin, *near = self._ask("pdf", np.append(lower, x)).tolist()
+        if 0.0 < begin < np.inf and np.allclose(near, begin, rtol=_STRAIGHT, atol=0.0):
+            self.onset_power = 0.0
+            return
         with np.errstate(all="ignore"):
             further, nearer = (x - lower) * self.pdf(x) / self.cdf(x) - 1.0
         if abs(nearer - further) <= 1e-3 * (1.0 + abs(further)):
