@@ -51,6 +51,7 @@ def test_the_law_gives_back_its_own_numbers(evolution: EvolutionLaw, a: float, b
     assert found.a == pytest.approx(a, abs=1e-7) and found.b == pytest.approx(b, abs=1e-7)
     assert found.slip_distance == pytest.approx(0.21, rel=1e-6)
     assert found.direct_slip == 0.0
+    assert found.others[:, 2] == pytest.approx(0.21, rel=0.01)  # the slips of the fall, too
 
 
 def test_readings_do_not_depend_on_where_the_answer_is_known() -> None:

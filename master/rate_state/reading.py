@@ -17,6 +17,8 @@ NO_RISE = 1e-2
 SHORTEST, TRIALS, DECAYED = 1e-4, 60, 50.0
 # an error of the forces may move D_c directly as well as by b
 TWICE = 2.0
+# D_c moves by at most so many times as much by errors of the force, which may differ from slip to slip, as by b alone
+WORST = 5.0
 
 
 class Peak(NamedTuple):
@@ -60,7 +62,8 @@ def read_steps(steps: Sequence[VelocityStep], law: EvolutionLaw) -> Reading:
     forces beyond the maximum, by least squares over the slip.
 
     The other readings are those of the single steps; that of b and D_c by least squares together, whose a is the force
-    after the direct effect, extrapolated to the step; and as D_c the slip at which b has fallen to 1/e. Where b is not
+    after the direct effect, extrapolated to the step; and as D_c the slip at which b has fallen as far as by the law
+    after D_c, to 1/e by the slip law. Where b is not
     above its error D_c is NaN.
     """
     slope = float(np.mean([one.slope for one in steps]))
@@ -76,7 +79,7 @@ def read_steps(steps: Sequence[VelocityStep], law: EvolutionLaw) -> Reading:
     for one, peak in zip(steps, peaks, strict=True):
         own_b = peak.height - slope
         others.append((peak.height, *fit_evolution([one], [peak.slip], law, own_b)))
-        others.append((a, b, _fallen(one, peak, own_b)))
+        others.append((a, b, _fallen(one, peak, own_b, law)))
     free = fit_evolution(steps, begins, law)
     others.append((free.b + slope, *free))
     moved = fit_evolution(steps, begins, law, b + np.copysign(a_error, b)).slip_distance
@@ -85,7 +88,7 @@ def read_steps(steps: Sequence[VelocityStep], law: EvolutionLaw) -> Reading:
         b,
         own.slip_distance,
         a_error,
-        TWICE * abs(moved - own.slip_distance),
+        WORST * abs(moved - own.slip_distance),
         slip,
         np.array(others),
     )
@@ -168,9 +171,11 @@ def trapezoids(at: Array) -> Array:
     return 0.5 * (np.diff(at, prepend=at[0]) + np.diff(at, append=at[-1]))
 
 
-def _fallen(step: VelocityStep, peak: Peak, b: float) -> float:
-    """The slip since the step at which what is left of the evolution first is b/e, straight between points."""
-    left = np.abs(step.response - step.slope) - abs(b) / np.e
+def _fallen(step: VelocityStep, peak: Peak, b: float, law: EvolutionLaw) -> float:
+    """The slip since the step at which what is left of the evolution first is what the law leaves of b after D_c,
+    straight between points."""
+    share = left_of_step(np.ones(1), 1.0, step.after / step.before, law)[0] / step.log_ratio
+    left = np.abs(step.response - step.slope) - abs(b) * share
     below = np.flatnonzero((left <= 0.0) & (step.slip > peak.slip))
     if not below.size:
         return float(step.slip[-1])
