@@ -610,7 +610,12 @@ WRONG: list[tuple[str, Any, str]] = [
         ROUGH | {"surface": SUMMIT | {"radius": 1e-300}},
         "some of its numbers are too large or too",
     ),
-    ("contacts.thresholds", ROUGH, "contacts.thermal.attempt_frequency: is missing"),
+    ("contacts.thresholds", ROUGH, "did you mean temperature = { kelvin = 0.3 }"),
+    (
+        "contacts",
+        {"thresholds": ROUGH, "thermal": {"law": "soft", "temperature": {"kelvin": 300.0}}},
+        "contacts.thermal.attempt_frequency: is missing",
+    ),
     (
         "contacts.thresholds",
         ISLANDS,
