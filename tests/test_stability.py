@@ -67,6 +67,13 @@ def _checked(found: list[Row]) -> None:
         assert row.said if row.verdict == "refused" else row.road
 
 
+def test_contacts_that_all_do_the_same_are_no_wrong_answer() -> None:
+    """Their standard error is 0, and the ensemble's positions are whole units, far below the mean threshold."""
+    path = np.linspace(0.0, 3.0, 31) * 0.999999 / 0.1  # in mean thresholds; over 30 breaks
+    case = Case("identical", "0.1", lambda: Contacts(origins.identical(0.1)), path, n_contacts=10)
+    assert {row.verdict for row in rows(case)} <= {"exact", "within tolerance"}
+
+
 def test_quick_extreme_cases() -> None:
     cases = [one for one in extreme_cases() if one.group in QUICK and one.name not in CUT]
     assert len(cases) > 15

@@ -15,6 +15,9 @@ from origins.thresholds.law import Array
 
 Verdict = Literal["exact", "within tolerance", "short, and says so", "refused", "wrong"]
 ROUND_OFF = 1e-13  # mean thresholds: an answer nearer to the truth is exact
+# the ensemble follows positions in whole units of about this part of the path (eq_model/whole_drive.py): no error by
+# chance, so that contacts which all do the same have it beside a standard error of 0
+IN_UNITS = 2.0**-44
 WITNESSES = {"master": "the master equation", "ensemble": "the ensemble"}
 REPLICAS = 24  # of soft sliders, whose contacts are coupled
 SIGMAS = 5.0  # standard errors that bound the ensemble: chance passes them once in two million
@@ -252,7 +255,8 @@ def simulated(case: Case, contacts: Contacts, path: Array) -> Answer:
         contacts, path, n_contacts=case.n_contacts, n_replicas=replicas, seed=1, **case.drive
     )
     unit, pulled = contacts.mean_threshold, _bounded(case, found.force)
-    error = (bounding_factor(replicas) * found.force_standard_error + found.step_error) / unit
+    by_chance = bounding_factor(replicas) * found.force_standard_error
+    error = (by_chance + found.step_error + IN_UNITS * np.abs(path).max()) / unit
     faults = invariants(found.holding, pulled / unit, 0.0, contacts, path)
     return Answer(found.force / unit, error, bool(found.success), None, found.message, faults)
 
