@@ -26,7 +26,7 @@ from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow
 from toolkit.verdict.machine import NO_TIME, Behaviour, Known, Machine, not_followed
 from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.words import disagreeing, sentence
+from toolkit.verdict.words import disagreeing, page, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}
@@ -504,6 +504,33 @@ def test_slips_that_were_seen_are_told_beside_what_was_not_followed() -> None:
     assert (
         "16 slips were seen, the last from 0.2" in said and "if a slip renews all contacts" in said
     )
+
+
+def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in_the_bound() -> (
+    None
+):
+    """One reading of three is decided: the sentence is its own, and says so; F_k of all is known all the same."""
+    contacts, scale = Contacts(gaussian(1.0, 0.3)), scale_of(Contacts(gaussian(1.0, 0.3)), None)
+    sure, vague = judge.Quantity(2.0, 1e-6), judge.Quantity(10.0, 6.0)
+
+    def answer(name: str, kinetic: float, spring: judge.Quantity, one: Behaviour) -> judge.Answer:
+        force = judge.Quantity(kinetic, 1e-6)
+        return judge.Answer(name, contacts, scale, force, force, spring, SOFT, (one,))
+
+    smooth, late = replace(infinite("smooth", 0), error=1e-9), not_followed("reset", NO_TIME)
+    others = answer("b", 0.4, vague, late), answer("c", 0.5, sure, late)
+    found = judge.Verdict("a", "a", 1.0, (answer("own", 0.9, sure, smooth), *others), (), {}, 1.0)
+    said, text = sentence(found), "\n".join(page(found))
+    assert said.startswith("smooth at 0.5") and said.count("\n") == 0
+    assert "this is own alone: 2 of 3 readings are not decided in time; F_k of all is 0.4" in said
+    assert " to 0.9" in said and text.count(said) == 1 and "not decided: b, c: out of time" in text
+    # the bound below the table is of the own reading's numbers; what is worse in a range is named
+    assert (
+        "are at most 1e-06 of these numbers; but K* of b, in the range, is 10.0 N_c<k> ± 6" in text
+    )
+    assert "K* of c" not in text
+    agreed = replace(found, answers=(found.own, answer("c", 0.5, sure, smooth)))
+    assert "not decided" not in "\n".join(page(agreed)) and "alone" not in sentence(agreed)
 
 
 def test_a_fall_that_is_none_is_no_disagreement() -> None:

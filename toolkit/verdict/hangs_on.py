@@ -9,7 +9,7 @@ from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import with_uncertainty, written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
-from toolkit.verdict.judge import Verdict
+from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.table import drop_of, in_units, regained_by
 
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
@@ -32,6 +32,23 @@ def others(verdict: Verdict) -> dict[str, list[str]]:
                 names = differ.setdefault(one.kind, [])
                 names += [answer.name] if answer.name not in names else []
     return differ
+
+
+def not_decided(verdict: Verdict) -> list[Answer]:
+    """The other readings of which nothing is known under any rule that the scene's own reading is decided under."""
+    known = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
+    if not known:
+        return []
+    return [
+        answer
+        for answer in verdict.answers[1:]
+        if all(one.kind == "undecided" for one in answer.behaviours if one.rule in known)
+    ]
+
+
+def out_of_time(answer: Answer) -> bool:
+    """Whether it is for want of time alone that a reading is not decided."""
+    return all("wall_time" in one.message for one in answer.behaviours if one.kind == "undecided")
 
 
 def dependence(verdict: Verdict) -> list[str]:
@@ -80,9 +97,29 @@ def _of_readings(verdict: Verdict) -> Iterator[str]:
     differ = others(verdict)
     for kind, names in differ.items():
         yield f"of these, {kind}: {', '.join(names)}"
+    missing = not_decided(verdict)
+    for why, names in _by_reason((_why(one), one.name) for one in missing).items():
+        yield f"not decided: {', '.join(names)}: {why}"
+    absent = {one.name for one in missing}
     decided = [one for one in answers[1:] if {each.kind for each in one.behaviours} - {"undecided"}]
+    decided = [one for one in decided if one.name not in absent]
+    known = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
+    partly = [
+        answer.name
+        for answer in decided
+        if any(one.kind == "undecided" for one in answer.behaviours if one.rule in known)
+    ]
+    if partly:
+        yield f"not decided under every slip rule: {', '.join(partly)}"
     if verdict.own.machine is not None and decided and not differ:
         yield f"not the reading: the {len(decided)} others that were followed say what {verdict.own.name} says"
+
+
+def _why(answer: Answer) -> str:
+    """Why a reading is not decided."""
+    if out_of_time(answer):
+        return "out of time: give more wall_time, or fewer verdict.readings"
+    return in_units(answer.behaviours[0].message, answer.scale)
 
 
 def _of_a_stuck_slider(verdict: Verdict) -> Iterator[str]:

@@ -11,6 +11,8 @@ from toolkit.verdict.machine import Behaviour
 
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
+# of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
+SEEN = 1e-3
 
 
 def share_of(verdict: Verdict) -> float:
@@ -145,10 +147,11 @@ def speed_unit(verdict: Verdict) -> str:
 
 
 def numerical_errors(verdict: Verdict) -> str:
-    """How large the numerical errors of the own reading's numbers are at most, relative to these."""
+    """How large the numerical errors of the own reading's numbers are at most, relative to these; and those of other
+    readings, which stand in the ranges, where they are larger and would be seen."""
     own = verdict.own
     known = [own.kinetic, own.static, own.critical_spring]
-    relative = [one.error / abs(one.value) for one in known if one.value and np.isfinite(one.value)]
+    relative = [_relative(one) for one in known]
     for behaviour in own.behaviours:
         if np.isfinite(behaviour.error) and behaviour.before:
             mean = own.contacts.mean_threshold
@@ -156,7 +159,29 @@ def numerical_errors(verdict: Verdict) -> str:
     what = "numerical errors"
     if any(one.sampling for one in known):
         what = "without the scatter of other samples, errors"
-    return f"{what} are at most {max(relative, default=0.0):.0e} of these numbers (verdict.json has each)"
+    most = max(relative)
+    worse = "".join(f"; {one}" for one in _less_known(verdict, max(most, SEEN)))
+    return f"{what} are at most {most:.0e} of these numbers{worse} (verdict.json has each)"
+
+
+def _relative(quantity: Quantity) -> float:
+    """The error of a number, relative to it; 0 for one that is 0 or infinite."""
+    known = quantity.value and np.isfinite(quantity.value)
+    return quantity.error / abs(quantity.value) if known else 0.0
+
+
+def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
+    """The numbers of other readings with a larger relative error than that, in words."""
+    for answer in verdict.answers[1:]:
+        scale = answer.scale
+        for name, one, factor, unit in (
+            ("F_k", answer.kinetic, scale.force, scale.force_unit),
+            ("F_s", answer.static, scale.force, scale.force_unit),
+            ("K*", answer.critical_spring, scale.spring, scale.spring_unit),
+        ):
+            if _relative(one) > most:
+                error = written(one.error * factor, unit, digits=2)
+                yield f"but {name} of {answer.name}, in the range, is {written(one.value * factor, unit)} ± {error}"
 
 
 def in_units(message: str, scale: Scale) -> str:

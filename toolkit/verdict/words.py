@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, written
 from toolkit.verdict.finite import Finite
-from toolkit.verdict.hangs_on import dependence, named, others
+from toolkit.verdict.hangs_on import dependence, named, not_decided, others, out_of_time
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.table import in_units, numerical_errors, share_of, speed_unit, table
@@ -34,7 +34,13 @@ def warnings(verdict: Verdict) -> list[str]:
 
 
 def sentence(verdict: Verdict) -> str:
-    """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides."""
+    """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides; and
+    how many readings it is not known of."""
+    return "; ".join([_answered(verdict), *_not_known_of(verdict)])
+
+
+def _answered(verdict: Verdict) -> str:
+    """What the sentence says of the readings that were decided."""
     own = verdict.own
     if own.machine is None:
         return _without_spring(verdict)
@@ -51,7 +57,26 @@ def sentence(verdict: Verdict) -> str:
 def details(verdict: Verdict) -> list[str]:
     """The numbers of what the sentence says in kinds alone; none where it gives them itself."""
     numbers = _told(verdict, verdict.own) if verdict.own.machine is not None else []
-    return [] if sentence(verdict) == "; ".join(numbers) else numbers
+    return [] if _answered(verdict) == "; ".join(numbers) else numbers
+
+
+def _not_known_of(verdict: Verdict) -> list[str]:
+    """How many readings are not decided beside an own one that is, and their F_k, of which K* and F_k are known all the
+    same; as the answer is that of the others alone."""
+    missing, own = not_decided(verdict), verdict.own
+    if not missing:
+        return []
+    forces = [one.kinetic.value * one.scale.force for one in verdict.answers]
+    ends = (
+        guarded(one, own.scale.force_unit, share_of(verdict) * one)
+        for one in (min(forces), max(forces))
+    )
+    many, left = len(verdict.answers), len(verdict.answers) - len(missing)
+    whose = f"this is {own.name} alone" if left == 1 else f"this is of {left} readings"
+    late = " in time" * all(out_of_time(one) for one in missing)
+    reach = " to ".join(dict.fromkeys(ends))
+    count = f"{len(missing)} of {many} readings are not decided"
+    return [f"{whose}: {count}{late}; F_k of all is {reach}"]
 
 
 def _kinds(verdict: Verdict) -> list[str]:
