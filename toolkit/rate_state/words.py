@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from master.rate_state.result import CONSTANT, Parameter
+from master.rate_state.result import CONSTANT, Parameter, RateState
 from toolkit.rate_state.judge import Judged
 from toolkit.scene.scale import spoken, written
 
@@ -15,7 +15,7 @@ def page(judged: Judged) -> list[str]:
     up = found.steps[0]
     speeds = [spoken(speed, scale.speed_unit) for speed in (up.before, up.after)]
     said = f"Rate and state at {spoken(found.velocity, scale.speed_unit)}, from steps between {' and '.join(speeds)}"
-    lines = [judged.title, "", said, "", *table(judged), ""]
+    lines = [judged.title, "", said, "", *table(judged), "", *_of_readings(found), ""]
     lines += [*_of_law(judged), *_of_rests(judged), *_of_springs(judged)]
     if not found.success:
         lines.append(f"not as asked: {found.message}")
@@ -31,6 +31,18 @@ def table(judged: Judged) -> list[str]:
     return [
         "  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip()
         for row in rows
+    ]
+
+
+def _of_readings(found: RateState) -> list[str]:
+    """What the numbers are, and what stands behind their "±", which is no numerical error."""
+    named = {"a": found.a, "b": found.b, "a - b": found.a_minus_b, "D_c": found.slip_distance}
+    errors = {name: one.error / abs(one.value) for name, one in named.items() if one.value}
+    own = [f"{name} {error:.1g}" for name, error in errors.items() if np.isfinite(error)]
+    return [
+        "a: first maximum after a step; b: a less the change of F_k; D_c: of the law nearest to the force after it",
+        "±: how far other readings of the same answers are; numerical errors, parts of the number: "
+        + (", ".join(own) or "not known"),
     ]
 
 
