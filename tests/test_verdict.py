@@ -17,6 +17,7 @@ import origins
 from origins import Contacts, InputError, gaussian, identical, mixture
 from tests.scenes import CONSTANTS, ROUGH, said, write
 from toolkit.processes.signals import TimeIsUp
+from toolkit.scene.interfaces import of_islands, of_samples, of_smoothing
 from toolkit.scene.scale import guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import judge
@@ -531,6 +532,58 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
     assert "K* of c" not in text
     agreed = replace(found, answers=(found.own, answer("c", 0.5, sure, smooth)))
     assert "not decided" not in "\n".join(page(agreed)) and "alone" not in sentence(agreed)
+
+
+def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
+    """Below K* contacts that re-form late would let it slip: none is given, so the first sentence says so."""
+    number, own = judge.Quantity(1.0, 0.0), replace(infinite("smooth", 0), rule="mass")
+    for spring, delay, told in ((1e-4, 0.0, True), (2.0, 0.0, False), (1e-4, 3.0, False)):
+        contacts = Contacts(gaussian(1.0, 0.3), delay=origins.Delay(delay) if delay else None)
+        machine, scale = replace(SOFT, spring=spring, mass=1.0), scale_of(contacts, None)
+        answer = judge.Answer("own", contacts, scale, number, number, number, machine, (own,))
+        found = sentence(judge.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+        assert found.startswith("smooth at 0.5")
+        assert found.endswith(" if contacts re-form at once (no delay is given)") is told
+
+
+def test_the_critical_spring_of_smoothed_islands_is_no_number(monkeypatch: Any) -> None:
+    """No digits of it, and no point: it hangs on how samples are smoothed."""
+    monkeypatch.setattr(judge, "of_smoothing", lambda law: True)
+    contacts, scale = Contacts(gaussian(1.0, 0.3)), scale_of(Contacts(gaussian(1.0, 0.3)), None)
+    force, spring = judge.Quantity(0.5, 1e-6), judge.Quantity(3.287, 0.1)
+    for machine in (SOFT, None):
+        rules = (infinite("smooth", 0),) if machine else ()
+        answer = judge.Answer("own", contacts, scale, force, force, spring, machine, rules)
+        found = judge.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0)
+        text = "\n".join(page(found))
+        assert "3.28" not in text + found._repr_html_() and "hangs on smoothing" in text
+        assert ("K*, which is not known" in text) is (machine is None)
+        assert "at most 2e-06 of these numbers" in text
+        springs = draw_verdict(found).axes[-1]
+        assert not springs.containers
+        assert "hangs on the smoothing" in springs.texts[0].get_text()
+        assert "smoothing" in plain(found)["readings"][0]["critical_spring"]["hangs_on"]
+
+
+def test_samples_that_the_program_draws_are_its_own_to_raise() -> None:
+    """Of islands at all angles the page names the key, and not more samples of the user's."""
+    law = origins.domains(3.88, mean_atoms=30.0, stiffness=1.0, samples=25)
+    (note, *_), islands = of_samples(law), of_islands(law)
+    assert "raise samples" in note and "take more samples" not in note
+    assert of_smoothing(law) and "hangs on the smoothing" in islands[0]
+
+
+def test_the_force_of_the_areas_own_contacts_stands_beside_that_of_infinitely_many() -> None:
+    contacts, own = Contacts(gaussian(1.0, 0.3)), infinite("stick-slip", 5)
+    number, scale = judge.Quantity(1.0, 0.0), replace(scale_of(contacts, None), contacts=300.0)
+    answer = judge.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
+    for before, told in ((0.7, True), (0.7999, False)):
+        finite = Finite(own.rule, 300, "stick-slip", before, 1e-3, 0.0, 0.0, 5.0)
+        said = sentence(judge.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0))
+        assert said.startswith("stick-slip: 0.8")
+        assert (
+            "the 300 contacts of the area: 0.700 ± 0.001" in said.replace(" N_c<k> length", "")
+        ) is told
 
 
 def test_a_fall_that_is_none_is_no_disagreement() -> None:

@@ -216,7 +216,7 @@ def of_islands(law: Thresholds) -> list[str]:
         return ["angles are in radians, and all of them are whole numbers: are degrees meant?"]
     if law.atoms[0].size:
         return []
-    if isinstance(law, Sampled):
+    if of_smoothing(law):
         if few := of_listed_angles(law):
             return few
         return [
@@ -236,6 +236,11 @@ def of_islands(law: Thresholds) -> list[str]:
         "K* is infinite: P_c peaks as an inverse square root where a barrier stands still in the angle; as relaxed "
         f"contacts break for the first time, F/(N<k>) drops at most by about {', '.join(drops)}"
     ]
+
+
+def of_smoothing(law: Thresholds) -> bool:
+    """Whether K* of these islands is no number of theirs, but one of how samples of their thresholds are smoothed."""
+    return law.domains is not None and isinstance(law, Sampled) and not law.atoms[0].size
 
 
 def of_listed_angles(law: Thresholds) -> list[str]:
@@ -278,6 +283,9 @@ def of_samples(law: Thresholds) -> list[str]:
         if part.effective_samples < 29.5 or part.cdf_misfit > part.cdf_error:
             note = f"few thresholds, or structure that their smooth law misses: {part.n_samples} samples, worth "
             note += f"{part.effective_samples:.3g}; its cdf lies {part.cdf_misfit:.2g} from theirs, sampling allows "
-            note += f"{part.cdf_error:.2g}; take more samples, or give peaks apart, in a mixture"
+            more = "take more samples, or give peaks apart, in a mixture"
+            if law.domains is not None:  # the program draws them
+                more = "raise samples of the thresholds' table, or trust no detail of P_c"
+            note += f"{part.cdf_error:.2g}; {more}"
             notes.append(note)
     return notes

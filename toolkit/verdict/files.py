@@ -68,6 +68,8 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
     for name, factor in factors.items():
         quantity = getattr(answer, name)
         out[name] = {key: value and value * factor for key, value in asdict(quantity).items()}
+    if answer.smoothed:
+        out["critical_spring"]["hangs_on"] = "the smoothing of P_c: no number of the islands"
     out["spring"] = answer.machine and answer.machine.spring * scale.spring
     mean = answer.contacts.mean_threshold
     out["behaviours"] = [_of_behaviour(one, scale.force, mean) for one in answer.behaviours]

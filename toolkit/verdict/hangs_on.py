@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from toolkit.scene.interfaces import remarks
-from toolkit.scene.scale import with_uncertainty, written
+from toolkit.scene.scale import Scale, with_uncertainty, written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
 from toolkit.verdict.judge import Answer, Verdict
@@ -137,9 +137,10 @@ def _of_a_stuck_slider(verdict: Verdict) -> Iterator[str]:
     if smooth and own.machine.spring < own.critical_spring.value and not own.contacts.in_time:
         force, unit = own.scale.force, own.scale.force_unit
         fall = own.static.value - own.kinetic.value
+        begin = "K is below K*, and yet " * (not own.smoothed)
         ends = f"F_s, {written(fall * force, unit)} above F_k," if fall > 0.0 else "a rise to F_k"
         yield (
-            f"K is below K*, and yet sliding is smooth if {named(smooth)}: after {ends} the slider slips once or a few "
+            f"{begin}sliding is smooth if {named(smooth)}: after {ends} the slider slips once or a few "
             "times, and then no more, as contacts have forgotten their start"
         )
 
@@ -246,20 +247,25 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
     beside = f" ({finite.message})" * bool(finite.message)
     if finite.kind == "smooth":
         return said + beside
-    force, size = verdict.own.scale.force, abs(finite.before)
-    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
-    ends = (
-        with_uncertainty(
-            mean * force,
-            error * force if 1e-9 * size < error < np.inf else 0.0,
-            verdict.own.scale.force_unit,
-        )
-        for mean, error in means
-    )
-    said += f", from {' down to '.join(ends)}"
+    said += f", from {fall_of(finite, verdict.own.scale)}"
     if finite.kind == "stick-slip":
         return said + beside
     return f"{said}, {finite.slips:.2g} slips a slider on the way that was followed"
+
+
+def fall_of(finite: Finite, scale: Scale) -> str:
+    """The mean forces before and after a slip of so many contacts, with their errors."""
+    size = abs(finite.before)
+    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
+    ends = (
+        with_uncertainty(
+            mean * scale.force,
+            error * scale.force if 1e-9 * size < error < np.inf else 0.0,
+            scale.force_unit,
+        )
+        for mean, error in means
+    )
+    return " down to ".join(ends)
 
 
 def named(rules: Sequence[str]) -> str:

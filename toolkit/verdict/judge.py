@@ -16,7 +16,7 @@ from toolkit.processes.signals import TimeIsUp
 from toolkit.results.html import as_table
 from toolkit.running.resampled import of_resampled
 from toolkit.running.solvers import within
-from toolkit.scene.interfaces import of_listed_angles
+from toolkit.scene.interfaces import of_listed_angles, of_smoothing
 from toolkit.scene.scale import Scale, scale_of, with_uncertainty
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
@@ -73,6 +73,11 @@ class Answer:
     machine: Machine | None
     behaviours: tuple[Behaviour, ...]
 
+    @property
+    def smoothed(self) -> bool:
+        """Whether K* is no number of the contacts: it hangs on how samples of islands are smoothed."""
+        return of_smoothing(self.contacts.thresholds)
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -114,6 +119,8 @@ class Verdict:
             (name, with_uncertainty(one.value * factor, (one.sampling or one.error) * factor, unit))
             for name, (one, factor, unit) in numbers.items()
         ]
+        if own.smoothed:
+            rows[-1] = ("critical spring K*", "not known: it hangs on the smoothing of P_c")
         rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
         return as_table(self.title, rows)
 

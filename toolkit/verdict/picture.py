@@ -151,6 +151,8 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.set_xscale("log")
     springs = [one.machine.spring * one.scale.spring for _, one in rows if one.machine]
+    if springs and not axes.containers:  # no K* is a point, which would set the axis
+        axes.set_xlim(0.1 * min(springs), 10.0 * max(springs))
     if springs and np.ptp(springs) <= 1e-9 * max(springs):
         axes.axvline(springs[0], color="0.3", ls="--", lw=1.2, label="the machine's spring $K$")
     elif springs:
@@ -167,8 +169,10 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
 def _draw_spring(axes: Any, row: int, answer: Answer) -> None:
     """One reading's K*; an infinite one is said in words, as is one of 0."""
     value = answer.critical_spring.value * answer.scale.spring
-    if not 0.0 < value < np.inf:
+    if answer.smoothed or not 0.0 < value < np.inf:
         said = "slips on every spring" if value else "slips on no spring"
+        if answer.smoothed:
+            said = "not known: it hangs on the smoothing of $P_c$"
         place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "va": "center"}
         axes.text(0.02, row, said, fontsize="small", **place)
         return

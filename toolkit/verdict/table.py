@@ -62,7 +62,10 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         yield _row("static coefficient F_s/load", static, coefficients, "", share)
     critical = [one.critical_spring for one in answers]
     springs = [one.scale.spring for one in answers]
-    yield _row(f"slips below the spring K*{at}", critical, springs, scale.spring_unit)
+    if own.smoothed:
+        yield [f"slips below the spring K*{at}", "-", "hangs on smoothing", ""]
+    else:
+        yield _row(f"slips below the spring K*{at}", critical, springs, scale.spring_unit)
     if own.machine is not None:
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
         yield _row("the machine's spring K", each, springs, scale.spring_unit)
@@ -150,7 +153,7 @@ def numerical_errors(verdict: Verdict) -> str:
     """How large the numerical errors of the own reading's numbers are at most, relative to these; and those of other
     readings, which stand in the ranges, where they are larger and would be seen."""
     own = verdict.own
-    known = [own.kinetic, own.static, own.critical_spring]
+    known = [own.kinetic, own.static, *([] if own.smoothed else [own.critical_spring])]
     relative = [_relative(one) for one in known]
     for behaviour in own.behaviours:
         if np.isfinite(behaviour.error) and behaviour.before:

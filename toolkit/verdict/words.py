@@ -1,13 +1,13 @@
 """The verdict as text: the sentence, its numbers, and what the sentence hangs on."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, written
 from toolkit.verdict.finite import Finite
-from toolkit.verdict.hangs_on import dependence, named, not_decided, others, out_of_time
+from toolkit.verdict.hangs_on import dependence, fall_of, named, not_decided, others, out_of_time
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.table import in_units, numerical_errors, share_of, speed_unit, table
@@ -127,6 +127,11 @@ def _disagreement(verdict: Verdict) -> str:
 
 def _without_spring(verdict: Verdict) -> str:
     """Below which spring the interface slips, over all readings."""
+    if verdict.own.smoothed:
+        return (
+            "slips on springs softer than K*, which is not known: it hangs on the smoothing of P_c of these islands; "
+            "give drive.spring for a verdict on a machine"
+        )
     springs = [answer.critical_spring.value * answer.scale.spring for answer in verdict.answers]
     own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
     if not np.isfinite(spread):
@@ -157,7 +162,30 @@ def _told(verdict: Verdict, answer: Answer) -> list[str]:
     for (kind, _), alike in groups.items():
         said = _behaved(verdict, answer, kind, alike)
         parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
-    return parts
+    return [*parts, *_of_the_area(verdict, answer)]
+
+
+def _of_the_area(verdict: Verdict, answer: Answer) -> Iterator[str]:
+    """The slips of as many contacts as there are, where their forces are clearly not those of infinitely many."""
+    scale, told = answer.scale, dict[str, list[Behaviour]]()
+    finite = verdict.finite if answer is verdict.own else ()
+    for one, many in zip(answer.behaviours, finite, strict=False):
+        apart = abs(many.before - one.before) > max(
+            KNOWN * abs(one.before), 2.0 * many.before_error
+        )
+        if one.kind == many.kind == "stick-slip" and not many.message and apart:
+            whose = "of the area" if scale.contacts is not None else "of [eq]"
+            said = f"the {many.contacts:,} contacts {whose}: {fall_of(many, scale)}"
+            told.setdefault(said, []).append(one)
+    yield from (f"{said} if {_rules(alike)}" for said, alike in told.items())
+
+
+def _without_delay(answer: Answer, slider: Behaviour) -> str:
+    """What a smooth slider with mass on a spring below K* hangs on, where no delay is given; "" for others."""
+    soft = answer.machine and answer.machine.spring < answer.critical_spring.value
+    if slider.rule != "mass" or answer.contacts.waiting_time or not soft:
+        return ""
+    return " if contacts re-form at once (no delay is given)"
 
 
 def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behaviour]) -> str:
@@ -181,7 +209,7 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     off = f" ± {written(error, scale.force_unit, digits=1)}" * (error > KNOWN * top)
     low = reach([one.after * scale.force for one in alike], scale.force_unit)
     if kind == "smooth":
-        return f"smooth at {low}{off}"
+        return f"smooth at {low}{off}{_without_delay(answer, last)}"
     high = reach([one.before * scale.force for one in alike], scale.force_unit) + off
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
