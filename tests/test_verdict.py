@@ -15,7 +15,7 @@ import eq_model
 import master
 import origins
 from origins import Contacts, InputError, gaussian, identical, mixture
-from tests.scenes import CONSTANTS, ROUGH, said, write
+from tests.scenes import CONSTANTS, GAUSSIAN, ROUGH, said, write
 from toolkit.processes.signals import TimeIsUp
 from toolkit.scene.interfaces import of_islands, of_samples, of_smoothing
 from toolkit.scene.scale import guarded, scale_of, written
@@ -338,6 +338,11 @@ REFUSED = {
         "gw/strength",
     ),
     "slip": ({"drive": {"spring": 1.0, "mass": 1.0, "slip": "reset"}}, "drive.slip = 'reset'"),
+    "unit": (
+        {"thresholds": ROUGH | {"pressure": 1.0}, "drive": MACHINE | {"area": 1e-10}},
+        "is the unit right?",
+    ),
+    "sign": ({"drive": {"spring": 1.0, "mass": "-0.1 kg"}}, "drive.mass = '-0.1 kg': must be"),
     "not a surface": ({"verdict": {"readings": ["gw/paper"]}}, "verdict.readings"),
     "steps": ({"thresholds": ROUGH, "verdict": {"steps": [2]}}, "verdict.steps = 2"),
     "area": ({"thresholds": ROUGH, "drive": {"spring": "50 N/m"}}, "drive.spring"),
@@ -374,6 +379,23 @@ def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:
     status, page, found = judged(capsys, verdict=RESET, **tables)
     assert status == 1 and page.splitlines()[2] == f"not decided ({NO_TIME})"
     assert 0.4 < found["readings"][0]["kinetic"]["value"] < 0.7
+
+
+def test_exact_values_that_are_too_late_are_told_what_is_known(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    """K* is infinite as they break together, and F_s is what takes long."""
+
+    def late(*arguments: Any, **named: Any) -> None:
+        raise TimeIsUp
+
+    monkeypatch.setattr(master, "propensity", late)
+    for law, known in (({"kind": "identical", "value": 1.0}, True), (GAUSSIAN, False)):
+        tables = {"thresholds": law, "drive": {"spring": 0.5}, "master": None, "wall_time": 1e4}
+        status, out, err = said(capsys, "verdict", write(**tables))
+        assert status == 2 and not out and "before this reading is solved" in err[-1]
+        assert ("K* is infinite: all contacts break at one value, x = 1" in err[-1]) is known
+        assert ("F_s of exact values may take a minute" in err[-1]) is known
 
 
 # a slider on a spring far below K*, for which the master equation is given no time
@@ -490,7 +512,7 @@ def test_a_slider_cut_after_a_slip_tells_of_it(capsys: Any, monkeypatch: Any) ->
     assert "whether it goes on is not known" in page and "X_T = 4.50 nm" in page
     before = one["before"]
     assert before > one["after"] and f"from {guarded(before, 'N', 1e-9)} down to" in page
-    assert "force before a slip (reset)" in page
+    assert "force before a slip (reset: path cut)" in page
 
 
 def test_slips_that_were_seen_are_told_beside_what_was_not_followed() -> None:

@@ -59,7 +59,10 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
         if read[2] not in known:
             refuse(key, given, f"unit {read[2]} is not known; known: {', '.join(known)}")
         check = non_negative if name == "damping" else positive
-        given = check(key, float(read[1]) * known[read[2]])
+        try:
+            given = check(key, float(read[1]) * known[read[2]])
+        except InputError as error:  # of the text as it was given
+            refuse(key, given, str(error).partition(": ")[2])
         unit = own.shared if read[2] == own.shared else own.si
     if unit == own.si:
         if interface is None:
@@ -70,8 +73,15 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
         if table.area is None:
             refuse(key, getattr(table, name), "needs drive.area, the nominal area in m²; add it")
         if (held := interface.contact_density * table.area) < 1.0:
-            hint = f"holds {held:.2g} contacts; give over {1.0 / interface.contact_density:.2g} m²"
-            refuse("drive.area", table.area, hint)
+            few = f"holds {held:.2g} contacts"
+            # a pressure in MPa has 1e-6 of the contacts that are meant
+            asked = [one for one in getattr(interface, "cautions", ()) if "?" in one]
+            hint = f"; give over {1.0 / interface.contact_density:.2g} m²"
+            refuse(
+                "drive.area",
+                table.area,
+                f"{few}: {' '.join(asked)} Else{hint[1:]}" if asked else few + hint,
+            )
         return float(given) / (held * interface.mean_stiffness)
     if interface is not None and given and not unit:
         hint = f'has no unit; of a surface write either {name} = "{given:g} {own.si}" with area ='

@@ -16,7 +16,7 @@ from toolkit.processes.signals import TimeIsUp
 from toolkit.results.html import as_table
 from toolkit.running.resampled import of_resampled
 from toolkit.running.solvers import within
-from toolkit.scene.interfaces import of_listed_angles, of_smoothing
+from toolkit.scene.interfaces import of_smoothing
 from toolkit.scene.scale import Scale, scale_of, with_uncertainty
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
@@ -31,7 +31,7 @@ from toolkit.verdict.machine import (
     machine_of,
     not_followed,
 )
-from toolkit.verdict.readings import readings_of
+from toolkit.verdict.readings import readings_of, why_late
 
 RULES = ("reset", "reform-after", "instant")
 # s for all readings and rules together; share of what is left for the scene's own, and then for its contacts' number
@@ -141,8 +141,11 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
     budget = Budget(scene.wall_time or WALL_TIME, strict=scene.wall_time is not None)
     scene, answers = replace(scene, wall_time=scene.wall_time or WALL_TIME), list[Answer]()
     left_out, finite = dict[str, str](), tuple[Finite, ...]()
+    many, solved = sum(reading.contacts is not None for reading in readings), 0
     for number, reading in enumerate(readings):
-        progress(f"reading {number + 1} of {len(readings)}: {reading.name}")
+        if reading.contacts is not None:
+            solved += 1
+            progress(f"reading {solved} of {many}: {reading.name}")
         # the scene's own is the answer; what it does not need is left to the number of contacts, and to the others
         part = budget.part(OWN if reading.own else 1.0 / (len(readings) - number))
         deadline = time.monotonic() + budget.left()
@@ -153,9 +156,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
                 answers.append(_answer(table, reading.name, reading.contacts, rules, part))
         except InputError as error:
             if reading.own:
-                notes = (
-                    [] if reading.contacts is None else of_listed_angles(scene.contacts.thresholds)
-                )
+                notes = [] if reading.contacts is None else why_late(reading.contacts)
                 raise InputError("; ".join([str(error), *notes])) from error
             left_out[reading.name] = str(error)
         if reading.own:

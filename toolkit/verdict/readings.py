@@ -8,6 +8,7 @@ from typing import Any
 
 from origins.contacts import Contacts
 from origins.errors import InputError, refuse
+from toolkit.scene.interfaces import of_listed_angles, why_infinite
 from toolkit.scene.scene import Scene, make_contacts
 from toolkit.scene.tables import read_table
 
@@ -62,6 +63,15 @@ def readings_of(scene: Scene) -> list[Reading]:
         if (name, step) != own:
             found.append(_read(scene, given, name, step, _title(name, step, steps)))
     return found
+
+
+def why_late(contacts: Contacts) -> list[str]:
+    """Why a reading of these contacts may not be solved in time, and what is known of it all the same; else none."""
+    law = contacts.thresholds
+    if not law.atoms[0].size or contacts.in_time:
+        return of_listed_angles(law)
+    hint = "F_s of exact values may take a minute of the processor: give more wall_time, or leave it out"
+    return [why_infinite(contacts), hint]
 
 
 def _title(name: str, step: int, steps: list[int]) -> str:

@@ -124,9 +124,16 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         if behaviour.slip_time is not None:
             told["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         for row in told.items():
-            rows.setdefault(row, []).append(behaviour.rule)
+            rows.setdefault(row, []).append(behaviour.rule + _unfinished(behaviour))
     for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
+
+
+def _unfinished(behaviour: Behaviour) -> str:
+    """What to add to the rule of slips that were seen where it is not known whether they go on."""
+    if behaviour.kind != "undecided":
+        return ""
+    return ": path cut" if "path is cut" in behaviour.message else ": not decided"
 
 
 def drop_of(behaviour: Behaviour) -> float:
