@@ -262,7 +262,7 @@ def test_mass_and_damping_of_the_slider() -> None:
             {"mass": "2 lb", "area": 1e-4},
             r"^drive\.mass = '2 lb': unit lb is not known; known: kg,",
         ),
-        ({"mass": "0 kg", "area": 1e-4}, r"^drive\.mass = 0.0: must be above zero"),
+        ({"mass": "0 kg", "area": 1e-4}, r"^drive\.mass = '0 kg': must be above zero"),
         (
             {"law": GAUSSIAN, "spring": 0.5, "mass": "0.2 kg"},
             r"^drive\.mass: in kg needs <k> in N/m",
