@@ -99,7 +99,8 @@ class History:
 
     Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact threshold, or where
     another leg begins. So the middle column determines on which side of such a point the whole row lies. The caller has
-    to see to that: a row that crosses such a point gives a wrong survival, which nothing here notices.
+    to see to that: a row that crosses such a point gives a wrong survival, which nothing here notices. Rows whose
+    middle column is the last of the row's times are allowed where renewal/few_times.py says why.
 
     t, s : instants and births, which broadcast to shape (rows, columns)
     now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)

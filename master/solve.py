@@ -44,9 +44,9 @@ def solve(
     The equation is number conservation, written with survivals and solved panel by panel; the paper's own scheme is
     master.paper.explicit. The files that do the work on a rigid slider, in the order in which they begin, are `solve`,
     `rigid`, `motion`, `survival.make`, `survival.life`, `renewal.births`, `renewal.budget`, `renewal.edges`,
-    `renewal.panel_width`, `renewal.march`, `renewal.solved`, `renewal.present`, `renewal.past`, `outcome`,
-    `renewal.straight`, `numerics.polynomials`, `renewal.lumps` and, for a start with a width, `numerics.averages`;
-    docs/equations.md says what each does, and derives the equation.
+    `renewal.panel_width`, `renewal.march`, `renewal.solved`, `renewal.present`, `renewal.past`, `renewal.few_times`,
+    `outcome`, `renewal.straight`, `numerics.polynomials`, `renewal.lumps` and, for a start with a width,
+    `numerics.averages`; the head of each says what it does, and docs/equations.md derives the equation.
 
     Parameters
     ----------

@@ -74,6 +74,7 @@ QUESTIONS = {
         "master:LoadCurve.slip_begins",
         "master:SlipBegins.up_to_slip",
     ),
+    "the law of the delay; contacts that are out": ("origins:Delay", "master:still_out"),
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "what survives with heat; by one mean rate": ("master:ThermalLife", "master:MeanRateLife"),
     "the law of ageing; what survives": ("origins:Ageing", "master:AgeingLife"),

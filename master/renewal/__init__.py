@@ -14,11 +14,8 @@ are the breaks, one delay later. One step, of `March`:
 At an edge, where the breaks may jump, contacts that reach an exact threshold together become a lump
 (`March._break_lumps`).
 
-In reading order: `births.py` (what is born, and polynomials of births), `march.py` (the steps), `present.py` (births on
-the present leg, whose survival is in `straight.py`, and `solve_run`), `past.py` (all other contacts: lumps, of
-`lumps.py`, and births on earlier legs, of `earlier_legs.py`, those of contacts that age of `strand_births.py`). Beside
-them: `edges.py` (where panels end), `panel_width.py` (how wide they are), `solved.py` (the panels so far), `budget.py`
-(the parts of the tolerance).
+The docstring of `master.solve` lists the files in the order in which they begin. To read, begin with `births.py` and
+`march.py`; `past.py` leads on to births on earlier legs.
 
 Tests: tests/test_solve.py, test_turning.py, test_panel_edges.py and test_orders_panels.py; for errors
 test_force_error.py, test_unseen_errors.py and test_faults_name_themselves.py. A plain twin: `paper/renewal.py`, held

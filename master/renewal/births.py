@@ -190,3 +190,12 @@ class BirthPanels(NamedTuple):
 def panel_at(begins: Array, t: float) -> int:
     """The panel on which the time t lies, the last that begins at t or before it; the first for earlier times."""
     return max(int(np.searchsorted(begins, t, "right")) - 1, 0)
+
+
+def still_out(t: Array, delay: float, begin: Array | float, width: Array | float) -> Array:
+    """Weights of a panel's breaks, at 0 and its nodes, in the number of contacts that broke on it and are out at times
+    t, shape (..., DEGREE + 1): all that broke up to t, but for those up to one delay before, which have formed again.
+    `begin` and `width` are the panel's, or broadcast against t."""
+    places = [np.clip((up_to - begin) / width, 0.0, 1.0) for up_to in (t, t - delay)]
+    broken, born_again = polynomials.values(np.stack(places))
+    return np.asarray(broken - born_again)

@@ -5,6 +5,8 @@ polynomial on each panel. Over s, E and K bend where the largest |x| of a contac
 law, and are smooth in between. So for each t the leg is cut into pieces at these s (`_pieces`); on each piece E and K
 are approximated by polynomials through a few nodes (`_fitted`); pieces on which these are too rough are halved
 (`_rough`); the others are summed (`_integrated`).
+
+All times are counted from the beginning of the present leg (see past.py), those of births too.
 """
 
 import time as clock
@@ -41,62 +43,69 @@ class Fitted(NamedTuple):
     survival_error: float
 
 
-class EarlierLegs:
-    """Births on some of the legs before the present one.
+class Held(NamedTuple):
+    """How many of the births on earlier legs held at one time.
 
-    may_be_left_out : legs of whose births hardly any held at the latest of the times that were asked for last, and the
-        share of all contacts that did
+    t_leg : the time, the latest that was asked for
+    shares : of all contacts, that were born on a leg and held, by the leg's index
     """
+
+    t_leg: float
+    shares: dict[int, float]
+
+    def at_most(self, share: float) -> dict[int, float]:
+        """Those of the legs of whose births at most this share of all contacts held."""
+        return {leg: held for leg, held in self.shares.items() if held <= share}
+
+
+class EarlierLegs:
+    """Births on some of the legs before the present one."""
 
     def __init__(
         self,
         births: Births,
-        motion: Motion,
+        motion_leg: Motion,
         leg: int,
         legs: npt.NDArray[np.intp],
-        born: BirthPanels,
+        born_leg: BirthPanels,
         accuracy: float,
     ) -> None:
-        """`born` are the births on all legs before `leg`, of which those on `legs` count. The times of both, and of the
-        motion, are counted from the beginning of `leg`."""
-        self._births, self._life, self._motion = births, births.life, motion
+        """`born_leg` are the births on all legs before `leg`, of which those on `legs` count."""
+        self._births, self._life, self._motion_leg = births, births.life, motion_leg
         self._leg, self._legs = leg, legs
-        self._born, self._accuracy = born, accuracy
-        self.may_be_left_out = dict[int, float]()
+        self._born_leg, self._accuracy = born_leg, accuracy
 
-    def sums(self, t: Array, left_out_below: float) -> Sums:
-        """Number and force at times t, shape (n,); both of shape (2, n). Legs of whose births at most this share of all
-        contacts holds may be left out."""
-        both, missed, survival_error = np.zeros((2, t.size)), np.zeros(t.size), 0.0
-        held = np.zeros(self._leg)  # of the births on each leg, at the latest time
-        pieces = self._pieces(t)
+    def sums(self, t_leg: Array) -> tuple[Sums, Held]:
+        """Number and force at times, shape (n,); both of shape (2, n). And what held at the latest of these times."""
+        both, missed, survival_error = np.zeros((2, t_leg.size)), np.zeros(t_leg.size), 0.0
+        held, latest = np.zeros(self._leg), float(t_leg.max())
+        pieces = self._pieces(t_leg)
         size = polynomials.PANEL_NODES if self._life.quick else FIRST_NODES
         while pieces.owner.size:
-            fitted = self._fitted(pieces, t, size)
+            fitted = self._fitted(pieces, t_leg, size)
             survival_error = max(survival_error, fitted.survival_error)
             rough = self._rough(pieces, fitted)
             good = pieces.pick(~rough)
             added, lost = self._integrated(good, fitted, ~rough)
             for total, part in zip((*both, missed), (*added, lost), strict=True):
-                total += np.bincount(good.owner, part, t.size)
-            late = t[good.owner] == t.max()
-            leg = self._motion.leg(0.5 * (good.low + good.high)[late])
+                total += np.bincount(good.owner, part, t_leg.size)
+            late = t_leg[good.owner] == latest
+            leg = self._motion_leg.leg(0.5 * (good.low + good.high)[late])
             held += np.bincount(leg, added[0, late], held.size)
             pieces = pieces.pick(rough)
             if size == polynomials.PANEL_NODES:
                 pieces = pieces.halves()
             size = min(2 * size, polynomials.PANEL_NODES)
-        few = [leg for leg in self._legs.tolist() if held[leg] <= left_out_below]
-        self.may_be_left_out = {leg: float(held[leg]) for leg in few}
-        return Sums(both, float(missed.max()), survival_error)
+        shares = {leg: float(held[leg]) for leg in self._legs.tolist()}
+        return Sums(both, float(missed.max()), survival_error), Held(latest, shares)
 
-    def _fitted(self, pieces: Pieces, t: Array, size: int) -> Fitted:
-        """Polynomials of E and K on pieces, as seen from the times t, through so many nodes."""
+    def _fitted(self, pieces: Pieces, t_leg: Array, size: int) -> Fitted:
+        """Polynomials of E and K on pieces, as seen from these times, through so many nodes."""
         # pieces may end at exact thresholds, where the survival jumps
         nodes = (polynomials.gauss if self._life.atoms.size else polynomials.lobatto)(size)
-        birth = pieces.low[:, None] + (pieces.high - pieces.low)[:, None] * nodes.nodes
+        birth_leg = pieces.low[:, None] + (pieces.high - pieces.low)[:, None] * nodes.nodes
         self._births.add_work(pieces.owner.size * size // polynomials.PANEL_NODES)
-        history = self._motion.history(t[pieces.owner, None], birth)
+        history = self._motion_leg.history(t_leg[pieces.owner, None], birth_leg)
         found = self._life.survival_and_force(self._births.law, history)
         series = found.both @ nodes.series
         last, fall_of_two = polynomials.last_and_fall(np.abs(series[..., -4:]))
@@ -107,9 +116,11 @@ class EarlierLegs:
 
     def _rough(self, pieces: Pieces, fitted: Fitted) -> npt.NDArray[np.bool_]:
         """The pieces to be halved; none after too much work. The accuracy is asked of each piece, see ErrorBudget."""
-        off = fitted.left_out * self._born.most_between(pieces) * self._legs.size
+        off = fitted.left_out * self._born_leg.most_between(pieces) * self._legs.size
         # below this width both ends of a piece are equal by rounding
-        durations = np.diff(self._motion.times)[self._motion.leg(0.5 * (pieces.low + pieces.high))]
+        durations = np.diff(self._motion_leg.times)[
+            self._motion_leg.leg(0.5 * (pieces.low + pieces.high))
+        ]
         narrowest = polynomials.CLOSE * durations + ROUNDED_TIME * np.abs(pieces.low)
         goes_on = self._births.work <= MOST_WORK and clock.monotonic() <= self._births.until
         return (off > self._accuracy) & (pieces.high - pieces.low > narrowest) & goes_on
@@ -120,34 +131,34 @@ class EarlierLegs:
         """Number and force of births on the pieces, shape (2, pieces), and what the number misses; `which` of the
         polynomials are theirs."""
         series = fitted.series[:, which]
-        weights = self._born.legendre_weights(pieces, series.shape[-1])
+        weights = self._born_leg.legendre_weights(pieces, series.shape[-1])
         # left out: coefficients n + k, about |c_n| fall^k, times births of that degree, taken as those of n - k
         fading = fitted.fall[which, None] ** np.arange(series.shape[-1])[::-1]
         missed = fitted.left_out[which] * (np.abs(weights) * fading).sum(axis=1)
         return (series * weights).sum(axis=-1), missed
 
-    def _pieces(self, t: Array) -> Pieces:
+    def _pieces(self, t_leg: Array) -> Pieces:
         """Pieces of the births on each leg, for each target, with ends where the survival bends; without those of which
         none holds."""
-        motion, law, legs = self._motion, self._births.law, self._legs
+        motion_leg, law, legs = self._motion_leg, self._births.law, self._legs
         # arrays of shape (targets, legs, ends of pieces)
-        ends = motion.times[legs], motion.times[legs + 1]
-        first, last = np.clip(ends, *self._born.ends[[0, -1]])[:, None, :, None]
-        cuts = [np.broadcast_to(end, (t.size, legs.size, 1)) for end in (first, last)]
+        ends = motion_leg.times[legs], motion_leg.times[legs + 1]
+        first, last = np.clip(ends, *self._born_leg.ends[[0, -1]])[:, None, :, None]
+        cuts = [np.broadcast_to(end, (t_leg.size, legs.size, 1)) for end in (first, last)]
         if law.is_single:
-            cuts.append(np.clip(self._bends(t, law.mean()), first, last))
-        edges = np.concatenate(cuts, axis=2).reshape(t.size * legs.size, -1)
+            cuts.append(np.clip(self._bends(t_leg, law.mean()), first, last))
+        edges = np.concatenate(cuts, axis=2).reshape(t_leg.size * legs.size, -1)
         owner, begin, end = Pieces.between(edges)
         target = owner // legs.size
         # with one stretch pieces end where contacts have met the end of P_c: all on a piece hold, or none
         places = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
         place = begin[:, None] + (end - begin)[:, None] * places
-        held = self._births.may_hold(law, motion.history(t[target, None], place))
+        held = self._births.may_hold(law, motion_leg.history(t_leg[target, None], place))
         return Pieces(target, begin, end).pick(held)
 
-    def _bends(self, t: Array, born: float) -> Array:
-        """Times of birth, at the one stretch `born`, for which the survival at t bends or its force does, an array of
-        shape (targets, legs, bends); some lie outside the leg.
+    def _bends(self, t_leg: Array, born: float) -> Array:
+        """Times of birth, at the one stretch `born`, for which the survival at `t_leg` bends or its force does, shape
+        (targets, legs, bends); some lie outside the leg.
 
         Let low and high be the ends of the way since then, and o = X(s) - born the place where the contact is relaxed.
         Its stretch is x = now - o, and its largest |x| so far is that at the end which is farther from o:
@@ -158,15 +169,15 @@ class EarlierLegs:
         A mark is a bend of P_c, |born| or the end of P_c. There is a bend where o is one of `goals`: the largest |x| is
         a mark, or changes from one end to the other (middle); or o is now, where x = 0, high or low.
         """
-        motion, legs = self._motion, self._legs
-        now = motion.at(t)[:, None, None]
-        tops, bottoms = motion.knots_between(self._leg, legs)
+        motion_leg, legs = self._motion_leg, self._legs
+        now = motion_leg.at(t_leg)[:, None, None]
+        tops, bottoms = motion_leg.knots_between(self._leg, legs)
         high, low = np.maximum(now, tops[:, None]), np.minimum(now, bottoms[:, None])
         marks = np.append(self._life.bends, [abs(born), self._life.largest_stretch])
         middle = 0.5 * (high + low)
         now = np.broadcast_to(now, middle.shape)
         goals = [high - marks, low + marks, middle, now, high, low]
-        begin, speed = motion.positions[legs, None], motion.speeds[legs, None]
+        begin, speed = motion_leg.positions[legs, None], motion_leg.speeds[legs, None]
         way = born + np.concatenate(goals, axis=2) - begin
         into_leg = np.divide(way, speed, out=np.zeros(way.shape), where=speed != 0.0)
-        return np.asarray(motion.times[legs, None] + into_leg)
+        return np.asarray(motion_leg.times[legs, None] + into_leg)

@@ -12,11 +12,18 @@ from master.renewal.births import INSIDE, Births, Lump, Sums
 from origins.thresholds.law import Array
 
 
-def sums_of_lumps(births: Births, motion: Motion, lumps: Sequence[Lump], grid: Array) -> Sums:
-    """What lumps add to number and force at times; both of shape (2, *grid.shape).
+def sums_of_lumps(
+    births: Births,
+    motion_leg: Motion,
+    lumps: Sequence[Lump],
+    leg_begins_path: float,
+    grid_leg: Array,
+) -> Sums:
+    """What lumps add to number and force at times; both of shape (2, *grid_leg.shape). Clocks: see past.py.
 
-    motion : that of the births, counted from the beginning of the present leg, as the lumps' times are
-    grid : times in rows, each within one panel
+    motion_leg : that of the births
+    leg_begins_path : when the present leg begins
+    grid_leg : times in rows, each within one panel
 
     A lump counts on a panel by where its birth lies:
 
@@ -27,29 +34,31 @@ def sums_of_lumps(births: Births, motion: Motion, lumps: Sequence[Lump], grid: A
 
     Mostly a birth lies on an edge, where rounding tells no side. One that is nearer to a panel's end than INSIDE of the
     width is not amid: whether it is before or after is decided by the middle column of the row. That column says, too,
-    on which side of an exact threshold the row is (see History).
+    on which side of an exact threshold the row is (see History; for rows whose middle is the panel's end few_times.py).
     """
-    both, survival_error = np.zeros((2, *grid.shape)), 0.0
-    earliest, middle = grid.min(keepdims=True), grid[:, grid.shape[1] // 2]
-    inside = INSIDE * np.ptp(grid, axis=1)
-    panel_begin, panel_end = grid.min(axis=1) + inside, grid.max(axis=1) - inside
+    both, survival_error = np.zeros((2, *grid_leg.shape)), 0.0
+    earliest, middle = grid_leg.min(keepdims=True), grid_leg[:, grid_leg.shape[1] // 2]
+    inside = INSIDE * np.ptp(grid_leg, axis=1)
+    panel_begin, panel_end = grid_leg.min(axis=1) + inside, grid_leg.max(axis=1) - inside
     for law in dict.fromkeys(lump.law for lump in lumps):
         alike = [lump for lump in lumps if lump.law is law]
         weight = np.array([lump.weight for lump in alike])
-        birth = np.array([[lump.time] for lump in alike])  # (lumps, 1), against rows (rows,)
-        amid = (panel_begin < birth) & (birth < panel_end)
-        unborn = (birth > middle) & ~amid
+        # (lumps, 1), against rows (rows,)
+        birth_leg = np.array([[lump.time - leg_begins_path] for lump in alike])
+        amid = (panel_begin < birth_leg) & (birth_leg < panel_end)
+        unborn = (birth_leg > middle) & ~amid
         both[0] += (weight @ unborn)[:, None]
-        may_hold = births.may_hold(law, motion.history(earliest, birth))[:, None]
+        may_hold = births.may_hold(law, motion_leg.history(earliest, birth_leg))[:, None]
         # pairs of a lump and a row, shape (pairs,)
-        lump, row = np.nonzero((may_hold | (birth >= earliest)) & ~unborn)
+        lump, row = np.nonzero((may_hold | (birth_leg >= earliest)) & ~unborn)
         if not row.size:
             continue
         births.add_work(row.size)
-        t, born = grid[row], birth[lump]  # (pairs, columns) and (pairs, 1)
-        found = births.life.survival_and_force(law, motion.history(np.maximum(t, born), born))
+        t_leg, born_leg = grid_leg[row], birth_leg[lump]  # (pairs, columns) and (pairs, 1)
+        history = motion_leg.history(np.maximum(t_leg, born_leg), born_leg)
+        found = births.life.survival_and_force(law, history)
         survival_error = max(survival_error, found.error)
-        still_unborn = amid[lump, row, None] & (t < born)
+        still_unborn = amid[lump, row, None] & (t_leg < born_leg)
         survivors = np.where(still_unborn, [[[1.0]], [[0.0]]], found.both)  # (2, pairs, columns)
         for total, added in zip(both, weight[lump, None] * survivors, strict=True):
             np.add.at(total, row, added)

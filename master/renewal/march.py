@@ -17,7 +17,7 @@ import numpy as np
 
 from master.numerics import polynomials
 from master.outcome import FaultError, StoppedError, stop_after
-from master.renewal.births import MOST_WORK, Births, Jump, Lump, Panels, panel_at
+from master.renewal.births import MOST_WORK, Births, Jump, Lump, Panels, panel_at, still_out
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
 from master.renewal.present import TARGETS, Present, Run, solve_run
@@ -53,7 +53,7 @@ class March:
     solved : the panels so far
     lumps : the start first; their times are on the path
     present, _past : sums over births on the present leg, and over all other contacts
-    widest : largest width of the next panels; inf before the first
+    widths : how wide the next panels are
     steady_since : when the march ended because breaks were steady; inf where they were not
     unfinished, fault : whether it was stopped before the last edge, and the fault of the program if one stopped it
     jump : the largest Jump, of size 0 where there is none
@@ -76,7 +76,7 @@ class March:
         self.solved = SolvedPanels()
         self.lumps = [Lump(0.0, 1.0, start)]
         self.present, self._past = Present(births), Past(births)
-        self.widest = self.steady_since = np.inf
+        self.widths, self.steady_since = PanelWidth(self.life.quick), np.inf
         self.unfinished, self.fault = False, ""
         self.jump = Jump(0.0, 0, 0.0)
 
@@ -119,10 +119,11 @@ class March:
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            goes_on = before < 0 and self.widest < np.inf
+            goes_on = before < 0 and self.widths.widest < np.inf
             if leg != before and not goes_on:
                 moving = bool(self.motion.speeds[leg])
-                self.widest = self._duration(self.guess, leg) if moving else OF_HOLD * (end - begin)
+                widest = self._duration(self.guess, leg) if moving else OF_HOLD * (end - begin)
+                self.widths.widest = widest
             before, leg_begin = leg, float(self.motion.times[leg])
             yield from self._segment(leg, begin - leg_begin, end - leg_begin)
 
@@ -132,14 +133,15 @@ class March:
         leg_begin = float(self.motion.times[leg])
         first = self._duration(self.guess, leg)
         most = self._duration(self.life.largest_stretch, leg)
-        tolerance, quick = self.tolerance, self.life.quick
-        widths = PanelWidth(edge - since, self.widest, first, most, tolerance, quick)
+        tolerance, widths = self.tolerance, self.widths
+        widths.begin(edge - since, first, most, tolerance)
         while not widths.reached(edge - since):
             stop_after(self.births.until)
             proposal = widths.propose(edge - since)
             run = self._run(leg, since, proposal.width, proposal.panels)
 
-            # beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error
+            # Beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error:
+            # all of the run, since those behind a bad one, solved again at this width, would come out the same.
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(since)
             bad = np.flatnonzero(run.error > tolerance)
             if bad.size and widths.too_narrow(since) and run.error[bad[0]] > self.jump.size:
@@ -150,11 +152,9 @@ class March:
             since = since + good * proposal.width if good < proposal.to_edge else edge
             if good < run.error.size:
                 widths.narrow(good, float(run.error[good]))
-                self.widest = widths.widest
             else:
                 broken = float(np.abs(run.breaks[:, -1]).max())
                 widths.widen(proposal, run.error, broken, unresolved=keep_all)
-                self.widest = widths.widest
                 yield
 
     def _duration(self, length: float, leg: int) -> float:
@@ -234,15 +234,12 @@ class March:
         on_it = solved.pick(max(first, self._past.first), last)
         out += self.births_on_leg(t, leg, on_it).reshape(out.shape)
         if delay > 0.0 and first < last:
-            out[0] += self._out(leg_begin + t, solved.pick(first, last)).reshape(grid.shape)
+            panels = solved.pick(first, last)
+            of_breaks = still_out(
+                leg_begin + t, delay, panels.begin[:, None], panels.width[:, None]
+            )
+            out[0] += np.einsum("ptn,pn->t", of_breaks, panels.breaks).reshape(grid.shape)
         return out
-
-    def _out(self, t: Array, panels: Panels) -> Array:
-        """Of the breaks on some panels those that are out at times t (n,): all up to t, but for those up to one delay
-        before, which have formed again."""
-        since = t - np.array([[[0.0]], [[self.births.delay]]]) - panels.begin[:, None]
-        broken = polynomials.values(np.clip(since / panels.width[:, None], 0.0, 1.0))
-        return np.asarray(np.einsum("ptn,pn->t", broken[0] - broken[1], panels.breaks))
 
     def births_on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
         """Number and force at times t, counted from the beginning of the leg, of births on that leg. `panels`: those
@@ -276,7 +273,7 @@ class March:
         other.births, other.motion, other._past = births, births.motion, Past(births)
         other.present = self.present.counted_on(births)
         other._past.count_errors_of(self._past)  # with which the panels so far were solved
-        other.widest = min(self.widest, self.guess)
+        other.widths = PanelWidth(self.life.quick, min(self.widths.widest, self.guess))
         other.solved = self.solved.up_to(t, SAME_BEGIN * self.guess)
         other.lumps = [self.lumps[0], *(lump for lump in self.lumps[1:] if lump.time < t)]
         return other

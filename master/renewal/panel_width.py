@@ -84,30 +84,25 @@ class Proposal(NamedTuple):
 
 
 class PanelWidth:
-    """The widths of the panels from one edge to the next.
+    """The widths of a march's panels: `begin` is called at each edge, before the panels up to the next one.
 
+    widest : largest width of the next panels, inf before the first, kept from edge to edge; `narrow` and `widen` change
+        it, and the march sets it where a leg begins
     length : from edge to edge, a time
-    widest : largest width of the next panels; the controller changes it, and the next edge takes it over
     first, most : width of the first guess, and the largest that is of use: that of a whole life. Both are lengths
         divided by the speed, and so inf in a hold, where only the distance to the edge bounds a width
     tolerance : largest error of a good panel; quick : whether a look-up gives the survival (Life.quick)
     """
 
-    def __init__(
-        self,
-        length: float,
-        widest: float,
-        first: float,
-        most: float,
-        tolerance: float,
-        quick: bool,
-        rules: WidthRules = RULES,
-    ) -> None:
+    def __init__(self, quick: bool, widest: float = np.inf, rules: WidthRules = RULES) -> None:
+        """Before the first edge."""
+        self.widest, self.rules, self._quick = widest, rules, quick
+
+    def begin(self, length: float, first: float, most: float, tolerance: float) -> None:
         """Begin at an edge, with panels as wide as those before it."""
-        self.length, self.widest = length, widest
-        self.tolerance, self.rules = tolerance, rules
-        self._first, self._most, self._quick = first, most, quick
-        self._narrowest = min(first, length) * (rules.least_quick if quick else rules.least)
+        rules = self.rules
+        self.length, self.tolerance, self._first, self._most = length, tolerance, first, most
+        self._narrowest = min(first, length) * (rules.least_quick if self._quick else rules.least)
         self._width, self._run = 0.0, rules.first_run
         self._good_panels = 0  # in a row, with errors that let panels widen
         self._bad_width = self._bad_error = 0.0  # of the last attempt, 0 if that was good

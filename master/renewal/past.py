@@ -4,11 +4,16 @@ They are of three kinds: lumps, the start among them; births on the legs before,
 from the slider's displacements alone (earlier_legs.py); and such births of contacts that age, which have to be followed
 from leg to leg (strand_births.py). Past adds them up, and forgets legs of whose births hardly any contact holds.
 
-Three clocks. The march counts t from the beginning of the path, so that births.motion, Panels.begin and Lump.time do.
-Here times are counted from the beginning of the present leg, to keep digits, so that the motion, the births and the
-grids of Past, EarlierLegs and sums_of_lumps are; Past.enter turns one into the other for births, `_summed` for lumps.
-In between, births are counted from the beginning of their own leg (Panels.births_begin), as strands of ageing contacts
-are throughout.
+Three clocks meet here, in earlier_legs.py and in lumps.py. The name of a time there, of a motion or of births on
+panels ends in its clock (`leg` alone is an index):
+
+- `_path`: since the beginning of the path, the clock of the march: births.motion, Panels.begin and Lump.time;
+- `_leg`: since the beginning of the present leg, to keep digits: here sums are taken;
+- `_birth_leg`: since the beginning of the leg on which a contact is born (Panels.births_begin), as are all times of
+  strands of ageing contacts.
+
+Past.enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
+the second.
 """
 
 from collections.abc import Sequence
@@ -16,13 +21,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from master.numerics import polynomials
 from master.numerics.polynomials import Rows
 from master.renewal.births import INSIDE, TINY, Births, Lump, Panels, Sums
-from master.renewal.earlier_legs import EarlierLegs
+from master.renewal.earlier_legs import EarlierLegs, Held
+from master.renewal.few_times import FewTimes
 from master.renewal.lumps import sums_of_lumps
-from master.renewal.present import TARGETS
-from master.survival.life import MARGIN, Life
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
@@ -47,8 +50,7 @@ class Past:
     def __init__(self, births: Births) -> None:
         """Before the first leg: `enter` is called before anything is asked for."""
         self._births = births
-        # the motion, its times and positions counted from the beginning of the present leg; when that is on the path
-        self._motion, self._leg_begin = births.motion, 0.0
+        self._motion_leg, self._leg_begins_path = births.motion, 0.0
         self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
         self.leg, self.first = -1, 0
@@ -56,6 +58,8 @@ class Past:
         self.survival_error = births.life.error
         self._legs_left_out = set[int]()
         self._earlier: EarlierLegs | None = None
+        # what held when the earlier legs were last asked, on the present leg
+        self._held_last: Held | None = None
         self._strands = list["StrandBirths"]()
         self._few = FewTimes(births.life)
 
@@ -74,56 +78,58 @@ class Past:
         """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first` on, one delay
         late, fall on it. `panels`: all that are solved.
 
-        Legs are left out of whose births hardly any held when they were last asked for, on the leg before. A proposal
-        that was rejected may have asked: a survival only falls, so that at any time of that leg more of them held than
-        on this one."""
+        Legs are left out of whose births hardly any held when they were last asked for, on the leg before. That may
+        have been at any of its times, as a proposal that was rejected asks, too: a survival only falls, so that more of
+        them held then than on this leg."""
         births, path, before = self._births, self._births.motion, self.leg
-        self.leg, self._leg_begin = leg, float(path.times[leg])
-        self._motion = path.counted_from(leg)
-        middle = panels.middle_of_births(births.delay)
-        self.first = int(np.searchsorted(middle, self._leg_begin))
-        panels, legs = panels.pick(slice(self.first)), path.leg(middle[: self.first])
-        # counted from the beginning of the leg of each birth, and not yet of this one
-        begin = panels.births_begin(path.times[legs], births.delay)
+        self.leg, self._leg_begins_path = leg, float(path.times[leg])
+        self._motion_leg = path.counted_from(leg)
+        middle_path = panels.middle_of_births(births.delay)
+        self.first = int(np.searchsorted(middle_path, self._leg_begins_path))
+        panels, legs = panels.pick(slice(self.first)), path.leg(middle_path[: self.first])
+        begin_birth_leg = panels.births_begin(path.times[legs], births.delay)
         if births.life.has_strands:
-            self._follow_strands(range(max(before, 0), leg), panels, begin, legs)
+            self._follow_strands(range(max(before, 0), leg), panels, begin_birth_leg, legs)
             return
-        if self._earlier is not None:
-            self._legs_left_out |= self._earlier.may_be_left_out.keys()
-            self.left_out += sum(abs(held) for held in self._earlier.may_be_left_out.values())
+        if self._held_last is not None:
+            few = self._held_last.at_most(self._left_out_below)
+            self._legs_left_out |= few.keys()
+            self.left_out += sum(abs(held) for held in few.values())
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
-        self._earlier = None
+        self._earlier = self._held_last = None
         if counted.size:
-            born = panels.births(self._motion.times[legs] + begin)
-            self._earlier = EarlierLegs(births, self._motion, leg, counted, born, self._accuracy)
+            born_leg = panels.births(self._motion_leg.times[legs] + begin_birth_leg)
+            self._earlier = EarlierLegs(
+                births, self._motion_leg, leg, counted, born_leg, self._accuracy
+            )
 
-    def at(self, grid: Array, lumps: Sequence[Lump]) -> Array:
+    def at(self, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
         """Number and force of births on the legs before, and of all lumps, shape (2, rows, columns).
 
-        grid : times in rows, each within one panel of the leg, counted from the leg's beginning
-        lumps : their times are those on the path
+        grid_leg : times in rows, each within one panel of the leg
         """
-        speed = abs(float(self._motion.speeds[self.leg]))
-        if self._earlier is not None and self._few.are_tried(grid, speed):
-            interpolated = self._few.interpolated(self._summed(grid[:, FewTimes.ASKED], lumps))
+        speed = abs(float(self._motion_leg.speeds[self.leg]))
+        if self._earlier is not None and self._few.are_tried(grid_leg, speed):
+            interpolated = self._few.interpolated(self._summed(grid_leg[:, FewTimes.ASKED], lumps))
             if interpolated.error <= self._accuracy:
                 self.worst_sum = max(self.worst_sum, interpolated.error)
                 return interpolated.both
-            self._few.take_narrower(grid, speed)
-        return self._summed(grid, lumps)
+            self._few.take_narrower(grid_leg, speed)
+        return self._summed(grid_leg, lumps)
 
-    def _summed(self, grid: Array, lumps: Sequence[Lump]) -> Array:
+    def _summed(self, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
         """As `at`, at any times: the sum over all three kinds of contacts."""
-        t = self._beside_jumps(grid).ravel()
-        both = np.zeros((2, t.size))
+        t_leg = self._beside_jumps(grid_leg).ravel()
+        both = np.zeros((2, t_leg.size))
         for strand in self._strands:
-            both += strand.sums(t)
+            both += strand.sums(t_leg)
         if self._earlier is not None:
-            both += self._counted(self._earlier.sums(t, self._left_out_below))
-        # from here on their times are counted from the leg's beginning, too
-        on_leg = [lump._replace(time=lump.time - self._leg_begin) for lump in lumps]
-        of_lumps = self._counted(sums_of_lumps(self._births, self._motion, on_leg, grid))
-        return both.reshape(2, *grid.shape) + of_lumps
+            of_earlier, self._held_last = self._earlier.sums(t_leg)
+            both += self._counted(of_earlier)
+        of_lumps = sums_of_lumps(
+            self._births, self._motion_leg, lumps, self._leg_begins_path, grid_leg
+        )
+        return both.reshape(2, *grid_leg.shape) + self._counted(of_lumps)
 
     def _counted(self, sums: Sums) -> Array:
         """Number and force of some sums, whose errors are counted."""
@@ -131,84 +137,38 @@ class Past:
         self.survival_error = max(self.survival_error, sums.survival_error)
         return sums.both
 
-    def _beside_jumps(self, grid: Array) -> Array:
+    def _beside_jumps(self, grid_leg: Array) -> Array:
         """The times of a grid, later than the leg's beginning, which belongs to the leg before. Where the births of a
         hold may meet an exact threshold as a panel ends, all at once, they lie a little inside it."""
-        if self._births.life.atoms.size and not self._motion.speeds[: self.leg].all():
-            first, last = grid.min(axis=1, keepdims=True), grid.max(axis=1, keepdims=True)
+        if self._births.life.atoms.size and not self._motion_leg.speeds[: self.leg].all():
+            first, last = grid_leg.min(axis=1, keepdims=True), grid_leg.max(axis=1, keepdims=True)
             inside = INSIDE * (last - first)
-            grid = np.clip(grid, first + inside, last - inside)
-        return np.maximum(grid, TINY)
+            grid_leg = np.clip(grid_leg, first + inside, last - inside)
+        return np.maximum(grid_leg, TINY)
 
-    def _follow_strands(self, new: range, panels: Panels, begin: Array, legs: Rows) -> None:
-        """Make strands of the births on the `new` legs, and follow all strands to the present leg. `begin`: when the
-        births of each panel begin, since the beginning of the leg on which they are."""
+    def _follow_strands(
+        self, new: range, panels: Panels, begin_birth_leg: Array, legs: Rows
+    ) -> None:
+        """Make strands of the births on the `new` legs, and follow all strands to the present leg. `begin_birth_leg`:
+        when the births of each panel begin; `legs`: on which they are."""
         from master.renewal.strand_births import StrandBirths  # of ageing alone
 
         for leg in new:
-            on_leg = legs == leg
-            number = float(np.abs(panels.breaks[on_leg]).max(axis=1).sum())
+            on_it = legs == leg
+            number = float(np.abs(panels.breaks[on_it]).max(axis=1).sum())
             if number > self._left_out_below:
-                born = panels.pick(on_leg).births(begin[on_leg])
-                self._strands.append(StrandBirths(self._births, leg, born))
+                born_birth_leg = panels.pick(on_it).births(begin_birth_leg[on_it])
+                self._strands.append(StrandBirths(self._births, leg, born_birth_leg))
                 # single strands are not followed below this survival
                 self.left_out += self._left_out_below * self._strands[-1].births
             else:
                 self.left_out += number
         followed, self._strands = self._strands, list[StrandBirths]()
         for each in followed:
-            if each.seen_from(self._motion, self._left_out_below):
+            if each.seen_from(self._motion_leg, self._left_out_below):
                 self._strands.append(each)
             else:
                 self.left_out += each.holding
         self.worst_sum = max(self.worst_sum, sum(each.missed for each in self._strands))
         survivals = (each.survival_error for each in self._strands)
         self.survival_error = max(self.survival_error, *survivals, 0.0)
-
-
-class FewTimes:
-    """Sums at all TARGETS of a panel from those at a few, where births on earlier legs change little over it.
-
-    It is tried where a survival takes long. The cubic through the sums at four of the places gives those at all of
-    them, and the sums at two more test it; a layer right behind a turn would show at the first of these.
-
-    SUMMED : columns of TARGETS through which the cubic goes: at degree 16 these are 0, 6, 11 and 16, the panel's
-        beginning, two nodes in between and its end
-    CHECKED : two of the check points between the nodes, columns 17 and 19
-    ASKED : both, the only columns that are summed
-    TO_ALL : matrix from the sums at SUMMED to the cubic at all TARGETS, shape (4, TARGETS.size)
-    NARROWER : where it fails, it is tried again on panels of this part of the width only
-    """
-
-    SUMMED = (0, 3 * polynomials.DEGREE // 8, 11 * polynomials.DEGREE // 16, polynomials.DEGREE)
-    CHECKED = (polynomials.DEGREE + 1, polynomials.DEGREE + 3)
-    ASKED: tuple[int, ...] = SUMMED + CHECKED
-    TO_ALL = polynomials.Points(2.0 * TARGETS[list(SUMMED)] - 1.0).at(TARGETS)
-    NARROWER = 0.5
-
-    def __init__(self, life: Life) -> None:
-        """For births of this life."""
-        self._unit = life.largest_stretch
-        # the longest travel on a panel at which it is tried (a length)
-        self._longest = 0.0 if life.quick or life.atoms.size else np.inf
-
-    def are_tried(self, grid: Array, speed: float) -> bool:
-        """Whether the rows of a grid of times may be interpolated."""
-        return grid.shape[1] == TARGETS.size and 0.0 < self._travel(grid, speed) < self._longest
-
-    def interpolated(self, sums: Array) -> Sums:
-        """Number and force at all TARGETS from those at the ASKED ones; a smooth interpolant hides its error from the
-        panels, so that it is told."""
-        summed, checked = np.split(sums, [len(self.SUMMED)], axis=2)
-        both = summed @ self.TO_ALL
-        number, force = np.abs(both[..., list(self.CHECKED)] - checked).max(axis=(1, 2))
-        # between the two it may be MARGIN times as far off
-        return Sums(both, MARGIN * float(max(number, force / self._unit)))
-
-    def take_narrower(self, grid: Array, speed: float) -> None:
-        """It failed on the panels of this grid."""
-        self._longest = self.NARROWER * self._travel(grid, speed)
-
-    def _travel(self, grid: Array, speed: float) -> float:
-        """The slider's travel on a panel."""
-        return float(np.ptp(grid[0])) * speed

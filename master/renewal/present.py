@@ -11,7 +11,7 @@ import numpy as np
 
 from master.numerics import polynomials
 from master.numerics.polynomials import Pieces
-from master.renewal.births import BirthPanels, Births, Nodes
+from master.renewal.births import BirthPanels, Births, Nodes, still_out
 from master.renewal.straight import Straight
 from origins.thresholds.law import Array
 
@@ -97,8 +97,7 @@ class Present:
         sums[nodes.target[first]] = np.add.reduceat(parts, first)
         found = sums.swapaxes(0, 1) @ polynomials.SLOPES
         if delay > 0.0:  # contacts that are out count as well
-            place = np.clip(np.stack([t, t - delay]) / width, 0.0, 1.0)
-            found[0] += np.subtract(*polynomials.values(place))
+            found[0] += still_out(t, delay, 0.0, width)
         both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
         # singular on a panel far wider than a life: the residual then shows that this is not resolved
         solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : polynomials.DEGREE + 1, 1:]))

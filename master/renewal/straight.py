@@ -106,7 +106,7 @@ class Straight:
 
     def look_up(self, lag: Array) -> Survivors:
         """E and K after lags in rows, from a table if there is one; the middle column of a row decides on which side of
-        a threshold it is."""
+        a threshold it is, as in History; rows of few_times.py, with another middle, do not come here."""
         ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
         after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
         holds = (middle < self._last) | (lag < self._last * (1.0 - TIE))
