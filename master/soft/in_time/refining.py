@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from master.motion import drive_motion
-from master.outcome import Progress, StoppedError
+from master.outcome import FaultError, Progress, StoppedError
 from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.cohorts import COMPARED, MOST_STEPS, MOST_WORK, Cohorts
 from master.soft.in_time.extrapolation import extrapolated
@@ -80,7 +80,7 @@ def refined(
             slider.run()
         except StoppedError as why:
             if best is None:
-                if time.monotonic() <= until:
+                if time.monotonic() <= until and not isinstance(why, FaultError):
                     refuse("path[-1]", drive.path[-1], f"{why}; end the path sooner")
                 asked = asked[asked <= cohorts.now]
                 best = extrapolated([slider], contacts, drive, balance, asked)

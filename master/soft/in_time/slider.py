@@ -60,6 +60,7 @@ class Slider:
             self.sections.append([self._node(0.0)])
             return
         self._steps = Steps(contacts, self._spring, motion)
+        self._search = SlipBegins(self._steps)
         for leg, last in enumerate(motion.times[1:].tolist()):
             contacts.past_breaks.repeat_bend(float(motion.times[leg]))
             while True:
@@ -77,10 +78,11 @@ class Slider:
         contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
         self.sections.append(nodes)
         contacts.past_breaks.begin_section()
-        search, slips = SlipBegins(steps), False
+        search, slips = self._search, False
+        search.begin_section()
         while not slips and contacts.now < end:
             size = min(self._size * search.shrink, max(steps.longest(), SHORTEST * self._size))
-            trial, slips = search.up_to_slip(steps.step(size), size)
+            trial, slips = search.up_to_slip(size)
             if trial.travel or trial.now > contacts.now:
                 done = nodes[-1].size + max(steps.size(trial), 0.0)
                 contacts.take(trial)

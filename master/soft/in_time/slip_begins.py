@@ -1,5 +1,11 @@
 """Where a slip begins: where a longer step would end earlier.
 
+        τ |          . - o - .           o  the fold, where the slip begins
+          |       .             .        left of it the slider moves on as the drive does
+          |    .                   .     right of it a longer step would end earlier: time does not go back
+          |  .                       .
+        0 +----------------------------> s
+
 A balanced step of the size s takes τ(s) steps of time, and the rest, s - τ(s), is its travel. τ rises from τ(0) = 0 as
 long as the slider needs the drive to move on; where τ is the largest it needs no more, and slips. This lies within a
 step of the size s, or just beyond, on one of three conditions (`SlipBegins.up_to_slip`):
@@ -17,7 +23,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from master.soft.in_time.cohorts import Trial
-from master.soft.in_time.steps import CONTROL, Steps, TriedStep
+from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Root, Steps, TriedStep
 
 
 class OnsetControl(NamedTuple):
@@ -45,22 +51,42 @@ ONSET = OnsetControl()
 
 
 class SlipBegins:
-    """The search for a slip along the steps of one smooth section. It writes Steps.guess: after each step what the next
-    one is foreseen to take in time, and while it searches what the last step tried did.
+    """The search for a slip along the steps of smooth sections.
+
+    It keeps the guess with which the search for each balanced step begins. The slope is that of the last step tried.
+    The fraction is what the next step is foreseen to take in time, in `_last_before_exact` what the last one took.
 
     shrink : factor on the next step's size: 1 far from slips
     """
 
     def __init__(self, steps: Steps) -> None:
-        """At the begin of the section."""
-        self._steps, self.shrink = steps, 1.0
+        """Before the first section."""
+        self._steps, self._guess = steps, steps.first_guess
+        self.begin_section()
+
+    def begin_section(self) -> None:
+        """At the begin of a section nothing is foreseen; only the slope is still a good guess."""
+        self.shrink, self._guess = 1.0, self._guess._replace(time_fraction=FIRST_FRACTION)
         # the fraction of its size that the last step took in steps of time, unknown yet
         self._last_time_fraction = np.nan
 
-    def up_to_slip(self, step: TriedStep, size: float) -> tuple[Trial, bool]:
-        """The step that was asked for with this size, or that up to a slip that begins within it; and whether one
-        does."""
-        steps = self._steps
+    def _tried(self, size: float) -> Root:
+        """The balanced step of this size, whose slope begins the next search."""
+        root = self._steps.step(size, self._guess)
+        self._guess = self._guess._replace(slope=root.slope)
+        return root
+
+    def _chosen(self, root: Root) -> Trial:
+        """Where the step leads that will be taken. The imbalance of one that did not converge is an error of F."""
+        contacts = self._steps.contacts
+        if not root.converged:
+            contacts.unresolved = max(contacts.unresolved, abs(root.step.imbalance))
+        return root.step.trial
+
+    def up_to_slip(self, size: float) -> tuple[Trial, bool]:
+        """The balanced step of this size, or that up to a slip that begins within it; and whether one does."""
+        steps, asked = self._steps, self._tried(size)
+        step = asked.step
         if step.trial.now > steps.contacts.now:  # it may have been cut at the section's end
             size = min(size, steps.size(step.trial))
         longest, no_balance = size, step.time_steps <= 0.0
@@ -69,16 +95,17 @@ class SlipBegins:
             # F falls at once at a jump: there is no fold, but a step beyond takes less time than this one, whose time
             # is its size less its travel, also if it was cut
             longest = ONSET.beyond_jump * size
-            falls_beyond = steps.step(longest).time_steps < size - steps.travelled(step.trial)
+            falls_beyond = self._tried(longest).step.time_steps < size - steps.travelled(step.trial)
         elif not no_balance:
             fold_within = self._is_fold_within(step, size)
         if not (no_balance or falls_beyond or fold_within):
             self._foresee(step.time_steps / size, size)
-            return step.trial, False
-        trial = self._latest(size, longest)
+            return self._chosen(asked), False
+        latest = self._latest(size, longest)
         last = self._last_before_exact(size, longest) if steps.contacts.memory.exact else None
-        if last is not None and last.now > trial.now:
-            trial = last
+        if last is not None and last.step.trial.now > latest.step.trial.now:
+            latest = last
+        trial = self._chosen(latest)
         # at the section's end, a slip may still be to come
         return trial, trial.now < steps.section_end
 
@@ -87,7 +114,7 @@ class SlipBegins:
         # far from a slip the slider follows the drive, and this part of the size is time
         if step.time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
-        return self._steps.step(ONSET.before_fold * size).time_steps >= step.time_steps
+        return self._tried(ONSET.before_fold * size).step.time_steps >= step.time_steps
 
     def _foresee(self, time_fraction: float, size: float) -> None:
         """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.
@@ -96,30 +123,31 @@ class SlipBegins:
         step by step, and the slip would depend on where those steps end.
         """
         change = float(np.nan_to_num(time_fraction - self._last_time_fraction))
-        self._last_time_fraction, self._steps.guess = time_fraction, time_fraction + change
+        self._last_time_fraction = time_fraction
+        self._guess = self._guess._replace(time_fraction=time_fraction + change)
         self.shrink = 1.0
         if self._steps.contacts.memory.finer_before_slips and change < 0.0:
             to_slip = ONSET.nearing * time_fraction * size / -change
             self.shrink = min(max(to_slip, ONSET.least_shrink), 1.0)
 
-    def _latest(self, size: float, longest: float) -> Trial:
+    def _latest(self, size: float, longest: float) -> Root:
         """The step that takes the most time: that up to a fold or a kink of τ."""
         found = minimize_scalar(
-            lambda at: -self._steps.step(at).time_steps,
+            lambda at: -self._tried(at).step.time_steps,
             bounds=(0.0, longest),
             options={"xatol": ONSET.onset * size},
         )
-        return self._steps.step(float(found.x)).trial
+        return self._tried(float(found.x))
 
-    def _last_before_exact(self, size: float, longest: float) -> Trial | None:
+    def _last_before_exact(self, size: float, longest: float) -> Root | None:
         """The longest step after which there still is a balance, before exact thresholds break, by bisection; None
         where there is none at once."""
         low, high = 0.0, longest
         while high - low > ONSET.last_jump * size:
             middle = 0.5 * (low + high)
-            time_steps = self._steps.step(middle).time_steps
+            time_steps = self._tried(middle).step.time_steps
             if time_steps > 0.0:
-                low, self._steps.guess = middle, time_steps / middle
+                low, self._guess = middle, self._guess._replace(time_fraction=time_steps / middle)
             else:
                 high = middle
-        return self._steps.step(low).trial if low else None
+        return self._tried(low) if low else None

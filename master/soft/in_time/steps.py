@@ -46,11 +46,24 @@ class StepControl(NamedTuple):
 
 
 CONTROL = StepControl()
+# Fraction of a section's first step that is time, as long as none is known: travel and time count alike.
+FIRST_FRACTION = 0.5
 # Most steps of the secant method: bisection alone would reach round-off from any bracket in 52.
 MOST_SECANTS = 40
 # Least product of the rate of uniform steps and `first`: below it the inverse would divide by 0, and steps are
 # logarithmic to all digits.
 LEAST_UNIFORM = 1e-200
+
+
+class Guess(NamedTuple):
+    """Where the search for a balanced step begins; it changes where that ends by its accuracy only.
+
+    time_fraction : of the step's size that is time
+    slope : of the imbalance over the steps of time (a length)
+    """
+
+    time_fraction: float
+    slope: float
 
 
 class TriedStep(NamedTuple):
@@ -65,6 +78,19 @@ class TriedStep(NamedTuple):
     time_steps: float
     trial: Trial
     imbalance: float
+
+
+class Root(NamedTuple):
+    """What a search for a balanced step found.
+
+    step : the balanced step, or where it did not converge the last one tried
+    slope : there, of the imbalance over the steps of time (a length), for the next guess
+    converged : whether the step's forces balance; if not, SlipBegins counts its imbalance as an error of the force
+    """
+
+    step: TriedStep
+    slope: float
+    converged: bool
 
 
 class StepCount:
@@ -108,25 +134,24 @@ class Steps:
 
     `begin` starts a smooth section, `step` gives the balanced step of a size; taking it is up to the caller.
 
-    Two numbers are learned on the way, with which the search for the next balance begins: `guess`, which SlipBegins
-    writes after each step that is taken, and `_imbalance_per_time`, which each call of `step` writes, also for a step
-    that is not taken.
+    `step` changes nothing: what is learned in one search for the next is in the slope it returns, and SlipBegins keeps
+    it.
 
     contacts, spring : whose steps they are, and K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
     sign : direction in which the spring pulls: travels and imbalances are counted along it
     section_end : time up to which births are smooth
-    guess : of the fraction of the next step's size that is time
+    first_guess : for the first step of all
     """
 
     def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
         self.contacts, self.spring, self._drive = contacts, spring, drive
         self.length = CONTROL.coarsest * contacts.memory.scales.length
-        self.sign, self.guess = 1.0, 0.5
+        self.sign = 1.0
         ageing = contacts.memory.finer_before_slips
         self._accuracy = CONTROL.balance_of_ageing if ageing else CONTROL.balance
-        # how fast the imbalance grows with the steps of time (a length), at first a guess
-        self._imbalance_per_time = (1.0 + spring) * (1.0 + 1.0 / CONTROL.drive_weight) * self.length
+        slope = (1.0 + spring) * (1.0 + 1.0 / CONTROL.drive_weight) * self.length
+        self.first_guess = Guess(FIRST_FRACTION, slope)
 
     def begin(self, leg: int, end: float) -> None:
         """Begin steps on a leg of the drive's motion, smooth up to the time `end`."""
@@ -139,7 +164,7 @@ class Steps:
             stuck = abs(speed) * self.spring / (1.0 + self.spring)
             uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.coarsest
         self._count = StepCount(contacts.now, end, uniform, scales.time)
-        self.section_end, self.guess = end, 0.5
+        self.section_end = end
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
@@ -162,13 +187,13 @@ class Steps:
         stretch = self._drive.at(np.array(trial.now)) - self.contacts.position - trial.travel
         return float(self.sign * (self.spring * stretch - trial.force))
 
-    def step(self, size: float) -> TriedStep:
-        """The balanced step of this size, or up to the section's end. The slope at the root begins the next search.
+    def step(self, size: float, guess: Guess) -> Root:
+        """The balanced step of this size, or up to the section's end, looked for from a guess.
 
         The root is looked for in the number of its steps of time, also below 0, as time does not go back: a root there
         says that there is no balance from now on.
         """
-        now, slope = self.contacts.now, self._imbalance_per_time
+        now, slope = self.contacts.now, guess.slope
         steps_so_far = self._count.steps(now)
 
         def tried(time_steps: float) -> TriedStep:
@@ -178,11 +203,11 @@ class Steps:
             return TriedStep(time_steps, trial, self.imbalance(trial) + slope * back)
 
         accuracy = self._accuracy * size
-        root = secant(tried, self.guess * size, slope, accuracy)
-        self._imbalance_per_time = root.slope
+        root = secant(tried, guess.time_fraction * size, slope, accuracy)
         if root.step.time_steps < 0.0 and self.contacts.memory.exact:
-            return _before_exact(tried, size, accuracy) or root.step
-        return root.step
+            before = _before_exact(tried, size, accuracy)
+            return root if before is None else Root(before, root.slope, converged=True)
+        return root
 
 
 def _before_exact(
@@ -199,18 +224,12 @@ def _before_exact(
     return None
 
 
-class Root(NamedTuple):
-    """The balanced step, and the slope there of the imbalance over the steps of time (a length)."""
-
-    step: TriedStep
-    slope: float
-
-
 def secant(
     tried: Callable[[float], TriedStep], guess: float, slope: float, accuracy: float
 ) -> Root:
     """The step without imbalance, which increases with the steps of time, and the slope there. Both are found from
-    guesses by the secant method. A step that leaves the bracket of the root is replaced by bisection."""
+    guesses by the secant method. A step that leaves the bracket of the root is replaced by bisection. The last step of
+    MOST_SECANTS has not converged."""
     low, high = -np.inf, np.inf
     step = tried(guess)
     for _ in range(MOST_SECANTS):
@@ -218,10 +237,10 @@ def secant(
         low, high = (at, high) if value < 0.0 else (low, at)
         after = at - value / slope
         if abs(after - at) <= accuracy:
-            break
+            return Root(step, slope, converged=True)
         if not low < after < high and np.isfinite(high - low):
             after = 0.5 * (low + high)
         step = tried(after)
         rise = (step.imbalance - value) / (after - at)
         slope = rise if rise > 0.0 else slope
-    return Root(step, slope)
+    return Root(step, slope, converged=False)
