@@ -545,7 +545,7 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
     found = judge.Verdict("a", "a", 1.0, (answer("own", 0.9, sure, smooth), *others), (), {}, 1.0)
     said, text = sentence(found), "\n".join(page(found))
     assert said.startswith("smooth at 0.5") and said.count("\n") == 0
-    assert "this is own alone: 2 of 3 readings are not decided in time; F_k of all is 0.4" in said
+    assert "this is of own, the other 2 are not decided in time; F_k of all 3 is 0.4" in said
     assert " to 0.9" in said and text.count(said) == 1 and "not decided: b, c: out of time" in text
     # the bound below the table is of the own reading's numbers; what is worse in a range is named
     assert (
@@ -553,7 +553,7 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
     )
     assert "K* of c" not in text
     agreed = replace(found, answers=(found.own, answer("c", 0.5, sure, smooth)))
-    assert "not decided" not in "\n".join(page(agreed)) and "alone" not in sentence(agreed)
+    assert "not decided" not in "\n".join(page(agreed)) and "this is of" not in sentence(agreed)
 
 
 def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
@@ -601,10 +601,13 @@ def test_the_force_of_the_areas_own_contacts_stands_beside_that_of_infinitely_ma
     answer = judge.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
     for before, told in ((0.7, True), (0.7999, False)):
         finite = Finite(own.rule, 300, "stick-slip", before, 1e-3, 0.0, 0.0, 5.0)
-        said = sentence(judge.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0))
+        found = judge.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
+        said = sentence(found)
         assert said.startswith("stick-slip: 0.8")
+        assert ("slips of 300 contacts, from (reset)" in "\n".join(page(found))) is told
         assert (
-            "the 300 contacts of the area: 0.700 ± 0.001" in said.replace(" N_c<k> length", "")
+            "the 300 contacts of the area slip from 0.700 ± 0.001"
+            in said.replace(" N_c<k> length", "")
         ) is told
 
 

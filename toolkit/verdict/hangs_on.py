@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from toolkit.scene.interfaces import remarks
-from toolkit.scene.scale import Scale, with_uncertainty, written
+from toolkit.scene.scale import written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
 from toolkit.verdict.judge import Answer, Verdict
-from toolkit.verdict.table import drop_of, in_units, regained_by
+from toolkit.verdict.table import drop_of, fall_of, in_units, regained_by
 
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
 # how the slip rules are named where a user reads of them
@@ -250,22 +250,8 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
     said += f", from {fall_of(finite, verdict.own.scale)}"
     if finite.kind == "stick-slip":
         return said + beside
-    return f"{said}, {finite.slips:.2g} slips a slider on the way that was followed"
-
-
-def fall_of(finite: Finite, scale: Scale) -> str:
-    """The mean forces before and after a slip of so many contacts, with their errors."""
-    size = abs(finite.before)
-    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
-    ends = (
-        with_uncertainty(
-            mean * scale.force,
-            error * scale.force if 1e-9 * size < error < np.inf else 0.0,
-            scale.force_unit,
-        )
-        for mean, error in means
-    )
-    return " down to ".join(ends)
+    many = "1 slip" if finite.slips == 1.0 else f"{finite.slips:.2g} slips"
+    return f"{said}, {many} a slider on the way that was followed"
 
 
 def named(rules: Sequence[str]) -> str:

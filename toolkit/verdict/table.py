@@ -5,7 +5,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from toolkit.scene.scale import Scale, guarded, written
+from toolkit.scene.scale import Scale, guarded, with_uncertainty, written
+from toolkit.verdict.finite import Finite
 from toolkit.verdict.judge import Quantity, Verdict
 from toolkit.verdict.machine import Behaviour
 
@@ -125,6 +126,9 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
             told["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         for row in told.items():
             rows.setdefault(row, []).append(behaviour.rule + _unfinished(behaviour))
+    for one, many in of_so_many(verdict):
+        row = (f"slips of {many.contacts:,} contacts, from", fall_of(many, scale))
+        rows.setdefault(row, []).append(one.rule)
     for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
 
@@ -134,6 +138,32 @@ def _unfinished(behaviour: Behaviour) -> str:
     if behaviour.kind != "undecided":
         return ""
     return ": path cut" if "path is cut" in behaviour.message else ": not decided"
+
+
+def of_so_many(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
+    """The rules under which as many contacts as there are slip as infinitely many do, at clearly other forces."""
+    pairs = zip(verdict.own.behaviours, verdict.finite, strict=False)
+    return [
+        (one, many)
+        for one, many in pairs
+        if one.kind == many.kind == "stick-slip" and not many.message
+        if abs(many.before - one.before) > max(SEEN * abs(one.before), 2.0 * many.before_error)
+    ]
+
+
+def fall_of(finite: Finite, scale: Scale) -> str:
+    """The mean forces before and after a slip of so many contacts, with their errors."""
+    size = abs(finite.before)
+    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
+    ends = (
+        with_uncertainty(
+            mean * scale.force,
+            error * scale.force if 1e-9 * size < error < np.inf else 0.0,
+            scale.force_unit,
+        )
+        for mean, error in means
+    )
+    return " down to ".join(ends)
 
 
 def drop_of(behaviour: Behaviour) -> float:

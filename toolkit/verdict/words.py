@@ -7,10 +7,18 @@ import numpy as np
 from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, written
 from toolkit.verdict.finite import Finite
-from toolkit.verdict.hangs_on import dependence, fall_of, named, not_decided, others, out_of_time
+from toolkit.verdict.hangs_on import dependence, named, not_decided, others, out_of_time
 from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.machine import Behaviour
-from toolkit.verdict.table import in_units, numerical_errors, share_of, speed_unit, table
+from toolkit.verdict.table import (
+    fall_of,
+    in_units,
+    numerical_errors,
+    of_so_many,
+    share_of,
+    speed_unit,
+    table,
+)
 
 # of a fall of the force, in mean thresholds: smaller ones are no stick-slip, as of a slider with mass
 SMALL = 0.02
@@ -72,11 +80,12 @@ def _not_known_of(verdict: Verdict) -> list[str]:
         for one in (min(forces), max(forces))
     )
     many, left = len(verdict.answers), len(verdict.answers) - len(missing)
-    whose = f"this is {own.name} alone" if left == 1 else f"this is of {left} readings"
+    whose = own.name if left == 1 else f"{left} of {many} readings"
     late = " in time" * all(out_of_time(one) for one in missing)
     reach = " to ".join(dict.fromkeys(ends))
-    count = f"{len(missing)} of {many} readings are not decided"
-    return [f"{whose}: {count}{late}; F_k of all is {reach}"]
+    one = "is" if len(missing) == 1 else "are"
+    count = f"the other {len(missing)} {one} not decided{late}"
+    return [f"this is of {whose}, {count}; F_k of all {many} is {reach}"]
 
 
 def _kinds(verdict: Verdict) -> list[str]:
@@ -168,15 +177,10 @@ def _told(verdict: Verdict, answer: Answer) -> list[str]:
 def _of_the_area(verdict: Verdict, answer: Answer) -> Iterator[str]:
     """The slips of as many contacts as there are, where their forces are clearly not those of infinitely many."""
     scale, told = answer.scale, dict[str, list[Behaviour]]()
-    finite = verdict.finite if answer is verdict.own else ()
-    for one, many in zip(answer.behaviours, finite, strict=False):
-        apart = abs(many.before - one.before) > max(
-            KNOWN * abs(one.before), 2.0 * many.before_error
-        )
-        if one.kind == many.kind == "stick-slip" and not many.message and apart:
-            whose = "of the area" if scale.contacts is not None else "of [eq]"
-            said = f"the {many.contacts:,} contacts {whose}: {fall_of(many, scale)}"
-            told.setdefault(said, []).append(one)
+    for one, many in of_so_many(verdict) if answer is verdict.own else ():
+        whose = "of the area" if scale.contacts is not None else "of [eq]"
+        said = f"the {many.contacts:,} contacts {whose} slip from {fall_of(many, scale)}"
+        told.setdefault(said, []).append(one)
     yield from (f"{said} if {_rules(alike)}" for said, alike in told.items())
 
 
