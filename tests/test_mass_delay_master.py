@@ -32,6 +32,17 @@ def test_contacts_that_get_lost_name_themselves(monkeypatch: pytest.MonkeyPatch)
     assert not found.success and "number is not conserved: at t = " in found.message
 
 
+def test_contacts_that_form_at_a_wrong_place_name_themselves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As many hold there, but they pull by another force than the panel told."""
+    true = Cohorts.and_born
+    monkeypatch.setattr(Cohorts, "and_born", lambda of, born, w, x: true(of, born + 0.1, w, x))
+    machine = {"spring": 0.5, "mass": 0.2, "damping": 0.3}
+    found = solve(delayed(0.3), np.linspace(0.1, 4.0, 40), 1e-3, **machine)
+    assert not found.success and "forces do not agree: at t = " in found.message
+
+
 def test_births_are_the_breaks_one_delay_before() -> None:
     """Breaks 0.3 t to t = 1, none in a closed motion of which 0.01 are told at its end, t = 2, then 0.1 t."""
     past = PastBreaks(0.5, 1.0)

@@ -9,7 +9,7 @@ from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.collocation import Machine, State
 from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.drive_path import DrivePath
-from master.soft.inertia.delayed.panel import TimePanel
+from master.soft.inertia.delayed.panel import FORCE, TimePanel
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.reaction import ALIKE
@@ -25,6 +25,9 @@ OF_PANEL = QUIET
 SAME, SAME_ROUNDED = 0.1, 1e-14
 # Force per contact that holds, in longest stretches, for whether hardly any holds: on the safe side of 1.
 MOST_FORCE = 4.0
+# Difference of the force that a panel tells of its end and that of the contacts there, in tolerances of the force, from
+# which on it is a fault: 50 times the error that a panel may have, 30 times the largest one measured.
+FORCES = 1.0
 # Share of the contacts below which those that are due to form are the rounding of the births.
 LEAST_REST = 1e-17
 
@@ -46,7 +49,7 @@ class DelayedBody:
     """A slider at an instant, its contacts, and the leg of its drive: all that the two kinds of motion have in common.
 
     OnPanels and Swinging read it, and change it by its methods alone: `take_panel` and `take_swing` at the end of each
-    of their motions, and between them `wait_until`, `end_leg`, `form_lump` and `break_together`.
+    of their motions, and between them `take_time`, `end_leg`, `form_lump` and `break_together`.
 
     machine, drive : given; of the drive the leg changes
     tolerance, accuracy : of the force, and the error that a panel may have (lengths)
@@ -81,12 +84,14 @@ class DelayedBody:
         """Be where a panel ends, with these contacts, of which a share `formed` on it, and with what was spent on it.
 
         The order counts: the breaks and births of the panel are told first, as those who are due by them, and have not
-        formed, form now. FaultError where more or fewer contacts hold than have formed and not broken.
+        formed, form now. FaultError where more or fewer contacts hold than have formed and not broken, or
+        where they pull by another force than the panel told.
         """
         self.past.add(panel)
         self.past.formed += formed
-        self.take_swing(end, contacts, spent)
+        self._go_to(end, contacts, spent)
         self._check_number()
+        self._check_force(float(panel.at(panel.end, FORCE)))
 
     def _check_number(self) -> None:
         """FaultError unless as many contacts hold, by their survivals, as have formed and not broken by the past. Both
@@ -99,9 +104,22 @@ class DelayedBody:
                 f"contacts holds, and {told:.6g} have formed and not broken, a fault of the program"
             )
 
+    def _check_force(self, told: float) -> None:
+        """FaultError unless the contacts, by their survivals, pull as the panel told of its end (a length). Both differ
+        by what panels miss: by up to 0.03 of the tolerance (measured on eight motions)."""
+        held = float(self.contacts.response(np.array([self.state.x])).force[0])
+        if abs(told - held) > FORCES * self.tolerance:
+            raise FaultError(
+                f"forces do not agree: at t = {self.state.t:.6g}, X = {self.state.x:.6g} the contacts pull "
+                f"by {held:.6g}, and at the end of the panel by {told:.6g}, a fault of the program"
+            )
+
     def take_swing(self, state: State, contacts: Cohorts, spent: Energies) -> None:
-        """Be where a closed motion ends, with what was spent on it; the few contacts that are due, and formed on no
-        panel, do so now."""
+        """Be where a closed motion ends, with what was spent on it."""
+        self._go_to(state, contacts, spent)
+
+    def _go_to(self, state: State, contacts: Cohorts, spent: Energies) -> None:
+        """Be there, with this spent on the way; the few contacts that are due, and formed on no panel, do so now."""
         self.state, self.contacts = state, contacts
         self.energies = self.energies.and_then(spent)
         rest = self.past.born(state.t) - self.past.formed
@@ -109,13 +127,13 @@ class DelayedBody:
             self._form(rest)
             self.past.formed += rest
 
-    def wait_until(self, t: float) -> None:
+    def take_time(self, t: float) -> None:
         """The same at a time that differs by rounding."""
         self.state = self.state._replace(t=t)
 
     def end_leg(self) -> None:
         """Go on to the next leg of the drive, whose speed changes that of the breaks."""
-        self.wait_until(self.drive.leg_end)
+        self.take_time(self.drive.leg_end)
         self.past.kink(self.state.t)
         self.drive.next_leg()
 

@@ -30,7 +30,7 @@ from origins.thresholds.law import Array
 MOST_TRIES = 14
 # Changes at which it has converged, in units of the error that a panel may have; and rounding, in mean thresholds.
 CONVERGED, ROUNDING = 0.01, 3e-15
-# Shortest way of a panel on which contacts form and break, in passages (see FastSliding).
+# Shortest travel on a panel on which contacts form and break, in passages (see FastSliding).
 LEAST_PASSAGE = 2.0
 UNIT: Array = np.eye(STAGES)
 
@@ -146,7 +146,7 @@ class Collocation:
     ) -> None:
         self._machine, self._contacts, self._sliding = machine, contacts, sliding
         self._past, self._accuracy = past, accuracy
-        # shortest way of a panel on which contacts form and break
+        # shortest travel on a panel on which contacts form and break
         self._shortest = LEAST_PASSAGE * sliding.passage
 
     def solve(self, state: State, width: float, drive: Array, guess: Array) -> Solved | None:
@@ -158,8 +158,8 @@ class Collocation:
         force, holding = float(held.force[0]), float(held.holding[0])
         begin = Begin(state, force, holding, past.formed_less_lumps)
         births = PanelBirths(past, state.t, width)
-        way = width * abs(float(TO_NODES[-1] @ guess))
-        fast = bool(births.all_known and births.born[-1] and way >= self._shortest)
+        distance = width * abs(float(TO_NODES[-1] @ guess))
+        fast = bool(births.all_known and births.born[-1] and distance >= self._shortest)
         found = self._newton(begin, width, drive, guess, births, fast)
         return found and self._judged(begin, width, found, births, fast)
 
@@ -231,8 +231,7 @@ class Collocation:
     def _fast(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull | None:
         """The contacts' pull at the places X and speeds, where those born on the panel break on it; None where the
         slider turns."""
-        travel = width * TO_NODES @ w
-        way = 1.0 if travel[-1] >= 0.0 else -1.0
+        travel, way = width * TO_NODES @ w, _way(w)
         if (way * w <= 0.0).any():
             return None
         old = self._contacts.response(x)
@@ -248,7 +247,7 @@ class Collocation:
         counted = width * TO_NODES * birth_rate
         if not counted.any():
             return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
-        way = 1.0 if TO_NODES[-1] @ w >= 0.0 else -1.0
+        way = _way(w)
         stretch = way * (x[:, None] - x)
         size = np.abs(stretch)
         # continued smoothly to nodes after i, as the polynomials through all nodes need
@@ -257,7 +256,13 @@ class Collocation:
         slope = counted * (survival - stretch * density)
         return Pull(
             holding=old.holding + (counted * survival).sum(axis=1),
-            force=old.force + (way * counted * stretch * survival).sum(axis=1),
+            force=old.force + way * (counted * stretch * survival).sum(axis=1),
             by_place=np.diag(old.slope) + np.diag(slope.sum(axis=1)) - slope,
             by_speed=no_drag,
         )
+
+
+def _way(w: Array) -> float:
+    """+1 where the slider moves forwards over the panel with these speeds at the nodes, -1 back. Along the way travel,
+    speed, and the stretch and force of contacts born on the panel are above 0; times this they are those of X."""
+    return 1.0 if TO_NODES[-1] @ w >= 0.0 else -1.0

@@ -94,7 +94,7 @@ class OnPanels:
         if reaches and stop == body.drive.leg_end:
             body.end_leg()
         elif reaches:
-            body.wait_until(stop)
+            body.take_time(stop)
         return turn is not None or body.hardly_any_holds
 
     def _turn_in(self, panel: TimePanel) -> float | None:
@@ -186,16 +186,16 @@ class OnPanels:
             on_contacts=panel.integral(pull * speed),
         )
 
-    def _write(self, whole: Part) -> None:
-        """Results at the asked times on the panel."""
-        body, panel = self._body, whole.panel
+    def _write(self, part: Part) -> None:
+        """Results at the asked times on a part of a panel."""
+        body, panel = self._body, part.panel
         which = body.asked(panel.begin, panel.end)
         for at, t in zip(
             range(which.start, which.stop), body.asked_times(which).tolist(), strict=True
         ):
             cut = panel.cut(t) if panel.begin < t < panel.end else panel
-            part = Part(cut, whole.solved)
-            body.write(at, part.end(), self._after(part, 0.0), self._spent(cut))
+            so_far = Part(cut, part.solved)
+            body.write(at, so_far.end(), self._after(so_far, 0.0), self._spent(cut))
 
     def _watch(self, panel: TimePanel) -> None:
         """Falls of the spring's force on a panel."""

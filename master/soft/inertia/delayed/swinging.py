@@ -83,7 +83,7 @@ class Swinging:
             return SwingEnd.LEG_ENDED
         if lasts < end:
             return SwingEnd.CALM
-        body.wait_until(births)
+        body.take_time(births)
         return SwingEnd.LUMP_FORMS if past.next_lump <= births else SwingEnd.BIRTHS_NEXT
 
     def _take(self, motion: Oscillation, lasts: float, stiff: float) -> None:
