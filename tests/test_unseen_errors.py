@@ -144,7 +144,7 @@ def test_points_just_before_a_panel_are_read_on_the_one_before() -> None:
     contacts = Contacts(gaussian(1.0, 0.003))
     rough = np.linspace(0.0, 30.0, 301)
     motion, _ = motion_of(Drive(rough), contacts.mean_threshold, True)
-    panels = march_of(contacts, motion, ColdLife(contacts), 1e-10).run().begin[1:]
+    panels = march_of(contacts, motion, ColdLife(contacts), 1e-10).run().solved.begin[1:]
     path = np.sort(np.concatenate([rough, panels * (1.0 - 8e-13)]))
     found = master.solve(contacts, path, 1e-10)
     exact, rounded = closed_form(contacts, path)
