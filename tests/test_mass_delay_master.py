@@ -1,5 +1,7 @@
 """A slider with mass whose contacts form again after a delay, by the master equation: limits, and by hand."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -41,6 +43,25 @@ def test_contacts_that_form_at_a_wrong_place_name_themselves(
     machine = {"spring": 0.5, "mass": 0.2, "damping": 0.3}
     found = solve(delayed(0.3), np.linspace(0.1, 4.0, 40), 1e-3, **machine)
     assert not found.success and "forces do not agree: at t = " in found.message
+
+
+def test_an_error_above_the_tolerance_says_where_the_runs_part(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The last run of each solution is its answer: those of two solutions differ as the message of the second says."""
+    path, machine = np.linspace(0.1, 4.0, 40), {"spring": 0.5, "mass": 0.2, "damping": 0.3}
+    found = []
+    for tolerances in ((2000.0, 200.0), (200.0, 10.0)):
+        monkeypatch.setattr("master.soft.inertia.solution.TOLERANCES", tolerances)
+        found.append(solve(delayed(0.3), path, 1e-6, **machine))
+    before, last = found
+    said = re.search(r"the two runs part by (\S+) mean thresholds, from t = (\S+), X", last.message)
+    assert not last.success and said is not None
+    off = np.abs(last.force - before.force)
+    assert off.max() == pytest.approx(float(said[1]), rel=0.05)
+    agree = path < float(said[2]) * (1.0 - 1e-5)
+    # half of the tolerance, as with a delay the difference counts twice
+    assert agree[0] and off[agree].max() < 0.5e-6 < off.max()
 
 
 def test_births_are_the_breaks_one_delay_before() -> None:

@@ -1,9 +1,9 @@
 """A soft slider with a mass, M X'' + γ X' = K (X_T - X) - F.
 
-`solution.py` follows the slider with several tolerances, whose differences are the error, and makes the answer. At
-T = 0 without delay (`slider.py`) the contacts' force depends on the way alone. The state (`body.py`) is the time, the
-travel since the slider turned last, its speed, and energies; three modes of motion take turns, and each says which
-comes next:
+`solution.py` follows the slider with several tolerances (`run.py`), whose differences are the error, and makes the
+answer. At T = 0 without delay (`slider.py`) the contacts' force depends on the way alone. The state (`body.py`) is the
+time, the travel since the slider turned last, its speed, and energies; three modes of motion take turns, and each says
+which comes next:
 
 1. `moving.py`: contacts break, and X follows an ordinary differential equation;
 2. `held.py`: none breaks after a turn, and the motion is a damped oscillator in closed form (`oscillation.py`);
@@ -13,6 +13,7 @@ The force on a straight move, and what the contacts store, come from the panels 
 keeps results at the asked times and finds slips, the falls of the spring's force after a stick; `closed.py` looks for
 them in closed motions. With a delay births depend on time: `delayed/` has a state and motions of its own.
 
-In reading order: `slider.py`, `body.py`, `reaction.py`, the three modes, `record.py`, `solution.py`; then `delayed/`.
+In reading order: `slider.py`, `body.py`, `reaction.py`, the three modes, `record.py`, `run.py`, `solution.py`; then
+`delayed/`.
 Tests: tests/test_mass_master.py, test_mass.py and test_mass_agreement.py.
 """

@@ -108,18 +108,18 @@ class Pull(NamedTuple):
 
 
 class Begin(NamedTuple):
-    """A panel's beginning: the slider, the contacts' force (a length), the share that holds, and
-    PastBreaks.formed_less_lumps, which less the breaks is that share."""
+    """A panel's beginning: the slider, the contacts' force (a length), the share that holds, and the share that would
+    hold if none had broken but in lumps; less the breaks it is the share that holds."""
 
     state: State
     force: float
     holding: float
-    formed_less_lumps: float
+    if_none_broke: float
 
     @property
     def broken(self) -> float:
         """Share that has broken one by one since t = 0."""
-        return self.formed_less_lumps - self.holding
+        return self.if_none_broke - self.holding
 
 
 class Iterate(NamedTuple):
@@ -156,7 +156,7 @@ class Collocation:
         """
         held, past = self._contacts.response(np.array([state.x])), self._past
         force, holding = float(held.force[0]), float(held.holding[0])
-        begin = Begin(state, force, holding, past.formed_less_lumps)
+        begin = Begin(state, force, holding, past.holding(past.formed, 0.0))
         births = PanelBirths(past, state.t, width)
         distance = width * abs(float(TO_NODES[-1] @ guess))
         fast = bool(births.all_known and births.born[-1] and distance >= self._shortest)
@@ -192,7 +192,7 @@ class Collocation:
             except np.linalg.LinAlgError:
                 return None
             w = w - change
-            last, broken = broken, begin.formed_less_lumps - pull.holding + births.born[1:]
+            last, broken = broken, begin.if_none_broke - pull.holding + births.born[1:]
             births.guess_from(np.append(begin.broken, broken))
             moved = float(np.abs(integral @ change).max())
             change_of_force = (min(float(pull.holding.max()), 1.0) + k) * moved

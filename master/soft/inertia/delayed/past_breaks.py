@@ -17,49 +17,46 @@ EPSILON = 1e-13
 class PastBreaks:
     """Breaks per contact since t = 0: on panels, between which no contact breaks, and lumps that break together.
 
-    held_or_in_lumps : share of all contacts that held at t = 0, or formed in lumps since
+    formed_together : share of all contacts that held at t = 0, or formed in lumps since
     formed : share that formed one by one, on panels or at the end of a closed motion
-    breaks : share that broke one by one, on panels and the few in closed motions; broken_together : in lumps
+    broken_together : share that broke in lumps
+    breaks : share that broke one by one, on panels and the few in closed motions
     lumps : (time, share) of those still to form again, in order
 
-    At each instant, as no contact is lost,
+    A contact that forms or breaks twice counts twice. At each instant, as no contact is lost,
 
-        holding = held_or_in_lumps + formed - breaks - broken_together.
+        holding = formed_together + formed - broken_together - breaks.
 
     Collocation finds the breaks on a panel from that, with the share that holds by the survivals of its contacts.
 
     The few that break in a closed motion break at no time that is known: they count as broken where the next panel
     begins, and are born one delay after that, at once. So `born` jumps there, and `born_on_panels`, which is without
-    them, does not. With a delay 0.5, breaks 0.3 t on a panel to t = 1, a closed motion to t = 2 at whose end 0.01 are
-    told, and 0.1 (t - 2) on a panel from there:
+    them, does not.
 
-        t                   1.0    1.5 to 2.49    2.5     3.0
-        born(t)             0.15   0.3            0.31    0.36
-        born_on_panels(t)   0.15   0.3            0.3     0.35
+    An example, with a delay 30: 0.6 break on a panel that ends at t = 10; 0.05 in the closed motion from there to
+    t = 20, and 0.1 on the panel from 20 to 21; a lump of 0.2 at t = 25. Each forms again 30 later:
+
+        t                 10     20     21     25     40     50     51     55
+        breaks            0.6    0.65   0.75   0.75   0.75   0.75   0.75   0.75
+        broken_together   0      0      0      0.2    0.2    0.2    0.2    0.2
+        formed, born(t)   0      0      0      0      0.6    0.65   0.75   0.75
+        formed_together   1      1      1      1      1      1      1      1.2
+        holding           0.4    0.35   0.25   0.05   0.65   0.7    0.8    1
+        born_on_panels    0      0      0      0      0.6    0.6    0.7    0.7
     """
 
     def __init__(self, delay: float, held: float) -> None:
         """Before any breaks, with this share that holds."""
-        self.delay, self.held_or_in_lumps, self.formed = delay, held, 0.0
+        self.delay, self.formed_together, self.formed = delay, held, 0.0
         self.breaks = self.broken_together = 0.0
         self.lumps = list[tuple[float, float]]()
         # panels with breaks, when they begin, and before each the sum of the few breaks in closed motions so far
         self._begins, self._panels, self._jumps = list[float](), list[TimePanel](), [0.0]
         self._kinks = list[float]()
 
-    @property
-    def all_formed(self) -> float:
-        """Share that held at t = 0, or formed since; a contact that formed twice counts twice."""
-        return self.held_or_in_lumps + self.formed
-
-    @property
-    def formed_less_lumps(self) -> float:
-        """What would hold if none had broken but in lumps; less the breaks it is the share that holds."""
-        return self.all_formed - self.broken_together
-
     def holding(self, formed: Array | float, breaks: Array | float) -> Any:
         """The share that holds as lumps are now, with so many formed and broken one by one."""
-        return self.held_or_in_lumps + formed - self.broken_together - breaks
+        return self.formed_together + formed - self.broken_together - breaks
 
     def kink(self, t: float) -> None:
         """The rate of breaks has a kink at t, and that of births one delay later, a smoother one after two."""
@@ -90,7 +87,7 @@ class PastBreaks:
     def form_lump(self) -> float:
         """The share of the next lump, which forms again."""
         _, share = self.lumps.pop(0)
-        self.held_or_in_lumps += share
+        self.formed_together += share
         return share
 
     @property

@@ -1,0 +1,134 @@
+"""One run of a slider with mass, with one tolerance, and its slips; and where two runs part."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from master.motion import Motion, drive_motion
+from master.outcome import StoppedError
+from master.soft.inertia.body import RINGS
+from master.soft.inertia.delayed.slider import DelayedSlider
+from master.soft.inertia.record import Record
+from master.soft.inertia.slider import InertialSlider
+from master.soft.moves import ColdContacts
+from master.soft.regime import Slips
+from origins import Contacts
+from origins.brief import brief
+from origins.drive import Drive
+from origins.errors import refuse
+from origins.thresholds.law import Array
+
+# Part of a run's tolerance that each panel of F may take.
+OF_PANELS = 0.01
+
+
+@dataclass(frozen=True)
+class SlipsInTime(Slips):
+    """Slips of a slider with mass: falls of the spring's force that end a stick, as in eq_model.simulate.
+
+    time : when the slider begins to be faster than the drive; duration : until it is slower again, shape (n,)
+    top_speed : largest dX/dt on the way (length per time), shape (n,)
+
+    The slider sticks where the force rises by 0.02 mean thresholds while it stays within two of them, a fifth of the
+    contacts at least hold it and fewer break. From where it last stuck to the end of the fall contacts break a fifth
+    times each or more, while the force falls by 0.02 mean thresholds and the slider gets 1.5 times as fast as the
+    drive.
+    """
+
+    time: Array
+    duration: Array
+    top_speed: Array
+
+    __repr__ = brief
+
+
+class Run:
+    """The slider followed once.
+
+    record, balance : results at the path's points, and X_T at t = 0; force : of the spring, as far as it was followed
+    stopped : why it was not followed to the end; stored_first : energy of the contacts at t = 0
+    """
+
+    def __init__(
+        self, contacts: Contacts, drive: Drive, asked: float, part: float, until: float
+    ) -> None:
+        """With a part of the tolerance that is asked for."""
+        spring, unit, tolerance = float(drive.spring or 0.0), contacts.mean_threshold, part * asked
+        cold = ColdContacts(contacts, spring, tolerance, until)
+        # the motion hangs on F itself, and not on F' as slips without a mass do
+        cold.of_panels = max(OF_PANELS * tolerance * unit / cold.life.largest_stretch, 1e-13)
+        self._spring, self._unit = spring, unit
+        self.balance = cold.force_of(contacts.start) / spring
+        if abs(drive.path[0] - self.balance) <= 1e-12 * unit:
+            self.balance = float(drive.path[0])
+        elif drive.time is not None and drive.time[0] == 0.0:
+            hint = f"at time 0 the drive stands where it balances the start, {self.balance:.9g}"
+            refuse("path[0]", drive.path[0], hint)
+        at_rest = Motion(np.array([0.0, 1.0]), np.full(2, self.balance))
+        motion, self.stopped = drive_motion(drive, self.balance) or at_rest, ""
+        self.record = Record(drive.arrival_times(self.balance), unit)
+        slider: DelayedSlider | InertialSlider
+        if contacts.waiting_time:
+            given = drive, motion, self.record, tolerance * unit
+            slider = DelayedSlider(contacts, *given, until)
+        else:
+            slider = InertialSlider(cold, drive, motion, self.record, tolerance * unit)
+        self.stored_first = np.nan
+        try:
+            self.stored_first = slider.stored_first
+            slider.run()
+        except StoppedError as why:
+            self.stopped = str(why)
+            if self.stopped == RINGS:
+                hundredth = 0.02 * (float(drive.mass or 0.0) * (1.0 + spring)) ** 0.5
+                self.stopped += (
+                    f" (a hundredth of the critical one of a slider that sticks is {hundredth:.3g})"
+                )
+        self.nodes = slider.nodes
+        solved = np.isfinite(self.record.place)
+        count = solved.size if solved.all() else int(np.argmin(solved))
+        self.force = spring * (drive.path[:count] - self.record.place[:count])
+
+    def slips(self, drive_error: float) -> SlipsInTime:
+        """The slips."""
+        found = self.record.slips
+        begin, end = (np.reshape([slip[at] for slip in found], (-1, 5)).T for at in (0, 1))
+        top = np.array([slip.top_speed for slip in found])
+        return SlipsInTime(
+            drive=begin[1],
+            before=begin[2],
+            after=end[2],
+            force_before=begin[3],
+            force_after=end[3],
+            drive_error=drive_error,
+            time=begin[0],
+            duration=end[0] - begin[0],
+            top_speed=top,
+        )
+
+    def differ(self, other: "Run") -> tuple[float, float]:
+        """Largest differences, in mean thresholds: of the spring's force at points and slips and of K X_T at slips; and
+        of the contacts' force."""
+        n = min(self.force.size, other.force.size)
+        ours, theirs = self.slips(0.0), other.slips(0.0)
+        if ours.drive.size != theirs.drive.size or not n:
+            return np.inf, np.inf
+        force = max(
+            float(np.abs(self.force[:n] - other.force[:n]).max()),
+            self._spring * float(np.abs(ours.drive - theirs.drive).max(initial=0.0)),
+            float(np.abs(ours.force_before - theirs.force_before).max(initial=0.0)),
+            float(np.abs(ours.force_after - theirs.force_after).max(initial=0.0)),
+        )
+        both = self.record.contact_force[:n], other.record.contact_force[:n]
+        return float(force / self._unit), float(np.abs(both[0] - both[1]).max() / self._unit)
+
+    def parting(self, other: "Run", most: float) -> str:
+        """From where on the spring's force differs from that of another run by more than this (mean thresholds), in
+        words; "" where it does so at no point of the path."""
+        n = min(self.force.size, other.force.size)
+        off = np.abs(self.force[:n] - other.force[:n]) / self._unit
+        apart = np.flatnonzero(off > most)
+        if not apart.size:
+            return ""
+        t, x = self.record.times[apart[0]], self.record.place[apart[0]]
+        return f"the two runs part by {off.max():.1e} mean thresholds, from t = {t:.6g}, X = {x:.6g} on"
