@@ -223,3 +223,16 @@ def test_a_density_that_begins_at_a_finite_value_has_no_onset_power():
     older = origins.strengthening(fresh, 0.05, 1.0, age=1e3).at_start
     expected = fresh.pdf(0.0) / (1.0 + 0.05 * np.log1p(1e3))
     assert older.pdf(0.0) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", [Power(PC, 0.3, 1.0), Hazards(0.3, 0.0)], ids=["factor", "hazards"])
+@pytest.mark.parametrize(
+    ("other", "says"),
+    [
+        ({"stiffness": "linked"}, "nothing says whether k_i grows"),
+        ({"reforming": 0.1}, "relaxed alone"),
+    ],
+)
+def test_what_no_solver_follows_is_refused_beside_any_growing_thresholds(law, other, says):
+    with pytest.raises(origins.InputError, match=says):
+        Contacts(law, **other)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import re
-import sys
 from math import factorial
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -215,21 +212,6 @@ def test_births_on_panels_of_many_widths_with_jumps_and_a_delay(tolerance: float
     contacts = origins.Contacts(origins.rectangular(0.5, 1.5), delay=origins.Delay(delay))
     found = held_to_claim(contacts, path, tolerance, of_all_births(force), velocity=1.0)
     assert np.abs(found.holding - of_all_births(holding)).max() <= found.force_error
-
-
-def test_few_files_solve_the_gaussian_scene_and_the_docstring_names_them_in_order() -> None:
-    room, used = Path(master.__file__).parent, {}
-
-    def look(frame, event, _):
-        file = Path(frame.f_code.co_filename)
-        if event == "call" and room in file.parents:
-            used[".".join(file.relative_to(room).with_suffix("").parts)] = True
-
-    sys.setprofile(look)
-    master.solve(origins.Contacts(LAW), PATH, 1e-8)
-    sys.setprofile(None)
-    told = re.findall(r"`([a-z_.]+)`", master.solve.__doc__.partition("Parameters")[0])
-    assert len(used) <= 14 and list(used) == told
 
 
 def test_a_cold_path_imports_no_law_that_it_does_not_name(python):

@@ -110,9 +110,13 @@ class Past:
         """
         speed = abs(float(self._motion_leg.speeds[self.leg]))
         if self._earlier is not None and self._few.are_tried(grid_leg, speed):
+            worst_before, self.worst_sum = self.worst_sum, 0.0
             interpolated = self._few.interpolated(self._summed(grid_leg[:, FewTimes.ASKED], lumps))
+            of_sums = self.worst_sum
+            self.worst_sum = max(worst_before, of_sums)
             if interpolated.error <= self._accuracy:
-                self.worst_sum = max(self.worst_sum, interpolated.error)
+                # what is interpolated has the errors of its sums, too
+                self.worst_sum = max(worst_before, of_sums + interpolated.error)
                 return interpolated.both
             self._few.take_narrower(grid_leg, speed)
         return self._summed(grid_leg, lumps)

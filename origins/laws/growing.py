@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import InputError
-from origins.laws.timed_law import EXACT, MEAN_RATE, ChangingThresholds
+from origins.laws.timed_law import EXACT, LINKED, MEAN_RATE, ChangingThresholds
 from origins.thresholds.law import Array, Thresholds
 
 # Relative error of hazards, and change of one beside 1, that may be rounding in a law of one's own.
@@ -63,7 +63,14 @@ class GrowingThresholds(ChangingThresholds, ABC):
         """See TimedLaw."""
         averages = 'thermal: closure = "paper" averages over one P_c, and each age has another'
         of_their_own = "ageing: thresholds that grow with their age do age, by a law of their own"
-        return {MEAN_RATE: f"{averages}; {EXACT}", "ageing": f"{of_their_own}; leave one out"}
+        grows = "thresholds that grow: nothing says whether k_i grows, too"
+        relaxed = "contacts whose thresholds grow are taken as they form again relaxed alone"
+        return {
+            MEAN_RATE: f"{averages}; {EXACT}",
+            "ageing": f"{of_their_own}; leave one out",
+            "stiffness": f'{LINKED} {grows}; use "independent"',
+            "reforming": f"reforming: {relaxed}; leave it out",
+        }
 
     def __repr__(self) -> str:
         """The class alone, as nothing is known here of a subclass's arguments."""

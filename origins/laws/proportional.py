@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from origins.errors import between, non_negative, refuse
 from origins.laws.growing import AGES, INVERSE, GrowingThresholds
-from origins.laws.timed_law import LINKED
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.powered import Powered, straight
 from origins.thresholds.scipy_laws import as_thresholds
@@ -52,16 +51,6 @@ class ProportionalGrowth(GrowingThresholds):
     @abstractmethod
     def factor(self, age: npt.ArrayLike) -> Array:
         """g at these ages >= 0 (times), a number or an array of any shape; shape of them."""
-
-    @property
-    def apart(self) -> dict[str, str]:
-        """See TimedLaw."""
-        grows = "thresholds that grow: nothing says whether k_i grows, too"
-        relaxed = "contacts whose thresholds grow are taken as they form again relaxed alone"
-        return super().apart | {
-            "stiffness": f'{LINKED} {grows}; use "independent"',
-            "reforming": f"reforming: {relaxed}; leave it out",
-        }
 
     @property
     def grows(self) -> bool:  # type: ignore[override]
