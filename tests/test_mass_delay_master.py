@@ -238,12 +238,12 @@ def test_a_delay_with_a_law_of_many_exact_values_and_a_width_is_refused() -> Non
 
 @pytest.mark.slow
 def test_a_slip_of_a_machine_that_is_long_beside_the_delay_is_foretold() -> None:
-    """A thousandth of a second beside 0.14 s: contacts break and form in volleys; the stick before is solved."""
-    contacts = delayed(1e-3)
+    """Some thousandths of a second beside 0.14 s: contacts break and form in volleys; the stick before is solved."""
+    contacts = delayed(3e-3)
     machine = {"spring": 1e-6, "mass": 2e-9, "damping": 2e-8, "velocity": 170.0}
     found = solve(contacts, np.linspace(1e5, 1.2e6, 12), 1e-2, **machine)
     assert not found.success and 0 < found.force.size < 12
-    assert "a delay of 0.001 is so short beside it" in found.message
+    assert "a delay of 0.003 is so short beside it" in found.message
     assert "eq_model.simulate" in found.message
 
 
