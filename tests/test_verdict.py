@@ -115,11 +115,15 @@ def test_few_contacts_slip_where_infinitely_many_slide(capsys: Any) -> None:
 @pytest.mark.slow
 def test_mass_and_delay_decide_in_place_of_a_slip_rule(capsys: Any) -> None:
     """With a long delay nothing holds in a slip of half a period of mass and spring, and the spring's force falls to
-    about minus itself."""
+    about minus itself. The swing has died out when contacts form again: beside a tenth of that delay they break in it,
+    and slips come at places that rounding decides.
+
+    Both the master equation and the ensemble, which takes a second where the first does not end, tell of these slips.
+    """
     drive = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-4}
     contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
-    tables = {"contacts": contacts | {"delay": {"time": 30.0}}, "drive": drive}
-    status, page, found = judged(capsys, **tables)
+    tables = {"contacts": contacts | {"delay": {"time": 300.0}}, "drive": drive}
+    status, page, found = judged(capsys, **tables, wall_time=60.0)
     (slips,) = found["readings"][0]["behaviours"]
     assert status == 0 and slips["kind"] == "stick-slip" and page.count("stick-slip") >= 1
     assert slips["slip_time"] == pytest.approx(np.pi, rel=0.05)

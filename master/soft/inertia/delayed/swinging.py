@@ -118,6 +118,8 @@ class Swinging:
         drive, k, unbroken = body.drive, body.machine.spring, body.contacts.unbroken()
 
         def seen(times: Array) -> Watched:
+            """The slider at some times since the motion began, as the record asks for it to find falls of the force."""
+
             def when(index: int) -> float:
                 def excess(t: float) -> float:
                     return drive.way * float(motion.speed(t)) - limit
