@@ -25,24 +25,25 @@ def solve(contacts: origins.Contacts, path, tolerance: float = 1e-8, **machine: 
     return master.solve(contacts, path, tolerance, wall_time=300.0, **machine)
 
 
-def test_contacts_that_get_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Half of those that form are forgotten: where the panel ends fewer hold than have formed and not broken."""
-    true = Cohorts.and_born
-    monkeypatch.setattr(Cohorts, "and_born", lambda of, born, w, x: true(of, born, 0.5 * w, x))
-    machine = {"spring": 0.5, "mass": 0.2, "damping": 0.3}
-    found = solve(delayed(0.3), np.linspace(0.1, 4.0, 40), 1e-3, **machine)
-    assert not found.success and "number is not conserved: at t = " in found.message
-
-
-def test_contacts_that_form_at_a_wrong_place_name_themselves(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(
+    ("off", "part", "says"),
+    [
+        # half of those that form are forgotten: fewer hold where the panel ends than have formed and not broken
+        (0.0, 0.5, "number is not conserved: at t = "),
+        # as many hold there, but they pull by another force than the panel told
+        (0.1, 1.0, "forces do not agree: at t = "),
+    ],
+)
+def test_contacts_that_get_lost_or_form_elsewhere_name_themselves(
+    monkeypatch: pytest.MonkeyPatch, off: float, part: float, says: str
 ) -> None:
-    """As many hold there, but they pull by another force than the panel told."""
     true = Cohorts.and_born
-    monkeypatch.setattr(Cohorts, "and_born", lambda of, born, w, x: true(of, born + 0.1, w, x))
+    monkeypatch.setattr(
+        Cohorts, "and_born", lambda of, born, w, x: true(of, born + off, part * w, x)
+    )
     machine = {"spring": 0.5, "mass": 0.2, "damping": 0.3}
     found = solve(delayed(0.3), np.linspace(0.1, 4.0, 40), 1e-3, **machine)
-    assert not found.success and "forces do not agree: at t = " in found.message
+    assert not found.success and says in found.message
 
 
 def test_an_error_above_the_tolerance_says_where_the_runs_part(
