@@ -94,13 +94,19 @@ def drive_motion(drive: Drive, balance: float) -> Motion | None:
     return Motion(times, np.append(balance, drive.path)) if times[-1] > 0.0 else None
 
 
+def middle_of(rows: Array) -> Array:
+    """The middle between the least and the largest of each row, shape (rows, 1). Where a row lies within one piece of a
+    range, so does this, and well inside it: it tells on which side of the piece's ends the row is."""
+    return 0.5 * (rows.min(axis=1, keepdims=True) + rows.max(axis=1, keepdims=True))
+
+
 class History:
     """The slider's displacement X(t) - X(s) since contacts were born at s, and in between.
 
-    Every row lies within one smooth piece: it ends where a contact's largest |x| meets an exact threshold, or where
-    another leg begins. So the middle column determines on which side of such a point the whole row lies. The caller has
-    to see to that: a row that crosses such a point gives a wrong survival, which nothing here notices. Rows whose
-    middle column is the last of the row's times are allowed where renewal/few_times.py says why.
+    Every row lies within one smooth piece, which ends where a contact's largest |x| meets an exact threshold, or where
+    another leg begins. A row may begin or end just there, where rounding tells no side: `middle_of` tells it for all
+    of the row. The caller has to see to that: a row that crosses such a point gives a wrong survival, which nothing
+    here notices.
 
     t, s : instants and births, which broadcast to shape (rows, columns)
     now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)
@@ -111,10 +117,8 @@ class History:
         """Find the moves between s and t."""
         self.motion, self.t, self.s = motion, t, s
         last = motion.leg_of_all(t)
-        # the middle birth of a row tells the leg of all of them
-        rows, columns = np.broadcast_shapes(t.shape, s.shape)
-        middle = s[:, min(columns // 2, s.shape[1] - 1)]
-        first = np.broadcast_to(np.minimum(motion.leg(middle), last), rows)
+        rows = np.broadcast_shapes(t.shape, s.shape)[0]
+        first = np.broadcast_to(np.minimum(motion.leg(middle_of(s)), last)[:, 0], rows)
         self._first, self._last = int(first.min(initial=last)), last
         self.now: Array = motion.speeds[last] * (t - s)
         highest = lowest = self.now

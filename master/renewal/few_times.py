@@ -3,15 +3,6 @@
 Where a survival takes long, sums over births on earlier legs take most of a march's time, and change little over a
 panel: a cubic through four of its times gives the others, and two more times measure its error. It is used only where
 that is within the accuracy of such sums, and the error is counted with theirs.
-
-The one exception to a rule. Elsewhere the middle column of a row of times tells on which side of a knot, of a birth of
-a lump or of an exact threshold the whole row lies (master.motion.History), and so has to lie inside the panel; the
-middle one of the columns ASKED is the panel's end. Nothing goes wrong, as here no row can be on a wrong side:
-
-- exact thresholds: where a life has any (`atoms`), few times are never tried;
-- knots: all times of a panel are later than its leg's beginning, and a knot belongs to the leg that it ends;
-- births of lumps: without exact thresholds these are the start, at t = 0, and contacts whose births a slip put off to
-  its end (March.postpone_births), where panels begin; a panel's end is after both, as its middle is.
 """
 
 import numpy as np
@@ -32,7 +23,7 @@ class FewTimes:
     SUMMED : columns of TARGETS through which the cubic goes: at degree 16 these are 0, 6, 11 and 16, the panel's
         beginning, two nodes in between and its end
     CHECKED : two of the check points between the nodes, columns 17 and 19
-    ASKED : both, the only columns that are summed; for their middle one see the head of this file
+    ASKED : both, the only columns that are summed
     TO_ALL : matrix from the sums at SUMMED to the cubic at all TARGETS, shape (4, TARGETS.size)
     NARROWER : where it fails, it is tried again on panels of this part of the width only
     """

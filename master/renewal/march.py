@@ -257,12 +257,13 @@ class March:
             return
         leg = int(self.motion.leg(t))
         self._enter(leg)
-        beside = 0.5 * min(self.solved.width[-1], end - t)
-        sides = t + beside * np.array([[-1.0, -0.5, 0.0], [0.0, 0.5, 1.0]]) - self.motion.times[leg]
-        # the times of a row lie on one leg: those after a knot are asked for by themselves
-        rows = [sides] if t < self.motion.times[leg + 1] else [sides[:1], sides[1:]]
-        number = np.concatenate([self.known_on(leg, row)[0] for row in rows])
-        broken = float(number[0, 2] - number[1, 0])
+        t_leg, beside = t - self.motion.times[leg], 0.5 * min(self.solved.width[-1], end - t)
+        # the number at t as its jump begins, in a row of times before it, and as it ends, in a row after it
+        sides = t_leg + beside * np.array([[-1.0, 0.0], [0.0, 1.0]])
+        # times that are asked for together lie on one leg
+        asked = [sides] if t < self.motion.times[leg + 1] else np.split(sides, 2)
+        number = np.concatenate([self.known_on(leg, rows)[0] for rows in asked])
+        broken = float(number[0, 1] - number[1, 0])
         if broken > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from master.motion import Motion
+from master.motion import Motion, middle_of
 from master.numerics.table import Table
 from master.outcome import stop_after
 from master.survival.life import NO_SURVIVAL, TIE, Life, Survivors
@@ -105,9 +105,9 @@ class Straight:
         return found._replace(force=found.force / self.scale)
 
     def look_up(self, lag: Array) -> Survivors:
-        """E and K after lags in rows, from a table if there is one; the middle column of a row decides on which side of
-        a threshold it is, as in History; rows of few_times.py, with another middle, do not come here."""
-        ends, middle = self._bounds, lag[:, lag.shape[1] // 2, None]
+        """E and K after lags in rows, from a table if there is one; each row lies within one smooth piece, as in
+        History."""
+        ends, middle = self._bounds, middle_of(lag)
         after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
         holds = (middle < self._last) | (lag < self._last * (1.0 - TIE))
         lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.motion import History
+from master.motion import History, middle_of
 from master.numerics.averages import integrals
 from master.numerics.polynomials import Pieces, Rows
 from master.numerics.table import Table
@@ -140,8 +140,7 @@ class Life:
 
         born : the law of the stretches at birth, or an array of single stretches that broadcasts
             with the history; thresholds follow P_c conditional on x_s > |stretch|
-        history : of shape (rows, columns); each row lies within one smooth piece, and its middle
-            column decides on which side of an exact threshold it is
+        history : of shape (rows, columns); each row lies within one smooth piece, see History
 
         Returns arrays of shape (rows, columns).
         """
@@ -151,7 +150,7 @@ class Life:
         single = born.mean() if isinstance(born, Start) else born
         stretch = np.broadcast_to(single, shape).ravel()
         moves = history.pick(slice(None))
-        side = np.repeat(moves.largest(stretch).reshape(shape)[:, shape[1] // 2], shape[1])
+        side = np.repeat(middle_of(moves.largest(stretch).reshape(shape)), shape[1])
         return self.survivors(stretch, side, moves).reshape(*shape)
 
     def survivors(self, born: Array, side: Array, history: History) -> Survivors:
@@ -178,7 +177,7 @@ class Life:
 
         def weighted(row: Rows, born: Array) -> Array:
             nodes = born.shape[1]
-            side = history.pick(row).largest(born[:, nodes // 2])
+            side = history.pick(row).largest(middle_of(born)[:, 0])
             moves = history.pick(np.repeat(row, nodes))
             found = self.survivors(born.ravel(), np.repeat(side, nodes), moves)
             survival_errors.append(found.error)

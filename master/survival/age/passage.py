@@ -19,6 +19,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.special import ndtr
 
+from master.motion import middle_of
 from master.numerics import polynomials
 from master.numerics.averages import Integrals, integrals_above
 from master.numerics.polynomials import Rows
@@ -217,7 +218,7 @@ class Passage:
         low, series = first[segment] + low, np.array([panel.series for panel in panels])
 
         def met(row: Rows, y: Array) -> Array:
-            panel = np.searchsorted(low, -y[:, y.shape[1] // 2], "right") - 1
+            panel = np.searchsorted(low, -middle_of(y)[:, 0], "right") - 1
             k, z = segment[panel, None], -2.0 * (y + low[panel, None]) / width[panel, None] - 1.0
             now, then = rho[row, None], (y + first[k]) ** 2  # root of a time on the segment, a time
             own = k == root.size - 1
