@@ -172,5 +172,5 @@ def _held(march: March, leg: int, t: float) -> float:
     panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
     past, x = Past(replace(march.births, until=np.inf)), np.array([[t - motion.times[now]]])
     past.enter(now, panels)
-    own = march.births_on_leg(x[0], now, panels.pick(slice(past.first, None)))
+    own = march.births_on_leg(x[0], now, panels.pick(slice(past.first_panel, None)))
     return float(past.at(x, [])[0, 0, 0] + own[0, 0])

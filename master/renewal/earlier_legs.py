@@ -43,23 +43,12 @@ class Fitted(NamedTuple):
     survival_error: float
 
 
-class Held(NamedTuple):
-    """How many of the births on earlier legs held at one time.
-
-    t_leg : the time, the latest that was asked for
-    shares : of all contacts, that were born on a leg and held, by the leg's index
-    """
-
-    t_leg: float
-    shares: dict[int, float]
-
-    def at_most(self, share: float) -> dict[int, float]:
-        """Those of the legs of whose births at most this share of all contacts held."""
-        return {leg: held for leg, held in self.shares.items() if held <= share}
-
-
 class EarlierLegs:
-    """Births on some of the legs before the present one."""
+    """Births on some of the legs before the present one.
+
+    held : by the leg's index, the share of all contacts that were born on it and held at the latest of the times that
+        were last asked for; empty before any was
+    """
 
     def __init__(
         self,
@@ -74,11 +63,12 @@ class EarlierLegs:
         self._births, self._life, self._motion_leg = births, births.life, motion_leg
         self._leg, self._legs = leg, legs
         self._born_leg, self._accuracy = born_leg, accuracy
+        self.held = dict[int, float]()
 
-    def sums(self, t_leg: Array) -> tuple[Sums, Held]:
-        """Number and force at times, shape (n,); both of shape (2, n). And what held at the latest of these times."""
+    def sums(self, t_leg: Array) -> Sums:
+        """Number and force at times, shape (n,); both of shape (2, n)."""
         both, missed, survival_error = np.zeros((2, t_leg.size)), np.zeros(t_leg.size), 0.0
-        held, latest = np.zeros(self._leg), float(t_leg.max())
+        held_at_latest = np.zeros(self._leg)  # by leg
         pieces = self._pieces(t_leg)
         size = polynomials.PANEL_NODES if self._life.quick else FIRST_NODES
         while pieces.owner.size:
@@ -86,18 +76,19 @@ class EarlierLegs:
             survival_error = max(survival_error, fitted.survival_error)
             rough = self._rough(pieces, fitted)
             good = pieces.pick(~rough)
-            added, lost = self._integrated(good, fitted, ~rough)
-            for total, part in zip((*both, missed), (*added, lost), strict=True):
-                total += np.bincount(good.owner, part, t_leg.size)
-            late = t_leg[good.owner] == latest
-            leg = self._motion_leg.leg(0.5 * (good.low + good.high)[late])
-            held += np.bincount(leg, added[0, late], held.size)
+            (number, force), lost = self._integrated(good, fitted, ~rough)
+            both[0] += np.bincount(good.owner, number, t_leg.size)
+            both[1] += np.bincount(good.owner, force, t_leg.size)
+            missed += np.bincount(good.owner, lost, t_leg.size)
+            at_latest = t_leg[good.owner] == t_leg.max()
+            leg = self._motion_leg.leg(0.5 * (good.low + good.high)[at_latest])
+            held_at_latest += np.bincount(leg, number[at_latest], self._leg)
             pieces = pieces.pick(rough)
             if size == polynomials.PANEL_NODES:
                 pieces = pieces.halves()
             size = min(2 * size, polynomials.PANEL_NODES)
-        shares = {leg: float(held[leg]) for leg in self._legs.tolist()}
-        return Sums(both, float(missed.max()), survival_error), Held(latest, shares)
+        self.held = {leg: float(held_at_latest[leg]) for leg in self._legs.tolist()}
+        return Sums(both, float(missed.max()), survival_error)
 
     def _fitted(self, pieces: Pieces, t_leg: Array, size: int) -> Fitted:
         """Polynomials of E and K on pieces, as seen from these times, through so many nodes."""

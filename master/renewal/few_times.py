@@ -8,7 +8,6 @@ that is within the accuracy of such sums, and the error is counted with theirs.
 import numpy as np
 
 from master.numerics import polynomials
-from master.renewal.births import Sums
 from master.renewal.present import TARGETS
 from master.survival.life import MARGIN, Life
 from origins.thresholds.law import Array
@@ -45,14 +44,14 @@ class FewTimes:
         travel = self._travel(grid_leg, speed)
         return grid_leg.shape[1] == TARGETS.size and 0.0 < travel < self._longest
 
-    def interpolated(self, sums: Array) -> Sums:
-        """Number and force at all TARGETS from those at the ASKED ones; a smooth interpolant hides its error from the
-        panels, so that it is told."""
+    def interpolated(self, sums: Array) -> tuple[Array, float]:
+        """Number and force at all TARGETS from those at the ASKED ones, and the error of the number by that: a smooth
+        interpolant hides it from the panels."""
         summed, checked = np.split(sums, [len(self.SUMMED)], axis=2)
         both = summed @ self.TO_ALL
         number, force = np.abs(both[..., list(self.CHECKED)] - checked).max(axis=(1, 2))
         # between the two it may be MARGIN times as far off
-        return Sums(both, MARGIN * float(max(number, force / self._unit)))
+        return both, MARGIN * float(max(number, force / self._unit))
 
     def take_narrower(self, grid_leg: Array, speed: float) -> None:
         """It failed on the panels of this grid."""

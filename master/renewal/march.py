@@ -231,7 +231,7 @@ class March:
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         oldest = leg_begin + t.min() - self._memory(leg)
         first = panel_at(solved.begin, oldest)
-        on_it = solved.pick(max(first, self._past.first), last)
+        on_it = solved.pick(max(first, self._past.first_panel), last)
         out += self.births_on_leg(t, leg, on_it).reshape(out.shape)
         if delay > 0.0 and first < last:
             panels = solved.pick(first, last)

@@ -23,7 +23,7 @@ import numpy as np
 
 from master.numerics.polynomials import Rows
 from master.renewal.births import INSIDE, TINY, Births, Lump, Panels, Sums
-from master.renewal.earlier_legs import EarlierLegs, Held
+from master.renewal.earlier_legs import EarlierLegs
 from master.renewal.few_times import FewTimes
 from master.renewal.lumps import sums_of_lumps
 from origins.thresholds.law import Array
@@ -41,10 +41,14 @@ LEFT_OUT, LEAST_LEFT_OUT = 1e-3, 1e-18
 class Past:
     """All contacts that were not born on the present leg, as that leg sees them.
 
-    leg, first : the present leg, and the first panel whose births are on it
+    leg, first_panel : the present leg, and the first panel whose births are on it
     worst_sum : estimate from above of the error of the number by the sums over births, the largest so far
     left_out : share of all contacts that held when their leg was left out, the sum over all legs so far
     survival_error : the largest error of a survival so far, as the life returned it
+
+    _legs_left_out : earlier legs that are left out for good
+    _earlier : births on the other earlier legs; None before there are any, and for contacts that age
+    _strands : births on earlier legs of contacts that age
     """
 
     def __init__(self, births: Births) -> None:
@@ -53,13 +57,11 @@ class Past:
         self._motion_leg, self._leg_begins_path = births.motion, 0.0
         self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
-        self.leg, self.first = -1, 0
+        self.leg, self.first_panel = -1, 0
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
         self._legs_left_out = set[int]()
         self._earlier: EarlierLegs | None = None
-        # what held when the earlier legs were last asked, on the present leg
-        self._held_last: Held | None = None
         self._strands = list["StrandBirths"]()
         self._few = FewTimes(births.life)
 
@@ -75,8 +77,8 @@ class Past:
         self.left_out = other.left_out
 
     def enter(self, leg: int, panels: Panels) -> None:
-        """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first` on, one delay
-        late, fall on it. `panels`: all that are solved.
+        """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first_panel` on, one
+        delay late, fall on it. `panels`: all that are solved.
 
         Legs are left out of whose births hardly any held when they were last asked for, on the leg before. That may
         have been at any of its times, as a proposal that was rejected asks, too: a survival only falls, so that more of
@@ -85,18 +87,20 @@ class Past:
         self.leg, self._leg_begins_path = leg, float(path.times[leg])
         self._motion_leg = path.counted_from(leg)
         middle_path = panels.middle_of_births(births.delay)
-        self.first = int(np.searchsorted(middle_path, self._leg_begins_path))
-        panels, legs = panels.pick(slice(self.first)), path.leg(middle_path[: self.first])
+        self.first_panel = int(np.searchsorted(middle_path, self._leg_begins_path))
+        panels = panels.pick(slice(self.first_panel))
+        legs = path.leg(middle_path[: self.first_panel])
         begin_birth_leg = panels.births_begin(path.times[legs], births.delay)
         if births.life.has_strands:
             self._follow_strands(range(max(before, 0), leg), panels, begin_birth_leg, legs)
             return
-        if self._held_last is not None:
-            few = self._held_last.at_most(self._left_out_below)
-            self._legs_left_out |= few.keys()
-            self.left_out += sum(abs(held) for held in few.values())
+        if self._earlier is not None:
+            for each, held in self._earlier.held.items():
+                if held <= self._left_out_below:
+                    self._legs_left_out.add(each)
+                    self.left_out += abs(held)
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
-        self._earlier = self._held_last = None
+        self._earlier = None
         if counted.size:
             born_leg = panels.births(self._motion_leg.times[legs] + begin_birth_leg)
             self._earlier = EarlierLegs(
@@ -108,38 +112,38 @@ class Past:
 
         grid_leg : times in rows, each within one panel of the leg
         """
-        speed = abs(float(self._motion_leg.speeds[self.leg]))
-        if self._earlier is not None and self._few.are_tried(grid_leg, speed):
-            worst_before, self.worst_sum = self.worst_sum, 0.0
-            interpolated = self._few.interpolated(self._summed(grid_leg[:, FewTimes.ASKED], lumps))
-            of_sums = self.worst_sum
-            self.worst_sum = max(worst_before, of_sums)
-            if interpolated.error <= self._accuracy:
-                # what is interpolated has the errors of its sums, too
-                self.worst_sum = max(worst_before, of_sums + interpolated.error)
-                return interpolated.both
-            self._few.take_narrower(grid_leg, speed)
-        return self._summed(grid_leg, lumps)
+        found = self._from_few_times(grid_leg, lumps) or self._summed(grid_leg, lumps)
+        self.worst_sum = max(self.worst_sum, found.error)
+        self.survival_error = max(self.survival_error, found.survival_error)
+        return found.both
 
-    def _summed(self, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
-        """As `at`, at any times: the sum over all three kinds of contacts."""
+    def _from_few_times(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums | None:
+        """As `_summed`, interpolated between few of the times; None where that is not tried, or not accurate."""
+        speed = abs(float(self._motion_leg.speeds[self.leg]))
+        if self._earlier is None or not self._few.are_tried(grid_leg, speed):
+            return None
+        summed = self._summed(grid_leg[:, FewTimes.ASKED], lumps)
+        both, interpolation_error = self._few.interpolated(summed.both)
+        if interpolation_error > self._accuracy:
+            self._few.take_narrower(grid_leg, speed)
+            return None
+        return Sums(both, summed.error + interpolation_error, summed.survival_error)
+
+    def _summed(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums:
+        """The sums over all three kinds of contacts; errors of strands are counted as these are followed."""
         t_leg = self._beside_jumps(grid_leg).ravel()
-        both = np.zeros((2, t_leg.size))
-        for strand in self._strands:
-            both += strand.sums(t_leg)
-        if self._earlier is not None:
-            of_earlier, self._held_last = self._earlier.sums(t_leg)
-            both += self._counted(of_earlier)
         of_lumps = sums_of_lumps(
             self._births, self._motion_leg, lumps, self._leg_begins_path, grid_leg
         )
-        return both.reshape(2, *grid_leg.shape) + self._counted(of_lumps)
-
-    def _counted(self, sums: Sums) -> Array:
-        """Number and force of some sums, whose errors are counted."""
-        self.worst_sum = max(self.worst_sum, sums.error)
-        self.survival_error = max(self.survival_error, sums.survival_error)
-        return sums.both
+        both, error, survival_error = np.zeros((2, t_leg.size)), 0.0, of_lumps.survival_error
+        for strand in self._strands:
+            both += strand.sums(t_leg)
+        if self._earlier is not None:
+            of_earlier = self._earlier.sums(t_leg)
+            both += of_earlier.both
+            error = of_earlier.error
+            survival_error = max(survival_error, of_earlier.survival_error)
+        return Sums(both.reshape(of_lumps.both.shape) + of_lumps.both, error, survival_error)
 
     def _beside_jumps(self, grid_leg: Array) -> Array:
         """The times of a grid, later than the leg's beginning, which belongs to the leg before. Where the births of a
