@@ -11,7 +11,6 @@ follow from conservation there, given all panels before. A panel that does not r
 """
 
 from collections.abc import Iterator
-from copy import copy
 
 import numpy as np
 
@@ -268,15 +267,19 @@ class March:
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 
     def cut(self, t: float, births: Births) -> "March":
-        """A march that has the contacts of this one at the time t; set its edges before it runs. `births` are along a
-        motion that is the same up to t, of the same life, which is timeless."""
-        other, births.work = copy(self), self.births.work
-        other.births, other.motion, other._past = births, births.motion, Past(births)
-        other.present = self.present.counted_on(births)
-        other._past.count_errors_of(self._past)  # with which the panels so far were solved
-        other.widths = PanelWidth(self.life.quick, min(self.widths.widest, self.guess))
+        """A march that has the contacts of this one at the time t, and none of its plans: set its edges before it runs.
+        `births` are along a motion that is the same up to t, of the same life, which is timeless."""
+        start = self.lumps[0].law
+        other = March(births, start, self.edges, self.tolerance, self.guess, self.stretch)
+        # the contacts, and the errors with which they are known
         other.solved = self.solved.up_to(t, SAME_BEGIN * self.guess)
-        other.lumps = [self.lumps[0], *(lump for lump in self.lumps[1:] if lump.time < t)]
+        other.lumps += [lump for lump in self.lumps[1:] if lump.time < t]
+        other._past.count_errors_of(self._past)
+        other.jump = self.jump
+        # work that is done: tables of survivals, which no motion changes, the width that panels have, and its count
+        other.present = self.present.counted_on(births)
+        other.widths.widest = min(self.widths.widest, self.guess)
+        births.work = self.births.work
         return other
 
     def postpone_births(self, begin: float, end: float) -> None:
