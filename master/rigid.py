@@ -107,8 +107,8 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
     panel = int(np.argmax(solved.error))
     near = f"near X = {march.motion.at(solved.begin[panel]):.6g}"
     if jump.size and jump.size == solved.error[panel]:
-        clock = "a travel of " if march.life.timeless and not march.births.delay else "t = "
-        near = f"{near}: the number jumps by {jump.size:.1e} at {clock}{jump.time:.6g}, on leg {jump.leg}"
+        when = "a travel of " if march.life.timeless and not march.births.delay else "t = "
+        near = f"{near}: the number jumps by {jump.size:.1e} at {when}{jump.time:.6g}, on leg {jump.leg}"
         near += " (from 0), where no edge is, or a sum over births is wrong from there on"
     parts = {
         f"a panel {near}": solved.error[panel],
@@ -228,15 +228,17 @@ def breaks_until(march: March, t: Array) -> Array:
 
 def _read(march: March, values: Array, t: Array) -> Array:
     """Values at times t, shape (n,), from those at the panels' beginnings and nodes; at a jump the value after it."""
-    begin, since, width = march.solved.begin, march.solved.since, march.solved.width
+    begin, begin_leg, width = march.solved.begin, march.solved.begin_leg, march.solved.width
     knots = march.motion.times
     # at a jump, a time that rounding puts just before it is read after it; elsewhere values are continuous
-    rounded = ROUNDED * begin + SAME_TIME * (since + width.min(initial=np.inf))
+    rounded = ROUNDED * begin + SAME_TIME * (begin_leg + width.min(initial=np.inf))
     read_from = begin - np.where(_begin_at_jumps(march, rounded), rounded, 0.0)
     panel = np.clip(np.searchsorted(read_from, t, "right") - 1, 0, begin.size - 1)
     # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
-    leg_begin = knots[np.searchsorted(knots, (begin - since + 0.5 * width)[panel], "right") - 1]
-    place = np.clip((t - leg_begin - since[panel]) / width[panel], 0.0, 1.0)
+    leg_begins = knots[
+        np.searchsorted(knots, (begin - begin_leg + 0.5 * width)[panel], "right") - 1
+    ]
+    place = np.clip((t - leg_begins - begin_leg[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", polynomials.values(place), values[panel]))
 
 

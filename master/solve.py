@@ -95,9 +95,7 @@ def solve(
         drive.only_forward("the paper's closure of ageing")
         if drive.time is not None:
             raise InputError("time: the paper's closure of ageing takes one speed; write velocity=")
-        from master.paper.q15_transient import (
-            solve_q15,
-        )  # as the others, imported where it is named
+        from master.paper.q15_transient import solve_q15  # each where it is needed
 
         return solve_q15(contacts, drive, tolerance, progress, until)
     if drive.spring is None:
@@ -116,17 +114,15 @@ def _rigid(
 ) -> Solution:
     """A rigid slider; where wall_time ends the work before a table is made, as far as it is known to ROUGH."""
     motion, _ = motion_of(drive, contacts.mean_threshold)
+
+    def solved_to(tolerance: float) -> Solution:
+        life = life_of(contacts, tolerance, motion, until)
+        return solve_rigid(contacts, drive, life, tolerance, progress, until)
+
     slow = contacts.thermal is not None and contacts.reforming is not None
-    tolerances = (
-        [ROUGH, tolerance] if slow and np.isfinite(until) and tolerance < ROUGH else [tolerance]
-    )
-    rough, *finer = (
-        solve_rigid(contacts, drive, life_of(contacts, each, motion, until), each, progress, until)
-        for each in tolerances
-    )
-    if not finer:
-        return rough
-    (asked,) = finer
+    if not (slow and np.isfinite(until) and tolerance < ROUGH):
+        return solved_to(tolerance)
+    rough, asked = solved_to(ROUGH), solved_to(tolerance)
     if asked.path.size >= rough.path.size:
         return asked
     known = f"the force is known to {rough.force_error:.1e} only, as more took too long"

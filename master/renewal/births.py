@@ -103,11 +103,11 @@ class Jump(NamedTuple):
 
 
 class Panels(NamedTuple):
-    """Solved panels in the order of time; since: `begin` counted from the beginning of a leg; breaks: values at 0 and
-    the nodes, shape (n, DEGREE + 1)."""
+    """Solved panels in the order of time; `begin` is a time on the path, `begin_leg` the same counted from the
+    beginning of the panel's leg; breaks: values at 0 and the nodes, shape (n, DEGREE + 1)."""
 
     begin: Array
-    since: Array
+    begin_leg: Array
     width: Array
     breaks: Array
 
@@ -119,10 +119,12 @@ class Panels(NamedTuple):
         """Times in the middle of the births, one delay after the breaks."""
         return self.begin + 0.5 * self.width + delay
 
-    def births_begin(self, leg_begin: Array | float, delay: float) -> Array:
-        """When their births begin, counted from the beginning of the leg on which these are. leg_begin : of that leg, a
-        time on the path; one for all panels, or an array with that of each, so that each has a clock of its own."""
-        return np.where(self.begin >= leg_begin, self.since, self.begin - leg_begin) + delay
+    def births_begin(self, leg_begins: Array | float, delay: float) -> Array:
+        """When their births begin, counted from the beginning of the leg on which these are. `leg_begins`: that, a time
+        on the path; one for all panels, or an array with that of each, so that each has a clock of its own. Of panels
+        that lie on a leg before, as births are a delay later, it is a difference of times on the path."""
+        on_same_leg = self.begin >= leg_begins
+        return np.where(on_same_leg, self.begin_leg, self.begin - leg_begins) + delay
 
     def births(self, begin: Array) -> "BirthPanels":
         """Their births, which begin at these times."""

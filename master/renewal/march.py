@@ -31,6 +31,8 @@ from origins.thresholds.law import Array
 MEMORIES, ALIKE, MEMORIES_AHEAD = 1.1, 0.25, 8.0
 # About the work of solving a panel, in pieces of integrals over births.
 WORK_OF_PANEL = 100
+# Width of the last panel without births, in that of the first guess.
+SHORT_LAST = 1e-6
 # Part of a panel's width by which rounding may put its beginning before that of its leg.
 SAME_BEGIN = 1e-9
 # In a hold the first panel is this part of it: contacts break by heat at rates that no length tells.
@@ -123,32 +125,32 @@ class March:
                 moving = bool(self.motion.speeds[leg])
                 widest = self._duration(self.guess, leg) if moving else OF_HOLD * (end - begin)
                 self.widths.widest = widest
-            before, leg_begin = leg, float(self.motion.times[leg])
-            yield from self._segment(leg, begin - leg_begin, end - leg_begin)
+            before, leg_begins = leg, float(self.motion.times[leg])
+            yield from self._segment(leg, begin - leg_begins, end - leg_begins)
 
-    def _segment(self, leg: int, since: float, edge: float) -> Iterator[None]:
-        """Solve from one edge to the next, yielding after each good run; `since` and `edge` are counted from the
-        beginning of the leg, as all times here but those that are kept."""
-        leg_begin = float(self.motion.times[leg])
+    def _segment(self, leg: int, now_leg: float, edge_leg: float) -> Iterator[None]:
+        """Solve from one edge to the next, yielding after each good run. Times whose name ends in `_leg` are counted
+        from the beginning of the leg, all others here from that of the path."""
+        leg_begins = float(self.motion.times[leg])
         first = self._duration(self.guess, leg)
         most = self._duration(self.life.largest_stretch, leg)
         tolerance, widths = self.tolerance, self.widths
-        widths.begin(edge - since, first, most, tolerance)
-        while not widths.reached(edge - since):
+        widths.begin(edge_leg - now_leg, first, most, tolerance)
+        while not widths.reached(edge_leg - now_leg):
             stop_after(self.births.until)
-            proposal = widths.propose(edge - since)
-            run = self._run(leg, since, proposal.width, proposal.panels)
+            proposal = widths.propose(edge_leg - now_leg)
+            run = self._run(leg, now_leg, proposal.width, proposal.panels)
 
             # Beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error:
             # all of the run, since those behind a bad one, solved again at this width, would come out the same.
-            keep_all = self.births.work > MOST_WORK or widths.too_narrow(since)
+            keep_all = self.births.work > MOST_WORK or widths.too_narrow(now_leg)
             bad = np.flatnonzero(run.error > tolerance)
-            if bad.size and widths.too_narrow(since) and run.error[bad[0]] > self.jump.size:
-                self.jump = Jump(leg_begin + since, leg, float(run.error[bad[0]]))
+            if bad.size and widths.too_narrow(now_leg) and run.error[bad[0]] > self.jump.size:
+                self.jump = Jump(leg_begins + now_leg, leg, float(run.error[bad[0]]))
             good = int(bad[0]) if bad.size and not keep_all else run.error.size
-            self.solved.append(leg_begin + since, since, proposal.width, run, good)
+            self.solved.append(leg_begins + now_leg, now_leg, proposal.width, run, good)
 
-            since = since + good * proposal.width if good < proposal.to_edge else edge
+            now_leg = now_leg + good * proposal.width if good < proposal.to_edge else edge_leg
             if good < run.error.size:
                 widths.narrow(good, float(run.error[good]))
             else:
@@ -184,13 +186,14 @@ class March:
         if leg != self._past.leg:
             self._past.enter(leg, self.solved.pick(0))
 
-    def _run(self, leg: int, since: float, width: float, count: int) -> Run:
-        """Solve panels of one width, the first of which begins `since` the leg's beginning."""
+    def _run(self, leg: int, begin_leg: float, width: float, count: int) -> Run:
+        """Solve panels of one width, the first of which begins at `begin_leg`."""
         self._enter(leg)
         self.births.work += WORK_OF_PANEL * count
         alike = self._count_alike(width, leg)
         of_panel = self.present.on(float(self.motion.speeds[leg]), width, alike + count)
-        known = self.known_on(leg, since + width * (np.arange(count)[:, None] + TARGETS), alike)
+        targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
+        known = self.known_on(leg, targets_leg, alike)
         earlier = self.solved.breaks[self.solved.count - alike :]
         return solve_run(of_panel, known, earlier, self.stretch)
 
@@ -200,8 +203,8 @@ class March:
         # A birth holds no longer than the memory, and a panel's last births come one width after its first: panels
         # that begin before `oldest`, a second width on the safe side of rounding, add nothing.
         oldest = self.solved.end - self._memory(leg) - 2.0 * width
-        leg_begin = float(self.motion.times[leg]) - SAME_BEGIN * width
-        return self.solved.count_alike(width, max(oldest, leg_begin))
+        leg_begins = float(self.motion.times[leg]) - SAME_BEGIN * width
+        return self.solved.count_alike(width, max(oldest, leg_begins))
 
     def known_at(self, t: Array) -> Array:
         """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
@@ -209,46 +212,44 @@ class March:
         self._enter(leg)
         return self.known_on(leg, t - self.motion.times[leg])
 
-    def known_on(self, leg: int, grid: Array, alike: int = 0) -> Array:
+    def known_on(self, leg: int, grid_leg: Array, alike: int = 0) -> Array:
         """Number and force of all contacts whose births are known, at later times on a leg that the past has entered;
-        (2, *grid.shape).
+        (2, *grid_leg.shape).
 
-        grid : times in rows, counted from the leg's beginning
+        grid_leg : times in rows
         alike : the last panels, so many, are left out: they have the width of the panels to be solved, and solve_run
             adds them by PanelSums
 
         Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
-        leg_begin, solved = float(self.motion.times[leg]), self.solved
-        last = solved.count - alike
-        t, delay = grid.ravel(), self.births.delay
+        solved, delay = self.solved, self.births.delay
         # a start that is as births at t = 0 on this leg is in their table
         in_table = leg == 0 and self._as_births
-        out = self._past.at(grid, self.lumps[1:] if in_table else self.lumps)
+        both = self._past.at(grid_leg, self.lumps[1:] if in_table else self.lumps)
         if in_table:
-            out += self.present.look_up(float(self.motion.speeds[leg]), grid)
+            both += self.present.look_up(float(self.motion.speeds[leg]), grid_leg)
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
-        oldest = leg_begin + t.min() - self._memory(leg)
-        first = panel_at(solved.begin, oldest)
-        on_it = solved.pick(max(first, self._past.first_panel), last)
-        out += self.births_on_leg(t, leg, on_it).reshape(out.shape)
-        if delay > 0.0 and first < last:
-            panels = solved.pick(first, last)
-            of_breaks = still_out(
-                leg_begin + t, delay, panels.begin[:, None], panels.width[:, None]
-            )
-            out[0] += np.einsum("ptn,pn->t", of_breaks, panels.breaks).reshape(grid.shape)
-        return out
+        t_leg = grid_leg.ravel()
+        t = float(self.motion.times[leg]) + t_leg
+        oldest = float(t.min()) - self._memory(leg)
+        first, end = panel_at(solved.begin, oldest), solved.count - alike
+        born_on_leg = solved.pick(max(first, self._past.first_panel), end)
+        both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
+        if delay > 0.0 and first < end:
+            panels = solved.pick(first, end)
+            of_breaks = still_out(t, delay, panels.begin[:, None], panels.width[:, None])
+            both[0] += np.einsum("ptn,pn->t", of_breaks, panels.breaks).reshape(grid_leg.shape)
+        return both
 
-    def births_on_leg(self, t: Array, leg: int, panels: Panels) -> Array:
-        """Number and force at times t, counted from the beginning of the leg, of births on that leg. `panels`: those
-        of the breaks, of any widths, without gaps."""
+    def births_on_leg(self, t_leg: Array, leg: int, panels: Panels) -> Array:
+        """Number and force of births on a leg, at times on it, shape (2, n). `panels`: those of the breaks, of any
+        widths, without gaps."""
         broken = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NO_SURVIVAL)
         if not broken.size:
-            return np.zeros((2, t.size))
+            return np.zeros((2, t_leg.size))
         panels = panels.pick(slice(broken[0], broken[-1] + 1))
-        begin = panels.births_begin(self.motion.times[leg], self.births.delay)
-        return self.present.sums(float(self.motion.speeds[leg]), t, panels.births(begin))
+        begin_leg = panels.births_begin(self.motion.times[leg], self.births.delay)
+        return self.present.sums(float(self.motion.speeds[leg]), t_leg, panels.births(begin_leg))
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a lump of the contacts that break together at the edge t, if any: the fall of the number there."""
@@ -285,11 +286,12 @@ class March:
     def postpone_births(self, begin: float, end: float) -> None:
         """Add panels from begin to end without births: broken contacts are born together at the end."""
         number, _ = self.known_at(np.full((1, TARGETS.size), end))
-        leg_begin = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
+        leg_begins = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         nothing = np.zeros((1, polynomials.DEGREE + 1))
         # breaks at the end are looked for over half of the last panel, which has to be short
-        nearly, run = end - min(1e-6 * self.guess, end - begin), Run(nothing, nothing, np.zeros(1))
+        nearly = end - min(SHORT_LAST * self.guess, end - begin)
+        run = Run(nothing, nothing, np.zeros(1))
         for first, last in ((begin, nearly), (nearly, end)):
             if last > first:
-                self.solved.append(first, first - leg_begin, last - first, run, 1)
+                self.solved.append(first, first - leg_begins, last - first, run, 1)
         self.lumps.append(Lump(end, 1.0 - float(number[0, 0]), self.births.law))

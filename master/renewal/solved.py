@@ -1,6 +1,6 @@
 """Solved panels: breaks, force and error of a march so far, panel after panel."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
@@ -27,14 +27,14 @@ def _no_rows() -> Array:
 class SolvedPanels:
     """Panels in the order of time, without gaps; arrays with one entry or row a panel.
 
-    begin : time on the path; since : the same counted from the beginning of the panel's leg, which keeps all digits
+    begin, begin_leg : the panel's beginning, a time on the path; and counted from that of its leg, to keep all digits
     width : a time
     breaks, force, error : as in Run
     slack : a time by which the last panel may end too early, as one that began hardly before a cut was left out
     """
 
     begin: Array = field(default_factory=_none)
-    since: Array = field(default_factory=_none)
+    begin_leg: Array = field(default_factory=_none)
     width: Array = field(default_factory=_none)
     breaks: Array = field(default_factory=_no_rows)
     force: Array = field(default_factory=_no_rows)
@@ -51,8 +51,8 @@ class SolvedPanels:
         """The time at which the last one ends; 0 without any."""
         return float(self.begin[-1] + self.width[-1]) if self.count else 0.0
 
-    def append(self, begin: float, since: float, width: float, run: Run, good: int) -> None:
-        """Add the first `good` panels of a run that begins at `begin`, and `since` from its leg's beginning.
+    def append(self, begin: float, begin_leg: float, width: float, run: Run, good: int) -> None:
+        """Add the first `good` panels of a run that begins at `begin`, or `begin_leg` on the clock of its leg.
 
         Raises FaultError where that is not the end of the panels so far: each of them conserves the number by itself,
         and no residual would tell of breaks that are left out in between, or counted twice.
@@ -66,7 +66,7 @@ class SolvedPanels:
             )
         steps = width * np.arange(good)
         self.begin = np.append(self.begin, begin + steps)
-        self.since = np.append(self.since, since + steps)
+        self.begin_leg = np.append(self.begin_leg, begin_leg + steps)
         self.width = np.append(self.width, np.full(good, width))
         self.breaks = np.concatenate([self.breaks, run.breaks[:good]])
         self.force = np.concatenate([self.force, run.force[:good]])
@@ -74,7 +74,7 @@ class SolvedPanels:
 
     def pick(self, first: int, last: int | None = None) -> Panels:
         """What births need of the panels from one to before another."""
-        stored = self.begin, self.since, self.width, self.breaks
+        stored = self.begin, self.begin_leg, self.width, self.breaks
         return Panels(*(part[first:last] for part in stored))
 
     def rates_from(self, t: float) -> Array:
@@ -93,7 +93,7 @@ class SolvedPanels:
     def up_to(self, t: float, rounded: float) -> "SolvedPanels":
         """The panels up to a time, of which the last may be a part; none that begins within `rounded` of it."""
         begun = int(np.searchsorted(self.begin, t - rounded))
-        stored = self.begin, self.since, self.width, self.breaks, self.force, self.error
+        stored = (getattr(self, each.name) for each in fields(self) if each.init)
         other = SolvedPanels(*(part[:begun].copy() for part in stored))
         other.slack = rounded
         if begun and other.end > t:
