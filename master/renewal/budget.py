@@ -41,7 +41,7 @@ class ErrorBudget:
 
     Births have no part of their own: panels may use up theirs, and what births add then exceeds the sum. It is little.
     On 32 random paths of three to five legs the estimated error of all births was at most 1.5e-3 of a panel's part
-    without heat (median 1e-7), and 0.06 of it with heat (median 5e-3), where sums over births are COARSER (see past).
+    without heat (median 1e-7), and 0.06 of it with heat (median 5e-3), where sums over births are COARSER (past.py).
     The error that counts is in force_error, and where the sum is above the tolerance, `success` is False.
 
     These errors see what numbers do, and no fault of bookkeeping: a survival, a birth or a panel that is counted twice

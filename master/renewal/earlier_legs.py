@@ -23,6 +23,10 @@ from origins.thresholds.law import Array
 
 # Nodes of a piece that are tried first where a survival takes long; they are doubled before the piece is halved.
 FIRST_NODES = 5
+# Where the slider turns, and no bend tells at which birth a survival is largest: width of the first pieces, in
+# resolution lengths of the life, on which nodes see the peak; and most of them on a leg, wider where the longest
+# stretch is far.
+SEEN_WITHIN, MOST_CUTS = 4.0, 50
 # Rounding of a time of birth, relative: that of some sums and differences of times.
 ROUNDED_TIME = 1e-14
 
@@ -70,7 +74,7 @@ class EarlierLegs:
         both, missed, survival_error = np.zeros((2, t_leg.size)), np.zeros(t_leg.size), 0.0
         held_at_latest = np.zeros(self._leg)  # by leg
         pieces = self._pieces(t_leg)
-        size = polynomials.PANEL_NODES if self._life.quick else FIRST_NODES
+        size = polynomials.PANEL_NODES if self._life.pair_work == 1 else FIRST_NODES
         while pieces.owner.size:
             fitted = self._fitted(pieces, t_leg, size)
             survival_error = max(survival_error, fitted.survival_error)
@@ -138,6 +142,10 @@ class EarlierLegs:
         cuts = [np.broadcast_to(end, (t_leg.size, legs.size, 1)) for end in (first, last)]
         if law.is_single:
             cuts.append(np.clip(self._bends(t_leg, law.mean()), first, last))
+        speeds = self._motion_leg.speeds
+        if not self._life.peaks_at_bends and speeds.min() < 0.0 < speeds.max():
+            even = self._even_cuts(first, last)
+            cuts.append(np.broadcast_to(even, (t_leg.size, *even.shape[1:])))
         edges = np.concatenate(cuts, axis=2).reshape(t_leg.size * legs.size, -1)
         owner, begin, end = Pieces.between(edges)
         target = owner // legs.size
@@ -146,6 +154,16 @@ class EarlierLegs:
         place = begin[:, None] + (end - begin)[:, None] * places
         held = self._births.may_hold(law, motion_leg.history(t_leg[target, None], place))
         return Pieces(target, begin, end).pick(held)
+
+    def _even_cuts(self, first: Array, last: Array) -> Array:
+        """Times that cut the births of each leg, from its last one back to where none holds, shape (1, legs, cuts)."""
+        far = self._life.largest_stretch
+        count = min(int(np.ceil(far / (SEEN_WITHIN * self._life.resolution_length))), MOST_CUTS)
+        distance = np.linspace(0.0, far, count + 1)[1:]
+        speed = np.abs(self._motion_leg.speeds[self._legs, None])
+        rests = np.full((speed.size, count), np.inf)  # births in a hold are not cut
+        before_last = np.divide(distance, speed, out=rests, where=speed > 0.0)
+        return np.maximum(last - before_last, first)
 
     def _bends(self, t_leg: Array, born: float) -> Array:
         """Times of birth, at the one stretch `born`, for which the survival at `t_leg` bends or its force does, shape

@@ -31,7 +31,9 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     from master.renewal.strand_births import StrandBirths
 
-# Factor on the accuracy where a survival is a sum: so exact a sum over births would take long.
+# Factor on the accuracy where a survival is a sum or followed by strands: so exact a sum over births would take long.
+# Where it is closed, as that of growing thresholds without heat, sums so coarse make the number rough, and panels are
+# halved until all work is used up.
 COARSER = 30.0
 # Births on a leg are left out where fewer than this part of the accuracy hold, as many legs may be left out; at least a
 # hundredth of the rounding of sums.
@@ -55,7 +57,8 @@ class Past:
         """Before the first leg: `enter` is called before anything is asked for."""
         self._births = births
         self._motion_leg, self._leg_begins_path = births.motion, 0.0
-        self._accuracy = births.accuracy * (1.0 if births.life.quick else COARSER)
+        closed = births.life.pair_work == 1 and not births.life.has_strands
+        self._accuracy = births.accuracy * (1.0 if closed else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
         self.leg, self.first_panel = -1, 0
         self.left_out = self.worst_sum = 0.0

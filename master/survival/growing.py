@@ -62,6 +62,7 @@ class GrowingLife(ChangingLife):
 
     error = 1e-13  # of the survival, by rounding of the hazards
     neglected = NEGLECTED
+    peaks_at_bends = False
 
     def __init__(self, contacts: Contacts, longest: float) -> None:
         """Find how far contacts may be stretched, and how finely their survival varies."""

@@ -79,6 +79,8 @@ class Life:
     atoms : array of shape (n,), exact thresholds (lengths), at which finite fractions of contacts break together
     bends : array of shape (n,), sorted lengths: the largest |x| at which the survival of a contact is not
         smooth, such as jumps of P_c and exact thresholds
+    peaks_at_bends : whether, of births on a leg before a turn, survivals are largest where it ends, or where the
+        largest |x| bends; where thresholds change, they may be largest anywhere, and be 0 on both sides
     marks : array of shape (n,), where `quick`: |x| between which the survival is nearly a polynomial
     resolution_length : length over which the survival has to be resolved
     quick : whether `survival_and_force`, for births at one stretch, takes no longer than a look-up in a table
@@ -101,6 +103,7 @@ class Life:
     quick = False
     timeless = False
     has_strands = False
+    peaks_at_bends = True
     no_density = ""
     start_as_births = True
     pair_work = 1
