@@ -35,6 +35,14 @@ RESOLVED = 0.1
 LOG_OF_LAYER, THIN_LAYER = -25.0, 0.8
 # Least of the longest stretch, in mean thresholds: the tolerance of the number stays finite where contacts hardly move.
 LEAST_STRETCH = 1e-3
+# Of the time of a panel's end, by which rounding may put a point of the path behind it.
+ROUNDED_END = 1e-12
+# A path is followed beyond its end by this part of a mean threshold: contacts that reach an exact threshold just there
+# shall have broken.
+BEYOND_END = 1e-9
+# Instants at which contacts at rest are looked at, a decade apart, in units of the rate law's time; and the shortest
+# time beside the delay for which half of them must hold: less is lost in the rounding of the times of re-forming.
+LOOKED_AT, SHORTEST_BESIDE_DELAY = np.geomspace(1e-3, 1e50, 54), 1e-12
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 # Tightest tolerance, in changes of a survival over the last place of a position: rounding moves it by half of that, and
@@ -63,7 +71,7 @@ def solve_rigid(
     march.run()
     # a march that was stopped has solved the points up to the end of its last panel; without a panel not even X = 0
     solved = march.solved
-    solved_until = solved.end * (1.0 + 1e-12) if solved.count else -np.inf
+    solved_until = solved.end * (1.0 + ROUNDED_END) if solved.count else -np.inf
     kept = arrivals <= (solved_until if march.unfinished else np.inf)
     worst = solved.error.max(initial=0.0 if solved.count else np.inf) + march.unseen_error
     if worst > RESOLVED:
@@ -137,8 +145,7 @@ def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion
     steps = np.diff(times, prepend=0.0)
     moved = np.flatnonzero(steps > 0.0)
     speed = float(moves[moved[-1]] / steps[moved[-1]]) if moved.size else drive.velocity
-    # contacts that reach an exact threshold just at the path's end shall have broken there
-    longer = 1e-9 * mean / abs(speed or drive.velocity)
+    longer = BEYOND_END * mean / abs(speed or drive.velocity)
     knots = np.concatenate([[0.0], times, [times[-1] + longer]])
     motion = Motion(knots, np.concatenate([[0.0], drive.path, [drive.path[-1] + longer * speed]]))
     before = float((motion.times[:-1] * np.abs(motion.speeds)).max() / mean)
@@ -153,7 +160,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     if life.timeless or contacts.thermal is None:
         return
     scale = contacts.thermal.rates.scale
-    times = np.geomspace(1e-3, 1e50, 54)[:, None] / scale
+    times = LOOKED_AT[:, None] / scale
     at_rest = Motion(np.array([0.0, times[-1, 0]]), np.zeros(2))
     history = at_rest.history(times, np.zeros((1, 1)))
     held = life.survival_and_force(reforming_law(contacts), history).survival[:, 0]
@@ -163,7 +170,7 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     if moving > most * lasts:
         many = f"contacts break some {moving / lasts:.0e} times on the path, of which {most:.0e}"
         refuse("attempt_frequency or scale", scale, f"{many} can be followed there; slide faster")
-    if lasts < 1e-12 * contacts.waiting_time:  # lost in the rounding of the times of re-forming
+    if lasts < SHORTEST_BESIDE_DELAY * contacts.waiting_time:
         fault = f"contacts hold for {lasts:.0e}, too short to follow beside the delay"
         refuse("delay", contacts.waiting_time, fault)
 

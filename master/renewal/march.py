@@ -35,8 +35,6 @@ WORK_OF_PANEL = 100
 SHORT_LAST = 1e-6
 # Part of a panel's width by which rounding may put its beginning before that of its leg.
 SAME_BEGIN = 1e-9
-# In a hold the first panel is this part of it: contacts break by heat at rates that no length tells.
-OF_HOLD = 0.25
 # Share of the contacts that break at an edge together, below which they are the rounding of conservation.
 LEAST_LUMP = 1e-15
 
@@ -113,29 +111,25 @@ class March:
     def runs(self) -> Iterator[None]:
         """Solve all panels, yielding after each run of them.
 
-        A leg begins with panels of the first guess, as its speed is another one; but a march that goes on after `cut`
-        does not begin its leg here, and keeps the width that it has. Only before its first panel that is inf.
+        A march that goes on after `cut` does not begin its leg here, and keeps the width of its panels.
         """
         before = -1
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
             goes_on = before < 0 and self.widths.widest < np.inf
-            if leg != before and not goes_on:
-                moving = bool(self.motion.speeds[leg])
-                widest = self._duration(self.guess, leg) if moving else OF_HOLD * (end - begin)
-                self.widths.widest = widest
+            new_leg = leg != before and not goes_on
             before, leg_begins = leg, float(self.motion.times[leg])
-            yield from self._segment(leg, begin - leg_begins, end - leg_begins)
+            yield from self._segment(leg, begin - leg_begins, end - leg_begins, new_leg)
 
-    def _segment(self, leg: int, now_leg: float, edge_leg: float) -> Iterator[None]:
+    def _segment(self, leg: int, now_leg: float, edge_leg: float, new_leg: bool) -> Iterator[None]:
         """Solve from one edge to the next, yielding after each good run. Times whose name ends in `_leg` are counted
         from the beginning of the leg, all others here from that of the path."""
         leg_begins = float(self.motion.times[leg])
         first = self._duration(self.guess, leg)
         most = self._duration(self.life.largest_stretch, leg)
         tolerance, widths = self.tolerance, self.widths
-        widths.begin(edge_leg - now_leg, first, most, tolerance)
+        widths.begin(edge_leg - now_leg, first, most, tolerance, new_leg)
         while not widths.reached(edge_leg - now_leg):
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
@@ -191,7 +185,7 @@ class March:
         self._enter(leg)
         self.births.work += WORK_OF_PANEL * count
         alike = self._count_alike(width, leg)
-        of_panel = self.present.on(float(self.motion.speeds[leg]), width, alike + count)
+        of_panel = self.present.panel_sums(float(self.motion.speeds[leg]), width, alike + count)
         targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
         known = self.known_on(leg, targets_leg, alike)
         earlier = self.solved.breaks[self.solved.count - alike :]

@@ -22,6 +22,8 @@ WIDE, WIDE_AT = 6.0, 1e-8
 class WidthRules:
     """The numbers of the controller; none changes what a panel's error means, only how many panels are tried.
 
+    of_hold : in a hold, part of the distance to its first edge that the first panel takes: contacts break by heat at
+        rates that no length tells
     first_run, longest_run : panels solved together at an edge, and at most. A run costs one evaluation of earlier
         births; later panels are lost where an early one is bad, so that runs grow by `run_growth` as they are good
     run_after_narrowing : panels of the next run after a bad one: the new width may be too large, too
@@ -47,6 +49,7 @@ class WidthRules:
     same : relative difference below which two widths are the same but for rounding, as is an edge reached
     """
 
+    of_hold: float = 0.25
     first_run: int = 16
     longest_run: int = 256
     run_growth: int = 2
@@ -87,7 +90,7 @@ class PanelWidth:
     """The widths of a march's panels: `begin` is called at each edge, before the panels up to the next one.
 
     widest : largest width of the next panels, inf before the first, kept from edge to edge; `narrow` and `widen` change
-        it, and the march sets it where a leg begins
+        it
     length : from edge to edge, a time
     first, most : width of the first guess, and the largest that is of use: that of a whole life. Both are lengths
         divided by the speed, and so inf in a hold, where only the distance to the edge bounds a width
@@ -98,9 +101,14 @@ class PanelWidth:
         """Before the first edge."""
         self.widest, self.rules, self._quick = widest, rules, quick
 
-    def begin(self, length: float, first: float, most: float, tolerance: float) -> None:
-        """Begin at an edge, with panels as wide as those before it."""
+    def begin(
+        self, length: float, first: float, most: float, tolerance: float, new_leg: bool
+    ) -> None:
+        """Begin at an edge, with panels as wide as those before it; on a new leg, which has another speed, with those
+        of the first guess."""
         rules = self.rules
+        if new_leg:
+            self.widest = first if first < np.inf else rules.of_hold * length
         self.length, self.tolerance, self._first, self._most = length, tolerance, first, most
         self._narrowest = min(first, length) * (rules.least_quick if self._quick else rules.least)
         self._width, self._run = 0.0, rules.first_run

@@ -81,7 +81,7 @@ class Present:
         self.error = max(self.error, found.error)
         return found.both
 
-    def on(self, speed: float, width: float, panels: int) -> PanelSums:
+    def panel_sums(self, speed: float, width: float, panels: int) -> PanelSums:
         """Sums for panels at most `panels` apart, or fewer where all births break before."""
         delay, cached = self._births.delay, self._cache.get((speed, width))
         most = int(np.ceil((self.straight(speed).longest + delay) / width)) + 1

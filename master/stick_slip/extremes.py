@@ -166,9 +166,8 @@ def _horizon(cycle: Cycle) -> tuple[float, bool]:
     if life.largest_stretch - low < 2.0 * life.safe_stretch - high - max(cycle.born.span[1], 0.0):
         # the last contact breaks before any breaks for the second time
         second = life.largest_stretch - cycle.born.span[0] + cycle.wait if elsewhere else 0.0
-        return life.largest_stretch - min(
-            low, 0.0
-        ) + second + BEYOND_BREAKS * contacts.mean_threshold, True
+        last_break = life.largest_stretch - min(low, 0.0) + second
+        return last_break + BEYOND_BREAKS * contacts.mean_threshold, True
     unit, begin, end = unit_of(cycle), cycle.table.begin, cycle.table.end
     old = end[cycle.table(begin)[0] * end > OLD * cycle.length].max(initial=0.0)
     furthest = max(UNITS * unit, old + unit)
