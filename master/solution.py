@@ -167,9 +167,9 @@ def _deltas(march: March, t: float) -> dict[float, float]:
 def _held(march: March, leg: int, t: float) -> float:
     """Share of all contacts that were born on a leg and hold at the time t."""
     solved, motion = march.solved, march.motion
-    panels = solved.pick(0, int(np.searchsorted(solved.begin, t)))
+    panels = solved.pick(slice(int(np.searchsorted(solved.begin, t))))
     legs, now = motion.leg(panels.middle_of_births(march.births.delay)), int(motion.leg(t))
-    panels = panels._replace(breaks=panels.breaks * (legs == leg)[:, None])
+    panels = replace(panels, breaks=panels.breaks * (legs == leg)[:, None])
     past, x = Past(replace(march.births, until=np.inf)), np.array([[t - motion.times[now]]])
     past.enter(now, panels)
     own = march.births_on_leg(x[0], now, panels.pick(slice(past.first_panel, None)))

@@ -102,36 +102,6 @@ class Jump(NamedTuple):
     size: float
 
 
-class Panels(NamedTuple):
-    """Solved panels in the order of time; `begin` is a time on the path, `begin_leg` the same counted from the
-    beginning of the panel's leg; breaks: values at 0 and the nodes, shape (n, DEGREE + 1)."""
-
-    begin: Array
-    begin_leg: Array
-    width: Array
-    breaks: Array
-
-    def pick(self, which: slice | npt.NDArray[np.bool_]) -> "Panels":
-        """Some of them."""
-        return Panels(*(part[which] for part in self))
-
-    def middle_of_births(self, delay: float) -> Array:
-        """Times in the middle of the births, one delay after the breaks."""
-        return self.begin + 0.5 * self.width + delay
-
-    def births_begin(self, leg_begins: Array | float, delay: float) -> Array:
-        """When their births begin, counted from the beginning of the leg on which these are. `leg_begins`: that, a time
-        on the path; one for all panels, or an array with that of each, so that each has a clock of its own. Of panels
-        that lie on a leg before, as births are a delay later, it is a difference of times on the path."""
-        on_same_leg = self.begin >= leg_begins
-        return np.where(on_same_leg, self.begin_leg, self.begin - leg_begins) + delay
-
-    def births(self, begin: Array) -> "BirthPanels":
-        """Their births, which begin at these times."""
-        ends = np.append(begin, begin[-1:] + self.width[-1:])
-        return BirthPanels(ends, self.breaks @ polynomials.SLOPES.T)
-
-
 class Nodes(NamedTuple):
     """Nodes on the parts of pieces that lie on one panel each: target and panel of each part, shape
     (parts,); place on the panel, time, and weight in an integral over the place, (parts, PANEL_NODES)."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from master.numerics import polynomials
 from master.outcome import FaultError, StoppedError, stop_after
-from master.renewal.births import MOST_WORK, Births, Jump, Lump, Panels, panel_at, still_out
+from master.renewal.births import MOST_WORK, Births, Jump, Lump, panel_at, still_out
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
 from master.renewal.present import TARGETS, Present, Run, solve_run
@@ -178,7 +178,7 @@ class March:
         """Let the past see all contacts from this leg, if it sees them from another one: births on legs before become
         earlier ones, and some that hardly hold are left out for good. Called before each sum over known births."""
         if leg != self._past.leg:
-            self._past.enter(leg, self.solved.pick(0))
+            self._past.enter(leg, self.solved)
 
     def _run(self, leg: int, begin_leg: float, width: float, count: int) -> Run:
         """Solve panels of one width, the first of which begins at `begin_leg`."""
@@ -227,15 +227,15 @@ class March:
         t = float(self.motion.times[leg]) + t_leg
         oldest = float(t.min()) - self._memory(leg)
         first, end = panel_at(solved.begin, oldest), solved.count - alike
-        born_on_leg = solved.pick(max(first, self._past.first_panel), end)
+        born_on_leg = solved.pick(slice(max(first, self._past.first_panel), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
         if delay > 0.0 and first < end:
-            panels = solved.pick(first, end)
+            panels = solved.pick(slice(first, end))
             of_breaks = still_out(t, delay, panels.begin[:, None], panels.width[:, None])
             both[0] += np.einsum("ptn,pn->t", of_breaks, panels.breaks).reshape(grid_leg.shape)
         return both
 
-    def births_on_leg(self, t_leg: Array, leg: int, panels: Panels) -> Array:
+    def births_on_leg(self, t_leg: Array, leg: int, panels: SolvedPanels) -> Array:
         """Number and force of births on a leg, at times on it, shape (2, n). `panels`: those of the breaks, of any
         widths, without gaps."""
         broken = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NO_SURVIVAL)

@@ -7,10 +7,10 @@ from leg to leg (strand_births.py). Past adds them up, and forgets legs of whose
 Three clocks meet here, in earlier_legs.py and in lumps.py. The name of a time there, of a motion or of births on
 panels ends in its clock (`leg` alone is an index):
 
-- `_path`: since the beginning of the path, the clock of the march: births.motion, Panels.begin and Lump.time;
+- `_path`: since the beginning of the path, the clock of the march: births.motion, SolvedPanels.begin, Lump.time;
 - `_leg`: since the beginning of the present leg, to keep digits: here sums are taken;
-- `_birth_leg`: since the beginning of the leg on which a contact is born (Panels.births_begin), as are all times of
-  strands of ageing contacts.
+- `_birth_leg`: since the beginning of the leg on which a contact is born (SolvedPanels.births_begin), as are all
+  times of strands of ageing contacts.
 
 Past.enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
 the second.
@@ -22,10 +22,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from master.numerics.polynomials import Rows
-from master.renewal.births import INSIDE, TINY, Births, Lump, Panels, Sums
+from master.renewal.births import INSIDE, TINY, Births, Lump, Sums
 from master.renewal.earlier_legs import EarlierLegs
 from master.renewal.few_times import FewTimes
 from master.renewal.lumps import sums_of_lumps
+from master.renewal.solved import SolvedPanels
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ class Past:
         self.survival_error, self.worst_sum = other.survival_error, other.worst_sum
         self.left_out = other.left_out
 
-    def enter(self, leg: int, panels: Panels) -> None:
+    def enter(self, leg: int, panels: SolvedPanels) -> None:
         """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first_panel` on, one
         delay late, fall on it. `panels`: all that are solved.
 
@@ -158,7 +159,7 @@ class Past:
         return np.maximum(grid_leg, TINY)
 
     def _follow_strands(
-        self, new: range, panels: Panels, begin_birth_leg: Array, legs: Rows
+        self, new: range, panels: SolvedPanels, begin_birth_leg: Array, legs: Rows
     ) -> None:
         """Make strands of the births on the `new` legs, and follow all strands to the present leg. `begin_birth_leg`:
         when the births of each panel begin; `legs`: on which they are."""

@@ -1,12 +1,13 @@
 """Solved panels: breaks, force and error of a march so far, panel after panel."""
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from master.numerics import polynomials
 from master.outcome import FaultError
-from master.renewal.births import Panels, panel_at
+from master.renewal.births import BirthPanels, panel_at
 from master.renewal.present import Run
 from origins.thresholds.law import Array
 
@@ -29,7 +30,8 @@ class SolvedPanels:
 
     begin, begin_leg : the panel's beginning, a time on the path; and counted from that of its leg, to keep all digits
     width : a time
-    breaks, force, error : as in Run
+    breaks : since the panel's beginning, a share of the contacts, at the place 0 and the nodes
+    force, error : as in Run
     slack : a time by which the last panel may end too early, as one that began hardly before a cut was left out
     """
 
@@ -72,10 +74,28 @@ class SolvedPanels:
         self.force = np.concatenate([self.force, run.force[:good]])
         self.error = np.append(self.error, run.error[:good])
 
-    def pick(self, first: int, last: int | None = None) -> Panels:
-        """What births need of the panels from one to before another."""
-        stored = self.begin, self.begin_leg, self.width, self.breaks
-        return Panels(*(part[first:last] for part in stored))
+    def _stored(self) -> list[Array]:
+        return [self.begin, self.begin_leg, self.width, self.breaks, self.force, self.error]
+
+    def pick(self, which: slice | npt.NDArray[np.bool_]) -> "SolvedPanels":
+        """Some of the panels."""
+        return SolvedPanels(*(part[which] for part in self._stored()))
+
+    def middle_of_births(self, delay: float) -> Array:
+        """Times on the path in the middle of the births, one delay after the breaks."""
+        return self.begin + 0.5 * self.width + delay
+
+    def births_begin(self, leg_begins: Array | float, delay: float) -> Array:
+        """When their births begin, counted from the beginning of the leg on which these are. `leg_begins`: that, a time
+        on the path; one for all panels, or an array with that of each, so that each has a clock of its own. Of panels
+        that lie on a leg before, as births are a delay later, it is a difference of times on the path."""
+        on_same_leg = self.begin >= leg_begins
+        return np.where(on_same_leg, self.begin_leg, self.begin - leg_begins) + delay
+
+    def births(self, begin: Array) -> BirthPanels:
+        """Their births, which begin at these times."""
+        ends = np.append(begin, begin[-1:] + self.width[-1:])
+        return BirthPanels(ends, self.breaks @ polynomials.SLOPES.T)
 
     def rates_from(self, t: float) -> Array:
         """Breaks per time at Gauss nodes of the panels from that on which t lies, shape (panels, nodes)."""
@@ -93,8 +113,7 @@ class SolvedPanels:
     def up_to(self, t: float, rounded: float) -> "SolvedPanels":
         """The panels up to a time, of which the last may be a part; none that begins within `rounded` of it."""
         begun = int(np.searchsorted(self.begin, t - rounded))
-        stored = (getattr(self, each.name) for each in fields(self) if each.init)
-        other = SolvedPanels(*(part[:begun].copy() for part in stored))
+        other = SolvedPanels(*(part[:begun].copy() for part in self._stored()))
         other.slack = rounded
         if begun and other.end > t:
             width = t - other.begin[-1]
