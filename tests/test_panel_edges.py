@@ -29,8 +29,8 @@ def test_panels_end_where_contacts_meet_the_jumps_of_their_thresholds():
 
 def tried(error_of, length=1.0, first=0.1, tolerance=1e-8):
     """Widths tried by the controller for panels with these errors; and ends of the panels that were kept."""
-    widths, t, all_tried, kept = PanelWidth(True, first), 0.0, [], []
-    widths.begin(length, first, 1.0, tolerance)
+    widths, t, all_tried, kept = PanelWidth(True), 0.0, [], []
+    widths.begin(length, first, 1.0, tolerance, new_leg=True)
     while not widths.reached(length - t):
         proposal = widths.propose(length - t)
         width = proposal.width

@@ -97,9 +97,9 @@ class PanelWidth:
     tolerance : largest error of a good panel; quick : whether a look-up gives the survival (Life.quick)
     """
 
-    def __init__(self, quick: bool, widest: float = np.inf, rules: WidthRules = RULES) -> None:
+    def __init__(self, quick: bool, rules: WidthRules = RULES) -> None:
         """Before the first edge."""
-        self.widest, self.rules, self._quick = widest, rules, quick
+        self.widest, self.rules, self._quick = np.inf, rules, quick
 
     def begin(
         self, length: float, first: float, most: float, tolerance: float, new_leg: bool
