@@ -153,7 +153,7 @@ def kinetic_curve(
         these = np.flatnonzero((cases[:, 1:] == laws).all(axis=1))
         steady[:, these] = _at_once(points.contacts(*laws), cases[these, 0])
     found = steady[:, which.ravel()].reshape(4, *points.shape)
-    (force, force_error), (length, length_error) = found[:2], found[2:]
+    force, force_error, length, length_error = found
     # in addition to the delay new contacts may have to wait until they can hold
     out = contacts.replace(delay=None).waiting_time
     # a row's first is the speed, its last the delay
@@ -173,18 +173,21 @@ def kinetic_curve(
 def _at_once(contacts: Contacts, speeds: Array) -> Array:
     """Force, its error, C and its error (lengths) at each speed without delay, shape (4, n)."""
     unit = contacts.mean_threshold
-    out = np.full((4, speeds.size), np.nan)
+    found = np.full((4, speeds.size), np.nan)
+    force, force_error, length, length_error = found
     if is_summed(contacts):
-        out[2:], area = summed(contacts, speeds)
-        out[0] = area[0] / out[2]
-        out[1] = (area[1] + out[0] * out[3]) / out[2]
+        sums = summed(contacts, speeds)
+        length[:], length_error[:] = sums.length, sums.length_error
+        force[:] = sums.area / length
+        force_error[:] = (sums.area_error + force * length_error) / length
     # points not known well enough from these sums are solved individually, with one life
-    rest = np.flatnonzero(~(out[1] < SURE * out[0]))
+    rest = np.flatnonzero(~(force_error < SURE * force))
     life = steady_life(contacts, 1.0) if rest.size and contacts.changing is None else None
     solved = rest[:1] if life and life.timeless else rest  # at T = 0 the speed does not matter
     for i in solved:
         state = state_at(contacts, float(speeds[i]), life)
-        out[:2, i] = np.array([state.force, state.force_error * unit]) / state.holding
-        out[2:, i] = state.cycle_length, state.cycle_length_error * unit
-    out[:, rest] = out[:, solved]
-    return out
+        force[i] = state.force / state.holding
+        force_error[i] = state.force_error * unit / state.holding
+        length[i], length_error[i] = state.cycle_length, state.cycle_length_error * unit
+    found[:, rest] = found[:, solved]
+    return found

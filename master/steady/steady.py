@@ -21,6 +21,9 @@ from origins.errors import between
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import gauss
 
+# Last coefficients of averages over stretches at birth, whose errors are about the square; where a survival takes long.
+RESOLVED_QUICK, RESOLVED = 1e-9, 1e-7
+
 
 @dataclass(frozen=True)
 class SteadyState:
@@ -78,14 +81,18 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
     else:
         life = life or steady_life(contacts, velocity)
         if contacts.reforming and not contacts.reforming.law.is_single:
-            resolved = 1e-9 if life.quick else 1e-7  # the error of an average is about its square
             life = copy(life)  # its owner may ask for more
+            resolved = RESOLVED_QUICK if life.quick else RESOLVED
             life.coefficient_limit = max(life.coefficient_limit, resolved)
         cycle = Cycle(contacts, life, velocity)
         if is_summed(contacts):
-            sums = summed(contacts, np.array([velocity]))[..., 0].tolist()
-            if sums[1][1] < cycle.area_error:
-                (cycle.length, cycle.length_error), (cycle.area, cycle.area_error) = sums
+            sums = summed(contacts, np.array([velocity]))
+            if float(sums.area_error[0]) < cycle.area_error:
+                cycle.length, cycle.length_error = (
+                    float(sums.length[0]),
+                    float(sums.length_error[0]),
+                )
+                cycle.area, cycle.area_error = float(sums.area[0]), float(sums.area_error[0])
         force, force_error = cycle.force()
         known = {
             "force": force,
@@ -97,7 +104,8 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
             "cycle_length_error": cycle.length_error / unit,
             "_held": partial(_held, cycle),
         }
-    relative = known["force_error"] * unit / max(abs(known["force"]), 1e-300)  # F_k may be 0
+    force = max(abs(known["force"]), float(np.finfo(float).tiny))  # F_k may be 0
+    relative = known["force_error"] * unit / force
     success, message = judged("F_k", relative, WELL)
     return SteadyState(success=bool(success), message=message, **known)
 
@@ -106,8 +114,9 @@ def _held(cycle: Cycle, x: Array) -> Array:
     """Of the contacts born, the share that holds when they come to the stretches x (n,), averaged over births."""
     life, births = cycle.life, cycle.born
     if births.is_single:
-        way = x[:, None] - births.mean()
-        return np.asarray((way >= 0.0) * cycle.scaled(np.maximum(way, 0.0)).survival)[:, 0]
+        since_birth = x[:, None] - births.mean()
+        held = cycle.scaled(np.maximum(since_birth, 0.0)).survival
+        return np.asarray((since_birth >= 0.0) * held)[:, 0]
     low, high = np.clip(births.span, -life.largest_stretch, life.largest_stretch)
     # twelve panels, and edges where the survival bends
     even = np.linspace(low, high, 13)

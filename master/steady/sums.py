@@ -8,6 +8,7 @@ at any temperature, and the speed only shifts the weight of u, so that the same 
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,9 +50,20 @@ def is_summed(contacts: Contacts) -> bool:
     return by_itself and contacts.changing is None and contacts.reforming is None
 
 
-def summed(contacts: Contacts, speeds: Array) -> Array:
-    """C (lengths) and the integral of the force over a cycle (lengths squared), each with its error, shape (2, 2, n),
-    of contacts with heat (closure "exact"), born relaxed, at speeds of shape (n,)."""
+class CycleSums(NamedTuple):
+    """C (lengths), and the integral of the force over a cycle (lengths squared), at speeds; arrays of shape (n,)."""
+
+    length: Array
+    length_error: Array
+    area: Array
+    area_error: Array
+
+
+def summed(contacts: Contacts, speeds: Array) -> CycleSums:
+    """C and the integral of the force of contacts with heat (closure "exact"), born relaxed, at speeds of shape (n,).
+
+    Their moments, <x_b> and <k x_b^2>, are summed together: arrays of shape (2, n), or with thresholds in between.
+    """
     check_finite(contacts)
     law, unit = contacts.thresholds, contacts.mean_threshold
     moments = _break_moments(contacts, speeds)
@@ -79,7 +91,7 @@ def summed(contacts: Contacts, speeds: Array) -> Array:
         off += table.missed().reshape(2, -1) * scale
         off += thresholds_beyond(contacts, float(edges[-1]))[:, None]
     off += ROUND_OFF * total
-    return np.stack([total, off], axis=1) * np.array([1.0, 0.5])[:, None, None]
+    return CycleSums(total[0], off[0], 0.5 * total[1], 0.5 * off[1])
 
 
 def _break_moments(contacts: Contacts, speeds: Array) -> Callable[[Array], Array]:
