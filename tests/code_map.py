@@ -81,7 +81,7 @@ QUESTIONS = {
     "growing grains; what survives of them": ("origins:GrainContact", "master:GrowingLife"),
     "ageing: first passage; births of earlier legs": (
         "master:Passage",
-        "master:StrandBirths",
+        "master:Strands",
     ),
     "the paper's closure of ageing, (Q15)": (
         "master:paper_steady",

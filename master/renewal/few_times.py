@@ -37,7 +37,8 @@ class FewTimes:
         """For births of this life."""
         self._unit = life.largest_stretch
         # the longest travel on a panel at which it is tried (a length)
-        self._longest = 0.0 if life.quick or life.atoms.size else np.inf
+        never = life.quick or life.has_strands or life.atoms.size
+        self._longest = 0.0 if never else np.inf
 
     def are_tried(self, grid_leg: Array, speed: float) -> bool:
         """Whether the rows of a grid of times may be interpolated."""

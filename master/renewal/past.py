@@ -1,8 +1,8 @@
 """Past: number and force, on the present leg, of all contacts that were not born on it.
 
-They are of three kinds: lumps, the start among them; births on the legs before, where the survival follows
-from the slider's displacements alone (earlier_legs.py); and such births of contacts that age, which have to be followed
-from leg to leg (strand_births.py). Past adds them up, and forgets legs of whose births hardly any contact holds.
+They are of two kinds: lumps, the start among them (lumps.py); and births on the legs before. Of these the survival
+follows from the slider's displacements (earlier_legs.py), or, where contacts age, they have to be followed from leg to
+leg (strand_births.py). Past adds both up, and forgets legs of whose births hardly any contact holds.
 
 Three clocks meet here, in earlier_legs.py and in lumps.py. The name of a time there, of a motion or of births on
 panels ends in its clock (`leg` alone is an index):
@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from master.numerics.polynomials import Rows
 from master.renewal.births import INSIDE, TINY, Births, Lump, Sums
 from master.renewal.earlier_legs import EarlierLegs
 from master.renewal.few_times import FewTimes
@@ -30,7 +29,7 @@ from master.renewal.solved import SolvedPanels
 from origins.thresholds.law import Array
 
 if TYPE_CHECKING:
-    from master.renewal.strand_births import StrandBirths
+    from master.renewal.strand_births import Strands
 
 # Factor on the accuracy where a survival is a sum or followed by strands: so exact a sum over births would take long.
 # Where it is closed, as that of growing thresholds without heat, sums so coarse make the number rough, and panels are
@@ -49,9 +48,8 @@ class Past:
     left_out : share of all contacts that held when their leg was left out, the sum over all legs so far
     survival_error : the largest error of a survival so far, as the life returned it
 
+    _earlier : births on earlier legs, None where there are none; for contacts that age `_strands` in its place
     _legs_left_out : earlier legs that are left out for good
-    _earlier : births on the other earlier legs; None before there are any, and for contacts that age
-    _strands : births on earlier legs of contacts that age
     """
 
     def __init__(self, births: Births) -> None:
@@ -66,7 +64,7 @@ class Past:
         self.survival_error = births.life.error
         self._legs_left_out = set[int]()
         self._earlier: EarlierLegs | None = None
-        self._strands = list["StrandBirths"]()
+        self._strands = _strands(births, self._left_out_below)
         self._few = FewTimes(births.life)
 
     @property
@@ -95,8 +93,11 @@ class Past:
         panels = panels.pick(slice(self.first_panel))
         legs = path.leg(middle_path[: self.first_panel])
         begin_birth_leg = panels.births_begin(path.times[legs], births.delay)
-        if births.life.has_strands:
-            self._follow_strands(range(max(before, 0), leg), panels, begin_birth_leg, legs)
+        if self._strands is not None:
+            new = range(max(before, 0), leg)
+            self.left_out += self._strands.follow(
+                self._motion_leg, new, panels, begin_birth_leg, legs
+            )
             return
         if self._earlier is not None:
             for each, held in self._earlier.held.items():
@@ -134,20 +135,17 @@ class Past:
         return Sums(both, summed.error + interpolation_error, summed.survival_error)
 
     def _summed(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums:
-        """The sums over all three kinds of contacts; errors of strands are counted as these are followed."""
-        t_leg = self._beside_jumps(grid_leg).ravel()
+        """The sums over both kinds of contacts."""
         of_lumps = sums_of_lumps(
             self._births, self._motion_leg, lumps, self._leg_begins_path, grid_leg
         )
-        both, error, survival_error = np.zeros((2, t_leg.size)), 0.0, of_lumps.survival_error
-        for strand in self._strands:
-            both += strand.sums(t_leg)
-        if self._earlier is not None:
-            of_earlier = self._earlier.sums(t_leg)
-            both += of_earlier.both
-            error = of_earlier.error
-            survival_error = max(survival_error, of_earlier.survival_error)
-        return Sums(both.reshape(of_lumps.both.shape) + of_lumps.both, error, survival_error)
+        earlier = self._earlier or self._strands
+        if earlier is None:
+            return of_lumps
+        of_earlier = earlier.sums(self._beside_jumps(grid_leg).ravel())
+        both = of_lumps.both + of_earlier.both.reshape(of_lumps.both.shape)
+        survival_error = max(of_lumps.survival_error, of_earlier.survival_error)
+        return Sums(both, of_earlier.error, survival_error)
 
     def _beside_jumps(self, grid_leg: Array) -> Array:
         """The times of a grid, later than the leg's beginning, which belongs to the leg before. Where the births of a
@@ -158,29 +156,11 @@ class Past:
             grid_leg = np.clip(grid_leg, first + inside, last - inside)
         return np.maximum(grid_leg, TINY)
 
-    def _follow_strands(
-        self, new: range, panels: SolvedPanels, begin_birth_leg: Array, legs: Rows
-    ) -> None:
-        """Make strands of the births on the `new` legs, and follow all strands to the present leg. `begin_birth_leg`:
-        when the births of each panel begin; `legs`: on which they are."""
-        from master.renewal.strand_births import StrandBirths  # of ageing alone
 
-        for leg in new:
-            on_it = legs == leg
-            number = float(np.abs(panels.breaks[on_it]).max(axis=1).sum())
-            if number > self._left_out_below:
-                born_birth_leg = panels.pick(on_it).births(begin_birth_leg[on_it])
-                self._strands.append(StrandBirths(self._births, leg, born_birth_leg))
-                # single strands are not followed below this survival
-                self.left_out += self._left_out_below * self._strands[-1].births
-            else:
-                self.left_out += number
-        followed, self._strands = self._strands, list[StrandBirths]()
-        for each in followed:
-            if each.seen_from(self._motion_leg, self._left_out_below):
-                self._strands.append(each)
-            else:
-                self.left_out += each.holding
-        self.worst_sum = max(self.worst_sum, sum(each.missed for each in self._strands))
-        survivals = (each.survival_error for each in self._strands)
-        self.survival_error = max(self.survival_error, *survivals, 0.0)
+def _strands(births: Births, left_out_below: float) -> "Strands | None":
+    """The strands of contacts that age; None for all others."""
+    if not births.life.has_strands:
+        return None
+    from master.renewal.strand_births import Strands  # of ageing alone
+
+    return Strands(births, left_out_below)

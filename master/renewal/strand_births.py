@@ -1,4 +1,4 @@
-"""Births of one finished leg, of contacts that age: strands which follow the slider.
+"""Births on earlier legs of contacts that age: strands which follow the slider.
 
 Where contacts age, the survival has no closed form in the slider's displacements. So contacts born at
 some instants of the leg (the strands) are followed once along each later leg. The sum over all births
@@ -10,8 +10,9 @@ from numpy.polynomial import legendre
 
 from master.motion import Motion
 from master.numerics import polynomials
-from master.numerics.polynomials import Pieces
-from master.renewal.births import BirthPanels, Births
+from master.numerics.polynomials import Pieces, Rows
+from master.renewal.births import BirthPanels, Births, Sums
+from master.renewal.solved import SolvedPanels
 from master.survival.age.ageing import ROUNDING, AgeingLife
 from master.survival.age.passages import over_root
 from origins.thresholds.law import Array
@@ -24,6 +25,54 @@ LENGTH = 4.0
 FEWEST_PIECES = 3
 # Factor on the geometric mean of the two estimates in `_missed`: it is about right, and twice it a bound (measured).
 SAFETY = 2.0
+
+
+class Strands:
+    """Births on all legs before the present one, which are followed from leg to leg."""
+
+    def __init__(self, births: Births, left_out_below: float) -> None:
+        """Before the first leg. `left_out_below`: the share of all contacts, that were born on a leg and hold, below
+        which they are left out for good; and the survival below which a single strand is not followed."""
+        self._births, self._left_out_below = births, left_out_below
+        self._of_legs = list[StrandBirths]()
+
+    def follow(
+        self,
+        motion_leg: Motion,
+        new: range,
+        panels: SolvedPanels,
+        begin_birth_leg: Array,
+        legs: Rows,
+    ) -> float:
+        """Make strands of the births on the `new` legs, and follow all strands to the leg that begins at t = 0 of this
+        motion; returns the share of all contacts that are left out from now on. `begin_birth_leg`: when the births of
+        each panel begin, on the leg `legs`."""
+        least, left_out = self._left_out_below, 0.0
+        for leg in new:
+            on_it = legs == leg
+            number = float(np.abs(panels.breaks[on_it]).max(axis=1).sum())
+            if number > least:
+                born_birth_leg = panels.pick(on_it).births(begin_birth_leg[on_it])
+                self._of_legs.append(StrandBirths(self._births, leg, born_birth_leg))
+                left_out += least * self._of_legs[-1].births
+            else:
+                left_out += number
+        followed, self._of_legs = self._of_legs, []
+        for each in followed:
+            if each.seen_from(motion_leg, least):
+                self._of_legs.append(each)
+            else:
+                left_out += each.holding
+        return left_out
+
+    def sums(self, t_leg: Array) -> Sums:
+        """Number and force at times, shape (n,), on the leg to which they were followed; both of shape (2, n)."""
+        both = np.zeros((2, t_leg.size))
+        for each in self._of_legs:
+            both += each.sums(t_leg)
+        missed = sum(each.missed for each in self._of_legs)
+        survival_error = max((each.survival_error for each in self._of_legs), default=0.0)
+        return Sums(both, missed, survival_error)
 
 
 class StrandBirths:
