@@ -12,10 +12,10 @@ from origins.contacts import check_contacts
 from origins.errors import positive, refuse
 from origins.thresholds.law import Array
 
-MOST_STEPS = 20_000  # work grows with their square: some 3 s
-STRETCHES = (
-    2_000  # of the start, evenly spaced: the error of averages over them is some 1e-7 of its width
-)
+# Most steps: work grows with their square, to some 3 s.
+MOST_STEPS = 20_000
+# Stretches of the start, evenly spaced: the error of averages over them is some 1e-7 of its width.
+STRETCHES = 2_000
 
 
 def renewal_force(contacts: Contacts, path: npt.ArrayLike, step: float) -> Array:

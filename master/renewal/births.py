@@ -103,8 +103,13 @@ class Jump(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Nodes on the parts of pieces that lie on one panel each: target and panel of each part, shape
-    (parts,); place on the panel, time, and weight in an integral over the place, (parts, PANEL_NODES)."""
+    """Nodes at which births are integrated over pieces of time. A piece may lie on several panels; its part on one of
+    them, where births are a polynomial, has PANEL_NODES nodes.
+
+    target, panel : of each part: the owner of its piece, the instant for which is integrated, and its panel; (parts,)
+    place, time : of each node: its place on the panel, from 0 to 1, and its time; (parts, PANEL_NODES)
+    weight : of each node in an integral over the place
+    """
 
     target: Rows
     panel: Rows
@@ -115,18 +120,23 @@ class Nodes(NamedTuple):
     @classmethod
     def of(cls, ends: Array, pieces: Pieces) -> "Nodes":
         """From panels with these ends, shape (panels + 1,), and pieces; each lies on some panel."""
-        target, left, right = pieces
-        first = np.clip(np.searchsorted(ends, left, "right") - 1, 0, ends.size - 2)
-        count = np.clip(np.searchsorted(ends, right, "left"), first + 1, ends.size - 1) - first
-        piece = np.repeat(np.arange(count.size), count)
-        panel = np.arange(piece.size) - np.repeat(np.cumsum(count) - count, count) + first[piece]
-        begin, width = ends[panel, None], np.maximum(np.diff(ends)[panel], TINY)[:, None]
-        low = np.clip((left[piece, None] - begin) / width, 0.0, 1.0)
-        high = np.clip((right[piece, None] - begin) / width, 0.0, 1.0)
+        last_panel = ends.size - 2
+        first = np.clip(np.searchsorted(ends, pieces.low, "right") - 1, 0, last_panel)
+        after = np.clip(np.searchsorted(ends, pieces.high, "left"), first + 1, last_panel + 1)
+        # a part for each piece and each of its panels, from `first` to before `after`
+        parts_of = after - first
+        piece = np.repeat(np.arange(parts_of.size), parts_of)
+        parts_before = np.cumsum(parts_of) - parts_of
+        panel = first[piece] + np.arange(piece.size) - parts_before[piece]
+        begin = ends[panel, None]
+        width = np.maximum(np.diff(ends)[panel], TINY)[:, None]
+        # the part's ends, as places on its panel
+        low = np.clip((pieces.low[piece, None] - begin) / width, 0.0, 1.0)
+        high = np.clip((pieces.high[piece, None] - begin) / width, 0.0, 1.0)
         lobatto = polynomials.lobatto(polynomials.PANEL_NODES)
         place = low + (high - low) * lobatto.nodes
-        time, weight = begin + width * place, (high - low) * lobatto.series[:, 0]
-        return cls(target[piece], panel, place, time, weight)
+        weight = (high - low) * lobatto.series[:, 0]
+        return cls(pieces.owner[piece], panel, place, begin + width * place, weight)
 
 
 class BirthPanels(NamedTuple):
@@ -156,7 +166,10 @@ class BirthPanels(NamedTuple):
     def most_between(self, pieces: Pieces) -> Array:
         """Bound on the births on each piece: a Legendre polynomial is at most 1."""
         most = np.append(0.0, np.cumsum(np.abs(self.slopes).sum(axis=1)))
-        return np.subtract(*(np.interp(end, self.ends, most) for end in (pieces.high, pieces.low)))
+        up_to_low, up_to_high = (
+            np.interp(end, self.ends, most) for end in (pieces.low, pieces.high)
+        )
+        return np.asarray(up_to_high - up_to_low)
 
 
 def panel_at(begins: Array, t: float) -> int:

@@ -187,6 +187,7 @@ class EarlierLegs:
         now = np.broadcast_to(now, middle.shape)
         goals = [high - marks, low + marks, middle, now, high, low]
         begin, speed = motion_leg.positions[legs, None], motion_leg.speeds[legs, None]
-        way = born + np.concatenate(goals, axis=2) - begin
-        into_leg = np.divide(way, speed, out=np.zeros(way.shape), where=speed != 0.0)
+        # from the leg's beginning to X(s) = o + born
+        distance = born + np.concatenate(goals, axis=2) - begin
+        into_leg = np.divide(distance, speed, out=np.zeros(distance.shape), where=speed != 0.0)
         return np.asarray(motion_leg.times[legs, None] + into_leg)

@@ -1,6 +1,7 @@
 """E and K of contacts on a slider that moves straight, over the lag since their birth."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,14 @@ FURTHEST_LAG = 1e120
 SAME_EDGE = 1e-14
 # Shares of contacts: AT_FIRST may break before a table's first edge; NEGLIGIBLE adds nothing to integrals.
 AT_FIRST, NEGLIGIBLE = 1e-3, 1e-17
+
+
+class _Ladder(NamedTuple):
+    """Lags, shape (n,), E after each, and `typical` of Straight."""
+
+    lags: Array
+    held: Array
+    typical: float
 
 
 class Straight:
@@ -69,7 +78,7 @@ class Straight:
             self._bounds = _edges(longest, at_bends)
             self.edges = np.union1d(self._bounds, _edges(longest, self._lags_at(life.marks)))
             return
-        lags, held = self._ladder(longest, steady)
+        lags, held, self.typical = self._ladder(longest, steady)
         self.longest = float(lags[-1])
         distance = self.typical * abs(speed) / self._per_time
         self.scale = max(distance, *(abs(end) for end in born.span)) or life.largest_stretch
@@ -120,14 +129,12 @@ class Straight:
         ends = np.unique(sign * np.array([*born.span, *born.breakpoints]))
         # a contact born at r < 0 comes back to its largest |x| after a distance of -2 r
         distances = np.append(np.subtract.outer(marks, ends), -2.0 * ends)
-        return (
-            np.unique(distances[distances > 0.0]) * (self._per_time / speed)
-            if speed
-            else np.empty(0)
-        )
+        if not speed:
+            return np.empty(0)
+        return np.unique(distances[distances > 0.0]) * (self._per_time / speed)
 
-    def _ladder(self, longest: float, steady: bool) -> tuple[Array, Array]:
-        """Lags from where nearly all contacts hold to where hardly any do, or to the longest; and E."""
+    def _ladder(self, longest: float, steady: bool) -> _Ladder:
+        """Lags from where nearly all contacts hold to where hardly any do, or to the longest."""
         lags = np.array([longest])
         held = self._for_table(lags[:, None])[0, :, 0]
         while held[0] < 1.0 - AT_FIRST and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
@@ -136,14 +143,14 @@ class Straight:
                 refuse("velocity", abs(self._speed), f"{fault}; slide faster")
             lower = lags[0] * RATIO ** -np.arange(LAGS_TOGETHER, 0.0, -1.0)
             lags, held = np.append(lower, lags), np.append(self._for_table(lower[:, None])[0], held)
-        self.typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
+        typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
         end = FURTHEST_LAG * longest if steady else longest
-        while held[-1] * (lags[-1] / self.typical) ** 2 > NEGLIGIBLE and lags[-1] < end:
+        while held[-1] * (lags[-1] / typical) ** 2 > NEGLIGIBLE and lags[-1] < end:
             lags = np.append(lags, 2.0 * lags[-1])
             held = np.append(held, self._for_table(lags[-1:, None])[0])
         over = held < NO_SURVIVAL
         count = lags.size if steady or not over.any() else int(np.argmax(over)) + 1
-        return lags[:count], held[:count]
+        return _Ladder(lags[:count], held[:count], typical)
 
 
 def _edges(longest: float, lags: Array) -> Array:

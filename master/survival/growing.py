@@ -94,9 +94,8 @@ class GrowingLife(ChangingLife):
     ) -> GrowingLife:
         """See ChangingLife."""
         life = cls(contacts, float(motion.times[-1]))
-        if (
-            life._growing.begins_at_0
-        ):  # with looser ones tables of grains are rough, and never fine enough
+        # with looser limits tables of grains are rough, and never fine enough
+        if life._growing.begins_at_0:
             return life
         loosest = min(OF_TOLERANCE * tolerance, LOOSEST)
         life._limit = max(life._limit, loosest)
