@@ -34,32 +34,46 @@ class StretchDistribution:
         (that of the breaks one delay before) contribute the density E(t, s) b(s) / |dX/ds| at x.
         """
         shape, x = np.shape(x), np.ravel(np.asarray(x, dtype=float))
-        march, t = self._march, self._time
-        motion, life = march.motion, march.life
+        density = self._of_start(x)
+        for leg in np.flatnonzero(self._march.motion.speeds).tolist():
+            density += self._born_on(leg, x)
+        return density.reshape(shape)[()]
+
+    def _of_start(self, x: Array) -> Array:
+        """Of contacts that have held since t = 0, when they had the stretches x - X(t), shape (n,)."""
+        march, density = self._march, np.zeros(x.size)
+        motion, life, start = march.motion, march.life, march.lumps[0].law
+        if start.is_single:
+            return density
+        now, (low, high) = np.full((1, 1), self._time), start.span
+        origin = x - motion.at(now)[0, 0]
+        # beyond the span the survival is not known
+        within = (origin > low) & (origin < high) & (np.abs(origin) < life.largest_stretch)
+        here = np.flatnonzero(within)
+        history = motion.history(now, np.zeros((here.size, 1)))
+        held = life.survival_and_force(origin[here, None], history).survival[:, 0]
+        density[here] = start.pdf(origin[here]) * held
+        return density
+
+    def _born_on(self, leg: int, x: Array) -> Array:
+        """Of contacts born on a leg on which the slider moves, at stretches x, shape (n,)."""
+        march, density = self._march, np.zeros(x.size)
+        motion, solved = march.motion, march.solved
         law, delay = march.births.law, march.births.delay
-        now, start = float(motion.at(np.array(t))), march.lumps[0].law
-        at, out = np.full((1, 1), t), np.zeros(x.size)
-        if not start.is_single:
-            origin, (low, high) = x - now, start.span  # beyond it the survival is not known
-            within = (origin > low) & (origin < high) & (np.abs(origin) < life.largest_stretch)
-            inside = np.flatnonzero(within)
-            origin, history = origin[inside], motion.history(at, np.zeros((inside.size, 1)))
-            held = life.survival_and_force(origin[:, None], history).survival[:, 0]
-            out[inside] = start.pdf(origin) * held
-        solved = march.solved
-        slopes = solved.breaks @ polynomials.SLOPES.T / solved.width[:, None]
-        for leg in np.flatnonzero(motion.speeds):
-            first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], t)
-            speed = float(motion.speeds[leg])
-            s = motion.times[leg] + (law.mean() + now - x - motion.positions[leg]) / speed
-            here = np.flatnonzero((s > first) & (s <= last))
-            panel = np.maximum(np.searchsorted(solved.begin, s[here] - delay) - 1, 0)
-            place = np.minimum((s[here] - delay - solved.begin[panel]) / solved.width[panel], 1.0)
-            rate = polynomials.legendre_sum(slopes[panel], 2.0 * place[:, None] - 1.0)[:, 0]
-            history = motion.history(at, s[here, None])
-            held = life.survival_and_force(law, history).survival[:, 0]
-            out[here] += held * rate / abs(speed)
-        return out.reshape(shape)[()]
+        now, speed = np.full((1, 1), self._time), float(motion.speeds[leg])
+        first, last = max(motion.times[leg], delay), min(motion.times[leg + 1], self._time)
+        # X(s) = X(t) + r - x
+        place = law.mean() + motion.at(now)[0, 0] - x
+        s = motion.times[leg] + (place - motion.positions[leg]) / speed
+        here = np.flatnonzero((s > first) & (s <= last))
+        broken_at = s[here] - delay
+        panel = np.maximum(np.searchsorted(solved.begin, broken_at) - 1, 0)
+        on_panel = np.minimum((broken_at - solved.begin[panel]) / solved.width[panel], 1.0)
+        slopes = solved.breaks[panel] @ polynomials.SLOPES.T / solved.width[panel, None]
+        rate = polynomials.legendre_sum(slopes, 2.0 * on_panel[:, None] - 1.0)[:, 0]
+        held = march.life.survival_and_force(law, motion.history(now, s[here, None])).survival
+        density[here] = held[:, 0] * rate / abs(speed)
+        return density
 
 
 @dataclass(frozen=True)
