@@ -4,7 +4,8 @@ The births of a leg add the integrals of E(t, s) dJ(s) and K(t, s) dJ(s) over th
 polynomial on each panel. Over s, E and K bend where the largest |x| of a contact changes sides or meets a bend of the
 law, and are smooth in between. So for each t the leg is cut into pieces at these s (`_pieces`); on each piece E and K
 are approximated by polynomials through a few nodes (`_fitted`); pieces on which these are too rough are halved
-(`_rough`); the others are summed (`_integrated`).
+(`_rough`); the others are summed (`_integrated`). Where thresholds grow, E is largest and bends at other s: even pieces
+are narrow enough to see where, and halving finds the bend.
 
 All times are counted from the beginning of the present leg (see past.py), those of births too.
 """

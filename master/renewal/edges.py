@@ -66,7 +66,7 @@ def edges(
     first = [*known, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
     most += births.motion.speeds.size - 1
-    # where there are too many, the smallest are left to the panels' own errors: a decade of sizes at a time
+    # where there are too many, the smallest are left to the panels' own errors: another decade of sizes each time
     while len(met := list(islice(chain.following(first, least), most + 1))) > most:
         least *= 10.0
     too_many = bool(births.life.atoms.size) and least > LEFT_TO_PANELS * tolerance

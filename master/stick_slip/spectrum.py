@@ -23,6 +23,8 @@ from origins.thresholds.tail import tail_rate
 
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
+# Mean ways from birth to birth over which the sum of the terms is compared with F.
+COMPARED_OVER = 6.0
 # Relative rounding of an amplitude, a product of some sums.
 ROUNDING = 1e-14
 # Rate at which roots crowd, times the mean way from birth to birth, below which exact values leave no slowest root.
@@ -166,8 +168,8 @@ def _deepest(cycle: Cycle) -> float:
 
 
 def _remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> float:
-    """The largest error of the terms over the first few mean ways from birth to birth, times e^(X/beyond), a length."""
-    horizon = 6.0 * cycle.birth_to_birth + max(-2.0 * cycle.contacts.start.span[0], 0.0)
+    """The largest error of the terms over the first mean ways from birth to birth, times e^(X/beyond), a length."""
+    horizon = COMPARED_OVER * cycle.birth_to_birth + max(-2.0 * cycle.contacts.start.span[0], 0.0)
     march = forward_march(cycle, horizon, TOLERANCE).run()
     share = np.append(0.0, polynomials.NODES)
     solved = march.solved

@@ -29,6 +29,12 @@ _FINEST = 2e-12
 # Least H, in attempt frequencies, whose relative error matters: one break in 1e35 attempts.
 _NEVER = 1e-35
 _EPSILON = float(np.finfo(float).eps)
+# Place on a panel of the table of H, from 0 to 1, at which it is checked: away from all nodes.
+_CHECKED_AT = 0.02
+# Relative rounding of a rate per k_BT of its barrier, and that of a sum of a threshold and a stretch.
+_ROUNDED_RATE, _ROUNDED_DISTANCE = 16.0 * _EPSILON, 1e-14
+# Last coefficients of the integrals for H, in those of its table: errors of integrals are about their square.
+_OF_TABLE = 20.0
 
 
 class ThermalLife(LawLife):
@@ -139,10 +145,10 @@ class MeanRateLife(LawLife):
         rates = self._rates = contacts.thermal.rates
         self._accuracy = 0.1 * coefficient_limit  # relative last coefficients of H in its table
         self._table = self._tabulated()
-        # the table is checked away from its nodes; an error of H counts by its part of L, the integral
-        # of H, and one of ln L changes the survival e^-L by at most 1/e of it
+        # an error of H counts by its part of L, the integral of H, and one of ln L changes the survival e^-L by at most
+        # 1/e of it
         table = self._table
-        at = table.begin + 0.02 * table.widths
+        at = table.begin + _CHECKED_AT * table.widths
         off = np.abs(self.rate(at) - self.mean_rate(at)[0]) + self._above(at, checked=1).missed[0]
         least = _NEVER * rates.scale * self.largest_stretch
         integral = np.maximum(self.rate_integral(table.edges[1:]), least)
@@ -152,9 +158,9 @@ class MeanRateLife(LawLife):
         """The table of H up to the largest stretch."""
         rates, far = self._rates, self.largest_stretch
         edges = np.unique(np.concatenate([[0.0, far], self.bends, self.panels]))
-        # relative rounding of h per k_BT of the barrier, divided by the accuracy; halving cannot reduce it
+        # relative rounding of h, divided by the accuracy; halving cannot reduce it
         barrier = float(np.log(rates.scale) - rates.log_rate(0.0, far, 1.0))
-        rounding = 16.0 * _EPSILON * max(barrier, 1.0) / self._accuracy
+        rounding = _ROUNDED_RATE * max(barrier, 1.0) / self._accuracy
 
         def looser(values: Array, widths: Array) -> Array:
             largest = np.maximum(np.abs(values[0]).max(axis=1), _NEVER * rates.scale)
@@ -194,9 +200,10 @@ class MeanRateLife(LawLife):
             rate = self._rates.rate(x[row, None], threshold, 1.0)
             return (rate * finite_density(self.law, threshold))[None]
 
-        # right below an edge the distance of thresholds from x suffers from rounding, by 1e-14 of x
+        # right below an edge the distance of thresholds from x suffers from rounding
         away = np.append(self.panels, np.inf)[np.searchsorted(self.panels, x, "right")] - x
-        accuracy = np.maximum(20.0 * self._accuracy, 1e-14 * x / np.maximum(away, 1e-14 * x))
+        rounded = _ROUNDED_DISTANCE * x
+        accuracy = np.maximum(_OF_TABLE * self._accuracy, rounded / np.maximum(away, rounded))
         least = np.maximum(x, SMALLEST)
         return integrals_above(rate_by_density, least, self.panels, True, accuracy, True, checked)
 

@@ -49,6 +49,8 @@ _FIRST_PART = 0.1
 _HARDLY, _ROUNDED = 0.3, 1e-9
 # Factor on the width of the next panel after a good one, and after one on which hardly any contact breaks.
 _WIDER, _FAR_WIDER, _HARDLY_ANY = 2.0, 16.0, 1e-3
+# Relative rounding of an age, a sum of durations.
+_ROUNDED_AGE = 1e-12
 # A smooth law takes some 50 panels.
 _MOST_PANELS = 4000
 
@@ -138,7 +140,8 @@ class Passage:
         broken = legendre.legint(np.array([each.series for each in self._panels]).T, lbnd=-1.0)
         z = np.minimum(2.0 * (rho - low[panel]) / width[panel] - 1.0, 1.0)
         now = holds[panel] - 0.5 * width[panel] * legendre.legval(z, broken[:, panel], tensor=False)
-        return np.minimum(now, 1.0) * ((now > _NOTHING) & (age <= self.age * (1.0 + 1e-12)))
+        known = age <= self.age * (1.0 + _ROUNDED_AGE)
+        return np.minimum(now, 1.0) * ((now > _NOTHING) & known)
 
     def at(self, age: float, stretch: float) -> "Passage":
         """These contacts at an earlier age, when they had this stretch."""
