@@ -17,6 +17,7 @@ import master
 import origins
 
 NARROW = origins.gaussian(1.0, 0.05)
+GROUPS = origins.mixture([origins.gaussian(1.0, 0.005), origins.gaussian(2.0, 0.01)], [0.5, 0.5])
 TWO = origins.mixture([origins.identical(0.8), origins.identical(1.2)], [0.5, 0.5])
 RULES = ["reset", "instant", "reform-after"]
 
@@ -25,9 +26,9 @@ def solved(contacts, path, spring, rule="reset", tolerance=1e-8):
     return master.solve(contacts, path, tolerance, spring=spring, slip=rule)
 
 
-def first_onset(spring: float) -> float:
-    """Smaller root of X P_c(X) = 1 + K, before which NARROW thresholds break once."""
-    return brentq(lambda x: x * float(NARROW.pdf(x)) - 1.0 - spring, 0.7, 1.0, xtol=1e-15)
+def first_onset(spring: float, law: origins.Thresholds = NARROW) -> float:
+    """Smaller root of X P_c(X) = 1 + K, before which these thresholds break once."""
+    return brentq(lambda x: x * float(law.pdf(x)) - 1.0 - spring, 0.7, 1.0, xtol=1e-15)
 
 
 @pytest.mark.parametrize("spring", [0.05, 4.0])
@@ -157,37 +158,45 @@ def test_exact_values_slip_where_they_break():
     assert gone.force_after[0] == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("spring", [4.0, pytest.param(1.0, marks=pytest.mark.slow)])
-def test_reform_after_lands_where_those_that_hold_balance(spring):
-    first = first_onset(spring)
-    level = float(gaussian_force(np.array([first]), 1.0, 0.05)[0]) + spring * first
+@pytest.mark.parametrize(
+    ("law", "weakest", "spring"),
+    [
+        (NARROW, 0.5, 4.0),
+        (GROUPS, 0.95, 0.3),
+        pytest.param(NARROW, 0.5, 1.0, marks=pytest.mark.slow),
+    ],
+)
+def test_reform_after_lands_where_those_that_hold_balance(law, weakest, spring):
+    first = first_onset(spring, law)
 
     def born(x: float, power: int) -> float:
         """Those that broke once, before the slip, and hold: number or force."""
         return quad(
-            lambda s: (x - s) ** power * float(NARROW.pdf(s)) * float(NARROW.sf(x - s)),
-            0.5,
+            lambda s: (x - s) ** power * float(law.pdf(s)) * float(law.sf(x - s)),
+            weakest,
             first,
             epsabs=1e-14,
             epsrel=1e-13,
             limit=200,
         )[0]
 
+    level = first * float(law.sf(first)) + born(first, 1) + spring * first
+
     def lack(x: float) -> float:
-        return x * float(NARROW.sf(x)) + born(x, 1) + spring * x - level
+        return x * float(law.sf(x)) + born(x, 1) + spring * x - level
 
     grid = np.linspace(first + 0.02, first + 1.5, 400)
     after = int(np.argmax(np.array([lack(x) for x in grid]) > 0.0))
     land = brentq(lack, grid[after - 1], grid[after], xtol=1e-15)
     later = land + 0.02
-    held = float(NARROW.sf(later)) + born(later, 0)
-    out = 1.0 - float(NARROW.sf(land)) - born(land, 0)
+    held = float(law.sf(later)) + born(later, 0)
+    out = 1.0 - float(law.sf(land)) - born(land, 0)
     # what breaks after the slip is back at once, and is stretched by no more than 0.02 since
     broken = 1.0 - out - held
-    pull = later * float(NARROW.sf(later)) + born(later, 1) + out * (later - land)
+    pull = later * float(law.sf(later)) + born(later, 1) + out * (later - land)
     drive = later + pull / spring
     path = [0.0, level / spring + 1e-9, drive]
-    solution = solved(origins.Contacts(NARROW), path, spring, "reform-after", 1e-9)
+    solution = solved(origins.Contacts(law), path, spring, "reform-after", 1e-9)
     assert solution.slips.drive.size >= 1 and solution.success
     assert abs(solution.slips.before[0] - first) <= 1e-8
     assert abs(solution.slips.after[0] - land) <= 1e-8

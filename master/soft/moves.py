@@ -47,6 +47,7 @@ class ColdContacts:
     unit, spring : mean threshold (a length), and K/(N_c <k>)
     tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
+    largest_stiffness : of a contact, in <k>
     unknown : bound on what laws that are left out change in the force at a given X (a length)
     nodes : instants at which number conservation was solved
     """
@@ -56,6 +57,7 @@ class ColdContacts:
         self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
         self.start = contacts.start
         self.formed_again = reforming_law(contacts)
+        self.largest_stiffness = float(contacts.relative_stiffness(self.life.largest_stretch))
         # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred times that of its
         # values: hence 1e-4 of the tolerance, and of K, at most of 1e-6 mean thresholds; below 1e-13 all is round-off
         self.of_panels = max(

@@ -7,19 +7,24 @@ import numpy as np
 from master.numerics import polynomials
 from master.renewal.edges import Kink
 from master.renewal.present import TARGETS, Run
-from master.soft.curve import SteadyForce
-from master.soft.moves import STILL, LoadingHistory, Move
+from master.soft.curve import SlipBegin, SteadyForce
+from master.soft.moves import STILL, LoadingHistory, Move, SlipEnd
 from master.survival.life import NO_SURVIVAL
 
 # Most panels that are tried together: the slip may end on the first.
 MOST_TOGETHER = 8
+# Share of a way without balance that is passed at once: its end is left out, as F has an error; and how many panels
+# long it has to be, as it takes as long as some panels to find F at its end.
+PASSED, WORTH_PASSING = 0.9, 2.0
 
 
 class MoveWithoutBirths(Move):
     """Contacts during a slip in which broken contacts stay out until the slider stops."""
 
-    # share of the contacts that hold where the last panel ends
-    _held = 1.0
+    # share of the contacts that hold where the last panel ends, and the force along the motion there (a length)
+    _held, _force = 1.0, np.inf
+    # load at which the slip ends (a length)
+    _level = np.inf
     # panels that are tried together, as most of the work is the same for one and for many
     _together = 1
 
@@ -31,8 +36,41 @@ class MoveWithoutBirths(Move):
         """Whether no contact holds any more after the travel y."""
         return self._steady is not None and self.travel_of_state(y) < y
 
+    def end_of_slip(
+        self, after: float, load: float, begin: SlipBegin, goes_on: bool = False
+    ) -> SlipEnd:
+        """See Move."""
+        self._level = load
+        return super().end_of_slip(after, load, begin, goes_on)
+
+    def _pass_without_balance(self) -> bool:
+        """Pass a way on which the load cannot come back to that of the slip: F rises at most with the stiffness of the
+        contacts that hold, of which ever fewer do. Its panel holds that bound; False where the way is short."""
+        march, contacts = self._march, self.contacts
+        begin = max(march.solved.end, self.loaded.end)
+        missing = self._level - self._force - contacts.spring * (begin - self.loaded.end)
+        stiffness = self._held * contacts.largest_stiffness
+        way = PASSED * missing / (stiffness + contacts.spring)
+        way = min(way, float(march.edges[-1]) - begin)
+        if not WORTH_PASSING * self._widest < way < np.inf:
+            return False
+        bound = self._force + stiffness * way * np.append(0.0, polynomials.NODES)[None]
+        run = Run(np.zeros_like(bound), self.direction * bound, np.zeros(1))
+        self._append(begin, way, run, 1)
+        number, force = march.known_at(np.full((1, TARGETS.size), begin + way))[:, 0, 0]
+        self._held, self._force = float(number), self.direction * float(force)
+        return True
+
+    def _append(self, begin: float, width: float, run: Run, count: int) -> None:
+        """Keep so many panels of a run, of this width, the first of which begins there."""
+        motion = self._march.motion
+        leg_begin = float(motion.times[motion.leg(begin + 0.5 * width)])
+        self._march.solved.append(begin, begin - leg_begin, width, run, count)
+
     def _advance(self) -> bool:
         """See Move: some panels on which nothing is born, as wide as polynomials allow."""
+        if self._pass_without_balance():
+            return True
         march, life, tolerance = self._march, self.contacts.life, self._march.tolerance
         begin = max(march.solved.end, self.loaded.end)
         later = march.edges[march.edges > begin + STILL * life.resolution_length]
@@ -55,15 +93,14 @@ class MoveWithoutBirths(Move):
                 break
             self._widest, count = 0.5 * width, 1
         self._held = float(known[0, good - 1, -1])
+        self._force = self.direction * float(force[good - 1, -1])
         # beside a panel that was too wide the next ones are, too; the error grows as the width to the power DEGREE
         if good < count:
             self._widest = 0.5 * width
         elif error.max() <= max(0.5**polynomials.DEGREE * tolerance, 1e-16):
             self._widest *= 2.0
         self._together = min(2 * self._together, MOST_TOGETHER) if good == count else 1
-        leg_begin = float(march.motion.times[march.motion.leg(begin + 0.5 * width)])
-        run = Run(np.zeros_like(force), force, error)
-        march.solved.append(begin, begin - leg_begin, width, run, good)
+        self._append(begin, width, Run(np.zeros_like(force), force, error), good)
         return True
 
     def held(self, y: float) -> float:
