@@ -229,3 +229,15 @@ def test_splines_between_moments_of_a_leg_count_in_the_error() -> None:
     forward, turning = (master.solve(contacts, path, 1e-9) for path in (x, np.append(x, 0.5)))
     apart = np.abs(turning.holding[:-1] - forward.holding).max()
     assert forward.success and apart < forward.force_error + turning.force_error
+
+
+def test_births_of_a_leg_before_the_turn_count_after_it() -> None:
+    """They hold on, and soon pull the other way."""
+    contacts = Contacts(
+        origins.gaussian(0.7, 0.1), ageing=Ageing(origins.gaussian(1.0, 0.05), 5e-3)
+    )
+    path = np.array([1.2, 0.9])
+    solved = master.solve(contacts, path, 1e-3)
+    found = eq_model.simulate(contacts, path, n_contacts=20_000, seed=1)
+    apart = np.abs(solved.force - found.force)
+    assert solved.success and (apart < solved.force_error + 5.0 * found.force_standard_error).all()

@@ -145,3 +145,14 @@ def test_sets_too_small_for_edges_of_their_own_are_seen_where_they_form_again() 
     path = np.linspace(19.0, 24.0, 1001)
     exact = master.solve(contacts, path, 1e-10)
     held_to_claim(contacts, path, 1e-6, exact)
+
+
+def test_contacts_that_are_out_bear_no_force_where_they_form_again_stretched() -> None:
+    """All break at once, are out for the delay, and form again at 0.4: F is a straight line from there."""
+    delay = origins.Delay(0.3)
+    contacts = origins.Contacts(origins.identical(1.0), delay=delay, reforming=0.4)
+    path = np.array([0.99, 1.05, 1.29, 1.35, 1.89, 1.95, 2.19, 2.25])
+    solved = master.solve(contacts, path)
+    exact = [0.99, 0.0, 0.0, 0.45, 0.99, 0.0, 0.0, 0.45]
+    np.testing.assert_allclose(solved.force, exact, atol=1e-12)
+    np.testing.assert_array_equal(solved.holding > 0.5, np.array(exact) > 0.0)
