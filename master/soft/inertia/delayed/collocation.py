@@ -16,8 +16,10 @@ import numpy as np
 from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import (
+    LAST_OF_NODES,
     NODES,
     PLACES,
+    POSITION,
     STAGES,
     TO_NODES,
     TimePanel,
@@ -32,6 +34,11 @@ MOST_TRIES = 14
 CONVERGED, ROUNDING = 0.01, 3e-15
 # Shortest travel on a panel on which contacts form and break, in passages (see FastSliding).
 LEAST_PASSAGE = 2.0
+# By this factor the travel, which is guessed before the motion is found, may be too long for such a panel.
+GUESSED = 2.0
+# Largest integral up to a node of the last Legendre polynomial through the nodes, in widths of the panel. For degree
+# n it is (P_(n+1) - P_(n-1))/(4 n + 2), at most 1/(2 n + 1).
+INTEGRAL_OF_LAST = 1.0 / (2 * STAGES - 1)
 UNIT: Array = np.eye(STAGES)
 
 
@@ -53,13 +60,12 @@ class State(NamedTuple):
 
 
 class Missed(NamedTuple):
-    """About what a panel misses of the force, by cause (lengths).
+    """About what a panel misses of the force, by cause (lengths); how each is found says Collocation._missed.
 
-    place, breaks, force, births : the last coefficients of their polynomials; births bend where breaks did, one delay
-        before
-    fast : the next term of contacts that form and break on the panel
-    unresolved : contacts that do so between its nodes
-    late : births of the few that broke in a closed motion, which count as born at the panel's end
+    place, breaks, force, births : of their polynomials; births bend where breaks did, one delay before
+    fast : of contacts that form and break on the panel, beyond the terms that FastSliding takes
+    unresolved : of contacts that do so between its nodes
+    late : of births that count as later than they are
     """
 
     place: float
@@ -204,29 +210,51 @@ class Collocation:
         self, begin: Begin, width: float, found: Iterate, births: PanelBirths, fast: bool
     ) -> Solved | None:
         """The panel, and what it misses; None where a `fast` one is too short to be one."""
-        (t, x_0, _), unit, past = begin.state, self._machine.unit, self._past
+        t, x_0, _ = begin.state
         values = np.empty((3, PLACES.size))
         values[:, 0] = x_0, begin.broken, begin.force
         values[:, 1:] = x_0 + width * TO_NODES @ found.speed, found.broken, found.pull.force
-        panel, travel = TimePanel.through(t, width, values), float(np.ptp(values[0]))
-        if fast and travel < 0.5 * self._shortest:
+        panel = TimePanel.through(t, width, values)
+        if fast and np.ptp(values[0]) < self._shortest / GUESSED:
             return None
-        place, breaks, force = panel.last()
-        # what a place misses changes the force by the stiffness of the contacts that hold, and by the spring
-        stiffness = self._machine.spring + max(begin.holding, float(found.pull.holding.max()))
-        # of the contacts that are born on the panel about this part breaks on it, too
-        rebroken = min(travel / unit, 1.0)
-        rest = past.born(t + width) - past.formed - births.born[-1] if births.all_known else 0.0
-        missed = Missed(
-            place=stiffness * float(place),
-            breaks=unit * float(breaks),
-            force=float(force),
+        missed = self._missed(begin, panel, found, births, fast)
+        return Solved(panel, births.rate, missed, fast)
+
+    def _missed(
+        self, begin: Begin, panel: TimePanel, found: Iterate, births: PanelBirths, fast: bool
+    ) -> Missed:
+        """What a panel misses of the force.
+
+        Where a polynomial is the answer, it misses about its last coefficients. A place that is off changes the force
+        by the stiffness of the contacts that hold and of the spring. A share of the contacts that is off changes it by
+        up to a mean threshold u each: one stretched by y holds with a probability S(y) <= u/y (Markov's inequality), so
+        that its force is y S(y) <= u on average. Two terms are not last coefficients of the panel's polynomials:
+
+        - unresolved: of those born on the panel, integrals over births of S(X_i - X) hold at the node i. They are those
+          of a polynomial in time through the nodes. `births` says what it misses of the births; what it misses of S is
+          about its last coefficient, whose integral is at most INTEGRAL_OF_LAST of it.
+        - late: the few that broke in a closed motion form at no time that is known, and count as born at the panel's
+          end. At that end they are stretched by up to the panel's travel instead of 0.
+        """
+        unit, past, x = self._machine.unit, self._past, panel.nodes(POSITION)
+        place, breaks, force = panel.last().tolist()
+        holding = max(begin.holding, float(found.pull.holding.max()))
+        travel = float(np.ptp(np.append(begin.state.x, x)))
+        born, unresolved = float(births.born[-1]), 0.0
+        if born and not fast:
+            survival = self._contacts.survival.sf(np.abs(x[-1] - x))
+            unresolved = unit * abs(born * float(LAST_OF_NODES @ survival)) * INTEGRAL_OF_LAST
+        # where some break on the panel itself no closed motion lies one delay before it
+        due = past.born(panel.end) - past.formed - born if births.all_known else 0.0
+        return Missed(
+            place=(self._machine.spring + holding) * place,
+            breaks=unit * breaks,
+            force=force,
             births=unit * births.missed,
             fast=found.pull.missed,
-            unresolved=0.0 if fast else unit * float(births.born[-1]) * rebroken**4,
-            late=unit * abs(rest) * rebroken,
+            unresolved=unresolved,
+            late=abs(due) * min(travel, unit),
         )
-        return Solved(panel, births.rate, missed, fast)
 
     def _fast(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull | None:
         """The contacts' pull at the places X and speeds, where those born on the panel break on it; None where the

@@ -33,6 +33,8 @@ POWERS = np.array(
         for k, row in enumerate(np.eye(STAGES + 1))
     ]
 )
+# Row from values at the nodes to the last Legendre coefficient of the polynomial through them.
+LAST_OF_NODES: Array = _series(NODES)[-1]
 # Matrix (node, node) from values at the nodes to integrals from the panel's beginning up to each node, per width.
 TO_NODES: Array = 0.5 * (
     legendre.legvander(2.0 * NODES - 1.0, STAGES)

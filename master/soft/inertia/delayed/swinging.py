@@ -1,6 +1,7 @@
 """A slider with mass while hardly a contact breaks or forms: its motion is closed, however often it swings."""
 
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,20 +20,28 @@ SHORTEST = 1e-9
 
 
 class SwingEnd(Enum):
-    """Why a closed motion ended; the value says whether another one may follow at once."""
+    """Why a closed motion ended. The value says whether another one may follow at once: none does where contacts break
+    or form one by one from then on, which panels of time follow."""
 
-    TOO_SHORT = "too short", False  # none was begun
+    TOO_SHORT = "none was begun, as contacts break or form at once", False
     BROKE_TOGETHER = "contacts at an exact threshold broke together", True
     BREAKS_NEXT = "contacts begin to break one by one", False
     LEG_ENDED = "the drive's leg ended", True
-    CALM = "what is left of the swings counts as rest", True
     LUMP_FORMS = "contacts that broke together form again", True
     BIRTHS_NEXT = "contacts begin to form one by one", False
+    CALM = "what is left of the swings counts as rest", True
 
     @property
     def goes_on(self) -> bool:
         """Whether another closed motion may follow."""
         return self.value[1]
+
+
+class Coming(NamedTuple):
+    """What ends a closed motion if no contact breaks before, and after which time."""
+
+    lasts: float
+    end: SwingEnd
 
 
 class Swinging:
@@ -43,51 +52,77 @@ class Swinging:
         self._body, self._record = body, record
 
     def swing(self) -> SwingEnd:
-        """One closed motion, from the present state up to where it ends."""
+        """One closed motion, from the present state up to where it ends.
+
+        1. A lump that is due now forms.
+        2. The motion is that on the spring and the contacts that hold.
+        3. If no contact breaks it ends with the leg, at the next births, or as the swing fades to rest.
+        4. It ends before where the slider gets so far that contacts break.
+        5. The body goes there, and what happens there happens to it.
+        """
         body = self._body
-        past, machine = body.past, body.machine
-        if past.next_lump <= body.state.t * (1.0 + EPSILON):
+        if body.past.next_lump <= body.state.t * (1.0 + EPSILON):
             body.form_lump()
-        state = body.state
-        alike = ALIKE * body.tolerance
-        least, atoms = body.near(state.x), body.contacts.survival.atoms.size > 0
-        forward, back = (body.contacts.reach(state.x, way, least, alike) for way in (1, -1))
-        leg_end = body.drive.leg_end
-        births = past.next_birth(state.t, 0.5 * alike / machine.unit)
-        end = min(leg_end, births) - state.t
         # just after a passage it may be below 0 by its error
         holding = max(body.contacts.unbroken(), 0.0)
+        motion, calm = self._motion(holding)
+        births = self._next_births()
+        lasts, end = self._coming(births, calm)
+        if lasts <= 0.0:
+            return SwingEnd.TOO_SHORT
+        x = body.state.x
+        forward, back = (
+            body.contacts.reach(x, way, body.near(x), ALIKE * body.tolerance) for way in (1, -1)
+        )
+        # +1 where contacts break as the slider goes forwards, -1 backwards, 0 where none does
+        lasts, breaks_at = motion.first_passing(-back, forward, lasts)
+        if breaks_at:
+            exact = body.contacts.survival.atoms.size > 0
+            end = SwingEnd.BROKE_TOGETHER if exact else SwingEnd.BREAKS_NEXT
+        if end is SwingEnd.BREAKS_NEXT and lasts < SHORTEST * motion.period:
+            return SwingEnd.TOO_SHORT
+        self._take(motion, lasts, holding)
+        if end is SwingEnd.BROKE_TOGETHER:
+            body.break_together(x + (forward if breaks_at > 0 else -back), holding)
+        elif end is SwingEnd.LEG_ENDED:
+            body.end_leg()
+        elif end in (SwingEnd.LUMP_FORMS, SwingEnd.BIRTHS_NEXT):
+            body.take_time(births)
+        return end
+
+    def _motion(self, holding: float) -> tuple[Oscillation, float]:
+        """The closed motion while a share `holding` holds, and the time after which its swing counts as rest; where it
+        does so already the motion is without it, and that time inf."""
+        body, machine = self._body, self._body.machine
         stiff, rate = machine.spring + holding, machine.spring * body.drive.speed
         given = machine.mass, machine.damping, stiff, body.balance_of_spring, rate
-        motion = Oscillation.of(*given, 0.0, state.w)
+        motion = Oscillation.of(*given, 0.0, body.state.w)
         quiet = QUIET * body.tolerance / (1.0 + machine.spring)
         if motion.size <= quiet:
-            motion = Oscillation.of(*given, motion.centre, motion.drift)
-            calm = np.inf
-        else:
-            calm = motion.time_until(quiet)
-        # +1 where the slider comes to break contacts forwards, -1 backwards, 0 where it does neither
-        lasts, breaks_at = motion.first_passing(-back, forward, min(end, calm))
-        short = end <= 0.0 or (breaks_at and lasts < SHORTEST * motion.period)
-        if short and not (atoms and breaks_at):
-            return SwingEnd.TOO_SHORT
-        self._take(motion, lasts, stiff)
-        if breaks_at and atoms:
-            reach = forward if breaks_at > 0 else back
-            body.break_together(breaks_at * reach + state.x, holding)
-            return SwingEnd.BROKE_TOGETHER
-        if breaks_at:
-            return SwingEnd.BREAKS_NEXT
-        if lasts == leg_end - state.t:
-            body.end_leg()
-            return SwingEnd.LEG_ENDED
-        if lasts < end:
-            return SwingEnd.CALM
-        body.take_time(births)
-        return SwingEnd.LUMP_FORMS if past.next_lump <= births else SwingEnd.BIRTHS_NEXT
+            return Oscillation.of(*given, motion.centre, motion.drift), np.inf
+        return motion, motion.time_until(quiet)
 
-    def _take(self, motion: Oscillation, lasts: float, stiff: float) -> None:
-        """Go on to the end of a closed motion: results at the asked times, energies and falls on the way."""
+    def _next_births(self) -> float:
+        """Up to when births change the force by less than half of what is alike."""
+        body = self._body
+        share = 0.5 * ALIKE * body.tolerance / body.machine.unit
+        return body.past.next_birth(body.state.t, share)
+
+    def _coming(self, births: float, calm: float) -> Coming:
+        """What ends a motion if no contact breaks, with the next births at one time, and calm after another; of two at
+        once the first named."""
+        body = self._body
+        lump = body.past.next_lump <= births
+        coming = (
+            Coming(body.drive.leg_end - body.state.t, SwingEnd.LEG_ENDED),
+            Coming(births - body.state.t, SwingEnd.LUMP_FORMS if lump else SwingEnd.BIRTHS_NEXT),
+            Coming(calm, SwingEnd.CALM),
+        )
+        return min(coming, key=lambda one: one.lasts)
+
+    def _take(self, motion: Oscillation, lasts: float, holding: float) -> None:
+        """Go on to the end of a closed motion on which a share `holding` holds: results at the asked times, energies
+        and falls on the way."""
         body, state, k = self._body, self._body.state, self._body.machine.spring
         which, v = body.asked(state.t, state.t + lasts), body.drive.speed
         at = np.append(body.asked_times(which) - state.t, lasts)
@@ -99,7 +134,7 @@ class Swinging:
         damped = body.machine.damping * motion.squared_speed(at)
         # F is a straight line in X while none breaks
         force = float(body.contacts.response(np.array([state.x])).force[0])
-        on_contacts = force * y + 0.5 * (stiff - k) * y**2
+        on_contacts = force * y + 0.5 * holding * y**2
         spent = [Energies(*some) for some in np.stack([given, damped, on_contacts], 1).tolist()]
         ends = [
             State(state.t + dt, state.x + dx, speed)
