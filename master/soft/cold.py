@@ -24,6 +24,8 @@ MOST_TOGETHER = 2000
 FIRST_WAY = 50.0
 # Longest life of contacts, in mean thresholds, up to which breaks are followed until they are steady: some 25 s.
 LONGEST_LIFE = 500.0
+# Round-off of the largest force, as a part of it: some five units of the last digit.
+ROUNDED = 1e-15
 # Thresholds at which the first breaks are looked at.
 QUANTILES = 2000
 
@@ -128,13 +130,18 @@ class ColdSlider:
         except StoppedError as why:
             stopped = str(why)
         force = np.concatenate(self.force)
+        error = max(
+            self.error,
+            self.spring * self.drive_error,
+            ROUNDED * float(np.abs(force).max(initial=0.0)),
+        )
         return Followed(
             balance=balance,
             force=force,
             holding=np.ones(force.size),
             slips=slips_of(np.reshape(self.slips, (-1, 3)).T, self.spring, self.drive_error),
             shares=np.array(self.shares),
-            error=max(self.error, self.spring * self.drive_error) / unit,
+            error=error / unit,
             nodes=self.contacts.nodes,
             stopped_because=stopped,
         )
