@@ -91,8 +91,8 @@ def _stepped(contacts: Contacts, path: Array, step: float, breaking: Breaking) -
     fraction[-1] = 1.0  # contacts that would leave the grid break at its end
     shares = starting_shares(contacts, x, step)
 
-    ways = step * np.arange(int(np.ceil(travel[-1] / step * (1.0 - 1e-12))) + 1)
-    at = np.interp(ways, np.append(0.0, travel), np.append(0.0, path))
+    travelled = step * np.arange(int(np.ceil(travel[-1] / step * (1.0 - 1e-12))) + 1)
+    at = np.interp(travelled, np.append(0.0, travel), np.append(0.0, path))
     if at.size > 1:  # the last step may end beyond the path
         at[-1] = at[-2] + np.copysign(step, at[-1] - at[-2])
     force = [x @ shares]
@@ -101,7 +101,7 @@ def _stepped(contacts: Contacts, path: Array, step: float, breaking: Breaking) -
         broken = [shift_and_break(one_way, fraction) for _ in range(abs(move))]
         shares[zero] += sum(broken)
         force.append(x @ shares)
-    return ExplicitSolution(path, np.interp(travel, ways, force), time.perf_counter() - began)
+    return ExplicitSolution(path, np.interp(travel, travelled, force), time.perf_counter() - began)
 
 
 def shift_and_break(shares: Array, fraction: Array) -> float:

@@ -56,7 +56,7 @@ def of_start(contacts: Contacts, x: Array) -> tuple[Array, Array]:
     # at its start a contact has a threshold above |stretch|
     weight = weight / weight.sum() / np.maximum(law.sf(np.abs(stretch)), 1e-300)
     held, force = np.empty((2, x.size))
-    for n, way in enumerate(x):
-        holding = weight * law.sf(np.maximum(np.abs(stretch), np.abs(stretch + way)))
-        held[n], force[n] = holding.sum(), holding @ (stretch + way)
+    for n, distance in enumerate(x):
+        holding = weight * law.sf(np.maximum(np.abs(stretch), np.abs(stretch + distance)))
+        held[n], force[n] = holding.sum(), holding @ (stretch + distance)
     return held, force

@@ -170,7 +170,7 @@ class EarlierLegs:
         """Times of birth, at the one stretch `born`, for which the survival at `t_leg` bends or its force does, shape
         (targets, legs, bends); some lie outside the leg.
 
-        Let low and high be the ends of the way since then, and o = X(s) - born the place where the contact is relaxed.
+        Let low and high be the ends of the move since then, and o = X(s) - born the place where the contact is relaxed.
         Its stretch is x = now - o, and its largest |x| so far is that at the end which is farther from o:
 
             low ------ high - mark ------ middle ------ low + mark ------ high      places o

@@ -1,7 +1,7 @@
-"""Cycle: survival and force of contacts that move steadily forward, over the way since birth.
+"""Cycle: survival and force of contacts that move steadily forward, over the distance since birth.
 
 In steady sliding contacts are born at a constant rate, so that force and density follow from
-integrals over the way, the slider's travel since a contact's birth (paper, Eqs. Q11a-Q11d):
+integrals over the distance, the slider's travel since a contact's birth (paper, Eqs. Q11a-Q11d):
 
     C = integral of E,      F_k/(N_c <k>) = (integral of K) / (C + v tau).
 """
@@ -25,14 +25,14 @@ OF_MOMENT, OF_INTEGRAL = 4e-16, 1e-13
 
 
 class Cycle(Straight):
-    """E and K of contacts born at some stretches, tabulated over the way, and their integrals (paper, Eq. Q11c).
+    """E and K of contacts born at some stretches, tabulated over the distance, and their integrals (paper, Eq. Q11c).
 
     `born` is the law of the stretches at birth (None: that of re-forming). A panel of the table is halved until the
     last two Legendre coefficients of E, and of K over `scale`, are below `accuracy`: the error of integrals is about
     its square.
 
-    Beside the attributes of Straight, where lags are ways (lengths, areas lengths squared):
-    atoms : array of shape (n,), ways after which contacts reach exact thresholds together
+    Beside the attributes of Straight, where lags are distances (lengths, areas lengths squared):
+    atoms : array of shape (n,), distances after which contacts reach exact thresholds together
     resolution_length : about the length over which E falls: mean width of the table's panels, weighted by the
         fall of E there
     most : the largest value of |K|
@@ -48,7 +48,7 @@ class Cycle(Straight):
         accuracy: float = ACCURACY,
         born: Start | None = None,
     ) -> None:
-        """Tabulate E and K over the way since a birth, and integrate them."""
+        """Tabulate E and K over the distance since a birth, and integrate them."""
         check_finite(contacts)
         self.contacts, self.velocity, self.accuracy = contacts, velocity, accuracy
         self.wait = velocity * contacts.waiting_time
@@ -90,7 +90,7 @@ class Cycle(Straight):
 
     @property
     def birth_to_birth(self) -> float:
-        """The mean way from a birth to the next one, a length."""
+        """The mean distance from a birth to the next one, a length."""
         return self.length + self.wait
 
     def force(self) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from master.survival.make import steady_life
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# How far F is followed, in units of `unit_of`: for UNITS, and to one unit beyond the longest way that more than
+# How far F is followed, in units of `unit_of`: for UNITS, and to one unit beyond the longest distance that more than
 # the share OLD of the contacts in steady sliding have lived through, but for at most MOST_UNITS.
 UNITS, OLD, MOST_UNITS = 10.0, 1e-6, 1000.0
 # Accuracies of F, in that asked for, with which slopes are tried until they are good.
@@ -180,11 +180,13 @@ def _beyond(cycle: Cycle, horizon: float) -> tuple[float, float]:
     """Bounds of the slope -dF/dX and of F (a length) beyond the horizon. In -dF/dX = integral of x p (u - 1), u
     is C times the rate of breaks; u - 1 has an integral of about F_k, and decays to the contribution of lives longer
     than the horizon. Both bounds are doubled for safety."""
-    ways = np.append(0.5 * horizon, cycle.table.end[cycle.table.end > 0.5 * horizon])
-    middle = np.sqrt(ways[1:] * ways[:-1])
+    distances = np.append(0.5 * horizon, cycle.table.end[cycle.table.end > 0.5 * horizon])
+    middle = np.sqrt(distances[1:] * distances[:-1])
     held, kinetic = cycle.table(middle)[0], cycle.area / cycle.length
-    broken = np.maximum(-np.diff(cycle.table(ways)[0]) / np.log(ways[1:] / ways[:-1]), 0.0)
-    older = float(held @ np.diff(ways)) / cycle.length
+    broken = np.maximum(
+        -np.diff(cycle.table(distances)[0]) / np.log(distances[1:] / distances[:-1]), 0.0
+    )
+    older = float(held @ np.diff(distances)) / cycle.length
     steepest = kinetic / cycle.length * float(broken.max(initial=0.0)) + older
     excess = float((held * middle).max(initial=0.0)) / cycle.length + older
     return 2.0 * steepest, kinetic * (1.0 + 2.0 * excess)

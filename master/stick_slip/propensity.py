@@ -29,7 +29,7 @@ class Propensity:
     critical_spring_error and the others : estimates from above of absolute errors, in the unit of the value itself.
     run_time : s.
     success, message : whether the errors of K* (relative to 1 + K*) and of F_s (in mean thresholds; with heat, unless
-        grains grow, in mean ways from birth to break) are within the tolerance, and the accuracy reached.
+        grains grow, in mean distances from birth to break) are within the tolerance, and the accuracy reached.
     """
 
     critical_spring: float
@@ -52,9 +52,9 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     tolerance : largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
     velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
 
-    F(X) is followed for ten mean thresholds, with heat ten mean ways from birth to break; where generations of breaks
-    do not overlap, along the first, or the first two where contacts re-form elsewhere than relaxed; and up to 100 times
-    as far where more than 1e-6 of the contacts live longer. Errors bound what may follow, too.
+    F(X) is followed for ten mean thresholds, with heat ten mean distances from birth to break; where generations of
+    breaks do not overlap, along the first, or the first two where contacts re-form elsewhere than relaxed; and up to
+    100 times as far where more than 1e-6 of the contacts live longer. Errors bound what may follow, too.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and where contacts re-form
     so far behind x = 0 that the kinetic force is not above 0.

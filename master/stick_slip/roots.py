@@ -1,13 +1,13 @@
 """Roots: the rates and frequencies with which F(X) decays to the kinetic force.
 
-Number conservation of contacts that move steadily forward has a Laplace transform over the way x
+Number conservation of contacts that move steadily forward has a Laplace transform over the distance x
 since birth (docs/equations.md). With d the travel in the delay it is
 
     b^(s) D(s) = 1/s - G_0^(s),      D(s) = E^(s) e^(-sd) + (1 - e^(-sd))/s,
 
 and F - F_k is a sum of e^(sX) over the roots of D, all left of the imaginary axis, none on the real one.
-There the transform w = 1 - sD of the way from a birth to the next is 1. By the argument principle as many roots lie
-right of a line of constant Re s as w crosses the real axis above 1 along it: Newton's method starts from there, and
+There the transform w = 1 - sD of the distance from a birth to the next is 1. By the argument principle as many roots
+lie right of a line of constant Re s as w crosses the real axis above 1 along it: Newton's method starts from there, and
 has to find as many.
 """
 
@@ -27,8 +27,8 @@ BROAD = 1e4
 COUNTABLE = 1e-3
 # Angle in radians by which w turns at most from one frequency to the next: neighbours tell which way it turned.
 TURN = 0.5
-# The highest frequency times the mean way from birth to birth; and most frequencies times nodes of one integral, which
-# limits the work.
+# The highest frequency times the mean distance from birth to birth; and most frequencies times nodes of one integral,
+# which limits the work.
 MOST_FREQUENCIES, MOST_SUMMANDS = 2e3, 1e8
 # |w| below which w is taken not to turn around 1, with a margin. Frequencies are enough where w is smaller beyond this
 # fraction of the highest.
@@ -50,16 +50,18 @@ CONVERGED, SAME = 1e-7, 1e-6
 def crowding(cycle: Cycle) -> float:
     """Decay rate (per length) near which infinitely many roots of ever higher frequency crowd, due to
     exact thresholds; inf without any, 0 where all contacts break at exact thresholds."""
-    ways = cycle.atoms[(cycle.atoms > 0.0) & (cycle.atoms <= cycle.longest)]
+    distances = cycle.atoms[(cycle.atoms > 0.0) & (cycle.atoms <= cycle.longest)]
     # the share that breaks at each is that just before less that just after it
-    sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], ways)
+    sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], distances)
     before, after = cycle.scaled(sides.reshape(-1, 1)).survival.reshape(sides.shape)
-    ways, shares = ways[before > after] + cycle.wait, (before - after)[before > after]
-    if not ways.size or shares.sum() > ALL_ATOMS:
-        return 0.0 if ways.size else np.inf
+    distances, shares = distances[before > after] + cycle.wait, (before - after)[before > after]
+    if not distances.size or shares.sum() > ALL_ATOMS:
+        return 0.0 if distances.size else np.inf
     logs = np.log(shares)
-    ends = 0.0, -2.0 * float(logs.max()) / float(ways.min())
-    return float(brentq(lambda rate: np.logaddexp.reduce(rate * ways + logs), *ends, xtol=1e-300))
+    ends = 0.0, -2.0 * float(logs.max()) / float(distances.min())
+    return float(
+        brentq(lambda rate: np.logaddexp.reduce(rate * distances + logs), *ends, xtol=1e-300)
+    )
 
 
 def decoherence_length(cycle: Cycle) -> tuple[float, float]:
@@ -115,7 +117,7 @@ def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, 
     end = transform(s)
     if not end.conserved_error[0] * decay < COUNTABLE:
         return some, np.inf
-    # the slope of w = 1 - sD on the real axis is the mean way, weighted by e^(decay x)
+    # the slope of w = 1 - sD on the real axis is the mean distance, weighted by e^(decay x)
     step = float((TURN * (1.0 - s * end.conserved) / (end.conserved + s * end.slope)).real[0])
     by_work = np.sqrt(MOST_SUMMANDS * step / transform.table.end[-1])
     highest = min(MOST_FREQUENCIES / cycle.birth_to_birth, by_work)

@@ -23,13 +23,14 @@ from origins.thresholds.tail import tail_rate
 
 # Tolerance of E and of F, with which the sum of the terms is compared.
 TOLERANCE = 1e-9
-# Mean ways from birth to birth over which the sum of the terms is compared with F.
+# Mean distances from birth to birth over which the sum of the terms is compared with F.
 COMPARED_OVER = 6.0
 # Relative rounding of an amplitude, a product of some sums.
 ROUNDING = 1e-14
-# Rate at which roots crowd, times the mean way from birth to birth, below which exact values leave no slowest root.
+# Rate at which roots crowd, times the mean distance from birth to birth, below which exact values leave no slowest
+# root.
 LEAST_CROWDING = 1e-2
-# Ratio of the delay's travel to the mean way from birth to break beyond which roots crowd everywhere.
+# Ratio of the delay's travel to the mean distance from birth to break beyond which roots crowd everywhere.
 LONGEST_DELAY = 400.0
 
 
@@ -80,8 +81,8 @@ class DecoherenceSpectrum:
     def force_error(self, x: npt.ArrayLike) -> Array:
         """Its error at those positions in units of the mean threshold; same shape.
 
-        An estimate: the terms left out are taken from F, solved over the first few mean ways from birth to birth, and
-        extrapolated as e^(-X/beyond).
+        An estimate: the terms left out are taken from F, solved over the first few mean distances from birth to birth,
+        and extrapolated as e^(-X/beyond).
         """
         x = np.asarray(x, dtype=float)
         size = np.exp(np.multiply.outer(x, self.roots.real))
@@ -102,7 +103,7 @@ def decoherence_spectrum(
     velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
     n_roots : number of roots; fewer are returned where fewer are found: the search ends before the decay rate of the
         law's tail, and before that near which the infinitely many roots of exact values crowd. It includes periods
-        down to 1/300 of the mean way from birth to birth.
+        down to 1/300 of the mean distance from birth to birth.
 
     Raises InputError for exact values alone, or nearly so, whose roots come as near to Re s = 0 as one likes; for tails
     slower than any exponential; for lives of 10,000 means; for waits above 400 of them; and as `steady_state` does.
@@ -168,7 +169,7 @@ def _deepest(cycle: Cycle) -> float:
 
 
 def _remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> float:
-    """The largest error of the terms over the first mean ways from birth to birth, times e^(X/beyond), a length."""
+    """The largest error of the terms over COMPARED_OVER mean distances, times e^(X/beyond), a length."""
     horizon = COMPARED_OVER * cycle.birth_to_birth + max(-2.0 * cycle.contacts.start.span[0], 0.0)
     march = forward_march(cycle, horizon, TOLERANCE).run()
     share = np.append(0.0, polynomials.NODES)

@@ -1,4 +1,4 @@
-"""Transforms of E and K of a steady cycle over the way since birth, and D of number conservation: see roots."""
+"""Transforms of E and K of a steady cycle over the distance since birth, and D of number conservation: see roots."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,8 @@ from origins.thresholds.law import Array
 
 Complex = npt.NDArray[np.complex128]
 
-# Largest |s| times the way that SIZE Gauss nodes share: they integrate a table's polynomial times e^(-sx) to rounding.
+# Largest |s| times the distance that SIZE Gauss nodes share: they integrate a table's polynomial times e^(-sx) to
+# rounding.
 WAVE = 4.0
 # The same on a line, where 1e-8 will do.
 ON_LINE_SIZE, ON_LINE_WAVE = 8, 8.0
@@ -22,7 +23,7 @@ ON_LINE_SIZE, ON_LINE_WAVE = 8, 8.0
 NOBODY = 1e-120
 # Parts of the largest integrand below which it adds nothing: below rounding, however many panels they are.
 NOT_FELT = 1e-20
-# Most doublings of the way to which E is tabulated: to 1e12 times that of the cycle's table.
+# Most doublings of the distance to which E is tabulated: to 1e12 times that of the cycle's table.
 MOST_DOUBLINGS = 40
 # Last coefficients of the table of E where each survival is quick, and the least where it takes long; and the part of a
 # panel's largest value up to which values are known to that accuracy of their own size.
@@ -52,14 +53,16 @@ class Values(NamedTuple):
 class _Nodes(NamedTuple):
     """Ways, shape (n,); E, -x E and K times the nodes' weights, shape (3, n); errors of E and K, shape (2, n)."""
 
-    way: Array
+    distance: Array
     sums: Array
     errors: Array
 
 
-def _count_felt(held: Array, way: Array, decay: float) -> int:
+def _count_felt(held: Array, distance: Array, decay: float) -> int:
     """How many values of E, at sorted x, to the last where E e^(decay x) is not negligible."""
-    size = np.where(held > UNDERFLOW, np.log(np.maximum(held, UNDERFLOW)) + decay * way, -np.inf)
+    size = np.where(
+        held > UNDERFLOW, np.log(np.maximum(held, UNDERFLOW)) + decay * distance, -np.inf
+    )
     return int(np.flatnonzero(size > size.max() + np.log(NOT_FELT))[-1]) + 1
 
 
@@ -89,8 +92,8 @@ class Transform:
 
         self._survival_error = cycle.survival_error
 
-        def for_table(way: Array) -> Array:
-            found = cycle.scaled(way)
+        def for_table(distance: Array) -> Array:
+            found = cycle.scaled(distance)
             self._survival_error = max(self._survival_error, found.error)
             return found.both
 
@@ -108,37 +111,37 @@ class Transform:
         self.table = Table(for_table, edges, accuracy, shortest, looser=sizes, rounding=1e2)
 
     def nodes(self, fastest: float, decay: float, size: int = SIZE, wave: float = WAVE) -> _Nodes:
-        """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each way
+        """Gauss nodes: at least `size` on each panel where E e^(decay x) is not negligible, and on each distance
         of wave/fastest, `fastest` the largest |s|."""
         table, scale, life = self.table, self.cycle.scale, self.cycle.life
         felt = _count_felt(table(table.begin)[0], table.end, decay)
         pieces = np.maximum(np.ceil(table.widths[:felt] * fastest / wave), 1.0).astype(int)
         numbers = np.append(0, pieces.cumsum())
         edges = np.interp(np.arange(numbers[-1] + 1), numbers, table.edges[: felt + 1])[:, None]
-        way = edges[:-1] + np.diff(edges, axis=0) * polynomials.gauss(size).nodes
+        distance = edges[:-1] + np.diff(edges, axis=0) * polynomials.gauss(size).nodes
         weight = np.diff(edges, axis=0) * polynomials.gauss(size).series[:, 0]
-        held, force = values = table(way)
+        held, force = values = table(distance)
         # a contact that holds though it should not, or the other way round, bears the force of the others there
         by_one = np.divide(np.abs(force), held, out=np.zeros_like(held), where=held > UNDERFLOW)
         wrong = life.error_at(held, self._survival_error)
-        errors = wrong * np.stack([np.ones(way.shape), np.maximum(by_one, way / scale)])
+        errors = wrong * np.stack([np.ones(distance.shape), np.maximum(by_one, distance / scale)])
         # shares below NOBODY are of contacts that nobody has: no wave may hang on them
         errors += np.abs(values) * np.where(held < NOBODY, 1.0, SUM_ROUNDING)
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
-        errors[1] = (errors[1] + life.error_of_force * (way < life.largest_stretch)) * scale
-        some, sums = held > UNDERFLOW, np.stack([held, -way * held, force * scale])
-        return _Nodes(way[some], (weight * sums)[:, some], (weight * errors)[:, some])
+        errors[1] = (errors[1] + life.error_of_force * (distance < life.largest_stretch)) * scale
+        some, sums = held > UNDERFLOW, np.stack([held, -distance * held, force * scale])
+        return _Nodes(distance[some], (weight * sums)[:, some], (weight * errors)[:, some])
 
     def __call__(self, s: Complex, nodes: _Nodes | None = None) -> Values:
         """The transforms at s (per length) of shape (n,), none of which is 0; nodes are for all s near."""
         if nodes is None:
             nodes = self.nodes(np.abs(s).max(initial=0.0), -s.real.min(initial=0.0))
-        wait, (way, sums, errors) = self.cycle.wait, nodes
-        rounded = way * np.abs(sums[::2])  # a rounded way turns the wave
+        wait, (distance, sums, errors) = self.cycle.wait, nodes
+        rounded = distance * np.abs(sums[::2])  # a rounded distance turns the wave
         transforms, off = np.empty((3, s.size), dtype=complex), np.empty((2, s.size))
         with np.errstate(over="ignore", invalid="ignore"):
             for i, number in enumerate(s):
-                wave = np.exp(-number * way)
+                wave = np.exp(-number * distance)
                 transforms[:, i] = sums @ wave
                 off[:, i] = (errors + SUM_ROUNDING * abs(number) * rounded) @ np.abs(wave)
             held, held_slope, force = transforms
@@ -152,9 +155,9 @@ class Transform:
     def held_on_line(self, decay: float, step: float, count: int) -> Complex:
         """The transform of E at -decay + i step k for k < count, to 1e-8."""
         fastest = float(np.hypot(decay, step * count))
-        way, sums, _ = self.nodes(fastest, decay, ON_LINE_SIZE, ON_LINE_WAVE)
+        distance, sums, _ = self.nodes(fastest, decay, ON_LINE_SIZE, ON_LINE_WAVE)
         # waves of many frequencies are products of those of a few, and of every few
         few = int(np.ceil(np.sqrt(count)))
-        turns = (np.exp(-1j * step * apart * way) for apart in (1, few))
+        turns = (np.exp(-1j * step * apart * distance) for apart in (1, few))
         each, coarse = (np.vander(turn, few, increasing=True) for turn in turns)
-        return (coarse.T * (sums[0] * np.exp(decay * way)) @ each).ravel()[:count]
+        return (coarse.T * (sums[0] * np.exp(decay * distance)) @ each).ravel()[:count]
