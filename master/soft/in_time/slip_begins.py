@@ -8,11 +8,12 @@
 
 A balanced step of the size s takes τ(s) steps of time, and the rest, s - τ(s), is its travel. τ rises from τ(0) = 0 as
 long as the slider needs the drive to move on; where τ is the largest it needs no more, and slips. This lies within a
-step of the size s, or just beyond, on one of three conditions (`SlipBegins.up_to_slip`):
+step of the size s, or just beyond, on one of three conditions (`SlipBegins._longest_to_slip`):
 
 - no balance: τ(s) <= 0, the spring pulls more than contacts bear from now on;
-- a fold within, τ' = 0 before s: τ(0.99 s) >= τ(s), so that the last 0.01 s is all travel, and takes no time or less;
-- F falls beyond: τ(1.01 s) < τ(s). This is asked instead where P_c jumps: τ has a kink there, and no fold before it.
+- where P_c jumps, F falls beyond: τ(1.01 s) < τ(s). τ has a kink there, and no fold before it;
+- elsewhere a fold within, τ' = 0 before s: τ(0.99 s) >= τ(s), so that the last 0.01 s is all travel, and takes no time
+  or less.
 
 Before contacts at an exact threshold break, the last balance is taken where it comes later than the largest τ found.
 """
@@ -89,16 +90,8 @@ class SlipBegins:
         step = asked.step
         if step.trial.now > steps.contacts.now:  # it may have been cut at the section's end
             size = min(size, steps.size(step.trial))
-        longest, no_balance = size, step.time_steps <= 0.0
-        falls_beyond = fold_within = False
-        if steps.contacts.jumps and not no_balance:
-            # F falls at once at a jump: there is no fold, but a step beyond takes less time than this one, whose time
-            # is its size less its travel, also if it was cut
-            longest = ONSET.beyond_jump * size
-            falls_beyond = self._tried(longest).step.time_steps < size - steps.travelled(step.trial)
-        elif not no_balance:
-            fold_within = self._is_fold_within(step, size)
-        if not (no_balance or falls_beyond or fold_within):
+        longest = self._longest_to_slip(step, size)
+        if longest is None:
             self._foresee(step.time_steps / size, size)
             return self._chosen(asked), False
         latest = self._latest(size, longest)
@@ -108,6 +101,19 @@ class SlipBegins:
         trial = self._chosen(latest)
         # at the section's end, a slip may still be to come
         return trial, trial.now < steps.section_end
+
+    def _longest_to_slip(self, step: TriedStep, size: float) -> float | None:
+        """The longest step that may lead to a slip, where one begins on this step, which has this size, or just beyond;
+        else None. On the three conditions at the head of this file, in that order."""
+        if step.time_steps <= 0.0:  # no balance
+            return size
+        if self._steps.contacts.jumps:
+            # F falls at once at a jump: there is no fold, but a step beyond takes less time than this one, whose time
+            # is its size less its travel, also if it was cut
+            beyond = ONSET.beyond_jump * size
+            time_steps = size - self._steps.travelled(step.trial)
+            return beyond if self._tried(beyond).step.time_steps < time_steps else None
+        return size if self._is_fold_within(step, size) else None
 
     def _is_fold_within(self, step: TriedStep, size: float) -> bool:
         """Whether a fold lies before the end of this step, which has this size."""

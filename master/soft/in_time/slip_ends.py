@@ -61,9 +61,11 @@ def _way_to_balance(contacts: Cohorts, steps: Steps) -> float:
 
 
 def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
-    """Move the slider to the first balance, in steps of this size; broken contacts re-form at once.
+    """Move the slider to the first balance, in steps of this size; broken contacts re-form at once. It ends
 
-    Once breaks are steady F stays that of sliding at infinite speed, and the spring's balance tells the rest.
+    - at once, as good as, where no small travel leads to a pull of the spring;
+    - on the first step at whose end the spring pulls no more, once the slider is away from the balance at the begin;
+    - at K (X_T - X) = F, however far, once breaks are steady: F then stays that of sliding at infinite speed.
     """
     step, least = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
     begin, travelled, forces = contacts.position, list[float](), list[float]()
@@ -72,11 +74,14 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
         return steps.imbalance(contacts.trial(travel, contacts.now))
 
     first = _first_travel(imbalance, steps.sign * least)
-    low = first or NO_SLIP * step
-    # a step may only lead back to the balance at the begin: the slip ends at none before it is away from there
-    away = 0.0 < abs(first) < abs(step)
-    steady = False
-    while first and not steady:
+    if not first:
+        contacts.take(contacts.trial(NO_SLIP * step, contacts.now))
+        return
+    # a travel on the next step at which the slider still moves on
+    low = first
+    # whether the balance at the begin lies behind: before, a step on which forces balance may only lead back to that
+    away = abs(first) < abs(step)
+    while True:
         missing = imbalance(step)
         if missing <= 0.0 and away:
             break
@@ -88,11 +93,10 @@ def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
         rest = imbalance(0.0) / steps.spring
         if rest > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
             contacts.slide_steadily(steps.sign * rest, STEADY * contacts.unit)
-            steady = True
-    if not steady:
-        if first and imbalance(low) > 0.0:
-            low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
-        contacts.take(contacts.trial(low, contacts.now))
+            return
+    if imbalance(low) > 0.0:
+        low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
+    contacts.take(contacts.trial(low, contacts.now))
 
 
 def _first_travel(imbalance: Callable[[float], float], least: float) -> float:
