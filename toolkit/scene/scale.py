@@ -74,7 +74,9 @@ def of_surface(
 
 def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) -> str:
     """A value with an SI prefix before its unit, to the digit of its uncertainty, with two digits at least and
-    at most so many; units that take no prefix are written as powers of ten."""
+    at most so many; units that take no prefix are written as powers of ten, and nan as "not known"."""
+    if np.isnan(value):
+        return "not known"
     if not np.isfinite(value):
         return f"{value:g} {unit}".strip()
     known = digits

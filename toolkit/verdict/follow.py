@@ -104,9 +104,11 @@ def _by_distribution(
             )
         except InputError as error:
             # without the key and its value, which is in the solver's units, not in the user's
-            _, _, why = str(error).partition(": ")
+            key, _, why = str(error).partition(": ")
+            if key.startswith("path"):  # nor what path to give instead: it is the verdict's own
+                why = why.partition("; ")[0]
             return not_followed(rule, why or str(error))
-        found = _behaviour(rule, solved)
+        found = replace(_behaviour(rule, solved), cut=solved.path.size < path.size)
         if found.kind != "undecided" or not solved.success:
             break
     return found

@@ -9,7 +9,8 @@ from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
-from toolkit.verdict.judge import Answer, Verdict
+from toolkit.verdict.judge import NO_FORCES, Answer, Verdict
+from toolkit.verdict.readings import why_late
 from toolkit.verdict.table import drop_of, fall_of, in_units, regained_by
 
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
@@ -88,11 +89,15 @@ def _of_readings(verdict: Verdict) -> Iterator[str]:
     answers, many = verdict.answers, len(verdict.answers)
     if many < 2:
         return
-    springs = [one.critical_spring.value * one.scale.spring for one in answers]
+    springs = [
+        one.critical_spring.value * one.scale.spring
+        for one in answers
+        if not one.critical_spring.unknown
+    ]
     factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
     yield (
         f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
-        f"{many} readings"
+        f"{len(springs)} readings"
     )
     differ = others(verdict)
     for kind, names in differ.items():
@@ -170,8 +175,9 @@ def _of_contacts(verdict: Verdict) -> Iterator[str]:
     """The number of contacts, remarks on their thresholds, and what finitely many do."""
     own = verdict.own
     number, machine = own.scale.contacts, own.machine
+    known = not own.critical_spring.unknown
     soft = machine is None or machine.spring < NEAR * own.critical_spring.value
-    if number is not None and machine is not None and not soft:
+    if number is not None and machine is not None and known and not soft:
         crowd = number * machine.spring**3
         yield (
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
@@ -186,7 +192,10 @@ def _of_contacts(verdict: Verdict) -> Iterator[str]:
 
 
 def _left_undone(verdict: Verdict) -> Iterator[str]:
-    """Readings without an answer."""
+    """What of the own reading was too late, and readings without an answer."""
+    if verdict.own.critical_spring.unknown:
+        contacts = verdict.own.contacts
+        yield "; ".join([*([] if verdict.own.machine else [NO_FORCES]), *why_late(contacts)])
     for why, names in _by_reason(_left_out(verdict)).items():
         yield f"left out: {', '.join(names)}: {why}"
 
@@ -195,7 +204,7 @@ def _of_errors(verdict: Verdict) -> Iterator[str]:
     """Where the slider's force is less well known than asked for, and why."""
     own = verdict.own
     for one in own.behaviours:
-        if one.message.startswith("by the ensemble"):
+        if one.contacts is not None:
             yield (
                 f"the slips are means {one.message}, known to some {one.error:.0e} <x_s>: the "
                 "master equation takes no such slider, or not in time"
@@ -208,7 +217,7 @@ def _of_errors(verdict: Verdict) -> Iterator[str]:
         (_after(one.message, "heat is left out"), one.rule)
         for one in own.behaviours
         if one.success and one.error > TOLERANCE_IN_TIME and one.kind != "undecided"
-        if not one.message.startswith("by the ensemble")
+        if one.contacts is None
     ]
     for why, rules in _by_reason(rough).items():
         yield f"the force is known roughly if {named(rules)}: {why}"

@@ -25,15 +25,16 @@ from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow
 from toolkit.verdict.machine import (
     NO_TIME,
+    RULES,
     Behaviour,
     Known,
     Machine,
     machine_of,
     not_followed,
+    rules_of,
 )
-from toolkit.verdict.readings import readings_of, why_late
+from toolkit.verdict.readings import readings_of
 
-RULES = ("reset", "reform-after", "instant")
 # s for all readings and rules together; share of what is left for the scene's own, and then for its contacts' number
 WALL_TIME, OWN = 60.0, 0.5
 # of a reading's time for a slider with mass; where that does not do, slip rules have the rest
@@ -44,6 +45,10 @@ TOLERANCE = 1e-6
 RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long
 LONGER = 12.0
+# why nothing is told of a slider, and of a reading other than the scene's own
+NO_FORCES = (
+    "F_s and K* were not found in time, and without them no slider is followed: give more wall_time"
+)
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,14 @@ class Quantity:
     value: float
     error: float
     sampling: float | None = None
+
+    @property
+    def unknown(self) -> bool:
+        """Whether there was no time to find it."""
+        return bool(np.isnan(self.value))
+
+
+UNKNOWN = Quantity(float("nan"), float("inf"))
 
 
 @dataclass(frozen=True)
@@ -105,7 +118,8 @@ class Verdict:
     @property
     def success(self) -> bool:
         """Whether all solves of the own reading met their tolerance."""
-        return all(behaviour.success for behaviour in self.own.behaviours)
+        found = all(behaviour.success for behaviour in self.own.behaviours)
+        return found and not self.own.critical_spring.unknown
 
     def _repr_html_(self) -> str:
         """The own reading's numbers and what the slider does, as a table in a notebook; `words.page` says it all."""
@@ -136,7 +150,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
     if table.turns is not None or table.times is not None:
         name = "turns" if table.turns is not None else "times"
         refuse(f"drive.{name}", getattr(table, name), "a verdict drives one way; leave it out")
-    readings, rules = readings_of(scene), _rules(scene, table)
+    readings, rules = readings_of(scene), rules_of(scene, table)
     # what is given is of the clock, as of a queue; else a busy machine says what a quiet one does
     budget = Budget(scene.wall_time or WALL_TIME, strict=scene.wall_time is not None)
     scene, answers = replace(scene, wall_time=scene.wall_time or WALL_TIME), list[Answer]()
@@ -147,17 +161,20 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             solved += 1
             progress(f"reading {solved} of {many}: {reading.name}")
         # the scene's own is the answer; what it does not need is left to the number of contacts, and to the others
-        part = budget.part(OWN if reading.own else 1.0 / (len(readings) - number))
+        alone = len(readings) == 1 and bool(scene.contacts.held_in_time)
+        part = budget.part(OWN if reading.own and not alone else 1.0 / (len(readings) - number))
         deadline = time.monotonic() + budget.left()
         try:
             if reading.contacts is None:
                 raise InputError(reading.refused)
             with within(deadline, scene, "this reading", budget.left):
-                answers.append(_answer(table, reading.name, reading.contacts, rules, part))
+                found = _answer(table, reading.name, reading.contacts, rules, part)
+            if found.critical_spring.unknown and not reading.own:
+                raise InputError(NO_FORCES)
+            answers.append(found)
         except InputError as error:
             if reading.own:
-                notes = [] if reading.contacts is None else why_late(reading.contacts)
-                raise InputError("; ".join([str(error), *notes])) from error
+                raise
             left_out[reading.name] = str(error)
         if reading.own:
             finite = _finite(scene, answers[0], budget.part(OWN), progress)
@@ -184,7 +201,7 @@ def _finite(
     number = own.scale.contacts
     if number is None and scene.eq is not None:
         number = float(scene.eq.contacts)
-    if number is None or own.machine is None:
+    if number is None or own.machine is None or own.static.unknown:
         return ()
     found = list[Finite]()
     for one in own.behaviours:
@@ -194,25 +211,6 @@ def _finite(
     return tuple(found)
 
 
-def _rules(scene: Scene, table: DriveTable) -> tuple[str, ...]:
-    """The slip rules to compare: those of [verdict], else all, that of [drive] first; with a mass
-    none of them, but "mass"."""
-    if table.mass is not None:
-        if table.slip is not None:
-            hint = "mass, damping and the contacts' delay decide; leave it out, or the mass"
-            refuse("drive.slip", table.slip, hint)
-        if scene.verdict is not None and scene.verdict.rules is not None:
-            hint = "are for a slider without mass; leave them out, or the mass"
-            refuse("verdict.rules", scene.verdict.rules, hint)
-        return ("mass",)
-    if scene.verdict is not None and scene.verdict.rules is not None:
-        for rule in scene.verdict.rules:
-            if rule not in RULES:
-                refuse("verdict.rules", rule, f"must be among {', '.join(RULES)}")
-        return tuple(dict.fromkeys(scene.verdict.rules))
-    return tuple(dict.fromkeys([table.slip or RULES[0], *RULES]))
-
-
 def _answer(
     table: DriveTable, name: str, contacts: Contacts, rules: tuple[str, ...], budget: Budget
 ) -> Answer:
@@ -220,24 +218,25 @@ def _answer(
     import master
 
     velocity = table.velocity
-    steady = master.steady_state(contacts, velocity=velocity)
-    found = _propensity(contacts, velocity, budget)
-    kinetic = Quantity(steady.force, steady.force_error * contacts.mean_threshold)
-    ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
-    static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
-    critical = Quantity(found.critical_spring, found.critical_spring_error)
+    kinetic = static = critical = UNKNOWN
     scale = scale_of(contacts, table.area)
-    known_before = Known(
-        static.value,
-        steady.force,
-        kinetic.error,
-        critical.value,
-        found.decoherence_length,
-        scale.contacts,
-    )
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     asked = rules if machine is not None else ()
     with suppress(TimeIsUp):  # what is found by then is told
+        steady = master.steady_state(contacts, velocity=velocity)
+        kinetic = Quantity(steady.force, steady.force_error * contacts.mean_threshold)
+        found = _propensity(contacts, velocity, budget)
+        ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
+        static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
+        critical = Quantity(found.critical_spring, found.critical_spring_error)
+        known_before = Known(
+            static.value,
+            steady.force,
+            kinetic.error,
+            critical.value,
+            found.decoherence_length,
+            scale.contacts,
+        )
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
             share = budget.left() / left * (HEAVY if machine and machine.mass else 1.0)
             behaviours.append(follow(cast(Machine, machine), contacts, rule, known_before, share))
@@ -251,7 +250,8 @@ def _answer(
         if sampled_parts(contacts.thresholds):
             known = [kinetic, static, critical]
             kinetic, static, critical = _with_sampling(contacts, velocity, known, budget)
-    behaviours += [not_followed(rule, NO_TIME) for rule in asked[len(behaviours) :]]
+    why = NO_FORCES if critical.unknown else NO_TIME
+    behaviours += [not_followed(rule, why) for rule in asked[len(behaviours) :]]
     return Answer(
         name,
         contacts,

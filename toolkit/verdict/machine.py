@@ -9,8 +9,10 @@ from origins.contacts import Contacts
 from origins.errors import refuse
 from origins.thresholds.law import Array
 from toolkit.scene.drive import machine_number
+from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 
+RULES = ("reset", "reform-after", "instant")
 NO_TIME = "no time was left: give more wall_time"
 
 
@@ -47,6 +49,25 @@ def machine_of(table: DriveTable, contacts: Contacts) -> Machine | None:
     return Machine(spring, mass, damping or 0.0, table.velocity)
 
 
+def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
+    """The slip rules to compare: those of [verdict], else all, that of [drive] first; with a mass
+    none of them, but "mass"."""
+    if table.mass is not None:
+        if table.slip is not None:
+            hint = "mass, damping and the contacts' delay decide; leave it out, or the mass"
+            refuse("drive.slip", table.slip, hint)
+        if scene.verdict is not None and scene.verdict.rules is not None:
+            hint = "are for a slider without mass; leave them out, or the mass"
+            refuse("verdict.rules", scene.verdict.rules, hint)
+        return ("mass",)
+    if scene.verdict is not None and scene.verdict.rules is not None:
+        for rule in scene.verdict.rules:
+            if rule not in RULES:
+                refuse("verdict.rules", rule, f"must be among {', '.join(RULES)}")
+        return tuple(dict.fromkeys(scene.verdict.rules))
+    return tuple(dict.fromkeys([table.slip or RULES[0], *RULES]))
+
+
 @dataclass(frozen=True)
 class Known:
     """What is known of a rigid slider on these contacts before a soft one is followed.
@@ -79,6 +100,7 @@ class Behaviour:
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
         sliders, and what fewer contacts than there are may change
+    cut : whether the path was not followed to its end
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of `error`;
         None where there is no heat, or it was followed
     drive, force : the trace, with each slip at its own place
@@ -98,6 +120,7 @@ class Behaviour:
     top_speed: float | None = None
     damping: float | None = None
     contacts: int | None = None
+    cut: bool = False
     heat_left_out: float | None = None
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))

@@ -124,10 +124,13 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
         # marks of different curves at different places
         style["markevery"] = (7 * number % 40, 40)
         axes.plot(x, density, label=answer.name, **style)
+        # where contacts share one value the density is infinite
+        whole: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style["color"]}
+        axes.vlines(answer.contacts.thresholds.atoms[0], 0.0, 1.0, **whole)
         # of a density that diverges the highest points hang on where it is drawn
         top = max(top, min(density.max(), _HIGH * np.quantile(density, _MOST)))
     axes.set_xscale("log")
-    axes.set_ylim(0.0, 1.1 * top)
+    axes.set_ylim(0.0, 1.1 * top or 1.0)
     name_axis(axes.xaxis, "threshold $x_s$", verdict.own.scale.length_unit)
     axes.set_ylabel(r"$x_s\,P_c(x_s)$, per unit of $\ln x_s$")
 
@@ -171,6 +174,8 @@ def _draw_spring(axes: Any, row: int, answer: Answer) -> None:
     value = answer.critical_spring.value * answer.scale.spring
     if answer.smoothed or not 0.0 < value < np.inf:
         said = "slips on every spring" if value else "slips on no spring"
+        if answer.critical_spring.unknown:
+            said = "not found in time"
         if answer.smoothed:
             said = "not known: it hangs on the smoothing of $P_c$"
         place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "va": "center"}

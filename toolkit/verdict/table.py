@@ -81,6 +81,8 @@ def _row(
 ) -> list[str]:
     """A row: the own reading's value to a digit beyond that which the widest of the three uncertainties leaves, `share`
     of the value or more."""
+    if each[0].unknown:
+        return [name, "not known", "", ""]
     values = [one.value * factor for one, factor in zip(each, factors, strict=True)]
     own, spread = each[0], max(values) - min(values)
     error, sampling = own.error * factors[0], (own.sampling or 0.0) * factors[0]
@@ -137,7 +139,7 @@ def _unfinished(behaviour: Behaviour) -> str:
     """What to add to the rule of slips that were seen where it is not known whether they go on."""
     if behaviour.kind != "undecided":
         return ""
-    return ": path cut" if "path is cut" in behaviour.message else ": not decided"
+    return ": path cut" if behaviour.cut else ": not decided"
 
 
 def of_so_many(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:

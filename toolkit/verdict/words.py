@@ -8,7 +8,7 @@ from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, written
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence, named, not_decided, others, out_of_time
-from toolkit.verdict.judge import Answer, Verdict
+from toolkit.verdict.judge import NO_FORCES, Answer, Verdict
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.table import (
     fall_of,
@@ -141,6 +141,8 @@ def _without_spring(verdict: Verdict) -> str:
             "slips on springs softer than K*, which is not known: it hangs on the smoothing of P_c of these islands; "
             "give drive.spring for a verdict on a machine"
         )
+    if verdict.own.critical_spring.unknown:
+        return NO_FORCES
     springs = [answer.critical_spring.value * answer.scale.spring for answer in verdict.answers]
     own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
     if not np.isfinite(spread):
@@ -162,11 +164,13 @@ def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
 
 
 def _told(verdict: Verdict, answer: Answer) -> list[str]:
-    """What the rules say under one reading, with its numbers; those that are not decided by why, or what was seen."""
+    """What the rules say under one reading, with its numbers. Of those that are not decided the first says why, as
+    others may be followed in its place; `dependence` has the reasons of all."""
     groups = dict[tuple[str, str], list[Behaviour]]()
+    first = answer.behaviours[0]
     for one in answer.behaviours:
-        why = (one.message if not one.slips else one.rule) if one.kind == "undecided" else ""
-        groups.setdefault((one.kind, why), []).append(one)
+        seen = one.rule if one.slips else "first" if one.message == first.message else ""
+        groups.setdefault((one.kind, seen if one.kind == "undecided" else ""), []).append(one)
     parts = list[str]()
     for (kind, _), alike in groups.items():
         said = _behaved(verdict, answer, kind, alike)
@@ -207,9 +211,10 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
         ends = [guarded(value, unit, share * abs(value)) for value in (min(values), max(values))]
         return " to ".join(dict.fromkeys(ends))
 
-    why = f"({in_units(last.message, scale)})"
     if kind == "undecided" and not last.slips:
-        return f"not decided {why}"
+        first = answer.behaviours[0]
+        why = f" ({in_units(last.message, scale)})" * (last.message == first.message)
+        return f"not decided{why}"
     off = f" ± {written(error, scale.force_unit, digits=1)}" * (error > KNOWN * top)
     low = reach([one.after * scale.force for one in alike], scale.force_unit)
     if kind == "smooth":
@@ -217,7 +222,7 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     high = reach([one.before * scale.force for one in alike], scale.force_unit) + off
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
-        return f"not decided: {seen} from {high} down to {low}, and whether it goes on is not known {why}"
+        return f"not decided: {seen} from {high} down to {low}, and whether it goes on is not known"
     said = f"stick-slip: {high} down to {low}"
     periods = [one.period for one in alike if one.period is not None]
     if periods:
