@@ -19,6 +19,9 @@ Function = Callable[[Array], Array]
 
 _SAME = 1e-10  # of the greatest barrier: values closer than this count as equal
 _WEIGHT = 1e-3  # least share of thresholds beside a peak or jump that is declared
+# of the greatest barrier: where a panel is narrower, what is left moves no contact by more. Positions in files are
+# rounded, so that values that a symmetry makes equal differ by some 1e-9, and no series resolves the law between them
+_NARROW = 1e-8
 _NODES = 24  # Chebyshev nodes of a series, including both ends
 
 
@@ -123,6 +126,7 @@ class AngleThresholds(Thresholds):
             rises = chebyshev.chebfit(nodes, law - law[0], _NODES - 1)
             least = 1e-9 * np.maximum(law[-1] - law[0], _WEIGHT)
             good = (np.abs(rises[-3:]).max(0) < least) | (split == 24)
+            good |= upper - lower < _NARROW * edges[-1]
             done.append(np.vstack([lower, upper, law[0], rises])[:, good])
             middle = 0.5 * (lower + upper)[~good]
             lower, upper = np.append(lower[~good], middle), np.append(middle, upper[~good])
