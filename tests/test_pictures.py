@@ -88,6 +88,8 @@ def test_units_of_n_c_k_are_one_key_away_and_own_units_have_no_prefix() -> None:
         ("N", False, (0.0, 0.25), "x (mN)", "50"),
         ("N/m", False, (0.0, 8.5e6), "x (MN/m)", "2"),
         ("m", True, (1e-10, 5e-8), "x (nm)", "10"),
+        ("m", True, (1e-14, 5e-8), "x (nm)", r"$\mathdefault{10^{1}}$"),
+        ("N/m", True, (5e1, 2e6), "x (kN/m)", "100"),
         ("N/m", True, (1e1, 1e9), "x (N/m)", None),
         ("1/m", False, (0.0, 1.3e8), "x (1/µm)", "100"),
         ("s", False, (0.0, 15e3), "x (s)", "4000"),

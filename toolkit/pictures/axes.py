@@ -17,7 +17,7 @@ DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p", "h"]
 FILE_FORMATS = ("png", "pdf", "svg")
 _OWN = {"length": "units of length", "time": "units of time"}  # of a scene without SI units
-_MOST_DECADES = 5.0  # of a logarithmic axis whose ticks are plain numbers
+_MOST_DECADES = 5.0  # of a logarithmic axis whose ticks are plain numbers, not powers of ten
 _ROW = 15.0  # height of a row of a legend in points
 _HANDLE = 9  # width of a line's sample in a legend, in letters
 
@@ -69,20 +69,17 @@ def name_axis(axis: Any, name: str, unit: str) -> None:
         axis.set_label_text(f"{name}{gap}({said})".removesuffix(f"{gap}()"))
         return
     power = _power(low, high, axis.get_scale() == "log", inverse, unit == "s")
-    if power is None:
-        axis.set_label_text(f"{name}{gap}({unit})")
-        return
     prefixed = f"1/{PREFIXES[-power]}m" if inverse else f"{PREFIXES[power]}{unit}"
     axis.set_label_text(f"{name}{gap}({prefixed})")
     _set_ticks(axis, power)
 
 
-def _power(low: float, high: float, log: bool, inverse: bool, seconds: bool) -> int | None:
-    """The power of ten of the prefix for an axis with these ends; None where a logarithmic axis spans so many decades
-    that powers of ten are shorter."""
-    if log and np.log10(high / low) > _MOST_DECADES:
-        return None
-    size = max(abs(low), abs(high))
+def _power(low: float, high: float, log: bool, inverse: bool, seconds: bool) -> int:
+    """The power of ten of the prefix for an axis with these ends: of the middle of a logarithmic one; where that spans
+    so many decades that ticks are powers of ten, of the upper end, without a large prefix."""
+    wide = log and high / low > 10.0**_MOST_DECADES
+    size = np.sqrt(low * high) if log and not wide else max(abs(low), abs(high))
+    size = min(size, 1.0) if wide else size
     if not (np.isfinite(size) and size > 0.0):
         return 0
     power = int(3 * np.floor((np.log10(size) + 1e-9) / 3))
@@ -92,7 +89,9 @@ def _power(low: float, high: float, log: bool, inverse: bool, seconds: bool) -> 
 
 def _set_ticks(axis: Any, power: int) -> None:
     """Ticks of data in a unit, as numbers in its multiple of 10^power."""
-    from matplotlib.ticker import FuncFormatter, LogFormatter
+    from matplotlib.ticker import FuncFormatter, LogFormatter, LogFormatterMathtext
+
+    low, high = axis.get_view_interval()
 
     def plain(value: float) -> str:
         return f"{value / 10.0**power:.10g}".replace("-", "−")
@@ -103,7 +102,15 @@ def _set_ticks(axis: Any, power: int) -> None:
         def __call__(self, x: float, pos: int | None = None) -> str:
             return plain(x) if super().__call__(x, pos) else ""
 
-    if axis.get_scale() == "log":
+    class Powers(LogFormatterMathtext):
+        """Powers of ten in the multiple of the unit."""
+
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return super().__call__(x / 10.0**power, pos)
+
+    if axis.get_scale() == "log" and high / low > 10.0**_MOST_DECADES:
+        axis.set_major_formatter(Powers())
+    elif axis.get_scale() == "log":
         axis.set_major_formatter(Prefixed())
         axis.set_minor_formatter(Prefixed(minor_thresholds=(0.8, 0.4)))
     else:

@@ -71,7 +71,8 @@ class Scene:
     def drive(self) -> Drive:
         """The drive; InputError for a scene without [drive]."""
         if self.given_drive is None:
-            raise InputError("drive: is missing; write such as to = 5.0 with points = 501")
+            hint = "is missing; write such as to = 5.0 with points = 501"
+            raise InputError(f"{'drive' if self.drive_table is None else 'drive.to'}: {hint}")
         return self.given_drive
 
     def one(self, what: str) -> "Scene":

@@ -175,9 +175,9 @@ def _of_contacts(verdict: Verdict) -> Iterator[str]:
     """The number of contacts, remarks on their thresholds, and what finitely many do."""
     own = verdict.own
     number, machine = own.scale.contacts, own.machine
-    known = not own.critical_spring.unknown
-    soft = machine is None or machine.spring < NEAR * own.critical_spring.value
-    if number is not None and machine is not None and known and not soft:
+    unknown = own.critical_spring.unknown
+    soft = machine is None or unknown or machine.spring < NEAR * own.critical_spring.value
+    if number is not None and machine is not None and not soft:
         crowd = number * machine.spring**3
         yield (
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
