@@ -175,8 +175,8 @@ def _of_contacts(verdict: Verdict) -> Iterator[str]:
     """The number of contacts, remarks on their thresholds, and what finitely many do."""
     own = verdict.own
     number, machine = own.scale.contacts, own.machine
-    unknown = own.critical_spring.unknown
-    soft = machine is None or unknown or machine.spring < NEAR * own.critical_spring.value
+    late = own.critical_spring.unknown
+    soft = machine is None or late or machine.spring < NEAR * own.critical_spring.value
     if number is not None and machine is not None and not soft:
         crowd = number * machine.spring**3
         yield (
