@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import master
 import origins
-from master.soft.inertia.delayed.contacts import Cohorts
+from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.panel import TimePanel
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.survival import Survival

@@ -7,7 +7,7 @@ import pytest
 from plain_in_time import pulled
 
 import master
-from master.soft.in_time.breaks import Breaks
+from master.soft.in_time.breaks import BreaksInSteps
 from origins import Contacts, Delay, Thermal, gaussian
 
 WIDE = gaussian(1.0, 0.2)
@@ -34,7 +34,7 @@ def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force(name: st
 
 def test_breaks_that_are_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the breaks are forgotten as a step is taken: more have formed and not broken than hold."""
-    true = Breaks.add
-    monkeypatch.setattr(Breaks, "add", lambda of, now, breaks: true(of, now, 0.5 * breaks))
+    true = BreaksInSteps.add
+    monkeypatch.setattr(BreaksInSteps, "add", lambda of, now, breaks: true(of, now, 0.5 * breaks))
     found = master.solve(CASES["delay"], [1.0], 1e-3, velocity=VELOCITY, spring=SPRING)
     assert not found.success and "number is not conserved: after t = " in found.message

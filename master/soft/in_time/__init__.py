@@ -1,16 +1,17 @@
 """Soft sliders in steps of time: heat, ageing, thresholds that grow, delay; re-forming backward and turns.
 
-State (`Cohorts`): X, the time, and contacts in groups that were born together at one stretch. A group is a stretch x,
-its largest |x| so far, a weight (the share of all contacts born in it), and a record, the numbers by which a `Memory`
-tells which share of it still holds: none where contacts break only at thresholds that stay, integrals of their rate
-with heat, the density of their thresholds where these age.
+State (`ContactsInSteps`): X, the time, and contacts in groups that were born together at one stretch. A group is a
+stretch x, its largest |x| so far, a weight (the share of all contacts born in it), and a record, the numbers by which a
+`Memory` tells which share of it still holds: none where contacts break only at thresholds that stay, integrals of their
+rate with heat, the density of their thresholds where these age.
 
 One step, of a chosen size (`Steps.step`):
 1. The size is divided into travel and time, by a guess.
-2. All groups move by the travel, and their records change in the time; a new cohort is added (`Cohorts.trial`).
+2. All groups move by the travel, and their records change in the time; a new cohort, the groups that are born together,
+   is added (`ContactsInSteps.trial`).
 3. Number conservation gives the births in the step, half of which belong to the cohort at its begin, half to the new
-   one; with a delay, births follow from past `Breaks`. Hence F.
-4. The division is changed until K (X_T - X) = F, by the secant method; the step is taken (`Cohorts.take`).
+   one; with a delay, births follow from past breaks (`BreaksInSteps`). Hence F.
+4. The division is changed until K (X_T - X) = F, by the secant method; the step is taken (`ContactsInSteps.take`).
 
 A slip begins where a longer step would end earlier: the spring then pulls more than contacts can bear
 (`SlipBegins.up_to_slip`). It ends, at the same time, at the first balance ahead; the slip rule says whether broken
@@ -23,7 +24,7 @@ Refinement (`refined`): the whole path is solved with steps, and the meshes of r
 the square of the steps: three solutions with as many slips give the limit, and an error from their changes, to which
 those of the memory, rounding and what steps cannot resolve are added (`extrapolated`).
 
-In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `cohorts.py`, `groups.py`,
+In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `contacts.py`, `groups.py`,
 `breaks.py`, `extrapolation.py`, and `near_slip.py`, which tells if steps leave open whether a slip comes before a turn.
 Then the memories: `memory.py` (what a memory is, and thresholds that stay), `threshold_cells.py` (integrals of rates at
 the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where

@@ -20,7 +20,7 @@ class BirthsUpTo(NamedTuple):
     rest: float
 
 
-class Breaks:
+class BreaksInSteps:
     """Breaks per contact since t = 0 or a reset, at the ends of steps.
 
     delay : time for which a broken contact is out

@@ -7,7 +7,7 @@ import numpy as np
 from master.motion import drive_motion
 from master.outcome import FaultError, Progress, StoppedError
 from master.soft.in_time.changing import MEMORIES
-from master.soft.in_time.cohorts import COMPARED, MOST_STEPS, MOST_WORK, Cohorts
+from master.soft.in_time.contacts import COMPARED, MOST_STEPS, MOST_WORK, ContactsInSteps
 from master.soft.in_time.extrapolation import extrapolated
 from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
 from master.soft.in_time.slider import Slider
@@ -42,7 +42,7 @@ def memory_of(contacts: Contacts, halvings: int, fastest: float) -> Memory:
 
 def balance_of(contacts: Contacts, drive: Drive) -> float:
     """X_T = F(0)/K, where the drive begins (a length); refuses a path in time that begins elsewhere."""
-    start = Cohorts(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
+    start = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
     balance = start.force / float(drive.spring or 0.0)
     if abs(drive.path[0] - balance) <= AT_BALANCE * contacts.mean_threshold:
         return float(drive.path[0])
@@ -74,7 +74,7 @@ def refined(
     sliders, best, halvings = list[Slider](), None, 0
     while True:
         memory = memory_of(contacts, halvings, fastest)
-        cohorts = Cohorts(contacts, memory, halvings, until)
+        cohorts = ContactsInSteps(contacts, memory, halvings, until)
         slider = Slider(cohorts, drive, motion, UNLISTED * tolerance * contacts.mean_threshold)
         try:
             slider.run()

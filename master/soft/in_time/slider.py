@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from master.motion import Motion
-from master.soft.in_time.cohorts import Cohorts
+from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Steps
@@ -45,7 +45,7 @@ class Slider:
     """
 
     def __init__(
-        self, contacts: Cohorts, drive: Drive, motion: Motion | None, least_drop: float
+        self, contacts: ContactsInSteps, drive: Drive, motion: Motion | None, least_drop: float
     ) -> None:
         self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
         self._rule, self._spring = drive.slip, float(drive.spring or 0.0)

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from master.soft.in_time.cohorts import Trial
+from master.soft.in_time.contacts import Trial
 from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Root, Steps, TriedStep
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from master.soft.in_time.cohorts import Cohorts
+from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.steps import Steps
 
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
@@ -27,7 +27,7 @@ SHORTEST_STEP = 0.06
 STEADY_TRAVEL, STEADY = 1.0, 1e-6
 
 
-def slip_without_births(contacts: Cohorts, steps: Steps) -> None:
+def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     """Move the slider to the first balance; broken contacts stay out until then, or for their delay.
 
     Breaks lower F, so that it rises at most with the stiffness of the contacts that still hold. Where the spring pulls
@@ -40,7 +40,7 @@ def slip_without_births(contacts: Cohorts, steps: Steps) -> None:
     contacts.born_now()
 
 
-def _way_to_balance(contacts: Cohorts, steps: Steps) -> float:
+def _way_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
     """The travel to the first balance of a slip without births (a length, of either sign)."""
     shortest = SHORTEST_STEP * contacts.memory.scales.length
 
@@ -60,7 +60,7 @@ def _way_to_balance(contacts: Cohorts, steps: Steps) -> float:
         low, high = high, high + steps.sign * max(missing / softest, shortest)
 
 
-def slip_with_births(contacts: Cohorts, steps: Steps, size: float) -> None:
+def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> None:
     """Move the slider to the first balance, in steps of this size; broken contacts re-form at once. It ends
 
     - at once, as good as, where no small travel leads to a pull of the spring;

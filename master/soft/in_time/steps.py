@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import wrightomega
 
 from master.motion import Motion
-from master.soft.in_time.cohorts import Cohorts, Trial
+from master.soft.in_time.contacts import ContactsInSteps, Trial
 
 
 class StepControl(NamedTuple):
@@ -144,7 +144,7 @@ class Steps:
     first_guess : for the first step of all
     """
 
-    def __init__(self, contacts: Cohorts, spring: float, drive: Motion) -> None:
+    def __init__(self, contacts: ContactsInSteps, spring: float, drive: Motion) -> None:
         self.contacts, self.spring, self._drive = contacts, spring, drive
         self.length = CONTROL.coarsest * contacts.memory.scales.length
         self.sign = 1.0

@@ -21,7 +21,7 @@ The error of the force is what the last coefficients of the polynomials miss, on
 slider with tighter tolerances, too, and compares (`master/soft/inertia/solution.py`).
 
 In reading order: `slider.py`, `body.py` and `drive_path.py`, `panels.py`, `panel_search.py` and `width_control.py`,
-`collocation.py` and `panel.py`, `contacts.py` and `survival.py`, `past_breaks.py` and `panel_births.py`,
+`collocation.py` and `panel.py`, `cohorts.py` and `survival.py`, `past_breaks.py` and `panel_births.py`,
 `fast_sliding.py`, `swinging.py`. Each number is conserved as `past_breaks.py` says.
 
 Tests: tests/test_mass_delay_master.py, and tests/test_mass_agreement.py beside the ensemble.

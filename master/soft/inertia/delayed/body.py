@@ -6,8 +6,8 @@ import numpy as np
 
 from master.outcome import NUMBERS, FaultError
 from master.soft.inertia.body import QUIET
+from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Machine, State
-from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.drive_path import DrivePath
 from master.soft.inertia.delayed.panel import FORCE, TimePanel
 from master.soft.inertia.delayed.past_breaks import PastBreaks

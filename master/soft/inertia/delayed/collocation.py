@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.soft.inertia.delayed.contacts import Cohorts
+from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import (
     LAST_OF_NODES,

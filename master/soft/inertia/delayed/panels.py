@@ -6,8 +6,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from master.soft.inertia.delayed.body import DelayedBody, Energies
+from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Solved, State
-from master.soft.inertia.delayed.contacts import Cohorts
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, TimePanel
 from master.soft.inertia.delayed.panel_search import PanelSearch

@@ -1,4 +1,4 @@
-"""Cohorts: all contacts of a slider, where a step would lead them, and the steps taken.
+"""All contacts of a slider in steps of time: where a step would lead them, and the steps taken.
 
 With N(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) the survival of contacts
 born at s, number conservation says
@@ -18,7 +18,7 @@ import numpy as np
 from master.numerics.averages import StretchNodes, stretch_nodes
 from master.outcome import FaultError, StoppedError, stop_after
 from master.renewal.births import reforming_law
-from master.soft.in_time.breaks import BirthsUpTo, Breaks
+from master.soft.in_time.breaks import BirthsUpTo, BreaksInSteps
 from master.soft.in_time.groups import Groups
 from master.soft.in_time.memory import Memory
 from origins import Contacts
@@ -43,7 +43,7 @@ class Trial(NamedTuple):
     """A step that is not taken yet: its travel (a length), its end in time, and the state it leads to.
 
     groups : with a new cohort that has no births yet; survival_and_force : what the memory says of them, shape (2, n)
-    force, holding : see Cohorts; breaks, births : per contact since t = 0 or a reset
+    force, holding : see ContactsInSteps; breaks, births : per contact since t = 0 or a reset
     """
 
     travel: float
@@ -56,11 +56,11 @@ class Trial(NamedTuple):
     births: float
 
 
-class Cohorts:
+class ContactsInSteps:
     """Contacts on a slider, from X = 0 and t = 0 on, which re-form one delay after they break.
 
     `trial` says where any step would lead and changes nothing; `take` takes it. Which steps are taken, what force is
-    balanced and what a slip does is up to the caller: Cohorts know no spring.
+    balanced and what a slip does is up to the caller: nothing here knows a spring.
 
     position, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the fraction that holds
     past_breaks : those at the ends of all steps, and what will be born of them
@@ -107,7 +107,7 @@ class Cohorts:
         self.holding, self.force = (held @ groups.weight).tolist()
         self._n_of_start = start.stretch.size  # so many groups are of the start, and stand first
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
-        self.past_breaks, self._births_so_far = Breaks(self.delay, self.now), 0.0
+        self.past_breaks, self._births_so_far = BreaksInSteps(self.delay, self.now), 0.0
         self._formed = 0.0  # births so far by the weights of the cohorts, which are to be the same
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
