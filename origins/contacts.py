@@ -108,9 +108,10 @@ class Contacts:
     ) -> None:
         """Check the parts, each by itself and together; the arguments are those above."""
         self.growing = thresholds if isinstance(thresholds, GrowingThresholds) else None
-        self.thresholds = as_thresholds(
-            thresholds if self.growing is None else self.growing.at_start
-        )
+        if self.growing is not None:
+            self.growing.check_stated()
+            thresholds = self.growing.at_start
+        self.thresholds = as_thresholds(thresholds)
         if self.growing is not None and self.growing.grows:
             self.growing.check_growth()
         else:

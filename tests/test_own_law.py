@@ -186,6 +186,32 @@ def test_a_law_that_solvers_would_follow_wrongly_is_refused(law, said):
     assert "\n" not in str(refused.value)
 
 
+class Unstated(Power):
+    """It forgets to call super().__init__."""
+
+    def __init__(self, power):
+        self.power = power
+
+
+class Ageless(Hazards):
+    """Without the age of contacts at X = 0."""
+
+    def __init__(self):
+        self.power, self.at_start = 0.1, PC
+
+
+@pytest.mark.parametrize(
+    ("law", "says"),
+    [
+        (Unstated(0.1), "not set: fresh, time_unit, age; call super"),
+        (Ageless(), "not set: age; set them in"),
+    ],
+)
+def test_a_law_that_has_not_set_what_is_needed_says_what_and_where(law, says):
+    with pytest.raises(InputError, match=says):
+        Contacts(law)
+
+
 @pytest.mark.parametrize("name", ["thermal", "ageing", "delay", "start"])
 def test_a_law_in_another_law_s_place_is_named_by_its_class(name):
     """Its address would tell nothing."""

@@ -8,6 +8,7 @@ from master.motion import Motion
 from master.survival.changing import ChangingLife
 from master.survival.life import COEFFICIENT_LIMIT, ColdLife, Life
 from origins import Ageing, Contacts, GrowingThresholds, InputError
+from origins.errors import refuse
 from origins.laws.timed_law import ChangingThresholds
 
 # The life of contacts whose thresholds change, by the class of the law: a module of master.survival, which is imported
@@ -63,7 +64,9 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
 
 def _life_by(changing: ChangingThresholds) -> type[ChangingLife]:
-    """The entry of LIVES for a law, or for the class that it is made from."""
-    module, name = next(life for law, life in LIVES.items() if isinstance(changing, law))
-    found: type[ChangingLife] = getattr(import_module(f"master.survival.{module}"), name)
-    return found
+    """The entry of LIVES for a law, or for the class that it is made from; InputError for one that has none."""
+    for law, (module, name) in LIVES.items():
+        if isinstance(changing, law):
+            found: type[ChangingLife] = getattr(import_module(f"master.survival.{module}"), name)
+            return found
+    refuse(f"contacts.{changing.law}", changing, "has no life in master; use eq_model.simulate")

@@ -45,6 +45,9 @@ class GrowingThresholds(ChangingThresholds, ABC):
     law: ClassVar[str] = "growing"
     # the class whose docstring says what a law has to be
     _stated_by: ClassVar[str] = "GrowingThresholds"
+    # what each object has to have, and where it gets that
+    _to_state: ClassVar[tuple[str, ...]] = ("age", "time_unit")
+    _stated_where: ClassVar[str] = "set them in the class or in its __init__"
     age: float | None
     interface: Any = None
     time_unit: float
@@ -108,6 +111,12 @@ class GrowingThresholds(ChangingThresholds, ABC):
     @abstractmethod
     def check_speed(self, velocity: float) -> None:
         """InputError for steady speeds at which thresholds cannot be followed, or at which contacts never break."""
+
+    def check_stated(self) -> None:
+        """InputError where a subclass has set no value for what is needed before its methods are called."""
+        lacking = [name for name in self._to_state if not hasattr(self, name)]
+        if lacking:
+            self._refuse(f"not set: {', '.join(lacking)}; {self._stated_where}")
 
     def check_growth(self) -> None:
         """InputError where hazards at some ages, stretches and speeds are not what this class says of them, so that no

@@ -38,6 +38,8 @@ class ProportionalGrowth(GrowingThresholds):
 
     keeps_tail = True
     _stated_by = "ProportionalGrowth"
+    _to_state = ("fresh", "time_unit", "age")
+    _stated_where = "call super().__init__(fresh, time, age) in the __init__ of the subclass"
 
     def __init__(self, fresh: object, time: float, age: float = 0.0) -> None:
         self.fresh = as_thresholds(fresh)

@@ -31,10 +31,14 @@ MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
 
 
 def memory_of(contacts: Contacts, halvings: int, fastest: float) -> Memory:
-    """The memory of contacts on a drive of at most this speed; its meshes are halved as often as the steps."""
-    for law, made in MEMORIES.items():
-        if isinstance(contacts.changing, law):
-            return made(contacts, halvings, fastest)
+    """The memory of contacts on a drive of at most this speed; its meshes are halved as often as the steps. Raises
+    InputError for a law by which thresholds change that has none."""
+    changing = contacts.changing
+    if changing is not None:
+        for law, made in MEMORIES.items():
+            if isinstance(changing, law):
+                return made(contacts, halvings, fastest)
+        refuse(f"contacts.{changing.law}", changing, "has no memory under a spring in master")
     if contacts.thermal is not None and contacts.thermal.closure == "paper":
         return MeanRateMemory(contacts, halvings)
     return ThresholdMemory(contacts, halvings)
