@@ -92,6 +92,8 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert written(4.81e10, "N/m³") == "48.1 GN/m³" and written(2.5e5, "Pa") == "250 kPa"
     assert with_uncertainty(0.2512, 3e-3, "N") == "251 mN ± 3 mN"
     assert with_uncertainty(0.2512, 3e-9, "N") == "251.2 mN"
+    # the forces of one slider have no scatter
+    assert with_uncertainty(0.2512, np.inf, "N") == "251.2 mN (error unknown)"
     assert of_surface(1e11, 200.0, 1e6, None).force == 2e13
 
 

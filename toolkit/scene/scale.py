@@ -80,7 +80,7 @@ def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) 
     if not np.isfinite(value):
         return f"{value:g} {unit}".strip()
     known = digits
-    if uncertainty > 0.0 and value:
+    if value and 0.0 < uncertainty < np.inf:
         known = int(np.clip(_known_digits(value, uncertainty), min(2, digits), digits))
     if unit not in PREFIXED or not value:
         return f"{_rounded(value, known)} {unit}".strip()
@@ -112,8 +112,10 @@ def spoken(value: float, unit: str) -> str:
 
 def with_uncertainty(value: float, error: float, unit: str, digits: int = 4) -> str:
     """A value with its error, each with a prefix of its own, such as 0.2512 N ± 3 µN; an error below a millionth of the
-    value, numerical as a rule, is left out."""
+    value, numerical as a rule, is left out, and that of one replica is unknown."""
     said = written(value, unit, error, digits)
+    if error == np.inf:
+        return f"{said} (error unknown)"
     shown = error > 1e-6 * abs(value)
     return f"{said} ± {written(error, unit, digits=1)}" if shown else said
 
