@@ -123,8 +123,8 @@ def rate_state(
 
     known(so_far)
     fill_scan(scan, contacts, ratio, evolution, tolerance, progress)
-    for rest in times:
-        progress(f"a rest of {rest:.3g}")
+    for number, rest in enumerate(times, start=1):
+        progress(f"rest {number} of {len(times)}")
         loose = tolerance if slow else LOOSER * tolerance
         solved.append(rest_of(contacts, velocity, float(rest), loose))
     return so_far()

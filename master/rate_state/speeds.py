@@ -59,7 +59,7 @@ def fill_scan(
     for number, speed in enumerate(scan.velocity):
         if np.isfinite(scan.a[number]):
             continue
-        progress(f"steps about a speed of {speed:.3g}")
+        progress(f"steps about speed {number + 1} of {scan.velocity.size}")
         try:
             steps = steps_about(contacts, float(speed), ratio, tolerance)
         except InputError:

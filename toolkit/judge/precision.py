@@ -85,6 +85,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
             known = error is None or error >= reference.error
             say(_line((point if known else point | {"error": f"<{reference.error:.1e}"}).values()))
 
+    say("errors in mean thresholds <x_s>, time in CPU-s of one thread")
     say(_line(["method", "at", "error", "claimed", "time", "runs"]))
     tell("master")
     for method, work in methods.items():

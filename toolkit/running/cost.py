@@ -49,8 +49,9 @@ def cost_lines(found: Cost) -> list[str]:
     rooms = [f"{room} {some} of {all_} files" for room, (some, all_) in found["rooms"].items()]
     runs = [f"{name} {seconds:.2g} s" for name, seconds in found["runs"].items()]
     left = [*found["no_solvers"], *found["no_laws"], *found["no_packages"]]
-    lines += [f"rooms    {', '.join(rooms)}", f"builds   {', '.join(found['builds'])}"]
-    lines += [f"runs     {', '.join(runs)}", f"left out {', '.join(left) or 'nothing'}"]
+    lines += [f"code     imported of {', '.join(rooms)}", f"builds   {', '.join(found['builds'])}"]
+    rest = "; the rest of the run is imports, and compilation of what no run has compiled yet"
+    lines += [f"runs     {', '.join(runs)}{rest}", f"left out {', '.join(left) or 'nothing'}"]
     return [*lines, "the scene ran once in a process of its own; nothing was written"]
 
 

@@ -69,7 +69,9 @@ def why_late(contacts: Contacts) -> list[str]:
     """Why a reading of these contacts may not be solved in time, and what is known of it all the same; else none."""
     law = contacts.thresholds
     if not law.atoms[0].size or contacts.in_time:
-        return of_listed_angles(law)
+        few = of_listed_angles(law)
+        hint = "F_s of islands may take minutes of the processor: give more wall_time, or run the scene with [eq]"
+        return few or [hint] * (law.domains is not None)
     hint = "F_s of exact values may take a minute of the processor: give more wall_time, or leave it out"
     return [why_infinite(contacts), hint]
 
