@@ -10,6 +10,7 @@ faces comes from cubics through the four cells around, of fourth order, and weig
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
@@ -19,12 +20,46 @@ from origins import Ageing, Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 
-# Each resolution divides cells by 2 to this power: errors, of fourth order in the cells, fall by 8 as those of steps
-# of third order do, which are halved beside them.
-FINER = 0.75
-# Fraction of thresholds beyond the last cell: as small as rounding. And most cells: a step of one strand then takes
-# some milliseconds.
-FAR, MOST_CELLS = 1e-16, 4000
+
+class CellControl(NamedTuple):
+    """Numbers of the choice of cells; none has a unit.
+
+    finer : each resolution divides cells by 2 to this power: errors, of fourth order in the cells, fall by 8 as those
+        of steps of third order do, which are halved beside them
+    far : fraction of thresholds beyond the last cell: as small as rounding
+    most : cells; a step of one strand then takes some milliseconds
+    of_layer : width of the first cell, in thicknesses D/v of the density's edge at |x|: right after a birth it is
+        thinner
+    thinnest, least_thin : that width is between these, in narrowest widths of the laws. With first cells of 0.1 widths
+        1e-3 of the contacts were missed; a layer far thinner than the least contains too few to matter
+    growth : of the width of cells with the distance from y = 0
+    widest : cell up to where the bulk of the thresholds ends, in narrowest widths; errors in space then equal those in
+        time for steps of a quarter of such a width
+    beyond_bulk : fraction of thresholds beyond the bulk, where tails are smooth
+    growth_beyond : of the width of the widest cell with the distance from there
+    quantiles : of fresh thresholds, over which the rate of breaking by heat is averaged
+    """
+
+    finer: float = 0.75
+    far: float = 1e-16
+    most: int = 4000
+    of_layer: float = 0.05
+    thinnest: float = 2e-5
+    least_thin: float = 2e-6
+    growth: float = 0.3
+    widest: float = 0.4
+    beyond_bulk: float = 1e-4
+    growth_beyond: float = 0.05
+    quantiles: int = 200
+
+
+CELLS = CellControl()
+# Nodes of the table of a drift that is not normal, and step of its differences, in ln x_s: errors some 1e-11 of it.
+NODES, STEP = 4096, 2e-3
+# Thresholds, in narrowest widths, below which the density of such a law is taken as a power.
+POWER_BELOW = 1e-8
+# Least threshold (a length) at which a rate or a logarithm is evaluated: neither is defined at 0.
+SMALLEST = 1e-300
 
 
 class Cells:
@@ -53,14 +88,15 @@ class Cells:
         self._diffusion = ageing.rate
         self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
         if self._thermal is not None:
-            thresholds = np.asarray(law.ppf((np.arange(200) + 0.5) / 200.0))
+            share = (np.arange(CELLS.quantiles) + 0.5) / CELLS.quantiles
+            thresholds = np.asarray(law.ppf(share))
             self.heat_rate = float(self._thermal.rates.rate(0.0, thresholds, 1.0).mean())
-        # the edge of the density at |x| is D/v thick, and right after a birth it is thinner: with cells of
-        # 0.1 widths 1e-3 of the contacts were missed then; far thinner ones contain too few to matter
-        layer = 0.05 * ageing.rate / fastest if fastest > 0.0 else np.inf
-        thinnest = float(np.clip(layer, 2e-6 * self.width, 2e-5 * self.width))
-        far, bulk = (highest(law, ageing.final, share) for share in (FAR, 1e-4))
-        self.edges = _cell_edges(far, self.width, thinnest, bulk, 2.0 ** (-FINER * resolution))
+        layer = CELLS.of_layer * ageing.rate / fastest if fastest > 0.0 else np.inf
+        least, most = CELLS.least_thin * self.width, CELLS.thinnest * self.width
+        thinnest = float(np.clip(layer, least, most))
+        far, bulk = (highest(law, ageing.final, share) for share in (CELLS.far, CELLS.beyond_bulk))
+        share_of_width = 2.0 ** (-CELLS.finer * resolution)
+        self.edges = _cell_edges(far, self.width, thinnest, bulk, share_of_width)
         self._face_density, self._face_slope = _at_faces(self.edges)
         self._drift = _drift(ageing, self.width, 2.0 * far)
 
@@ -108,7 +144,7 @@ class Cells:
         ends = level[:, :, None] + self.edges
         middle = 0.5 * (ends[:, :, :-1] + ends[:, :, 1:])
         at_ends, at_middle = (
-            thermal.rates.rate(level[:, :, None], np.maximum(at, 1e-300), 1.0) * times[:, :, None]
+            thermal.rates.rate(level[:, :, None], np.maximum(at, SMALLEST), 1.0) * times[:, :, None]
             for at in (ends, middle)
         )
         mean = (at_ends[:, :, :-1] + 4.0 * at_middle + at_ends[:, :, 1:]) / 6.0
@@ -126,15 +162,16 @@ class Cells:
 
 
 def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: float) -> Array:
-    """Ends of cells from 0 to `reach`: their widths grow from `thinnest` with the distance to 0.4 times `width`, and
-    grow further beyond `bulk`, where tails are smooth; all are multiplied by `share`. Errors in space then equal those
-    in time for steps of a quarter of `width`."""
+    """Ends of cells from 0 to `reach`: their widths grow from `thinnest` with the distance to 0 until they are the
+    widest, and grow further beyond `bulk` (see CellControl); all are multiplied by `share`."""
     edges = [0.0]
     while edges[-1] < reach:
-        widest = 0.4 * width + 0.05 * max(edges[-1] - bulk, 0.0)
-        edges.append(edges[-1] + share / (1.0 / (thinnest + 0.3 * edges[-1]) + 1.0 / widest))
-        if len(edges) > MOST_CELLS:
-            hint = f"need more than {MOST_CELLS} cells; use wider laws, or a larger tolerance"
+        widest = CELLS.widest * width + CELLS.growth_beyond * max(edges[-1] - bulk, 0.0)
+        near = thinnest + CELLS.growth * edges[-1]
+        # about the smaller of both
+        edges.append(edges[-1] + share / (1.0 / near + 1.0 / widest))
+        if len(edges) > CELLS.most:
+            hint = f"need more than {CELLS.most} cells; use wider laws, or a larger tolerance"
             raise InputError(f"ageing: laws as sharp as {width:.3g} that reach {reach:.3g} {hint}")
     # scale so that the last cell ends at `reach`
     return np.array(edges) * (reach / edges[-1])
@@ -164,19 +201,19 @@ def _drift(ageing: Ageing, width: float, far: float) -> Callable[[Array], Array]
     normal, final = ageing.normal, ageing.final
     if normal is not None:
         return lambda threshold: ageing.rate * (threshold - normal.mean) / normal.std**2
-    nodes, step, furthest = 4096, 2e-3, float(np.log(far / width))
-    # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power; below 1e-8
-    # widths P_cf is treated as one
-    at = np.linspace(min(-furthest, float(np.log(1e-8))), furthest, nodes)
-    logs = [final.logpdf(width * np.exp(at + k * step)) for k in (-2, -1, 1, 2)]
-    slope = (8.0 * logs[1] - logs[0] - 8.0 * logs[2] + logs[3]) / (12.0 * step)
+    furthest = float(np.log(far / width))
+    # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power
+    at = np.linspace(min(-furthest, float(np.log(POWER_BELOW))), furthest, NODES)
+    logs = [final.logpdf(width * np.exp(at + k * STEP)) for k in (-2, -1, 1, 2)]
+    # -d ln P_cf/d ln x_s, by differences of fourth order
+    slope = (8.0 * logs[1] - logs[0] - 8.0 * logs[2] + logs[3]) / (12.0 * STEP)
     if not np.isfinite(slope).all():
         fault = "the final law has no finite density where thresholds age to"
         raise InputError(f"ageing: {fault}; use a law without gaps, such as gaussian")
     spline = CubicSpline(at, ageing.rate * slope)
 
     def drift(threshold: Array) -> Array:
-        log = np.clip(np.log(np.maximum(threshold, 1e-300) / width), at[0], at[-1])
+        log = np.clip(np.log(np.maximum(threshold, SMALLEST) / width), at[0], at[-1])
         # no threshold is at 0
         return np.asarray(spline(log) / np.where(threshold > 0.0, threshold, np.inf))
 

@@ -1,5 +1,7 @@
 """A slider with mass while none of its contacts breaks: its motion is closed, and it turns."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from master.outcome import StoppedError
@@ -10,16 +12,29 @@ from master.soft.inertia.reaction import Reaction
 from master.soft.inertia.record import Instant, Watched, crossing
 from origins.thresholds.law import Array
 
+# At a turn all contacts hold, without being asked again, if it is nearer to the last one than the first part of the way
+# back on which all held then, and its swing back is shorter than the second part of that way.
+SAME_TURN, SURELY_HELD = 0.01, 0.9
 # Most turns in a row at which contacts break: births of all of them are summed up, 40 take some 10 s.
 MOST_IN_A_ROW = 40
+
+
+class AskedTurn(NamedTuple):
+    """A turn at which contacts were asked how far back all of them hold.
+
+    move : that ended there; travel : of it; way_back : as far all hold (lengths)
+    """
+
+    move: Reaction
+    travel: float
+    way_back: float
 
 
 class Held(Body):
     """The mode `held`, and turns."""
 
     _in_a_row = 0
-    # the last turn at which contacts were asked how far back all of them hold: move, travel, and that way
-    _asked: tuple[Reaction, float, float] | None = None
+    _asked: AskedTurn | None = None
 
     def _hold(self, top: float, high: float, other: Reaction | None) -> None:
         """No contact breaks from here up to the travel `high`, and backward as far as on the move `other`, which
@@ -34,14 +49,15 @@ class Held(Body):
         self.turns += 1
         pulled = self._force(self.y) + self.spring * self.y - float(self._pull(self.t))
         swing = 2.0 * pulled / self.stiff
-        if self._asked is not None and self._asked[0] is self.move:
-            _, last, way = self._asked
-            if self.y - last < 0.01 * way and swing < 0.9 * way:
+        asked = self._asked
+        if asked is not None and asked.move is self.move:
+            way = asked.way_back
+            if self.y - asked.travel < SAME_TURN * way and swing < SURELY_HELD * way:
                 self._hold(self.y, self.y, None)
                 self._range = way
                 return self.held
         other = self._new_move(-self.move.direction, self.move.stop(self.y, self._error))
-        self._asked = self.move, self.y, other.elastic_end
+        self._asked = AskedTurn(self.move, self.y, other.elastic_end)
         self._hold(self.y, self.y, other)
         if other.elastic_end < swing:
             self._in_a_row = (

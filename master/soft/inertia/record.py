@@ -65,6 +65,15 @@ def crossing(excess: Callable[[float], float], low: float, high: float) -> float
     return float(brentq(excess, low, high))
 
 
+class OnMove(NamedTuple):
+    """Asked times at which the contacts are those of one move, and its travels there (n,); what they store is found at
+    the end."""
+
+    move: Reaction
+    which: slice
+    travels: Array
+
+
 class Record:
     """Results at asked times, arrays of shape (n,), in order; NaN where the slider has not come yet.
 
@@ -88,7 +97,7 @@ class Record:
         self._stuck, self._broken_before = True, 0.0
         # from where on the slider may be sticking
         self._rest: Instant | None = None
-        self._waiting = list[tuple[Reaction, slice, Array]]()
+        self._waiting = list[OnMove]()
 
     def between(self, begin: float, end: float) -> slice:
         """Which of the asked times lie beyond `begin`, or at it if it is 0, and up to `end`."""
@@ -98,14 +107,14 @@ class Record:
     def store_later(self, move: Reaction, which: slice, y: Array) -> None:
         """The contacts at these times are those of a move at travels y."""
         if y.size:
-            self._waiting.append((move, which, y))
+            self._waiting.append(OnMove(move, which, y))
 
     def finish(self) -> None:
         """Find what the contacts store, on each move at once."""
-        for move in {id(entry[0]): entry[0] for entry in self._waiting}.values():
-            own = [entry[1:] for entry in self._waiting if entry[0] is move]
-            which = np.concatenate([np.arange(part.start, part.stop) for part, _ in own])
-            self.stored[which] += move.stored(np.concatenate([y for _, y in own]))
+        for move in {id(one.move): one.move for one in self._waiting}.values():
+            own = [one for one in self._waiting if one.move is move]
+            which = np.concatenate([np.arange(one.which.start, one.which.stop) for one in own])
+            self.stored[which] += move.stored(np.concatenate([one.travels for one in own]))
         self._waiting = []
 
     def watch(self, seen: Watched) -> None:

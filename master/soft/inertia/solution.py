@@ -90,12 +90,8 @@ def solve_inertial(
         contacts = idle.contacts
     _check(contacts, drive, idle)
     unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
-    best, error, of_contacts, parting = (
-        Run(contacts, drive, tolerance, TOLERANCES[0], until),
-        np.inf,
-        np.inf,
-        "",
-    )
+    best, parting = Run(contacts, drive, tolerance, TOLERANCES[0], until), ""
+    error = of_contacts = np.inf
     stopped, nodes = best.stopped, best.nodes
     for part in TOLERANCES[1:]:
         if stopped or error <= tolerance or part * tolerance < LEAST:
