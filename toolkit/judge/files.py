@@ -33,7 +33,7 @@ def save_judgement(
 
 
 def _save_figure(figure: Any, path: Path) -> None:
-    figure.savefig(path, dpi=130, format=path.suffix[1:])
+    figure.savefig(path, dpi=150, format=path.suffix[1:])
 
 
 def precision_rows(points: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:

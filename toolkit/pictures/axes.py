@@ -15,7 +15,6 @@ INK = {"master": OKABE_ITO[0], "eq": OKABE_ITO[1], "thresholds": OKABE_ITO[2]}
 # dashes keep coinciding curves visible, marks curves of one colour apart
 DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10, 4))]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p", "h"]
-FILE_FORMATS = ("png", "pdf", "svg")
 _OWN = {"length": "units of length", "time": "units of time"}  # of a scene without SI units
 _MOST_DECADES = 5.0  # of a logarithmic axis whose ticks are plain numbers, not powers of ten
 _ROW = 15.0  # height of a row of a legend in points

@@ -40,14 +40,9 @@ def slips_of(curve: Any, replica: int | None = None) -> SlipData | None:
     if slips is None:
         return None
     own = slice(None) if replica is None else slips.replica == replica
-    names = ("drive", "before", "after", "force_before", "force_after")
-    found = [np.asarray(getattr(slips, name))[own] for name in names]
-    lasting = list[Any]()
-    for name in ("duration", "top_speed"):
-        kept = getattr(slips, name, None)
-        kept = getattr(curve, f"slip_{name}", None) if kept is None else kept
-        lasting.append(None if kept is None else np.asarray(kept)[own])
-    return SlipData(*found, *lasting)
+    kept: list[Any] = [getattr(slips, name, None) for name in SlipData._fields]
+    kept = [None if one is None else np.asarray(one)[own] for one in kept]
+    return SlipData(*kept)
 
 
 def with_slips(

@@ -1,22 +1,12 @@
-"""The files of rate and state: rate-state.txt, .json, .csv and .png, all or none."""
+"""The numbers of rate and state as they are written: rate-state.json, and the columns of rate-state.csv."""
 
-import os
-from collections.abc import Sequence
 from dataclasses import asdict
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from master.rate_state.result import Parameter
 from toolkit.rate_state.judge import Judged
-from toolkit.rate_state.picture import save_rate_state_picture
-from toolkit.rate_state.words import page
-from toolkit.results.files import write_json
-from toolkit.results.folders import write_folder
-from toolkit.results.spreadsheets import write_rows
-from toolkit.saving import pictures, stale
 
 # numbers without readings of their own, by the factor of the scale that gives them their unit
 _PLAIN = {
@@ -27,20 +17,6 @@ _PLAIN = {
     "critical_spring_solved": "spring",
     "critical_spring_solved_error": "spring",
 }
-
-
-def save_rate_state(
-    judged: Judged, folder: str | os.PathLike[str], formats: Sequence[str] = ()
-) -> None:
-    """Write the four files into `folder`, the picture in `formats`, too. Raises InputError where that fails."""
-    text = "\n".join([*page(judged), ""])
-    writers: dict[str, Any] = {
-        "rate-state.txt": lambda path: path.write_text(text, encoding="utf-8"),
-        "rate-state.json": lambda path: write_json(plain(judged), path),
-        "rate-state.csv": partial(write_answers, judged),
-        **pictures("rate-state", partial(save_rate_state_picture, judged), formats),
-    }
-    write_folder(folder, writers, stale(["rate-state"], writers))
 
 
 def plain(judged: Judged) -> dict[str, Any]:
@@ -90,7 +66,7 @@ def _of_rest(judged: Judged, number: int) -> dict[str, Any]:
     return {"time": rest.time, "peak_slip": rest.peak_slip, **scaled, "law_peak": by_law}
 
 
-def write_answers(judged: Judged, path: Path) -> None:
+def answers(judged: Judged) -> dict[str, Any]:
     """The solved answers and the law's: a row for each slip after the two steps, beside them a row for each rest."""
     found, scale = judged.found, judged.scale
     force, unit = scale.force, scale.force_unit
@@ -102,4 +78,4 @@ def write_answers(judged: Judged, path: Path) -> None:
     columns[f"relaxed force [{unit}]"] = [one.relaxed * force for one in found.rests]
     columns[f"peak force [{unit}]"] = [one.peak * force for one in found.rests]
     columns[f"peak by the ageing law [{unit}]"] = np.asarray(found.law_rests) * force
-    write_rows(columns, path)
+    return columns

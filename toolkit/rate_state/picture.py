@@ -1,6 +1,5 @@
 """The picture of rate and state: both velocity steps with a, b and D_c marked, and the peak after rests."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,11 +17,6 @@ from toolkit.rate_state.judge import Judged
 
 # slip after a step that is drawn, in D_c or in slips of the direct effect, and before the step, of that after it
 SHOWN, BEFORE = 6.0, 0.15
-
-
-def save_rate_state_picture(judged: Judged, path: Path) -> None:
-    """Save the picture in the format of the path's suffix."""
-    draw_rate_state(judged).savefig(path, dpi=150, format=path.suffix[1:])
 
 
 def draw_rate_state(judged: Judged) -> Any:

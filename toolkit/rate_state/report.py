@@ -4,9 +4,12 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 
 from origins.errors import InputError
+from toolkit.judge.files import save_judgement
 from toolkit.processes.signals import Terminated
-from toolkit.rate_state.files import save_rate_state
+from toolkit.rate_state.files import answers, plain
 from toolkit.rate_state.judge import Judged, judge
+from toolkit.rate_state.picture import draw_rate_state
+from toolkit.rate_state.words import page
 from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
 from toolkit.running.solvers import within
@@ -18,17 +21,22 @@ def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judg
     solved, an interrupt, or the end of `wall_time`, leaves there what is known. Raises InputError."""
     check_folder(folder)
     so_far = list[Callable[[], Judged]]()
+
+    def save(found: Judged) -> None:
+        tables = page(found), plain(found), answers(found)
+        save_judgement(folder, "rate-state", lambda: draw_rate_state(found), *tables, formats)
+
     try:
         with closing(Progress("rate-state")) as bar, within(scene.deadline(), scene, "all of it"):
             found = judge(scene, bar.doing, so_far.append)
     except (KeyboardInterrupt, Terminated, InputError) as stop:
         if not so_far:
             raise
-        save_rate_state(so_far[0](), folder, formats)
+        save(so_far[0]())
         said = f"what is known so far is written to {folder}"
         if isinstance(stop, InputError):
             raise InputError(f"{stop}; {said}") from stop
         stop.add_note(said)
         raise
-    save_rate_state(found, folder, formats)
+    save(found)
     return found

@@ -6,12 +6,8 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError
+from toolkit.results.kinds import QUANTITIES
 
-_FORCES = {"force", "force_standard_error", "step_error", "forces", "force_before", "force_after"}
-_FORCES |= {"contact_force", "contact_force_standard_error", "contact_forces", "drop"}
-_LENGTHS = {"path", "position", "position_standard_error", "positions", "drive", "before", "after"}
-_SPEEDS = {"velocity", "velocity_standard_error", "velocities", "top_speed", "slip_top_speed"}
-_TIMES = {"duration", "slip_duration", "time", "delay"}
 _LEFT_OUT = {"path", "slips", "energy", "regime", "histograms", "avalanches", "breaks_per_rank"}
 
 
@@ -45,16 +41,14 @@ def as_dataset(result: Any) -> Any:
 
 def _array(result: Any, along: Any, name: str, values: Any) -> tuple[Any, Any, dict[str, str]]:
     """A variable of xarray, forces and springs in the unit of the scale."""
-    scale = result.scale
-    if name in _FORCES:
-        return along, scale.force * np.asarray(values), {"units": scale.force_unit}
-    if name.startswith("critical_spring"):
-        return along, scale.spring * np.asarray(values), {"units": scale.spring_unit}
-    units = dict.fromkeys(_LENGTHS, scale.length_unit) | dict.fromkeys(_TIMES, scale.time_unit)
-    units |= dict.fromkeys(_SPEEDS, scale.speed_unit) | {"kelvin": "K"}
-    units |= {"temperature": f"{scale.length_unit}^2"}
-    units |= {"rate": f"{scale.length_unit}^2/{scale.time_unit}"}
-    return along, np.asarray(values), {"units": units.get(name, "1")}
+    scale, quantity = result.scale, QUANTITIES.get(name)
+    if quantity in ("force", "spring"):
+        unit = getattr(scale, f"{quantity}_unit")
+        return along, getattr(scale, quantity) * np.asarray(values), {"units": unit}
+    length, time = scale.length_unit, scale.time_unit
+    units = {"length": length, "time": time, "speed": scale.speed_unit, "kelvin": "K"}
+    units |= {"temperature": f"{length}^2", "rate": f"{length}^2/{time}"}
+    return along, np.asarray(values), {"units": units.get(quantity or "", "1")}
 
 
 def _of_answer(result: Any, prefix: str, answer: Any, size: int) -> dict[str, Any]:
@@ -64,9 +58,7 @@ def _of_answer(result: Any, prefix: str, answer: Any, size: int) -> dict[str, An
         name, value = field.name, getattr(answer, field.name)
         if name in _LEFT_OUT or not isinstance(value, np.ndarray):
             continue
-        if name.startswith("slip_"):
-            out[f"{prefix}_{name}"] = _array(result, f"{prefix}_slip", name, value)
-        elif value.shape[-1] == answer.path.size:
+        if value.shape[-1] == answer.path.size:
             missing = [(0, 0)] * (value.ndim - 1) + [(0, size - answer.path.size)]
             whole = np.pad(np.asarray(value, float), missing, constant_values=np.nan)
             along = ("replica", "point") if value.ndim == 2 else "point"

@@ -14,11 +14,9 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
-from toolkit.results.kinds import is_coupled, is_heavy
+from toolkit.results.kinds import QUANTITIES, is_coupled, is_heavy
 from toolkit.results.points import PointsRecord, fill_points, read_points
 from toolkit.results.records import (
-    ENERGIES,
-    MotionEnergy,
     Result,
     SolvedRecord,
     ThresholdCurve,
@@ -31,10 +29,6 @@ from toolkit.scene.tables import read_table
 
 RESULT = "result.h5"
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
-_LENGTHS = """path position force force_standard_error step_error position_standard_error positions forces x atoms
-stretch_edges threshold_edges slip_drive slip_before slip_after slip_force_before slip_force_after
-contact_force contact_force_standard_error contact_forces"""
-_ENERGIES = tuple(f"energy_{part}" for part in (*ENERGIES, "start"))
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -168,20 +162,15 @@ def write_json(content: dict[str, Any], path: Path) -> None:
 
 
 def units_of(result: Result, short: bool = False) -> dict[str, str]:
-    """Units of arrays by name; a scene's own unit of length is written in full unless `short`."""
+    """Units of arrays by name, forces being F/(N_c<k>); a scene's own unit of length is written in full unless
+    `short`."""
     unit = "length" if short and not result.thresholds.in_metres else result.thresholds.unit
     clock = "s" if result.thresholds.in_metres else "time"
-    units = dict.fromkeys(_LENGTHS.split(), unit) | {"notes": "text"}
-    inverse = "density thresholds stretches threshold_error stretch_error"
-    units |= dict.fromkeys(inverse.split(), f"1 / {unit}")
-    units |= {"delay": clock, "time": clock, "kelvin": "K", "velocity": f"{unit} / {clock}"}
-    speeds = "velocities velocity_standard_error slip_top_speed"
-    units |= dict.fromkeys(speeds.split(), f"{unit} / {clock}") | {
-        "slip_duration": clock,
-        "slip_time": clock,
-    }
-    units |= dict.fromkeys(_ENERGIES, f"({unit})^2")
-    return units | {"temperature": f"({unit})^2", "rate": f"({unit})^2 / {clock}"}
+    square = f"({unit})^2"
+    own = {"length": unit, "force": unit, "time": clock, "speed": f"{unit} / {clock}"}
+    own |= {"inverse length": f"1 / {unit}", "energy": square, "temperature": square, "kelvin": "K"}
+    own |= {"rate": f"{square} / {clock}"}
+    return {name: own[quantity] for name, quantity in QUANTITIES.items() if quantity in own}
 
 
 def write_result(result: Result, path: Path) -> None:
@@ -197,7 +186,7 @@ def write_result(result: Result, path: Path) -> None:
 
 def _fill(result: Result, store: Any) -> None:
     """Write all fields of a result into an open HDF5 file, with their units."""
-    units = units_of(result)
+    units = units_of(result) | {"notes": "text"}
     store.attrs["scene"] = result.text
     for name in ("name", "title", "version", "mean_threshold"):
         store.attrs[name] = getattr(result, name)
@@ -227,7 +216,7 @@ def _write(group: Any, answer: Any, units: dict[str, str], **how: Any) -> None:
     for name, value in _flat(answer).items():
         if isinstance(value, np.ndarray) or name == _PER_RANK:
             group.create_dataset(name, data=value, **how)
-            group[name].attrs["units"] = units.get(name, "1")
+            group[name].attrs["units"] = units.get(name.removeprefix("slip_"), "1")
         elif name != _HISTOGRAMS:
             group.attrs[name] = value
 
@@ -252,10 +241,13 @@ def _read_interface(group: Any) -> dict[str, Number]:
 def _read_master(group: Any) -> SolvedRecord:
     if "position" not in group:
         return _read(group, SolvedRecord)
+    from master.soft.inertia.run import SlipsInTime
+    from master.soft.inertia.solution import Energy
     from master.soft.regime import Regime, Slips
 
-    slips = _read(group, Slips, "slip_")
-    energy = _read(group, MotionEnergy, "energy_") if "energy_drive" in group else None
+    heavy = "energy_drive" in group
+    slips = _read(group, SlipsInTime if heavy else Slips, "slip_")
+    energy = _read(group, Energy, "energy_") if heavy else None
     regime = _read(group, Regime, slips=int(slips.drive.size), trend=group.attrs.get("trend"))
     return _read(group, SolvedRecord, slips=slips, regime=regime, energy=energy)
 

@@ -1,6 +1,23 @@
-"""What kind of answer a solver gave, by what it has."""
+"""What kind of answer a solver gave, by what it has, and what its arrays are."""
 
 from typing import Any
+
+# of a slider with mass: the drive's work, and what becomes of it
+ENERGIES = "drive", "spring", "contacts", "kinetic", "damped", "released"
+
+# arrays of the records by what they are; those of slips without "slip_"; all others are pure numbers
+_NAMES = {
+    "length": """path position position_standard_error positions x atoms stretch_edges threshold_edges
+drive before after""",
+    "force": """force force_standard_error step_error forces force_before force_after drop contact_force
+contact_force_standard_error contact_forces""",
+    "spring": "critical_spring critical_spring_error",
+    "speed": "velocity velocity_standard_error velocities top_speed",
+    "time": "time delay duration",
+    "energy": " ".join(f"energy_{part}" for part in (*ENERGIES, "start")),
+    "inverse length": "density thresholds stretches threshold_error stretch_error",
+} | {name: name for name in ("temperature", "kelvin", "rate")}
+QUANTITIES = {name: quantity for quantity, names in _NAMES.items() for name in names.split()}
 
 
 def is_known(solved: Any) -> bool:

@@ -14,6 +14,7 @@ from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import panel_edges
 from toolkit.results.dataset import as_dataset
 from toolkit.results.html import as_html
+from toolkit.results.kinds import ENERGIES
 from toolkit.results.points import PointsRecord
 from toolkit.scene.drive import has_path, make_drive
 from toolkit.scene.interfaces import Number
@@ -25,28 +26,6 @@ OWN_UNIT = "length unit of the thresholds"
 _PER_PANEL = 24
 
 
-# of a slider with mass: the drive's work, and what becomes of it
-ENERGIES = "drive", "spring", "contacts", "kinetic", "damped", "released"
-
-
-@dataclass(frozen=True)
-class MotionEnergy:
-    """Energies per N_c<k> (lengths squared) of a slider with mass, at each point of the path, arrays of shape (n,).
-
-    drive : the drive's work since t = 0; damped, released : what damping and breaks took since then; spring, contacts,
-    kinetic : stored in them.
-    """
-
-    drive: Array
-    spring: Array
-    contacts: Array
-    kinetic: Array
-    damped: Array
-    released: Array
-
-    __repr__ = brief
-
-
 @dataclass(frozen=True)
 class SolvedRecord:
     """A master equation's answer: F = `force` over `path` (lengths, shape (n,)), `holding`, the fraction of contacts
@@ -56,8 +35,7 @@ class SolvedRecord:
     `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are those of master.solve.
 
     Of a slider with mass `force` is the spring's; `contact_force` is that of the contacts, with an error of its own,
-    `velocity` the slider's at each point, `energy` a MotionEnergy or the solver's own; `slip_duration` and
-    `slip_top_speed` have an entry for each slip.
+    `velocity` the slider's at each point, `energy` its energies by parts; `slips` have a `duration` and a `top_speed`.
 
     The paper's closure of ageing (Q15) has defects at each X of `path`, which may end early: the mass of P_c minus 1
     and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if they never do.
@@ -79,8 +57,6 @@ class SolvedRecord:
     contact_force: Array | None = None
     contact_force_error: float | None = None
     energy: Any = None
-    slip_duration: Array | None = None
-    slip_top_speed: Array | None = None
     mass_defect: Any = None
     positivity_defect: Any = None
     outrun: float | None = None
@@ -94,8 +70,6 @@ def record_of(answer: Any) -> SolvedRecord:
     values: dict[str, Any] = {name: getattr(answer, name, None) for name in names}
     if values["slips"] is not None and values["period"] is None:
         values["period"] = np.nan
-    for name in ("duration", "top_speed"):  # slips without mass take no time
-        values[f"slip_{name}"] = getattr(values["slips"], name, None)
     return SolvedRecord(**values)
 
 

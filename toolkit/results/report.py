@@ -29,9 +29,9 @@ def report(result: Any) -> list[str]:
         period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
         period_text = f", last period {period.strip()}" if solved.slips.drive.size > 1 else ""
         lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
-        if solved.slip_duration is not None and solved.slip_duration.size:
-            lasts = spoken(solved.slip_duration.mean(), result.scale.time_unit)
-            fastest = spoken(abs(solved.slip_top_speed).max(), result.scale.speed_unit)
+        if solved.energy is not None and solved.slips.drive.size:
+            lasts = spoken(solved.slips.duration.mean(), result.scale.time_unit)
+            fastest = spoken(abs(solved.slips.top_speed).max(), result.scale.speed_unit)
             lines.append(f"motion  slips last {lasts} on average, top speed {fastest}")
     if solved is not None and solved.outrun is not None:
         where = f"from X = {solved.outrun:.4g} on" if solved.outrun < float("inf") else "nowhere"

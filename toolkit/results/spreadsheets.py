@@ -88,10 +88,7 @@ def write_slips(result: Result, path: Path) -> None:
         for name, (head, factor) in names.items():
             columns[head] += (getattr(slips, name) * factor).tolist()
         for name, head in heavy.items():
-            # of a result that was loaded they stand beside the slips
-            own = getattr(
-                slips, name, getattr(master, f"slip_{name}", None) if solver == "master" else None
-            )
+            own = getattr(slips, name, None)  # slips without mass take no time
             columns[head] += [""] * count if own is None else own.tolist()
     empty = [head for head in heavy.values() if not any(cell != "" for cell in columns[head])]
     write_rows({head: cells for head, cells in columns.items() if head not in empty}, path)

@@ -32,14 +32,8 @@ _MACHINE = {
     "damping": MachineUnit("N s/m", "N_c<k> s", "3 N s/m", {"kg/s": 1.0}),
 }
 
-
 # of the spring, from no force on, on a path with some slips
 _LOADINGS = 5.0
-
-
-def spring_number(table: DriveTable, contacts: Contacts) -> float | None:
-    """drive.spring as K/(N_c<k>), a number; None without one. Raises InputError as `machine_number` does."""
-    return machine_number("spring", table, contacts)
 
 
 def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | None:
@@ -95,7 +89,7 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
 def some_slips(table: DriveTable, contacts: Contacts) -> float:
     """How far a drive goes until a slider has slipped some times, a length: F rises to some F_s, at most <x_s> N_c<k>,
     in each loading of its spring."""
-    spring = spring_number(table, contacts)
+    spring = machine_number("spring", table, contacts)
     return _LOADINGS * contacts.mean_threshold * (1.0 if spring is None else 1.0 + 1.0 / spring)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
+from dataclasses import asdict
 from typing import Any
 
 from toolkit.judge.files import save_judgement
@@ -12,7 +13,7 @@ from toolkit.scene.scene import Scene
 from toolkit.stability.case import Row
 from toolkit.stability.coverage import Coverage, ask, coverage, plain_coverage, told
 from toolkit.stability.scene_map import draw_map, scene_map
-from toolkit.stability.table import columns, draw_table, extreme_cases, plain, stability, summary
+from toolkit.stability.table import columns, draw_table, extreme_cases, stability, summary
 
 Say = Callable[[str], None]
 
@@ -75,5 +76,5 @@ def _save(
     formats: Sequence[str],
 ) -> None:
     """Rows as a picture, text, JSON and CSV."""
-    numbers = {**numbers, "rows": plain(rows)}
+    numbers = {**numbers, "rows": [asdict(row) for row in rows]}
     save_judgement(folder, name, lambda: figure, lines, numbers, columns(rows), formats)

@@ -3,7 +3,7 @@
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, fields
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -69,17 +69,6 @@ def summary(found: Iterable[Row]) -> str:
     """How many rows have which verdict, in a line."""
     counts = Counter(row.verdict for row in found)
     return ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
-
-
-def plain(found: Iterable[Row]) -> list[dict[str, Any]]:
-    """Rows for JSON, in which what is no number is null."""
-    return [
-        {
-            key: None if isinstance(value, float) and not np.isfinite(value) else value
-            for key, value in asdict(row).items()
-        }
-        for row in found
-    ]
 
 
 def columns(found: Sequence[Row]) -> dict[str, list[Any]]:
