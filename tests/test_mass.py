@@ -8,6 +8,7 @@ import scipy.stats
 from numba import njit
 from plain_heavy import PlainSlider
 from scipy.optimize import brentq
+from solving import oscillator
 
 import eq_model
 import origins
@@ -101,16 +102,10 @@ def test_without_breaks_it_is_an_oscillator(mass, damping):
     """From rest, in closed form by the roots of m r² + c r + S = 0; at 1e-16 through 1e7 oscillations."""
     spring, path = 0.5, np.linspace(0.01, 0.6, 60)
     found = pulled(origins.Contacts(origins.identical(1.0)), path, spring, mass, damping=damping)
-    stiff = spring + 1.0
-    drift = spring / stiff
-    one, two = np.roots([mass, damping, stiff]).astype(complex)
-    lag = damping * drift / stiff
-    first = (-drift - two * lag) / (one - two)
-    t = path[:, None]
-    x = drift * t - lag + first * np.exp(one * t) + (lag - first) * np.exp(two * t)
-    allowed = 1e-14 + 1e-15 * np.abs(one) * (mass / stiff) ** 0.5
-    assert found.breaks == 0 and np.abs(found.position - x[:, 0].real).max() < allowed
-    assert np.abs(found.force - spring * (path - x[:, 0].real)).max() < allowed
+    x, fastest = oscillator(path, spring, mass, damping)
+    allowed = 1e-14 + 1e-15 * fastest * (mass / (spring + 1.0)) ** 0.5
+    assert found.breaks == 0 and np.abs(found.position - x).max() < allowed
+    assert np.abs(found.force - spring * (path - x)).max() < allowed
 
 
 def test_identical_contacts_are_pieces_of_oscillators():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
+from solving import oscillator
 
 import eq_model
 import master
@@ -24,13 +25,7 @@ def test_without_breaks_it_is_an_oscillator(mass: float, damping: float) -> None
     spring, path = 0.5, np.linspace(0.01, 0.6, 60)
     contacts = origins.Contacts(origins.identical(1.0))
     found = master.solve(contacts, path, 1e-10, spring=spring, mass=mass, damping=damping)
-    stiff = spring + 1.0
-    drift = spring / stiff
-    one, two = np.roots([mass, damping, stiff]).astype(complex)
-    lag = damping * drift / stiff
-    first = (-drift - two * lag) / (one - two)
-    t = path[:, None]
-    x = (drift * t - lag + first * np.exp(one * t) + (lag - first) * np.exp(two * t))[:, 0].real
+    x, _ = oscillator(path, spring, mass, damping)
     assert found.success and np.abs(found.position - x).max() < 1e-9
     np.testing.assert_allclose(found.contact_force, x, atol=1e-9)
 

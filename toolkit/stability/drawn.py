@@ -21,8 +21,6 @@ _FINER, _FINER_IN_TIME = 1e-2, 0.1  # of the tolerance, for the master equation 
 _NEAR = 1e-11  # mean thresholds: a truth as good as that is taken, whatever the tolerance
 _UNITS = (-9.0, 3.0)  # decades of a mean threshold, such as nanometres in m
 
-Draw = Callable[[np.random.Generator], Case]
-
 
 def drawn(seed: int, number: int) -> Case:
     """Ordinary case `number` of a seed: of each kind in turn, whatever the other numbers are."""
