@@ -7,7 +7,7 @@ import itertools
 from typing import NamedTuple
 
 import numpy as np
-from plain_coupled import _draw
+from plain_coupled import PlainReplica, _draw
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -50,13 +50,7 @@ class PlainSlider:
         self.seen = 0  # breaks but for those at the present place
         self.stuck, self.loose, self.rest = True, 0, (self.x, self.spring_force(self.x, 0.0), 0)
 
-    def form(self, number: int, start: bool = False) -> None:
-        """So many contacts form at X."""
-        drawn = [_draw(self.draws[0 if start else 1]) for _ in range(number)]
-        threshold, stretch = self.unit * np.array(drawn, float).reshape(-1, 2).T
-        self.threshold = np.append(self.threshold, threshold)
-        self.zero = np.append(self.zero, self.x - stretch)
-        self.k = np.append(self.k, self.contacts.relative_stiffness(threshold))
+    form = PlainReplica.form  # from the same fields
 
     def spring_force(self, x: float, t: float) -> float:
         return self.drive.spring * (np.interp(t, self.clock, self.places) - x)

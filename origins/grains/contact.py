@@ -53,10 +53,6 @@ class GrainContact(GrowingThresholds):
         """Its arguments."""
         return f"GrainContact({self.growth!r}, age={self.age})"
 
-    def __str__(self) -> str:
-        """The law in words."""
-        return f"thresholds that grow from the age {self.age:.4g} on"
-
     def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
         """See ChangingThresholds: that of the largest grain, at the age of the oldest contacts."""
         return max(fresh, self.typical_threshold(fresh, duration))
