@@ -38,6 +38,12 @@ def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("toolkit.running.progress.PATIENCE", 1e6)
 
 
+@pytest.fixture
+def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A test works in an empty folder of its own."""
+    monkeypatch.chdir(tmp_path)
+
+
 def ended(command: list[str], folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """A process of its own in a folder; it does not say that it compiles either."""
     own = clean_environment(**environment)

@@ -16,10 +16,7 @@ from toolkit.scene.writing import with_defaults
 
 CHEAP = ("gaussian", "stick-slip", "slide-hold-slide", "kinetic-force", "gw-gaussian-mixed")
 
-
-@pytest.fixture(autouse=True)
-def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("in_a_folder")
 
 
 @pytest.mark.parametrize("name", shipped_scenes())

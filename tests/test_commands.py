@@ -23,10 +23,7 @@ from toolkit.scene.scene import shipped_scenes
 EQ = {"contacts": 200, "replicas": 4, "seed": 7}
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 
-
-@pytest.fixture(autouse=True)
-def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("in_a_folder")
 
 
 def for_ever(*arguments: Any, **named: Any) -> None:

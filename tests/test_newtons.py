@@ -17,10 +17,7 @@ from toolkit.scene.scale import of_surface, with_uncertainty, written
 AREA = 1e-6
 DRIVE = {"to": 5e-8, "points": 21, "area": AREA}
 
-
-@pytest.fixture(autouse=True)
-def _in_tmp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("in_a_folder")
 
 
 def test_newtons_and_pascals_of_a_result_and_of_its_interface() -> None:

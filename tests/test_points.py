@@ -17,10 +17,7 @@ WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 DRIVE = {"to": 6.0, "points": 61}
 OVER: dict[str, Any] = {"drive.spring": [0.3, 0.6], "contacts.thresholds.std": [0.1, 0.2, 0.3]}
 
-
-@pytest.fixture(autouse=True)
-def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("in_a_folder")
 
 
 def swept(**more: Any) -> dict[str, Any]:

@@ -29,10 +29,7 @@ from toolkit.scene.scene import SHIPPED, shipped_scenes
 EQ = {"contacts": 400, "replicas": 2, "seed": 1}
 NARROW = {"kind": "gaussian", "mean": 1.0, "std": 0.1}
 
-
-@pytest.fixture(autouse=True)
-def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("in_a_folder")
 
 
 @pytest.fixture

@@ -32,10 +32,7 @@ from toolkit.verdict.words import disagreeing, page, sentence
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 RESET = {"rules": ["reset"]}
 
-
-@pytest.fixture(autouse=True)
-def _in_tmp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("in_a_folder")
 
 
 def judged(capsys: Any, **tables: Any) -> tuple[int, str, dict[str, Any]]:
