@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +37,7 @@ class PlainReplica:
 
     Lengths are the user's; force is a sum over the contacts, k_i in <k>. A contact that holds has a
     stretch of X less `zero`, and breaks at X = `zero` + threshold; `back` is when a broken one forms
-    again.
+    again. Of contacts that strengthen `threshold` is that at age 0, and `born` the time of birth.
     """
 
     def __init__(
@@ -54,7 +55,8 @@ class PlainReplica:
         self.draws = [make_supply(births, stream) for births in births_of(contacts, self.unit)]
         self.contacts, self.drive, self.n, self.slip_fraction = contacts, drive, n, slip_fraction
         self.spring, self.x, self.breaks = drive.spring * n, 0.0, 0
-        self.zero, self.threshold, self.k = np.zeros((3, 0))
+        self.law, self.now = contacts.strengthening, 0.0
+        self.zero, self.threshold, self.k, self.born = np.zeros((4, 0))
         self.returns = list[tuple[float, int]]()  # when, and how many
         self.form(n, start=True)
 
@@ -62,7 +64,10 @@ class PlainReplica:
         """So many contacts form at X."""
         drawn = [_draw(self.draws[0 if start else 1]) for _ in range(number)]
         threshold, stretch = self.unit * np.array(drawn, float).reshape(-1, 2).T
-        self.threshold = np.append(self.threshold, threshold)
+        age = 0.0 if self.law is None else self.law.age
+        share = 1.0 if self.law is None else 1.0 / self.law.factor(age)
+        self.threshold = np.append(self.threshold, threshold * share)
+        self.born = np.append(self.born, np.full(number, self.now - age * start))
         self.zero = np.append(self.zero, self.x - stretch)
         self.k = np.append(self.k, self.contacts.relative_stiffness(threshold))
 
@@ -74,31 +79,60 @@ class PlainReplica:
         """X where F + K X = level, if nothing breaks."""
         return (level + self.k @ self.zero) / (self.spring + self.k.sum())
 
+    def ends(self, now: float | np.ndarray) -> np.ndarray:
+        """X where each contact breaks, if it does so at this time, of all or its own."""
+        grown = 1.0 if self.law is None else self.law.factor(now - self.born)
+        return self.zero + self.threshold * grown
+
     def next_break(self) -> float:
-        """X where the next contact breaks."""
-        return float(min(self.zero + self.threshold, default=np.inf))
+        """X where the next contact breaks, if it does so now."""
+        return float(min(self.ends(self.now), default=np.inf))
+
+    def level_of_break(self) -> float:
+        """K X_T where the next contact breaks while the drive goes on from `level`; inf if it does not get there.
+
+        Along a leg of the drive what a contact can still bear is concave, so that one that holds at its begin breaks at
+        one place at most.
+        """
+        if self.law is None:
+            return self.load(self.next_break()) if self.k.size else np.inf
+        legs = zip(pairwise(self.spring * self.places), pairwise(self.clock), strict=True)
+        for (begin, end), (before, after) in legs:
+            low, high = np.full(self.k.size, max(begin, self.level)), np.full(self.k.size, end)
+
+            def broken(level, begin=begin, end=end, before=before, after=after):
+                now = before + (level - begin) / (end - begin) * (after - before)
+                return self.balance(level) >= self.ends(now)
+
+            if end <= max(begin, self.level) or not (may := broken(high)).any():
+                continue
+            for _ in range(52):
+                middle = 0.5 * (low + high)
+                high, low = np.where(broken(middle), [middle, low], [high, middle])
+            return float(high[may].min())
+        return np.inf
 
     def shake(self, level: float) -> int:
         """The avalanche at K X_T = level, which begins with the next break: how many contacts broke, and formed again
         if the rule says so. A reset draws all anew."""
         drive, broken = self.drive, 0
+        self.now = float(np.interp(level / self.spring, self.places, self.clock))
         at_once = drive.slip == "instant" and self.contacts.delay is None
         while not broken or self.load(self.next_break()) <= level:
-            first = int(np.argmin(self.zero + self.threshold))
+            first = int(np.argmin(self.ends(self.now)))
             self.x = self.next_break()
-            for name in ("zero", "threshold", "k"):
+            for name in ("zero", "threshold", "k", "born"):
                 setattr(self, name, np.delete(getattr(self, name), first))
             self.breaks, broken = self.breaks + 1, broken + 1
             self.form(int(at_once))
             if drive.slip == "reset" and broken >= self.slip_fraction * self.n:
                 self.x, self.returns = level / self.spring, []
-                self.zero, self.threshold, self.k = np.zeros((3, 0))
+                self.zero, self.threshold, self.k, self.born = np.zeros((4, 0))
                 self.form(self.n)
                 return broken
         self.x = self.balance(level)
         if self.contacts.delay is not None:
-            now = np.interp(level / self.spring, self.places, self.clock)
-            self.returns.append((now + self.contacts.delay.time, broken))
+            self.returns.append((self.now + self.contacts.delay.time, broken))
         elif not at_once:
             self.form(broken)
         return broken
@@ -106,7 +140,7 @@ class PlainReplica:
     def follow(self) -> Followed:
         """To the end of the path, whose first point is at or beyond where the drive balances the start."""
         drive, spring, told = self.drive, self.spring, list[tuple[float, float, float]]()
-        level = self.load(self.x)
+        self.level = level = self.load(self.x)
         self.places = np.append(level / spring, drive.path)
         way = np.cumsum(np.diff(self.places)) / drive.velocity
         self.clock = np.append(0.0, way if drive.time is None else drive.time)
@@ -114,17 +148,18 @@ class PlainReplica:
         for time, point in zip(self.clock[1:], spring * drive.path, strict=True):
             while True:
                 # what comes first: a break, a return, or the point
-                first = self.load(self.next_break()) if self.k.size else np.inf
+                first = self.level_of_break()
                 due = self.returns[0][0] if self.returns else np.inf
                 back = spring * np.interp(due, self.clock, self.places)
                 back = back if due <= self.clock[-1] else np.inf
                 if (point, time) < min((first, -np.inf), (back, due)):
                     break
                 if back < first:
-                    self.x = self.balance(back)
+                    self.x, self.now = self.balance(back), due
                     self.form(self.returns.pop(0)[1])
                     continue
-                level, before = max(level, first), self.next_break()
+                level = self.level = max(level, first)
+                before = self.balance(level)
                 broken = self.shake(level)
                 if broken < self.slip_fraction * self.n:
                     avalanches[broken.bit_length() - 1] += 1

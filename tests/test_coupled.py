@@ -27,6 +27,10 @@ CONTACTS = {
     "held back": origins.Contacts(NARROW, start=-0.9),
     "breaks while pushed": origins.Contacts(NARROW, start=scipy.stats.beta(0.3, 1.0, -0.9, 1.7)),
     "delayed": origins.Contacts(NARROW, delay=origins.Delay(0.3)),
+    "strengthening": origins.Contacts(origins.strengthening(NARROW, 0.2, 0.3, age=1.0), start=0.3),
+    "strengthening, delayed": origins.Contacts(
+        origins.strengthening(NARROW, 0.2, 0.3), delay=origins.Delay(0.3)
+    ),
 }
 HOLDS = {
     "path": [1.0, 2.0, 2.0, 2.0, 2.0, 5.0, 5.0, 9.0],
@@ -46,7 +50,7 @@ def test_every_break_is_that_of_plain_python(name, slip):
     mean = CONTACTS[name].mean_threshold
     begin = -0.6 if name == "breaks while pushed" else 0.8  # contacts break there while F < 0
     drives = [{"path": mean * np.linspace(begin, 9.0, 300)}]
-    drives += [HOLDS] if name == "delayed" else []
+    drives += [HOLDS] if CONTACTS[name].in_time else []
     for number, drive in enumerate(drives):
         found = pulled(CONTACTS[name], **drive, slip=slip, replicas=number + 1, slip_fraction=0.03)
         asked = origins.Drive(**drive, spring=0.7, slip=slip)
@@ -123,6 +127,10 @@ SLIPS = {  # contacts, and a spring below 0.7 K*
     "linked": (origins.Contacts(origins.gaussian(1.0, 0.1), stiffness="linked"), 0.7),
     "delayed": (origins.Contacts(origins.gaussian(1.0, 0.1), delay=origins.Delay(0.2)), 0.7),
     "machine": (origins.Contacts(origins.gaussian(1.0, 0.1)), 1e-6),
+    "strengthening": (
+        origins.Contacts(origins.strengthening(origins.gaussian(1.0, 0.1), 0.05, 0.2)),
+        0.7,
+    ),
 }
 
 
@@ -152,15 +160,20 @@ def extrapolated(means, errors) -> Extrapolated:
     return Extrapolated(float(value), error, systematic, float((misfit**2).sum()))
 
 
+def solved_slips(contacts, spring, rule, number):
+    """X_T of so many first slips of the master equation."""
+    path = [0.0, 1.1 * number * (1.0 + 1.0 / spring)]
+    tolerance = 1e-5 if contacts.in_time else 1e-8
+    solved = master.solve(contacts, path, tolerance, spring=spring, slip=rule)
+    assert solved.success and solved.slips.drive.size >= number
+    return solved.slips.drive[:number]
+
+
 def slips(name, rule, number, contacts_each, seed=1):
     """The first slips of the master equation, and X_T of those of ensembles of each size, extrapolated; K X_T where
     K is below 1."""
     contacts, spring = SLIPS[name]
-    path = [0.0, 1.1 * number * (1.0 + 1.0 / spring)]
-    tolerance = 1e-8 if contacts.delay is None else 1e-5
-    solved = master.solve(contacts, path, tolerance, spring=spring, slip=rule)
-    exact = solved.slips.drive[:number]
-    assert solved.success and exact.size == number
+    exact = solved_slips(contacts, spring, rule, number)
     asked = {"spring": spring, "slip": rule, "seed": seed}
     sizes = [{"n_contacts": int(n), "n_replicas": contacts_each // int(n)} for n in SIZES]
     scale = min(spring, 1.0)
@@ -183,6 +196,18 @@ def test_the_first_slip_is_that_of_the_master_equation(name, rule):
     exact, found = slips(name, rule, 1, 4_000_000)
     assert abs(found[0].deviation(exact[0])) < 4.0
     assert found[0].error < 3e-4 and found[0].systematic < 2e-4 and found[0].chi_square < 12.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rule", ["instant", "reform-after"])
+def test_slips_of_contacts_that_strengthen_are_those_of_the_master_equation(rule):
+    """Two slips; growth by 2 % more, which shifts each by 20 standard errors or more, is told apart."""
+    exact, found = slips("strengthening", rule, 2, 4_000_000)
+    more = origins.Contacts(origins.strengthening(origins.gaussian(1.0, 0.1), 0.051, 0.2))
+    other = 0.7 * solved_slips(more, 0.7, rule, 2)
+    for k in (0, 1):
+        assert abs(found[k].deviation(exact[k])) < 4.0 and found[k].chi_square < 12.0
+        assert abs(found[k].deviation(other[k])) > 10.0
 
 
 def largest(spring, size, replicas=16):

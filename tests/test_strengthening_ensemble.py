@@ -224,11 +224,17 @@ def test_exact_thresholds_grow_all_alike():
     np.testing.assert_allclose(found.force, [at, 0.0, at, 0.0], atol=2e-9)
 
 
-def test_a_spring_refuses_them():
-    """As it does other laws of coupled contacts that depend on time."""
+def test_a_mass_refuses_them_and_a_spring_other_growth():
+    """Coupled contacts strengthen on a spring alone; grains grow by another law."""
     contacts = Contacts(strengthening(PC, 0.03, TIME))
-    with pytest.raises(InputError, match=r"contacts\.strengthening: .*does not take it yet"):
-        eq_model.simulate(contacts, [1.0], spring=0.5)
+    with pytest.raises(InputError, match=r"contacts\.strengthening: .*mass does not take it yet"):
+        eq_model.simulate(contacts, [1.0], spring=0.5, mass=0.1)
+    grains = Contacts(origins.growing_grains(1.0, 1.0, age=4.0))
+    with pytest.raises(InputError, match=r"contacts\.grains: .*does not take it yet"):
+        eq_model.simulate(grains, [1.0], spring=0.5)
+    # a path as long as 1e11 breaks of contacts that do not grow would take half a day
+    with pytest.raises(InputError, match=r"slip = 'instant': takes about .*, more than 5e\+09"):
+        eq_model.simulate(contacts, [1e5], spring=0.5, slip="instant", n_contacts=1_000_000)
 
 
 def test_a_path_of_many_points_has_the_legs_of_its_corners():

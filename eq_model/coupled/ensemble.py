@@ -7,6 +7,7 @@ import numpy as np
 from eq_model.blocks import Blocks, State
 from eq_model.engine import Reach
 from eq_model.result import SIZES, CoupledSlips, means
+from eq_model.whole_drive import durations
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.drive import SLIP_SHARE
@@ -34,6 +35,7 @@ class Replicas:
         slip_fraction: float | None,
     ) -> None:
         """Choose the unit and the buckets of waiting breaks; InputError for what is not followed on a soft slider."""
+        from eq_model.coupled.ages import SLOWER
         from eq_model.coupled.queue_kernel import bucket_bits, ring_bits
         from eq_model.draws.births import births_of
 
@@ -43,21 +45,26 @@ class Replicas:
         self.slip_fraction, self._unit = checked_slip_fraction(slip_fraction), unit_of(contacts)
         self._births = births_of(contacts, self._unit)
         law, mean = contacts.thresholds, contacts.mean_threshold
-        self._shift = bucket_bits(n, mean / self._unit, lambda width: float(law.cdf(width * mean)))
+        strengthen = contacts.strengthening is not None
+        self._shift = bucket_bits(
+            n, mean / self._unit, lambda width: float(law.cdf(width * mean)), strengthen
+        )
         # one contact in a thousand breaks beyond
-        span = min(float(law.isf(2.0**-10)), Reach(contacts, drive).largest)
+        span = float(law.isf(2.0**-10)) * _growth(contacts, drive)
+        span = min(span, Reach(contacts, drive).largest)
         self._ring_bits = ring_bits(n, self._shift, mean / self._unit, span / self._unit)
         if drive.path[-1] > LARGEST * self._unit:
             hint = f"must be below {LARGEST * self._unit:.3g}; positions are whole multiples of {self._unit:.3g}"
             refuse("path[-1]", drive.path[-1], hint)
-        if (breaks := expected_breaks(contacts, drive, n)) > MOST_BREAKS:
+        most = MOST_BREAKS / (SLOWER if strengthen else 1.0)
+        if (breaks := expected_breaks(contacts, drive, n)) > most:
             instead = (
                 "master.solve, another slip rule" if drive.slip == "instant" else "master.solve"
             )
             refuse(
                 "slip",
                 drive.slip,
-                f"takes about {breaks:.1e} breaks of {n} contacts along this path, more than {MOST_BREAKS:.0e}, which "
+                f"takes about {breaks:.1e} breaks of {n} contacts along this path, more than {most:.0e}, which "
                 f"take 40 minutes; use {instead}, fewer contacts, or a shorter path",
             )
 
@@ -88,6 +95,7 @@ class Replicas:
         Raises InputError where contacts would break while the drive moves back to its first point.
         """
         from eq_model.coupled import slide_kernel as kernel
+        from eq_model.coupled.ages import ages_of
         from eq_model.coupled.queue_kernel import make_queue
         from eq_model.coupled.slider import SLIDER
         from eq_model.draws.streams import make_stream
@@ -103,11 +111,12 @@ class Replicas:
         mean = contacts.mean_threshold / unit if contacts.stiffness == "linked" else 0.0
         first, later = (make_supply(births, stream, mean) for births in self._births)
         queue, slider = make_queue(n, self._shift, self._ring_bits), np.zeros(1, SLIDER)
-        s, slips = slider[0], list[Array]()
+        s, slips, ages = slider[0], list[Array](), ages_of(contacts, n)
         s["back"], s["drive"] = -(1 << 62), -np.inf  # never, and nowhere
-        kernel.form_all(slider, queue, first, n)
-        pull, each = self._pull(s), unit / n
-        while (why := kernel.slide(slider, queue, later, pull)) != kernel.PATH_DONE:
+        s["age"] = 0.0 if contacts.growing is None else contacts.growing.start_pinned_for
+        kernel.form_all(slider, queue, first, ages, n)
+        pull, each, s["age"] = self._pull(s), unit / n, 0.0
+        while (why := kernel.slide(slider, queue, later, ages, pull)) != kernel.PATH_DONE:
             if why == kernel.SLIP_ENDED:
                 slips.append(np.r_[replica, len(slips), pull.avalanche])
             elif why == kernel.OVERTAKEN:
@@ -192,9 +201,10 @@ def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
     then on: to X = X_T - F_k/K, with n breaks per mean threshold. Under the other rules a slip breaks up to n contacts,
     and comes after each <x_s> (1 + 1/K) of the drive at the latest. Contacts of one single threshold always break
     together, so that F gets up to F_s again, and it is the same with them. A delay makes breaks rarer: then 0.
+    Thresholds that grow count as if all were as large as the oldest at the end: the path is shorter beside them.
     """
     law, mean, spring = contacts.thresholds, contacts.mean_threshold, drive.spring or np.inf
-    end = float(drive.path[-1])
+    end = float(drive.path[-1]) / _growth(contacts, drive)
     if contacts.delay is not None:
         return 0.0
     low, high = law.support()
@@ -209,15 +219,24 @@ def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
     return n * (end - kinetic / spring) / mean if end > static / spring else 0.0
 
 
+def _growth(contacts: Contacts, drive: Drive) -> float:
+    """The largest factor by which thresholds grow until the end of the path; 1 where they do not."""
+    return contacts.oldest_threshold(float(durations(drive).sum())) / contacts.mean_threshold
+
+
 def check_coupled(contacts: Contacts, drive: Drive) -> None:
     """Raise InputError for laws and paths that cannot be followed on a soft slider."""
-    solver = "eq_model.simulate with a spring"
+    heavy = drive.mass is not None
+    solver = "eq_model.simulate with a mass" if heavy else "eq_model.simulate with a spring"
     if isinstance(contacts, Contacts) and contacts.thermal is not None:
         raise InputError(
             f"contacts.thermal: {solver} takes T = 0: the slider's speed hangs on all contacts at "
             "once, so that none can draw its break beforehand; use master.solve, or leave it out"
         )
-    check_contacts(contacts, solver, ("delay", "reforming", "stiffness"))
+    takes = ["delay", "reforming", "stiffness"]
+    if isinstance(contacts, Contacts) and contacts.strengthening and not heavy:
+        takes.append("growing")
+    check_contacts(contacts, solver, tuple(takes))
     if contacts.reforming is not None and (drive.slip != "instant" or contacts.delay is not None):
         raise InputError(
             "contacts.reforming: contacts that form again stretched after an avalanche would pull "

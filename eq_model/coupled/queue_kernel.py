@@ -20,6 +20,10 @@ from eq_model.compiling import bare, inlined, unsigned
 
 THRESHOLD_BITS = 41  # of a key; the other 23 are its place in the bucket
 CHUNK = 128  # keys in one piece of memory
+BUCKET_SIZE = 16384  # keys of a bucket, on average, which fit a core's L2 cache
+# In mean thresholds; few contacts break in the bucket of their birth.
+WIDEST_BUCKET = 2.0**-5
+MOST_MOVED = 64  # keys of the open bucket that are moved to insert one: 0.5 KB, some 20 ns
 # In Queue.at: the next open key and their end; the number of the open bucket; how many breaks wait in the ring, and
 # beyond it; the bucket of the nearest of these; and the bucket at which the list of these is looked through next.
 NEXT, END, BUCKET, WAITING, BEYOND, NEAREST, LOOK = range(7)
@@ -43,15 +47,17 @@ class Queue(NamedTuple):
     at: npt.NDArray[np.int64]  # (7,), see NEXT
 
 
-def bucket_bits(n: int, mean: float, share_below: Callable[[float], float]) -> int:
+def bucket_bits(
+    n: int, mean: float, share_below: Callable[[float], float], returns: bool = False
+) -> int:
     """Bits of a bucket's width for n contacts of `mean` threshold (units).
 
     share_below : share of the thresholds below a number of means; contacts that break in the bucket of
         their birth are inserted one by one, which is slow.
+    returns : whether all contacts are put back into the bucket where they are taken, before they break
     """
-    # a bucket's breaks, 16384 on average, fit a core's L2 cache; few contacts break in that of their birth
-    width = min(16384 / n, 2.0**-5)
-    while width * n * min(share_below(width), 1.0) > 64.0:  # keys that are moved to insert one
+    width = min((MOST_MOVED if returns else BUCKET_SIZE) / n, WIDEST_BUCKET)
+    while width * n * min(share_below(width), 1.0) > MOST_MOVED:
         width *= 0.5
     return min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
 

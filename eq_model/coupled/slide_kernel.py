@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from eq_model.compiling import bare, entry, inlined
+from eq_model.coupled.ages import add_contact, place_of, remove_all, remove_contact
 from eq_model.coupled.queue_kernel import (
     BREAK,
     NOTHING,
@@ -66,7 +67,7 @@ def _stiffness(x, supply):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _form(s, queue, supply):  # type: ignore[no-untyped-def]
+def _form(s, queue, supply, ages):  # type: ignore[no-untyped-def]
     """Form one contact at the slider's present X."""
     x, r = take(supply)
     k = _stiffness(x, supply)
@@ -74,23 +75,28 @@ def _form(s, queue, supply):  # type: ignore[no-untyped-def]
     s.stiffness += k
     s.force += k * np.float64(r)
     s.back = max(s.back, s.at - r - x)
-    add_break(queue, s.at - r + x, x)
+    if ages.beta > 0.0:
+        contact = add_contact(ages, x, s.at - r, s.now - s.age)
+        add_break(queue, place_of(ages, contact, s.now), contact)
+    else:
+        add_break(queue, s.at - r + x, x)
 
 
 @bare
-def _form_many(s, queue, supply, number):  # type: ignore[no-untyped-def]
+def _form_many(s, queue, supply, ages, number):  # type: ignore[no-untyped-def]
     """Form contacts at the slider's present X."""
     for _ in range(number):
-        _form(s, queue, supply)
+        _form(s, queue, supply, ages)
 
 
 @entry
-def form_all(slider, queue, supply, n):  # type: ignore[no-untyped-def]
+def form_all(slider, queue, supply, ages, n):  # type: ignore[no-untyped-def]
     """Replace all contacts by n that form at the slider's present X."""
     s = slider[0]
     s.force, s.stiffness, s.held, s.out, s.broken = 0.0, 0.0, 0, 0, 0
     clear(queue, s.at)
-    _form_many(s, queue, supply, n)
+    remove_all(ages)
+    _form_many(s, queue, supply, ages, n)
 
 
 @bare
@@ -159,23 +165,39 @@ def _stick(s, pull, ahead):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _come_back(s, queue, supply, pull, ahead):  # type: ignore[no-untyped-def]
+def _come_back(s, queue, supply, ages, pull, ahead):  # type: ignore[no-untyped-def]
     """Form the contacts whose delay is over, at the slider's X at that time."""
-    _, drive = _next_return(s, pull)
+    s.now, drive = _next_return(s, pull)
     x = max(s.base + np.int64(np.rint(_balance(s, pull, ahead, drive))), s.at)
     _move(s, x if ahead.event == NOTHING else min(x, ahead.x))
     settle(queue, s.at)
     _rebase(s, pull)
     number = pull.many[s.returning % pull.due.size]
     s.returning += 1
-    _form_many(s, queue, supply, number)
+    _form_many(s, queue, supply, ages, number)
 
 
 @inlined
-def _break_next(s, queue, supply, pull, ahead):  # type: ignore[no-untyped-def]
-    """Break the contact ahead; the first one in an avalanche begins it."""
+def _time_of_drive(s, pull):  # type: ignore[no-untyped-def]
+    """When the load of the drive is `s.drive`."""
+    drive = np.float64(s.base) + s.drive / pull.spring
+    return _straight(drive, pull.clock_drive, pull.clock)
+
+
+@inlined
+def _break_next(s, queue, supply, ages, pull, ahead):  # type: ignore[no-untyped-def]
+    """Break the contact ahead, if it has not grown too strong; the first one in an avalanche begins it."""
     _move(s, ahead.x)
     x = take_next(queue)
+    if ages.beta > 0.0:
+        if s.broken == 0:
+            s.now = _time_of_drive(s, pull)
+        place = place_of(ages, x, s.now)
+        if place > s.at:
+            add_break(queue, place, x)
+            return
+        remove_contact(ages, x)
+        x = s.at - ages.zero[x]
     k = _stiffness(x, supply)
     s.held -= 1
     # sums of no contacts have no rounding errors, which a soft spring would not bear
@@ -184,7 +206,7 @@ def _break_next(s, queue, supply, pull, ahead):  # type: ignore[no-untyped-def]
     s.broken += 1
     s.breaks += 1
     if pull.at_once:
-        _form(s, queue, supply)
+        _form(s, queue, supply, ages)
     else:
         s.out += 1
 
@@ -201,7 +223,7 @@ def _count_avalanche(s, pull, after):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _end_avalanche(s, queue, supply, pull, ahead):  # type: ignore[no-untyped-def]
+def _end_avalanche(s, queue, supply, ages, pull, ahead):  # type: ignore[no-untyped-def]
     """Stop the slider where the spring balances; contacts that are out form again, or will after their delay.
 
     Returns the avalanche's number of breaks.
@@ -213,29 +235,27 @@ def _end_avalanche(s, queue, supply, pull, ahead):  # type: ignore[no-untyped-de
     out, s.out = s.out, 0
     if pull.wait >= 0.0:
         last = s.returns % pull.due.size
-        drive = np.float64(s.base) + s.drive / pull.spring
-        now = _straight(drive, pull.clock_drive, pull.clock)
-        pull.due[last], pull.many[last] = now + pull.wait, out
+        pull.due[last], pull.many[last] = _time_of_drive(s, pull) + pull.wait, out
         s.returns += 1
     elif out > 0:
-        _form_many(s, queue, supply, out)
+        _form_many(s, queue, supply, ages, out)
     _rebase(s, pull)
     return size
 
 
 @bare
-def _reset(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
+def _reset(slider, queue, supply, ages, pull):  # type: ignore[no-untyped-def]
     """End a slip with new contacts in place of all, also of those due to return; the slider goes to X = X_T."""
     s = slider[0]
     after = s.drive / pull.spring
     s.at, s.returning = s.base + np.int64(np.rint(after)), s.returns
     _count_avalanche(s, pull, after)
-    form_all(slider, queue, supply, pull.n)
+    form_all(slider, queue, supply, ages, pull.n)
     _rebase(s, pull)
 
 
 @entry
-def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
+def slide(slider, queue, supply, ages, pull):  # type: ignore[no-untyped-def]
     """Follow the slider until a slip has ended, or another reason to stop, which is returned."""
     s, passed = slider[0], 0
     while True:
@@ -247,14 +267,14 @@ def slide(slider, queue, supply, pull):  # type: ignore[no-untyped-def]
         else:  # in an avalanche the drive stands still
             event = BALANCE if ahead.needs > s.drive else ahead.event
         if event == RETURN:
-            _come_back(s, queue, supply, pull, ahead)
+            _come_back(s, queue, supply, ages, pull, ahead)
         elif event == BALANCE:
-            if _end_avalanche(s, queue, supply, pull, ahead) >= pull.slip:
+            if _end_avalanche(s, queue, supply, ages, pull, ahead) >= pull.slip:
                 return SLIP_ENDED
         elif event == BREAK:
-            _break_next(s, queue, supply, pull, ahead)
+            _break_next(s, queue, supply, ages, pull, ahead)
             if pull.resets and s.broken >= pull.slip:
-                _reset(slider, queue, supply, pull)
+                _reset(slider, queue, supply, ages, pull)
                 return SLIP_ENDED
         else:
             _move(s, ahead.x)

@@ -26,6 +26,8 @@ SLIDER = np.dtype(
         ("point", np.int64),  # index of the next point of the path
         ("returning", np.int64),  # index of the next return of contacts after their delay
         ("returns", np.int64),  # index after the last return
+        ("now", np.float64),  # where thresholds grow: when the last contacts broke or formed
+        ("age", np.float64),  # of contacts as they form: that of the start, later 0
     ]
 )
 
