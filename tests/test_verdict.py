@@ -533,6 +533,11 @@ def test_slips_that_were_seen_are_told_beside_what_was_not_followed() -> None:
     assert (
         "16 slips were seen, the last from 0.2" in said and "if a slip renews all contacts" in said
     )
+    assert "and whether it goes on is not known" in said
+    rough = replace(answer, behaviours=(refused, replace(seen, error=float("inf"))))
+    text = "\n".join(page(judge.Verdict("a", "a", 1.0, (rough,), (), {}, 1.0)))
+    assert "and neither errors nor whether it goes on are known" in text
+    assert "force before a slip (reset: not decided, errors not known)" in text
 
 
 def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in_the_bound() -> (

@@ -136,10 +136,11 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
 
 
 def _unfinished(behaviour: Behaviour) -> str:
-    """What to add to the rule of slips that were seen where it is not known whether they go on."""
+    """What to add to the rule of slips that were seen and are not decided: whether the path is cut, errors unknown."""
     if behaviour.kind != "undecided":
         return ""
-    return ": path cut" if behaviour.cut else ": not decided"
+    unknown = ", errors not known" * (not np.isfinite(behaviour.error))
+    return (": path cut" if behaviour.cut else ": not decided") + unknown
 
 
 def of_so_many(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
