@@ -46,14 +46,13 @@ class Break(NamedTuple):
 
 
 class Work(NamedTuple):
-    """All that is needed to follow a block of contacts."""
+    """All that is needed to follow a block of contacts but their law: what takes no law is compiled once for all."""
 
     stream: Any  # Stream of the block
     starts: DrawnBirths  # at X = 0
     again: DrawnBirths
     exposures: QuantileTable  # logs of the integrals of rates at which contacts break
-    law: Any
-    forward: bool  # whether it is a Forward
+    forward: bool  # whether the law is a Forward
     at_once: (
         bool  # whether contacts that break form again at once, relaxed and of the same stiffness
     )

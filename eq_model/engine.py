@@ -71,11 +71,11 @@ class Engine:
         in_units = in_units._replace(
             watched=watched, before=before, per_stretch=per_x, per_threshold=per_y
         )
+        self._law: Any = Forward(law) if forward else law
         self._work = Work(
             None,
             *births_of(contacts, in_units.unit),
             exposures=exposures(),
-            law=Forward(law) if forward else law,
             forward=forward,
             at_once=contacts.waiting_time == 0.0 and contacts.reforming is None and not linked,
             drive=in_units,
@@ -110,10 +110,10 @@ class Engine:
         _, kinds, bins, columns = self._shape
         # column by column, so that the column that is used most stays in the L1 cache
         sums, coarse = (np.zeros((bins + 1, columns), np.int64, order="F") for _ in range(2))
-        breaks = follow(work, make_scratch(), count, sums, counts)
+        breaks = follow(self._law, work, make_scratch(), count, sums, counts)
         if kinds == 3:
-            work = work._replace(law=work.law.coarser(self.COARSER), measured=True)
-            follow(work, make_scratch(), -(-count // self.COARSER), coarse, counts[:0])
+            law, work = self._law.coarser(self.COARSER), work._replace(measured=True)
+            follow(law, work, make_scratch(), -(-count // self.COARSER), coarse, counts[:0])
         found = np.stack([sums, sums * measured, coarse][:kinds])[:, :-1]
         return State(np.stack([found >> 32, found & 0xFFFFFFFF]), counts, breaks=int(breaks))
 

@@ -89,8 +89,9 @@ def _wait(n, work, lanes):  # type: ignore[no-untyped-def]
         on[lane] = min(leg_then, whole(drive.paces.size - 1))
 
 
-def _on_path(law, n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
-    """Set when and on which legs the next contacts form, and where the slider then is, which is returned."""
+@inlined
+def _on_path(n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
+    """Set when and on which legs the next contacts form, and the place at which the slider then is."""
     drive, on = work.drive, lanes.breaks_on
     for i in range(unsigned(n)):  # the leg of a contact that holds to the end does not matter
         on[i] = on[i] if broken[i] <= drive.end else whole(0)
@@ -107,6 +108,11 @@ def _on_path(law, n, work, lanes, broken, place):  # type: ignore[no-untyped-def
         lanes.leg[i] = whole(0) if over else on[i]
         lanes.far[i] = first_far if over else lanes.far[i]
         lanes.until[i] = first_until if over else lanes.until[i]
+
+
+def _by_path(law, n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
+    """As `_on_path`, which is compiled once for all laws. Returns the place."""
+    _on_path(n, work, lanes, broken, place)
     return place
 
 
@@ -115,21 +121,53 @@ def _ahead(law, n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
     return broken
 
 
-form_again = by_law(lambda law: _ahead if law is Forward else _on_path)
+form_again = by_law(lambda law: _ahead if law is Forward else _by_path)
+
+
+@inlined
+def _next(n, count, looks, place, work, lanes):  # type: ignore[no-untyped-def]
+    """Put the next contact into each of n lanes: the one that forms again at its place, or, where that would be beyond
+    the end, the block's next at X = 0."""
+    end, broken = work.drive.end, lanes.broken
+    for i in range(unsigned(n)):
+        over = broken[i] > end
+        number = lanes.number[i] + (whole(LANES) if over else whole(0))
+        again = whole(0) if number < count else end + 1
+        lanes.number[i] = number
+        lanes.birth[i] = again if over else place[i]
+    for i in range(unsigned(n if looks or not (work.forward and work.again.relaxed) else 0)):
+        over = broken[i] > end
+        again = whole(0) if lanes.number[i] < count else end + 1
+        lanes.instant[i] = again if over else broken[i]
+        lanes.initial[i] = whole(over)
+
+
+@inlined
+def _draw(n, row, turn, work, scratch, starting, lanes):  # type: ignore[no-untyped-def]
+    """Draw what the next contacts of n lanes have: stretch, threshold, and exposure where the law needs one."""
+    stream, again = work.stream, work.again
+    if not again.relaxed:
+        draw_stretches(n, row, turn, stream, again, scratch, lanes.stretch)
+        for i in range(unsigned(n)):
+            start = starting[unsigned(min(lanes.number[i], starting.size - 1))]
+            lanes.stretch[i] = start if lanes.initial[i] else lanes.stretch[i]
+    draw_thresholds(n, row, turn, stream, again, scratch, lanes.stretch, lanes.threshold)
+    if work.needs_exposure:
+        words, out = scratch.exposures, lanes.log_exposure
+        draw_values(n, row, turn, stream, EXPOSURES, work.exposures, words, scratch, out)
 
 
 @inlined
 def _row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one life in each of n lanes. Returns the number of breaks."""
-    drive, end = work.drive, work.drive.end
-    instant, birth, broken = lanes.instant, lanes.birth, lanes.broken
+    drive, birth, broken = work.drive, lanes.birth, lanes.broken
     for i in range(unsigned(0 if work.again.relaxed else n)):
         birth[i] -= lanes.stretch[i]
     breaks = breaks_of(law, n, work, lanes, counts)
     _bins_of(broken, n, drive, lanes.bins)
     looks = counts.shape[0] > 0
     if looks or not work.at_once:
-        _bins_of(instant, n, drive, lanes.born_in)
+        _bins_of(lanes.instant, n, drive, lanes.born_in)
     if looks:
         _look(law, n, work, lanes, counts)
     if not work.at_once:
@@ -137,27 +175,17 @@ def _row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-d
     place = form_again(law, n, work, lanes, broken, lanes.place)
     if work.at_once:
         _count_changes(n, place, work, lanes, sums)
-    for i in range(unsigned(n)):
-        over = broken[i] > end
-        number = lanes.number[i] + (whole(LANES) if over else whole(0))
-        again = whole(0) if number < count else end + 1
-        lanes.number[i] = number
-        birth[i] = again if over else place[i]
-    for i in range(unsigned(n if looks or not (work.forward and work.again.relaxed) else 0)):
-        over = broken[i] > end
-        again = whole(0) if lanes.number[i] < count else end + 1
-        instant[i] = again if over else broken[i]
-        lanes.initial[i] = whole(over)
+    _next(n, count, looks, place, work, lanes)
     return breaks
 
 
 @compiled
-def follow(work, scratch, count, sums, counts):  # type: ignore[no-untyped-def]
-    """Follow one block of contacts to the drive's end. Returns the number of breaks.
+def follow(law, work, scratch, count, sums, counts):  # type: ignore[no-untyped-def]
+    """Follow one block of contacts under a law to the drive's end. Returns the number of breaks.
 
     sums : increased, as in contact.count_event. counts : increased, as in contact.look_at.
     """
-    stream, starts, again = work.stream, work.starts, work.again
+    stream, starts = work.stream, work.starts
     # the stretches of the start, a single one if it is that of all contacts
     starting = np.empty(count + LANES, whole)
     for part in range(whole(count // LANES + 1)):
@@ -182,16 +210,8 @@ def follow(work, scratch, count, sums, counts):  # type: ignore[no-untyped-def]
     n, turn, breaks, least = min(LANES, count), whole(0), whole(0), whole(0)
     while least < count:
         for row in range(whole(4)):
-            if not again.relaxed:
-                draw_stretches(n, row, turn, stream, again, scratch, lanes.stretch)
-                for i in range(unsigned(n)):
-                    start = starting[unsigned(min(lanes.number[i], starting.size - 1))]
-                    lanes.stretch[i] = start if lanes.initial[i] else lanes.stretch[i]
-            draw_thresholds(n, row, turn, stream, again, scratch, lanes.stretch, lanes.threshold)
-            if work.needs_exposure:
-                words, e = scratch.exposures, lanes.log_exposure
-                draw_values(n, row, turn, stream, EXPOSURES, work.exposures, words, scratch, e)
-            breaks += _row(work.law, n, count, work, lanes, sums, counts)
+            _draw(n, row, turn, work, scratch, starting, lanes)
+            breaks += _row(law, n, count, work, lanes, sums, counts)
         turn, least = turn + 1, lanes.number[0]
         for i in range(LANES):
             least = min(least, lanes.number[i])
