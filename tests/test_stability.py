@@ -17,7 +17,7 @@ from toolkit.command import main
 from toolkit.scene.scene import load_scene
 from toolkit.stability import sliders
 from toolkit.stability.case import Answer, Case, Question, Row, Truth, judged, rows
-from toolkit.stability.scene_map import numbers, scene_map, times
+from toolkit.stability.scene_map import numbers, scene_map, times, trusted
 from toolkit.stability.table import VERDICTS, extreme_cases, stability, summary
 
 QUICK = {"near-merged peaks", "heavy tails", "delay", "starts"}
@@ -42,6 +42,11 @@ CUT = {"just below the end of a rectangle"}  # by its wall time of 10 s
 )
 def test_the_judge_tells_what_is_wrong_from_what_is_short(answer: Answer, verdict: str) -> None:
     assert judged(answer, Truth([1.0, 2.0], 0.0, "by hand")).verdict == verdict
+
+
+def test_an_answer_without_a_second_road_is_not_called_exact() -> None:
+    found = judged(Answer([1.0, 2.0], 0.0), Truth([1.0, 2.0], np.inf, "invariants alone"))
+    assert found.verdict == "within tolerance" and np.isnan(found.error)
 
 
 def test_a_wrong_answer_is_found_by_the_other_solver() -> None:
@@ -192,6 +197,31 @@ def test_few_contacts_that_slip_where_infinitely_many_slide_are_no_second_road(
         found = scene_map(load_scene(str(file)), lambda line: None)
         assert [row.solver for row in found] == solvers
         assert {row.verdict for row in found} <= {"exact", "within tolerance"}
+
+
+def test_a_timed_drive_is_cut_with_its_times_before_the_first_slip(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The drive of stick-slip-ends: a slider with mass that slips at X_T = 52."""
+    monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 0)
+    file = tmp_path / "timed.toml"
+    file.write_text(
+        '[contacts]\nthresholds = { kind = "gaussian", mean = 1.0, std = 0.2 }\n'
+        "[drive]\nturns = [40.0, 80.0]\ntimes = [10.0, 20.0]\npoints = 21\n"
+        "spring = 0.02\nmass = 0.05066\n[master]\n"
+    )
+    found = scene_map(load_scene(str(file)), lambda line: None)
+    assert [row.solver for row in found] == ["master", "ensemble"]
+    assert {row.verdict for row in found} <= {"exact", "within tolerance"}
+
+
+def test_a_scene_that_is_not_answered_is_not_said_to_be_trusted() -> None:
+    numbers_of_rows = (np.nan, np.nan, np.nan, 0.0, "")
+    found = [
+        Row("as it is", "x 1", "master", "refused", *numbers_of_rows, "a reason"),
+        Row("drive.mass", "x 1e+1: 2", "master", "within tolerance", *numbers_of_rows, ""),
+    ]
+    assert list(trusted(found)) == ["not answered within the tolerance as it is: a reason"]
 
 
 def test_what_is_no_scene_with_a_path_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -63,7 +63,8 @@ class Answer:
 class Row:
     """A line of the table.
 
-    error : largest difference from the truth, in mean thresholds (or the unit of the case's name); nan where refused
+    error : largest difference from the truth, in mean thresholds (or the unit of the case's name); nan where refused,
+        or where invariants alone are known
     floor : what the truth itself is good for there, below which `error` says nothing
     claim : what the solver says of its error there; run_time : in s; road : of the truth; said : the solver's message
     """
@@ -143,7 +144,8 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
         honest = not answer.success and np.isinf(claims[unknown]).all()
         verdict: Verdict = "short, and says so" if honest else "wrong"
         return Judgement(verdict, np.nan, np.nan, np.inf, answer.message or "no number")
-    off = np.where(np.isinf(floors), 0.0, off)  # there the truth says nothing
+    known_at = np.isfinite(floors)
+    off = np.where(known_at, off, 0.0)  # elsewhere the truth says nothing
     worst = int(np.argmax(off))
     beyond = off - floors - ROUND_OFF
     said = answer.message
@@ -157,9 +159,11 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     elif not answer.success or cut:
         verdict = _short(answer)
     else:
-        verdict = "exact" if off.max() <= ROUND_OFF else "within tolerance"
+        exact = known_at.any() and off.max() <= ROUND_OFF
+        verdict = "exact" if exact else "within tolerance"
     claim = np.inf if cut else float(claims[worst])  # of the rest of a path nothing is known
-    return Judgement(verdict, float(off[worst]), float(floors[worst]), claim, said)
+    error = float(off[worst]) if known_at[worst] else np.nan
+    return Judgement(verdict, error, float(floors[worst]), claim, said)
 
 
 def _short(answer: Answer) -> Verdict:
@@ -226,7 +230,7 @@ def _witness(name: str, answer: Answer | str) -> Truth | None:
 
 def _nothing_known(answer: Answer | str) -> Truth | None:
     """No second road: invariants alone are checked."""
-    return None if isinstance(answer, str) else Truth(answer.values, 0.0, "invariants alone")
+    return None if isinstance(answer, str) else Truth(answer.values, np.inf, "invariants alone")
 
 
 def solved(case: Case, contacts: Contacts, path: Array) -> Answer:

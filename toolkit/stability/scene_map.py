@@ -65,6 +65,10 @@ def scene_map(
 def trusted(found: list[Row]) -> Iterator[str]:
     """Between which factors each number may be trusted, in words; rows of the ensemble do not count."""
     good = ("exact", "within tolerance")
+    plain = [row for row in found if row.group == "as it is" and row.solver != "ensemble"]
+    if any(row.verdict not in good for row in plain):
+        yield f"not answered within the tolerance as it is: {plain[0].said}"
+        return
     for key in dict.fromkeys(row.group for row in found):
         own = [row for row in found if row.group == key and row.solver != "ensemble"]
         decades = [int(_decade(row)) for row in own if row.verdict in good]
@@ -93,11 +97,13 @@ def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Ca
         names = ("spring", "slip", "mass", "damping")
         keywords |= {one: getattr(drive, one) for one in names if getattr(drive, one) is not None}
         slip = first_slip(other, path, keywords)
-        path = path[path <= _BEFORE * slip]
+        before = np.logical_and.accumulate(path <= _BEFORE * slip)
+        before[0] = True
+        path = path[before]
+        if drive.time is not None:
+            keywords["time"] = drive.time[before]
         if np.isinf(slip) and _CONTACTS * drive.spring**3 < _ENOUGH:
             contacts = 0  # no second road
-    if not path.size:
-        path = drive.path[:1]
     tolerance = 1e-4 if other.master is None else other.master.tolerance
     return Case(
         group,
