@@ -109,7 +109,7 @@ def masses() -> list[Case | Question]:
 def motions() -> list[Case | Question]:
     """A million periods, ten thousand turns, a long rest."""
     long, turns = "long paths", "turns and rests"
-    swing, breaking = np.tile([0.4, -0.4], 5_000), np.tile([2.0, -2.0], 500)
+    swing, breaking = np.tile([0.4, -0.4], 5_000), np.tile([2.0, -2.0], 5_000)
     return [
         Case(
             long,
@@ -128,7 +128,7 @@ def motions() -> list[Case | Question]:
             truths.no_break,
             n_contacts=1_000,
         ),
-        Case(turns, "1e3 turns with breaks", lambda: Contacts(WIDE), breaking, n_contacts=2_000),
+        Case(turns, "1e4 turns with breaks", lambda: Contacts(WIDE), breaking, n_contacts=2_000),
         rest(),
     ]
 
