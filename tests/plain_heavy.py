@@ -37,6 +37,11 @@ class PlainSlider:
         self.unit, stream = unit_of(contacts), make_stream(seed, 0)
         self.draws = [make_supply(births, stream) for births in births_of(contacts, self.unit)]
         self.contacts, self.drive, self.n, self.fraction = contacts, drive, n, fraction
+        self.law, self.now, self.born = (
+            None,
+            0.0,
+            np.zeros(0),
+        )  # no thresholds that grow beside a mass
         self.x = self.v = self.t = 0.0
         self.zero, self.threshold, self.k = np.zeros((3, 0))
         self.returns, self.breaks = list[float](), 0
