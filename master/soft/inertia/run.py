@@ -46,7 +46,8 @@ class Run:
     """The slider followed once.
 
     record, balance : results at the path's points, and X_T at t = 0; force : of the spring, as far as it was followed
-    stopped : why it was not followed to the end; stored_first : energy of the contacts at t = 0
+    tolerance : what is asked of it; stopped : why it was not followed to the end
+    stored_first : energy of the contacts at t = 0
     """
 
     def __init__(
@@ -57,7 +58,7 @@ class Run:
         cold = ColdContacts(contacts, spring, tolerance, until)
         # the motion hangs on F itself, and not on F' as slips without a mass do
         cold.of_panels = max(OF_PANELS * tolerance * unit / cold.life.largest_stretch, 1e-13)
-        self._spring, self._unit = spring, unit
+        self._spring, self._unit, self.tolerance = spring, unit, tolerance
         self.balance = cold.force_of(contacts.start) / spring
         if abs(drive.path[0] - self.balance) <= 1e-12 * unit:
             self.balance = float(drive.path[0])

@@ -107,7 +107,8 @@ def solve_inertial(
             parting = run.parting(before, (tolerance - unseen) / safety)
             progress(error)
     most = float(best.record.holding[: best.force.size].max(initial=0.0))
-    if most > 1.0 + tolerance:
+    # a first run that was stopped has asked for less than `tolerance`, and knows no error
+    if most > 1.0 + max(tolerance, best.tolerance):
         stopped = f"number is not conserved: holding reaches {most:.4g}, a fault of the program"
         error = of_contacts = np.inf
     left_out = 1e-14 * (1.0 + spring * float(np.abs(drive.path).max()) / unit)  # rounding
@@ -124,6 +125,7 @@ def solve_inertial(
         holding=best.record.holding[: best.force.size],
         slips=best.slips((error + left_out) * unit / spring),
         error=error + left_out,
+        holding_error=best.tolerance if np.isinf(error) else 0.0,
         nodes=nodes,
         stopped_because=stopped,
     )
