@@ -7,7 +7,8 @@ from origins import Contacts
 from origins.drive import Drive
 from origins.errors import refuse
 
-# Fewest panels between two volleys of contacts that form and break together, one delay apart; some 70 were seen.
+# Panels between two volleys of contacts that form and break together, one delay apart: some 2 to 90 were seen, so that
+# the forecast is an estimate, which may refuse a path on which a sixth of the panels would do.
 OF_A_VOLLEY = 20.0
 # A swing is slow from so many times the delay and the passing of a threshold on; and swings have grown after so many
 # times M over the fall of F_k.
@@ -24,7 +25,7 @@ def slip_time(mass: float, damping: float, spring: float) -> float:
 
 
 def refuse_short_delay(contacts: Contacts, drive: Drive) -> None:
-    """InputError where sliding is surely unstable at the drive's speed v, and swings take far too many panels.
+    """InputError where sliding is surely unstable at the drive's speed v, and swings take, by an estimate, too many panels.
 
     Steady sliding has F_k(v) = F_k/(1 + v tau/<x_s>). Where that falls faster than the damping rises, swings that are
     slow beside the delay and the passing of a threshold grow (docs/sliders.md). From relaxed contacts F is at most
@@ -50,6 +51,6 @@ def refuse_short_delay(contacts: Contacts, drive: Drive) -> None:
     lasts = min(slip_time(mass, drive.damping, spring), left)
     panels = min(OF_A_VOLLEY * lasts / delay, speed * left / unit)
     if panels > MOST_PANELS:
-        fault = f"contacts break and form too often in a slip of some {lasts:.2g}, on {panels:.0e} panels of time"
+        fault = f"contacts break and form too often in a slip of some {lasts:.2g}, on about {panels:.0e} panels of time"
         hint = f"take eq_model.simulate, end the path before {latest:.4g}, or leave the mass out and give a slip rule"
         refuse("delay", delay, f"{fault}, of which at most {MOST_PANELS:,} are followed; {hint}")
