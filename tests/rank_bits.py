@@ -37,6 +37,7 @@ def told(comm: Any) -> Iterator[Any]:
         (origins.Contacts(strong, start), loop, 3001, {"histograms": [4]}),
         (origins.Contacts(strong, start, soft), loop, 301, {}),
         (origins.Contacts(wide, delay=origins.Delay(0.1)), path, 300, {"spring": 0.7}),
+        (origins.Contacts(strong, start), path, 300, {"spring": 0.7}),
         (
             origins.Contacts(wide, delay=origins.Delay(0.1)),
             path,
