@@ -318,7 +318,7 @@ REFUSED = [
     ),
     (
         lambda: simulate(spring=1.0, mass=1.0, laws={"thermal": PAPER}),
-        "contacts.thermal: eq_model.simulate with a spring",
+        "contacts.thermal: eq_model.simulate with a mass",
     ),
     (
         lambda: simulate(spring=1.0, mass=1.0, laws={"reforming": 0.1}),
