@@ -25,7 +25,7 @@ def slip_time(mass: float, damping: float, spring: float) -> float:
 
 
 def refuse_short_delay(contacts: Contacts, drive: Drive) -> None:
-    """InputError where sliding is surely unstable at the drive's speed v, and swings take too many panels by an estimate.
+    """InputError where sliding is surely unstable at the drive's speed v, and swings would take too many panels.
 
     Steady sliding has F_k(v) = F_k/(1 + v tau/<x_s>). Where that falls faster than the damping rises, swings that are
     slow beside the delay and the passing of a threshold grow (docs/sliders.md). From relaxed contacts F is at most
