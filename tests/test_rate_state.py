@@ -334,6 +334,16 @@ def test_bad_input_is_refused_in_a_line() -> None:
 
 
 @pytest.mark.slow
+def test_heat_and_strengthening_of_a_rough_surface_are_refused_after_the_first_steps() -> None:
+    """Their steps take more work than is allowed; smaller steps, other speeds and rests are not begun."""
+    scene, begun = load_scene("rate-state-weakening"), list[str]()
+    contacts = scene.contacts.replace(thermal=Thermal("eyring", width=0.01, attempt_frequency=1e10))
+    with pytest.raises(InputError, match=r"known to .* times its change only, .* eq_model"):
+        master.rate_state(contacts, scene.sliding, rests=[1.0], progress=begun.append)
+    assert begun == ["velocity steps"]
+
+
+@pytest.mark.slow
 def test_contacts_in_step_say_that_they_do_not_become_steady() -> None:
     """Thresholds that are almost alike break together for longer than the answer is followed."""
     narrow = Contacts(gaussian(1.0, 0.02), delay=Delay(0.1))

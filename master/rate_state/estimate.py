@@ -56,7 +56,8 @@ def rate_state(
     solved force; see `read_steps`, which says what the `definition` of each compares.
 
     Raises InputError for contacts whose force does not depend on time, as `solve` and `kinetic_curve` do, and for
-    numbers outside these ranges.
+    numbers outside these ranges; and for contacts with heat whose thresholds grow where the first steps, of a minute or
+    two, are not known, as on rough surfaces.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.rate_state", LAWS, own_rates=True)
@@ -75,6 +76,8 @@ def rate_state(
     progress("velocity steps")
     curve, unit = kinetic_curve(contacts, velocity), contacts.mean_threshold
     steps = steps_about(contacts, velocity, ratio, tolerance)
+    if slow:
+        _check_known(steps)
     found, slope = read_steps(steps, evolution), slope_at(contacts, velocity)
     law = RateStateLaw(
         float(curve.force), velocity, found.a, found.b, found.slip_distance, evolution
@@ -128,6 +131,18 @@ def rate_state(
         loose = tolerance if slow else LOOSER * tolerance
         solved.append(rest_of(contacts, velocity, float(rest), loose))
     return so_far()
+
+
+def _check_known(steps: Sequence[VelocityStep]) -> None:
+    """Raise InputError where the error of the force is above its change, before minutes of work on smaller steps, other
+    speeds and rests, which are then known no better."""
+    change = max(min(float(np.ptp(one.force)) for one in steps), 1e-300)
+    if steps[0].error > change:
+        raise InputError(
+            f"contacts: the force after a step is known to {steps[0].error / change:.2g} times its change only, as "
+            "heat and strengthening together of such wide thresholds take too much work; kinetic_curve gives F_k, and "
+            "eq_model.simulate follows steps, or take a gaussian"
+        )
 
 
 def _parameters(found: Reading, slope: Slope, scan: SpeedScan) -> dict[str, Parameter]:
