@@ -32,6 +32,15 @@ def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force(name: st
     assert abs(limit - solved.force[0]) < solved.force_error + OF_CELLS
 
 
+def test_contacts_that_are_left_out_while_they_hold_name_themselves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Cohorts go as soon as less than 0.3 of them holds: their number would be made up by births."""
+    monkeypatch.setattr("master.soft.in_time.contacts.DEAD", 0.3)
+    found = master.solve(CASES["heat"], [2.0], 1e-3, velocity=VELOCITY, spring=SPRING)
+    assert not found.success and "was left out while it held" in found.message
+
+
 def test_breaks_that_are_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the breaks are forgotten as a step is taken: more have formed and not broken than hold."""
     true = BreaksInSteps.add

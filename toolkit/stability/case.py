@@ -146,7 +146,7 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
         return Judgement(verdict, np.nan, np.nan, np.inf, answer.message or "no number")
     known_at = np.isfinite(floors)
     off = np.where(known_at, off, 0.0)  # elsewhere the truth says nothing
-    worst = int(np.argmax(off))
+    worst = int(np.argmax(np.where(known_at, off, -1.0)))
     beyond = off - floors - ROUND_OFF
     said = answer.message
     if answer.faults:

@@ -109,6 +109,7 @@ class ContactsInSteps:
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
         self.past_breaks, self._births_so_far = BreaksInSteps(self.delay, self.now), 0.0
         self._formed = 0.0  # births so far by the weights of the cohorts, which are to be the same
+        self._left_out = 0.0  # share of the contacts in groups that were left out while they held
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
         """A step by `travel` until `now`; `without_births`, broken contacts stay out. StoppedError as `take`."""
@@ -162,12 +163,19 @@ class ContactsInSteps:
 
     def _without_dead(self, groups: Groups, survival: Array) -> Groups:
         """The groups of which some contacts hold; all groups of a cohort go together. The last cohort stays, as it
-        shares the births of the next step."""
+        shares the births of the next step. FaultError where groups go of which more than LOST of the contacts hold:
+        at the next step these would count as broken, which _check_number cannot see."""
         count = self._at_birth.stretch.size
         alive = survival > DEAD
         cohorts = survival[self._n_of_start :].reshape(-1, count)
         alive[self._n_of_start :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
         alive[self._newest] = True
+        self._left_out += float(survival[~alive] @ groups.weight[~alive])
+        if self._left_out > LOST:
+            raise FaultError(
+                f"number is not conserved: until t = {self.now:.6g}, X = {self.position:.6g} a share "
+                f"{self._left_out:.6g} of the contacts was left out while it held, a fault of the program"
+            )
         self._n_of_start = int(np.count_nonzero(alive[: self._n_of_start]))
         return groups.pick(alive)
 
