@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from plain_in_time import pulled
 
 import master
 from master.soft.in_time.breaks import BreaksInSteps
+from master.soft.in_time.threshold_cells import ThresholdCells
 from origins import Contacts, Delay, Thermal, gaussian
 
 WIDE = gaussian(1.0, 0.2)
@@ -47,3 +50,32 @@ def test_breaks_that_are_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(BreaksInSteps, "add", lambda of, now, breaks: true(of, now, 0.5 * breaks))
     found = master.solve(CASES["delay"], [1.0], 1e-3, velocity=VELOCITY, spring=SPRING)
     assert not found.success and "number is not conserved: after t = " in found.message
+
+
+def test_the_cell_of_the_least_threshold_that_holds_is_continued_along_its_barrier() -> None:
+    """Where ln A falls linearly with x_s², as along a barrier, its value at a threshold within a cell is exact."""
+    edges = np.linspace(0.4, 1.6, 13)
+    beyond = WIDE.sf(edges)
+    cells = ThresholdCells(CASES["heat"], edges, beyond)
+    least, stretch = 0.83, 0.8  # in the cell from 0.8 to 0.9
+
+    def log(x: np.ndarray) -> np.ndarray:
+        return 3.0 - 4.0 * x**2
+
+    integrals = np.exp(log(edges))
+    integrals[edges < least] = (
+        1e3  # of contacts that have met their thresholds: not to be asked for
+    )
+    unmet = float(WIDE.sf(least))
+    found, force = cells.survival_and_force(
+        integrals[None], np.array([stretch]), np.array([least]), np.array([unmet])
+    )
+    ends = np.append(least, edges[edges > least])
+    shares = -np.diff(np.append(unmet, beyond[edges > least]))
+    along = np.linspace(0.0, 1.0, 4001)
+    means = [
+        np.trapezoid(np.exp(-np.exp(log(low) + along * (log(high) - log(low)))), along)
+        for low, high in pairwise(ends)
+    ]
+    assert abs(found[0] - shares @ means) < 1e-8
+    assert abs(force[0] - stretch * found[0]) < 1e-15
