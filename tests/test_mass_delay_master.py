@@ -255,3 +255,21 @@ def test_a_delay_too_short_for_a_slip_of_a_million_thresholds_is_refused(delay: 
     with pytest.raises(origins.InputError, match=f"delay = {delay:g}: contacts break and form"):
         solve(delayed(delay, ELASTIC), [1e5, 2.4e6], 1e-3, **machine)
     assert solve(delayed(delay, ELASTIC), [1e4], 1e-3, **machine).success
+
+
+def test_the_slope_of_the_force_is_that_of_its_differences() -> None:
+    """Cohorts that break as they move on, some that were stretched farther before, and some stretched backwards."""
+    contacts = origins.Contacts(WIDE, origins.gaussian_start(0.0, 0.3))
+    cohorts = Cohorts.at_start(contacts, Survival(WIDE)).moved(0.6).moved(0.45)
+    at, step = np.array([0.5, 0.55, 0.7, 0.9]), 1e-5
+    up, down = (cohorts.response(at + off).force for off in (step, -step))
+    slope = cohorts.response(at).slope
+    np.testing.assert_allclose(slope, (up - down) / (2.0 * step), atol=1e-7)
+    assert slope[0] > 0.0 > slope[-1]
+
+
+def test_births_have_a_kink_after_each_delay() -> None:
+    """The first one stands for the kink of breaks itself; echoes of it are smoother each time."""
+    breaks = PastBreaks(2.0, held=1.0)
+    breaks.kink(1.0)
+    assert breaks.next_kink(1.0) == 3.0 and breaks.next_kink(3.0) == 5.0
