@@ -3,8 +3,8 @@
 A contact breaks as the slider reaches `zero` + fresh (1 + β ln(1 + age/τ_0)), a place that moves on while time passes.
 The queue holds the place of an earlier time, which lies before the one at which the contact breaks, however the slider
 goes there. As the slider reaches it, the contact either breaks, or waits at its place of then. At each time the rest of
-the way is less by a factor of about β, so that some six of these steps lead to the last unit of length. A break takes
-some twenty times as long as one of contacts that do not strengthen (SLOWER).
+the way is less by a factor of about β: at β = 0.03 six of these steps pass the 2^28 units of a mean threshold. A break
+takes some twenty times as long as one of contacts that do not strengthen (SLOWER).
 """
 
 from typing import NamedTuple

@@ -7,8 +7,8 @@ from origins import Contacts
 from origins.drive import Drive
 from origins.errors import refuse
 
-# Panels between two volleys of contacts that form and break together, one delay apart: some 2 to 90 were seen, so that
-# the forecast is an estimate, which may refuse a path on which a sixth of the panels would do.
+# Panels between two volleys of contacts that form and break together, one delay apart: 2 to 90 were seen on 12 paths,
+# so that the forecast is an estimate, and no bound.
 OF_A_VOLLEY = 20.0
 # A swing is slow from so many times the delay and the passing of a threshold on; and swings have grown after so many
 # times M over the fall of F_k.
