@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from phase_type import gaussian_force
 from scipy import stats
-from scipy.integrate import quad
+from scipy.integrate import cumulative_trapezoid, quad
 from scipy.optimize import brentq
 
 import eq_model
@@ -55,6 +55,38 @@ def test_identical_thresholds_that_form_at_once_slip_threshold_by_threshold(spri
     assert np.abs(solution.force - exact).max() <= solution.force_error <= 1e-10
     assert np.abs(solution.slips.drive - first - np.arange(count)).max() <= 1e-10 * first
     assert solution.slips.after == pytest.approx(np.arange(count) + 1.0 + 1.0 / (1.0 + spring))
+
+
+def test_slips_of_a_few_contacts_between_those_of_all_are_no_main_slips():
+    """One contact in a hundred breaks at 0.4, re-forms there and lets the slider slip by some 1e-6; one in 1e4 breaks
+    again at 0.8. After it F is that of a rigid slider, and the last slip of the path is a small one."""
+    wide, spring = origins.gaussian(1.0, 0.05), 1e-3
+    law = origins.mixture([origins.identical(0.4), wide], [0.01, 0.99])
+    path = np.linspace(0.0, 7.5e3, 300)
+    found = master.solve(
+        origins.Contacts(law), path, 1e-6, spring=spring, slip="reform-after", wall_time=60.0
+    )
+    assert found.success and found.regime.verdict == "stick-slip", found.message
+    x = np.linspace(0.0, 1.0, 100_001)
+    formed_anew = cumulative_trapezoid(wide.cdf(x), x, initial=0.0)  # stretched since they broke
+    few = np.where(x < 0.4, x, np.maximum(x - 0.404, 0.0) - 0.01 * 0.4 * (x > 0.804))
+    force = 0.99 * (x * wide.sf(x) + formed_anew) + 0.01 * few
+    begins = np.argmax(force + spring * x)
+    slips = found.slips
+    assert slips.force_before[slips.main] == pytest.approx(force[begins], abs=1e-5)
+    assert slips.drive.size > 2 * slips.main.size and slips.drop[-1] < 1e-5
+    assert (
+        found.period == slips.period == pytest.approx(force[begins] / spring + x[begins], rel=1e-4)
+    )
+    ensemble = eq_model.simulate(
+        origins.Contacts(law),
+        path,
+        n_contacts=20_000,
+        n_replicas=4,
+        spring=spring,
+        slip="reform-after",
+    )
+    assert ensemble.slips.number.max() + 1 == slips.main.size  # the ensemble counts no others
 
 
 @pytest.mark.parametrize("law", [origins.identical(1.0), TWO])

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from master.motion import drive_motion
 from master.outcome import outcome, unconserved
@@ -50,12 +51,24 @@ class Slips:
         return self.force_before - self.force_after
 
     @property
-    def period(self) -> float | None:
-        """Distance of X_T between the last two slips (a length), with an error of 2 `drive_error`.
+    def main(self) -> NDArray[np.int64]:
+        """Indices, in order, of the slips that drop by SLIP_SHARE of the largest drop of late, or more.
 
-        None for fewer than two slips.
+        Between slips of all contacts a few may slip alone, such as those of a narrow peak of P_c.
         """
-        return abs(float(self.drive[-1] - self.drive[-2])) if self.drive.size > 1 else None
+        drops = np.abs(self.drop)
+        return np.flatnonzero(drops >= SLIP_SHARE * largest_of_late(drops))
+
+    @property
+    def period(self) -> float | None:
+        """Distance of X_T between the last two main slips (a length, error 2 `drive_error`); None for fewer of them."""
+        last = self.drive[self.main][-2:]
+        return abs(float(np.diff(last)[0])) if last.size > 1 else None
+
+
+def largest_of_late(drops: Array) -> float:
+    """The largest of the last third of these drops, 0 for none: large and small slips may alternate."""
+    return float(drops[-(drops.size // 3) :].max(initial=0.0))
 
 
 def slips_of(rows: Array, spring: float, error: float) -> Slips:
@@ -208,8 +221,8 @@ def _by_slips(
         return "undecided", f"{counted} are too few to tell; drive to about X_T = {far:.3g}"
     if trend is not None and trend < -STEADY:
         return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
-    # large and small slips may alternate: compare the largest of the last third and of two thirds
-    late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
+    # the largest of the last third beside that of the last two thirds
+    late, longer = largest_of_late(drops), float(drops[count // 3 :].max())
     if trend is not None or late >= (1.0 - STEADY) * longer:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"

@@ -35,7 +35,7 @@ class SoftSolution:
     force_error : estimate from above of the largest error of `force` along the path, and of K X_T at slips, in units of
         the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.
     holding : fraction of contacts that hold, shape (n,): 1 without delay and growing grains, as slips take no time.
-    period : distance of X_T between the last two slips, a length; None for fewer than two.
+    period : distance of X_T between the last two main slips, a length, see Slips.main; None for fewer than two.
     run_time : s; nodes : number of instants at which number conservation was solved.
     success : whether force_error, and the error of `holding`, are at or below the requested tolerance.
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of force_error;

@@ -25,12 +25,13 @@ def numbers_of(result: Any) -> dict[str, Number]:
                 value * scale.spring, off * scale.spring, scale.spring_unit
             )
         if solved.slips is not None and solved.slips.drive.size:
-            before, after = solved.slips.force_before[-1], solved.slips.force_after[-1]
+            last = solved.slips.main[-1]
+            before, after = solved.slips.force_before[last], solved.slips.force_after[last]
             found["before_slip"] = Number(before * scale.force, error[0] * scale.force, force)
             found["after_slip"] = Number(after * scale.force, error[0] * scale.force, force)
-            if solved.slips.drive.size > 1:
+            if (period := solved.slips.period) is not None:
                 off = 2.0 * float(solved.slips.drive_error)
-                found["period"] = Number(float(solved.period or np.nan), off, scale.length_unit)
+                found["period"] = Number(period, off, scale.length_unit)
     elif eq is not None:
         found |= _of_curve(eq.force, eq.force_standard_error + eq.step_error, scale)
         if is_coupled(eq) and eq.slips.number.size:

@@ -87,12 +87,11 @@ def _by_master(scene: Scene) -> dict[str, Column]:
     found["force_error"] = Column(solved.force_error * mean, unit)
     if solved.regime is not None:
         slips: Any = solved.slips
-        some = slips.drive.size > 0
         found["regime"] = Column(solved.regime.verdict)
         found["slips"] = Column(slips.drive.size)
         found["period"] = Column(np.nan if solved.period is None else solved.period, unit)
         for name in ("force_before", "force_after"):
-            last = float(getattr(slips, name)[-1]) if some else np.nan
+            last = float(getattr(slips, name)[slips.main[-1]]) if slips.drive.size else np.nan
             found[f"{name}_slip"] = Column(last, unit)
     return found if solved.success else found | {"message": Column(solved.message)}
 

@@ -158,7 +158,8 @@ def _behaviour(rule: str, solved: Any) -> Behaviour:
     last = float(solved.force[-1]) if solved.force.size else float("nan")
     before, after = last, last
     if slips.drive.size and kind in ("stick-slip", "undecided"):
-        before, after = float(slips.force_before[-1]), float(slips.force_after[-1])
+        last = slips.main[-1]  # the last one may be of a few contacts alone
+        before, after = float(slips.force_before[last]), float(slips.force_after[last])
     drive, force = with_slips(solved)
     return Behaviour(
         rule=rule,

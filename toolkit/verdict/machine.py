@@ -92,9 +92,9 @@ class Behaviour:
 
     rule : "reset", "reform-after" or "instant"; "mass" where mass, damping and delay decide
     kind : "stick-slip", "smooth", or "undecided"
-    before, after : spring force before and after a slip, the last one, also where it is undecided whether more follow;
-        both the sliding force where it is smooth
-    period : of the drive, between the last two slips; slips : how many there were
+    before, after : spring force before and after a slip, the last main one (see Slips.main), also where it is
+        undecided whether more follow; both the sliding force where it is smooth
+    period : of the drive, between the last two main slips; slips : how many there were
     slip_time, top_speed : of the last slip; None where slips take no time
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
