@@ -26,7 +26,8 @@ OF_CELLS = 1e-5
 @pytest.mark.parametrize("name", CASES)
 def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force(name: str) -> None:
     solved = master.solve(CASES[name], [1.0], 1e-4, velocity=VELOCITY, spring=SPRING)
-    assert solved.success and not solved.slips.drive.size
+    assert solved.success, solved.message
+    assert not solved.slips.drive.size
     coarse, middle, fine = (
         pulled(CASES[name], SPRING, VELOCITY, 1.0, steps)[-1] for steps in (16, 32, 64)
     )

@@ -112,7 +112,8 @@ def test_onset_and_period_of_a_reset(spring, tolerance):
     path = np.linspace(0.0, 4.3 * period, 301)
     solution = solved(origins.Contacts(NARROW), path, spring, "reset", tolerance)
     slips = solution.slips
-    assert solution.success and slips.drive.size == 4
+    assert solution.success, solution.message
+    assert slips.drive.size == 4
     late = slips.drive - period * np.arange(1, 5)
     assert np.abs(late).max() <= slips.drive_error + 4e-15 * period
     slope = 1.0 - slips.before[0] * float(NARROW.pdf(slips.before[0]))
@@ -145,7 +146,8 @@ def test_far_from_its_beginning_a_slider_is_still_followed():
     contacts, path = origins.Contacts(origins.gaussian(1.0, 0.2)), [1e3, 3e3]
     solution, steady = solved(contacts, path, 2.0), master.steady_state(contacts)
     off = np.abs(solution.force - steady.force).max()
-    assert solution.success and off <= solution.force_error + steady.force_error <= 1e-10
+    assert solution.success, solution.message
+    assert off <= solution.force_error + steady.force_error <= 1e-10
 
 
 @pytest.mark.parametrize("spring", [0.15, 2.0])
@@ -170,7 +172,9 @@ def test_contacts_decohere_in_an_instant_slip_as_in_a_march():
     straight, back = (
         solved(origins.Contacts(NARROW), path[:count], spring, "instant", 1e-6) for count in (2, 3)
     )
-    assert straight.success and back.success and straight.slips.drive.size == 1
+    assert straight.success, straight.message
+    assert back.success, back.message
+    assert straight.slips.drive.size == 1
     off = np.abs(straight.force - back.force[:2]).max()
     assert off <= straight.force_error + back.force_error < 1e-9
     assert np.abs(straight.force - 0.5 * NARROW.moment(2)).max() <= straight.force_error
@@ -248,7 +252,8 @@ def test_a_stiff_spring_follows_the_rigid_curve_through_turns(law, rule):
     turns = np.array([2.4, -0.6, 0.8, -2.0])
     drive = np.concatenate([np.linspace(*two, 40) for two in itertools.pairwise([0, *turns])])
     solution = solved(contacts, drive, 40.0, rule)
-    assert solution.success and not solution.slips.drive.size
+    assert solution.success, solution.message
+    assert not solution.slips.drive.size
     rigid = master.solve(contacts, solution.position, 1e-9)
     unit = contacts.mean_threshold
     far = solution.force_error + rigid.force_error
