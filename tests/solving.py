@@ -12,6 +12,8 @@ import master
 import origins
 
 Array = npt.NDArray[np.float64]
+# After so many seconds a solver that would not end has failed; the slowest of the slow tests solve for some 200.
+WALL_TIME = 300.0
 
 
 def through(corners: Iterable[float], points: int) -> Array:
@@ -33,7 +35,7 @@ def held_to_claim(
     exact : forces at the path, or a solution of its own, whose claim is granted
     more : what the reference may be off by, lengths
     """
-    found = master.solve(contacts, path, tolerance, **drive)
+    found = master.solve(contacts, path, tolerance, wall_time=WALL_TIME, **drive)
     assert found.success, found.message
     force, granted = exact, 0.0
     if hasattr(exact, "force_error"):

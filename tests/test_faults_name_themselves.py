@@ -48,6 +48,25 @@ def test_a_gap_between_panels(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
+    ("law", "drive"),
+    [
+        ({}, {}),
+        ({"delay": origins.Delay(0.1)}, {"velocity": 1.0}),
+        ({"ageing": origins.Ageing(origins.gaussian(1.2, 0.1), 1e-3)}, {"velocity": 1.0}),
+    ],
+    ids=["no law", "delay", "ageing"],
+)
+def test_births_out_of_order(monkeypatch: pytest.MonkeyPatch, law, drive) -> None:
+    """Births of the legs before count their times backwards."""
+    true = SolvedPanels.births
+    monkeypatch.setattr(SolvedPanels, "births", lambda self, begin: true(self, begin[-1:] - begin))
+    contacts = Contacts(origins.gaussian(1.0, 0.1), **law)
+    found = master.solve(contacts, [1.5, 0.5], wall_time=60.0, **drive)
+    assert not found.success and found.force_error == np.inf
+    assert "births are out of order: on the panel that begins at t = 0" in found.message
+
+
+@pytest.mark.parametrize(
     ("most", "error", "fault"),
     [
         (1.0005, 0.0, ""),
