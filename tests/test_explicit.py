@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import cleandoc
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import origins
 from master.paper import renewal
 from master.paper.explicit import explicit
 from master.paper.renewal import renewal_force
+from master.renewal import budget, past
 from origins.thresholds.scipy_laws import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)
@@ -60,8 +62,29 @@ def test_the_plain_steps_take_any_start(start):
     assert np.abs((4.0 * fine - coarse) / 3.0 - exact).max() < 1e-5
 
 
+PAGE = (Path(__file__).parents[1] / "docs" / "equations.md").read_text(encoding="utf-8")
+
+
 def test_the_page_shows_the_steps_as_they_run():
-    page = (Path(__file__).parents[1] / "docs" / "equations.md").read_text(encoding="utf-8")
-    shown = page.split("```python\n")[1].split("```")[0]
+    shown = PAGE.split("```python\n")[1].split("```")[0]
     code = Path(renewal.__file__).read_text(encoding="utf-8")
     assert "".join(f"    {line}\n" for line in shown.splitlines()) in code
+
+
+def test_the_page_shows_the_error_budget_as_it_is():
+    """The table of ErrorBudget, and its numbers."""
+    table = [
+        line.strip() for line in cleandoc(budget.ErrorBudget.__doc__).splitlines() if "|" in line
+    ]
+    assert len(table) == 7 and "\n".join(table) in PAGE
+    part, left_out = budget.FOR_BIRTHS, past.LEFT_OUT * budget.FOR_BIRTHS
+    page = PAGE.replace("e-6", "e-06").replace("e-5", "e-05")
+    for said in (
+        f"{part:g} of a panel's for each piece",
+        f"{left_out:g} of a panel's for each leg",
+        f"both are {past.COARSER:g} times as much",
+        f"{past.COARSER * part:g} and {past.COARSER * left_out:g} of a panel's part",
+        f"{budget.LEAST_FOR_PANELS:g} of all or more",
+        f"panels get {1.0 - budget.FOR_SUMS:g} of the rest",
+    ):
+        assert said in page, said

@@ -24,25 +24,28 @@ FOR_BIRTHS, SMALLEST_FOR_BIRTHS = 3e-3, 1e-15
 class ErrorBudget:
     """The parts of a tolerance, beside which `solve_rigid` adds up force_error:
 
-        force_error = (worst panel + survivals + births) * stretch/mean + round_off.
+        force_error = (worst panel + survivals + births + left out) * stretch/mean + round_off.
 
-    | part      | who measures it                             | unit                  | its share             |
-    |-----------|---------------------------------------------|-----------------------|-----------------------|
-    | round_off | rigid.round_off, from the path              | mean thresholds       | taken off first       |
-    | survivals | each query of a life (Survivors.error)      | share of the contacts | what is known, off    |
-    | panels    | residuals between the nodes (Run.error)     | share of the contacts | the rest, 0.4 or more |
-    | births    | last coefficients (Past.error), not summed  | share of the contacts | none of its own       |
+    | part | measured by | its part of the tolerance | along the path |
+    |---|---|---|---|
+    | round-off | `round_off` in `master/rigid.py`, from the path | taken off first | one for all |
+    | survivals | each query of a life (`Survivors.error`) | what is known beforehand is taken off, too | the largest |
+    | panels | residuals between the nodes (`Run.error`) | the rest, 0.4 of all or more | the largest |
+    | births | coefficients left out (`Past.worst_sum`) | 0.003 of a panel's for each piece, on top | the largest |
+    | left out | contacts of earlier legs (`Past.left_out`) | 3e-6 of a panel's for each leg, on top | adds up |
 
-    An error of the number of contacts that hold counts as one of the force by the longest stretch that a contact can
-    have. Errors of panels are not summed along the path: conservation fixes the number on each anew. The start is one
-    of the survivals, and has no part of its own. Survivals known before are taken off first, with round-off; panels get
-    the rest, less FOR_SUMS of it for survivals whose errors are known later. What is summed along the path are contacts
-    that are left out on earlier legs (Past.left_out): at most 3e-6 of a panel's part on each leg, 9e-5 with heat.
+    All but round-off are shares of the contacts, and that is in mean thresholds: an error of the number of contacts
+    that hold counts as one of the force by the longest stretch that a contact can have. Errors of panels are not
+    summed along the path: conservation fixes the number on each anew. The start is one of the survivals, and has no
+    part of its own. Where survivals are sums, panels get 1 - FOR_SUMS = 0.8 of the rest, as errors of these are
+    known later.
 
-    Births have no part of their own: panels may use up theirs, and what births add then exceeds the sum. It is little.
-    On 32 random paths of three to five legs the estimated error of all births was at most 1.5e-3 of a panel's part
-    without heat (median 1e-7), and 0.06 of it with heat (median 5e-3), where sums over births are COARSER (past.py).
-    The error that counts is in force_error, and where the sum is above the tolerance, `success` is False.
+    The last two are asked of each piece of a sum over births, and of each leg. With heat both are COARSER = 30
+    times as much, 0.09 and 9e-5 of a panel's (past.py), as a survival takes long; with ageing the second is, and
+    pieces have one length. They have no part of their own: panels may use up theirs, and what births add then
+    exceeds the sum. It is little. On 32 random paths of three to five legs the estimated error of all births was at
+    most 1.5e-3 of a panel's part without heat (median 1e-7), and 0.06 of it with heat (median 5e-3). The error that
+    counts is in force_error, and where the sum is above the tolerance, `success` is False.
 
     These errors see what numbers do, and no fault of bookkeeping: a survival, a birth or a panel that is counted twice
     or not at all conserves the number as well, unless it jumps. So that panels leave no gap is checked as they are
