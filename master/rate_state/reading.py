@@ -30,6 +30,14 @@ class Peak(NamedTuple):
     slip: float
 
 
+class OtherReading(NamedTuple):
+    """a, b (forces) and D_c (a length) of the same steps, read in another way."""
+
+    a: float
+    b: float
+    slip_distance: float
+
+
 class Evolution(NamedTuple):
     """b (a force) and D_c (a length) of an evolution."""
 
@@ -39,8 +47,8 @@ class Evolution(NamedTuple):
 
 @dataclass(frozen=True)
 class Reading:
-    """a, b (forces) and D_c (a length) of steps, their errors, the slip at which the direct effect ends, and the same
-    three by `others`, shape (n, 3)."""
+    """a, b (forces) and D_c (a length) of steps, their errors, the slip at which the direct effect ends, and `others`,
+    an OtherReading in each row, shape (n, 3)."""
 
     a: float
     b: float
@@ -75,13 +83,13 @@ def read_steps(steps: Sequence[VelocityStep], law: EvolutionLaw) -> Reading:
     if abs(b) <= a_error + off:
         return Reading(a, b, np.nan, a_error, np.inf, slip, np.empty((0, 3)))
     own = fit_evolution(steps, begins, law, b)
-    others = list[tuple[float, float, float]]()
+    others = list[OtherReading]()
     for one, peak in zip(steps, peaks, strict=True):
         own_b = peak.height - slope
-        others.append((peak.height, *fit_evolution([one], [peak.slip], law, own_b)))
-        others.append((a, b, _fallen(one, peak, own_b, law)))
+        others.append(OtherReading(peak.height, *fit_evolution([one], [peak.slip], law, own_b)))
+        others.append(OtherReading(a, b, _fallen(one, peak, own_b, law)))
     free = fit_evolution(steps, begins, law)
-    others.append((free.b + slope, *free))
+    others.append(OtherReading(free.b + slope, *free))
     moved = fit_evolution(steps, begins, law, b + np.copysign(a_error, b)).slip_distance
     return Reading(
         a,

@@ -20,6 +20,16 @@ from scipy.optimize.elementwise import find_root
 from master.numerics import polynomials
 from origins.thresholds.law import Array
 
+# Coefficients of a panel's polynomial below this part of the largest are rounding, and would give roots of their own.
+ROUNDED = 1e-15
+# Part of a panel's width by which rounding may move a double root off the real axis: about the root of 1e-12, what
+# coefficients may be rounded by.
+OFF_AXIS = 1e-6
+# A slope of the load above this many errors of the slope did not come down to 0 before: at a slip it jumps.
+SURELY_ABOVE = 10.0
+# A force that no longer changes is laid out this many times as far as is asked, so that few panels are added.
+AHEAD = 2.0
+
 
 @dataclass(frozen=True)
 class LoadCurve:
@@ -118,10 +128,8 @@ class LoadCurve:
         for panel in np.flatnonzero((most > level) & (ends > np.maximum(after, self.begin))):
             first, end = float(self.begin[panel]), float(ends[panel])
             excess = Legendre(series[panel], [first, end]) - level[panel]
-            # trailing coefficients below 1e-15 of the largest are rounding: leave them out
-            roots = excess.trim(1e-15 * np.abs(excess.coef).max()).roots()
-            # rounding may have moved a double root off the real axis
-            real = np.sort(roots.real[np.abs(roots.imag) < 1e-6 * (end - first)])
+            roots = excess.trim(ROUNDED * np.abs(excess.coef).max()).roots()
+            real = np.sort(roots.real[np.abs(roots.imag) < OFF_AXIS * (end - first)])
             first = max(first, after)
             points = np.array([first, *real[(real > first) & (real < end)], end])
             above = excess(0.5 * (points[1:] + points[:-1])) > 0.0
@@ -168,7 +176,7 @@ class SteadyForce:
     def extend(self, curve: LoadCurve, y: float, largest: float) -> LoadCurve:
         """The curve with one more panel of this force, up to the travel y at least, and as far as a spring is stretched
         by the `largest` force of its contacts; positions on it are rounded."""
-        width = 2.0 * max(y - curve.end, largest / curve.spring, largest)
+        width = AHEAD * max(y - curve.end, largest / curve.spring, largest)
         series = np.zeros((1, curve.series.shape[1]))
         series[0, 0] = self.force
         error = curve.error[-1] + self.error
@@ -208,7 +216,7 @@ class SlipBegin(NamedTuple):
         # Bernstein's and Markov's inequalities: the slope of a polynomial's error, of this degree
         inside = max((y - begin) * (begin + width - y), (0.5 * width / polynomials.DEGREE) ** 2)
         steep = self.error * polynomials.DEGREE / np.sqrt(inside)
-        jumps = (curve.drops == y).any() or curve.load_slope(y) > 10.0 * steep
+        jumps = (curve.drops == y).any() or curve.load_slope(y) > SURELY_ABOVE * steep
         # an error of the force, however steep, leaves the largest load within this way
         curvature = curve.curvature(y)
         return (

@@ -82,8 +82,17 @@ class ThresholdCells:
         return np.stack([weight.sum(axis=1), stretch * stiffness])
 
     def _log_at(self, low: Array, cut: npt.NDArray[np.intp], near: Array, far: Array) -> Array:
-        """ln A at thresholds `low` in the cells `cut`, from its values at the next two edges, by the square of the
-        threshold as barriers change; the narrow cell of an exact threshold has no slope."""
+        """ln A at thresholds `low` in the cells `cut`, from its values near = ln A(x_1) and far = ln A(x_2) at the next
+        two edges x_1 < x_2:
+
+            ln A(low) = near + (x_1² - low²)/(x_2² - x_1²) max(near - far, 0).
+
+        A is not kept at `low`, which lies between edges; and from the edge below it nothing can be taken, as |x| has
+        passed that threshold. It is a straight line in x_s² because barriers of elastic energy are: with h = ω exp[-k
+        (x_s² - x²)/2k_BT], the soft law, it is exact where k is the same for all; other laws differ from it by the
+        square of the cell. A higher barrier is passed no sooner, so that a rise from near to far is rounding, and
+        counts as none. The cell of an exact threshold is so narrow that its slope is rounding: there ln A(low) = near.
+        """
         squares = self.edges**2
         width = squares[cut + 2] - squares[cut + 1]
         width = np.where(width > EXACT_CELL * squares[-1], width, np.inf)
