@@ -66,15 +66,26 @@ QUESTIONS = {
     ),
     "K*, the critical spring; where F falls most": ("master:propensity", "master:extremes"),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
-    "a slider with mass; whose contacts form again later": (
-        "master:InertialSlider",
-        "master:DelayedSlider",
-    ),
+    "a slider with mass": ("master:InertialSlider",),
     "a slip's begin: T = 0, in time": (
         "master:LoadCurve.slip_begins",
         "master:SlipBegins.up_to_slip",
     ),
-    "the law of the delay; contacts that are out": ("origins:Delay", "master:still_out"),
+    "a delay: its law": ("origins:Delay",),
+    "a delay on a rigid slider: the solver; births one delay after breaks": (
+        "master:solve_rigid",
+        "master:still_out",
+    ),
+    "a delay under a spring without mass: the slider; its contacts; births": (
+        "master:Slider",
+        "master:ContactsInSteps",
+        "master:BreaksInSteps.births_up_to",
+    ),
+    "a delay under a spring with mass: the slider; its contacts; births": (
+        "master:DelayedSlider",
+        "master:Cohorts",
+        "master:PastBreaks.born",
+    ),
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "what survives with heat; by one mean rate": ("master:ThermalLife", "master:MeanRateLife"),
     "the law of ageing; what survives": ("origins:Ageing", "master:AgeingLife"),
@@ -112,6 +123,11 @@ HEAD = """# Code map: where things stand
 | where is | in |
 |---|---|
 {questions}
+Which tests hold a folder is said at the end of its `__init__.py`:
+
+| folder | tests |
+|---|---|
+{tests}
 ## The equations of the paper
 
 Made by `python tests/code_map.py` from the first lines of docstrings, and held by tests/test_code_map.py. Numbers are
@@ -174,6 +190,18 @@ def answers() -> str:
     return "".join(rows)
 
 
+def tests_of_folders() -> str:
+    """A row for each folder whose __init__ ends with its tests."""
+    rows = []
+    for room in ROOMS:
+        for file in sorted((ROOT / room).rglob("__init__.py")):
+            told = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+            if found := re.search(r"^Tests: (.*)", told, re.MULTILINE | re.DOTALL):
+                folder = file.parent.relative_to(ROOT).as_posix()
+                rows.append(f"| `{folder}` | {' '.join(found[1].split())} |\n")
+    return "".join(rows)
+
+
 def page() -> str:
     """The page as it should be."""
     found: dict[str, list[str]] = {}
@@ -184,7 +212,8 @@ def page() -> str:
     for number, label in LABELS.items():
         where = ", ".join(found[label]) if label in found else NOWHERE.get(label, "?")
         rows.append(f"| {number} | {label} | {where} |\n")
-    return HEAD.replace("{questions}", answers()) + "".join(rows)
+    head = HEAD.replace("{questions}", answers()).replace("{tests}", tests_of_folders())
+    return head + "".join(rows)
 
 
 if __name__ == "__main__":
