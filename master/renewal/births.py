@@ -76,12 +76,18 @@ class Births:
 
 
 class Sums(NamedTuple):
-    """Sums over births at some times: number and force (both, whose first axis has the length 2), the error of the
-    number by the sums, and that of the survivals in it."""
+    """Sums over births at some times.
+
+    both : number and force, whose first axis has the length 2
+    error, survival_error : of the number: that of the sums, and that of the survivals in them
+    held : of births on earlier legs, by the leg's index: the share of all contacts that was born on it and holds at the
+        latest of the times; None where that is not told
+    """
 
     both: Array
     error: float
     survival_error: float = 0.0
+    held: dict[int, float] | None = None
 
 
 class Lump(NamedTuple):
@@ -142,7 +148,8 @@ class Nodes(NamedTuple):
 class BirthPanels(NamedTuple):
     """Births on panels without gaps between them.
 
-    ends : where each panel begins, and where the last one ends, shape (n + 1,); widths may differ
+    ends : when each panel begins, and the last one ends, shape (n + 1,); widths may differ. Their clock is that of the
+        births as a whole, whose name ends in it (past.py): `born_leg`, `born_birth_leg`
     slopes : Legendre coefficients of the births' derivative by the place on the panel, shape (n, DEGREE + 1)
     """
 

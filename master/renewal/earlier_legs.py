@@ -49,11 +49,7 @@ class Fitted(NamedTuple):
 
 
 class EarlierLegs:
-    """Births on some of the legs before the present one.
-
-    held : by the leg's index, the share of all contacts that were born on it and held at the latest of the times that
-        were last asked for; empty before any was
-    """
+    """Births on some of the legs before the present one."""
 
     def __init__(
         self,
@@ -68,7 +64,6 @@ class EarlierLegs:
         self._births, self._life, self._motion_leg = births, births.life, motion_leg
         self._leg, self._legs = leg, legs
         self._born_leg, self._accuracy = born_leg, accuracy
-        self.held = dict[int, float]()
 
     def sums(self, t_leg: Array) -> Sums:
         """Number and force at times, shape (n,); both of shape (2, n)."""
@@ -92,8 +87,8 @@ class EarlierLegs:
             if size == polynomials.PANEL_NODES:
                 pieces = pieces.halves()
             size = min(2 * size, polynomials.PANEL_NODES)
-        self.held = {leg: float(held_at_latest[leg]) for leg in self._legs.tolist()}
-        return Sums(both, float(missed.max()), survival_error)
+        held = {leg: float(held_at_latest[leg]) for leg in self._legs.tolist()}
+        return Sums(both, float(missed.max()), survival_error, held)
 
     def _fitted(self, pieces: Pieces, t_leg: Array, size: int) -> Fitted:
         """Polynomials of E and K on pieces, as seen from these times, through so many nodes."""

@@ -109,7 +109,8 @@ class PanelWidth:
         rules = self.rules
         if new_leg:
             self.widest = first if first < np.inf else rules.of_hold * length
-        self.length, self.tolerance, self._first, self._most = length, tolerance, first, most
+        self.length, self.tolerance = length, tolerance
+        self._first, self._most = first, most
         self._narrowest = min(first, length) * (rules.least_quick if self._quick else rules.least)
         self._width, self._run = 0.0, rules.first_run
         self._good_panels = 0  # in a row, with errors that let panels widen

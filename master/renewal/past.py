@@ -49,6 +49,7 @@ class Past:
     survival_error : the largest error of a survival so far, as the life returned it
 
     _earlier : births on earlier legs, None where there are none; for contacts that age `_strands` in its place
+    _held : by earlier leg, the share that was born on it and held when `at` was last called on this leg; empty before
     _legs_left_out : earlier legs that are left out for good
     """
 
@@ -62,7 +63,7 @@ class Past:
         self.leg, self.first_panel = -1, 0
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
-        self._legs_left_out = set[int]()
+        self._legs_left_out, self._held = set[int](), dict[int, float]()
         self._earlier: EarlierLegs | None = None
         self._strands = _strands(births, self._left_out_below)
         self._few = FewTimes(births.life)
@@ -82,9 +83,9 @@ class Past:
         """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first_panel` on, one
         delay late, fall on it. `panels`: all that are solved.
 
-        Legs are left out of whose births hardly any held when they were last asked for, on the leg before. That may
-        have been at any of its times, as a proposal that was rejected asks, too: a survival only falls, so that more of
-        them held then than on this leg."""
+        Legs are left out of whose births hardly any held when `at` was last called, on the leg before. That may have
+        been at any of its times, as a proposal that was rejected asks, too: a survival only falls, so that more of them
+        held then than on this leg."""
         births, path, before = self._births, self._births.motion, self.leg
         self.leg, self._leg_begins_path = leg, float(path.times[leg])
         self._motion_leg = path.counted_from(leg)
@@ -99,11 +100,11 @@ class Past:
                 self._motion_leg, new, panels, begin_birth_leg, legs
             )
             return
-        if self._earlier is not None:
-            for each, held in self._earlier.held.items():
-                if held <= self._left_out_below:
-                    self._legs_left_out.add(each)
-                    self.left_out += abs(held)
+        for each, held in self._held.items():
+            if held <= self._left_out_below:
+                self._legs_left_out.add(each)
+                self.left_out += abs(held)
+        self._held = {}
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
         self._earlier = None
         if counted.size:
@@ -120,6 +121,7 @@ class Past:
         found = self._from_few_times(grid_leg, lumps) or self._summed(grid_leg, lumps)
         self.worst_sum = max(self.worst_sum, found.error)
         self.survival_error = max(self.survival_error, found.survival_error)
+        self._held = found.held or {}
         return found.both
 
     def _from_few_times(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums | None:
@@ -132,7 +134,7 @@ class Past:
         if interpolation_error > self._accuracy:
             self._few.take_narrower(grid_leg, speed)
             return None
-        return Sums(both, summed.error + interpolation_error, summed.survival_error)
+        return summed._replace(both=both, error=summed.error + interpolation_error)
 
     def _summed(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums:
         """The sums over both kinds of contacts."""
@@ -145,7 +147,7 @@ class Past:
         of_earlier = earlier.sums(self._beside_jumps(grid_leg).ravel())
         both = of_lumps.both + of_earlier.both.reshape(of_lumps.both.shape)
         survival_error = max(of_lumps.survival_error, of_earlier.survival_error)
-        return Sums(both, of_earlier.error, survival_error)
+        return of_earlier._replace(both=both, survival_error=survival_error)
 
     def _beside_jumps(self, grid_leg: Array) -> Array:
         """The times of a grid, later than the leg's beginning, which belongs to the leg before. Where the births of a

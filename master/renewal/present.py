@@ -107,7 +107,7 @@ class Present:
         return self._cache[speed, width]
 
     def sums(self, speed: float, t: Array, born: BirthPanels) -> Array:
-        """Number and force, shape (2, n), at times t of births on a leg."""
+        """Number and force, shape (2, n), at times t of births on a leg; both by any one clock, as lags alone count."""
         pieces, sums = t.size * (born.ends.size + self.straight(speed).edges.size), []
         for some in np.array_split(t, 1 + pieces // TOGETHER_PIECES):
             nodes, values = self._integrals(speed, some, born.ends)

@@ -82,13 +82,12 @@ class StrandBirths:
     survival_error : that of the survival at the strands, on all legs so far
     """
 
-    def __init__(self, births: Births, leg: int, born: BirthPanels) -> None:
-        """Begin a strand at each node of the births, aged up to the end of their leg; times of `born` are counted from
-        the leg's beginning."""
+    def __init__(self, births: Births, leg: int, born_birth_leg: BirthPanels) -> None:
+        """Begin a strand at each node of the births on a leg, aged up to its end."""
         life, motion = births.life, births.motion
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
-        ends, speed = born.ends, float(motion.speeds[leg])
+        ends, speed = born_birth_leg.ends, float(motion.speeds[leg])
         count = max(FEWEST_PIECES, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], polynomials.gauss(SIZE)
@@ -101,7 +100,7 @@ class StrandBirths:
         self._legs, self._known_error = life.follow(self._strands, leg + 1), stretches.error
         pieces = Pieces(np.arange(left.size), left, right)
         # of the pieces' nodes in a sum over all births
-        self._weight = born.legendre_weights(pieces, SIZE) @ basis.series.T
+        self._weight = born_birth_leg.legendre_weights(pieces, SIZE) @ basis.series.T
 
     @property
     def births(self) -> float:

@@ -214,7 +214,9 @@ class Passage:
         Integrated over y = -c: c is ρ on the last segment, and on those before ρ less the roots of all later durations.
         Near now, the lower end of y, `below` is a series in the root of the distance from there.
         """
-        begin, start, slope, root = np.array(self._segments).T  # the fields of _Segment
+        of_segments = np.array(self._segments).T  # by the fields of _Segment
+        begin, start = of_segments[:2]  # time and level at each one's beginning
+        slope, root = of_segments[2:]  # of the level, and of the duration
         first = np.append(-np.cumsum(root[-2::-1])[::-1], 0.0)  # c where each segment begins
         segment, low, width = (np.array(part) for part in list(zip(*panels, strict=True))[:3])
         high = first[segment] + np.minimum(low + width, root[segment])
