@@ -1,9 +1,9 @@
 """All contacts of a slider in steps of time: where a step would lead them, and the steps taken.
 
-With N(t) the births per contact since t = 0, B(t) the breaks, and E(t, s) the survival of contacts
-born at s, number conservation says
+With B(t) the breaks per contact since t = 0, J(t) the births, and E(t, s) the survival of contacts born at s, number
+conservation says (docs/equations.md)
 
-    G_0(t) + integral of E(t, s) dN(s) + [B(t) - N(t)] = 1,        N(t) = B(t - delay).
+    G_0(t) + integral of E(t, s) dJ(s) + [B(t) - J(t)] = 1,        J(t) = B(t - delay).
 
 Contacts are independent: the survival of those born at one instant depends on the motion since and on nothing else.
 They are represented by a cohort born at the end of each step, and each cohort by one group for each stretch at which
@@ -43,7 +43,7 @@ class Trial(NamedTuple):
     """A step that is not taken yet: its travel (a length), its end in time, and the state it leads to.
 
     groups : with a new cohort that has no births yet; survival_and_force : what the memory says of them, shape (2, n)
-    force, holding : see ContactsInSteps; breaks, births : per contact since t = 0 or a reset
+    force, holding : see ContactsInSteps; breaks, births : B and J at its end, per contact since t = 0 or a reset
     """
 
     travel: float
@@ -69,6 +69,10 @@ class ContactsInSteps:
     halvings : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
     unresolved : largest error of F (a length) that finer steps may not show: of contacts whose survival steps do not
         resolve, of slips that are not listed, and of steps whose forces were not brought to balance
+
+    _births : J up to now; _births_in_cohorts : the same by the weights of all cohorts, which are to agree
+    _left_out : share of all contacts in groups that were left out while they held
+    _of_start : so many groups are of the contacts at t = 0 or a reset; they stand first, then cohort after cohort
     """
 
     def __init__(self, contacts: Contacts, memory: Memory, halvings: int, until: float) -> None:
@@ -87,12 +91,12 @@ class ContactsInSteps:
         # the groups of a cohort, by the stretches at its birth
         self._at_birth = _per_survival(memory, reformed)
         self._survival_at_birth = _survival_at_birth(memory, reformed.stretch)
-        # those at stretches that no contact bears break as they form, and are in no cohort
-        self._may_form = float(reformed.weight[self._survival_at_birth > 0.0].sum())
+        # part of all births that is in cohorts: at stretches that no contact bears contacts break as they form
+        self._part_in_cohorts = float(reformed.weight[self._survival_at_birth > 0.0].sum())
         count = reformed.stretch.size
         self._newest, self._last_two = slice(-count, None), slice(-2 * count, None)
-        # weights in the last two cohorts per contact born in a step: half of its births belong to its begin, half to
-        # its end
+        # weights in the last two cohorts per contact born in a step: half of its births belong to the cohort at its
+        # begin, half to that at its end
         self._per_birth = 0.5 * np.tile(self._at_birth.weight, 2)
         self._replace_all(_per_survival(memory, start), memory.start(start.stretch))
 
@@ -105,14 +109,20 @@ class ContactsInSteps:
         groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
         held = groups.survival_and_force(self.memory)
         self.holding, self.force = (held @ groups.weight).tolist()
-        self._n_of_start = start.stretch.size  # so many groups are of the start, and stand first
+        self._of_start = start.stretch.size
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
-        self.past_breaks, self._births_so_far = BreaksInSteps(self.delay, self.now), 0.0
-        self._formed = 0.0  # births so far by the weights of the cohorts, which are to be the same
-        self._left_out = 0.0  # share of the contacts in groups that were left out while they held
+        self.past_breaks = BreaksInSteps(self.delay, self.now)
+        self._births = self._births_in_cohorts = self._left_out = 0.0
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
-        """A step by `travel` until `now`; `without_births`, broken contacts stay out. StoppedError as `take`."""
+        """A step by `travel` until `now`; `without_births`, broken contacts stay out. StoppedError as `take`.
+
+        Number conservation at its end, with J_0 the births before it, is
+
+            held_before + survival (J - J_0) + B - J = 1,        J = slope B + rest,
+
+        and is solved for B. In a step that takes no time no delay ends, so that nothing is born.
+        """
         stop_after(self._until)  # the search for a step may need hundreds of trials
         duration = now - self.now
         speed = abs(travel) / duration if duration > 0.0 else np.inf
@@ -120,17 +130,17 @@ class ContactsInSteps:
         groups = groups.and_born(self.memory, self._at_birth, 0.0, speed)
         held = groups.survival_and_force(self.memory)
         held_before, force_before = (held @ groups.weight).tolist()
-        # of those born in this step, per contact born: survival and force
+        # of those born in this step, per contact born: survival and force at its end
         survival, force_of_new = (held[:, self._last_two] @ self._per_birth).tolist()
-        births = BirthsUpTo(0.0, self._births_so_far)
+        births = BirthsUpTo(0.0, self._births)
         if not (without_births or (self.delay and now == self.now)):
             births = self.past_breaks.births_up_to(now, self.now)
-        # held_before + survival (N - born) + B - N = 1, N = slope B + rest, solved for B
-        out = 1.0 - held_before + survival * self._births_so_far + (1.0 - survival) * births.rest
-        breaks = out / (1.0 - (1.0 - survival) * births.slope)
-        new = births.slope * breaks + births.rest - self._births_so_far
+        lost = 1.0 - survival  # of those born in this step, per contact born
+        breaks = 1.0 - held_before + survival * self._births + lost * births.rest
+        breaks /= 1.0 - lost * births.slope
+        new = births.slope * breaks + births.rest - self._births
         force, holding = force_before + force_of_new * new, held_before + survival * new
-        return Trial(travel, now, groups, held, force, holding, breaks, self._births_so_far + new)
+        return Trial(travel, now, groups, held, force, holding, breaks, self._births + new)
 
     def take(self, trial: Trial) -> None:
         """Take the step; StoppedError where there are too many."""
@@ -138,27 +148,27 @@ class ContactsInSteps:
         self.steps += 1
         self.work += groups.weight.size * (self.memory.width + FIXED_WORK)
         self._stop_at_limits()
-        new = (trial.births - self._births_so_far) * self._per_birth
+        new = (trial.births - self._births) * self._per_birth
         groups.weight[self._last_two] += new
-        self._formed += float(new @ np.tile(self._survival_at_birth, 2))
+        self._births_in_cohorts += float(new @ np.tile(self._survival_at_birth, 2))
         self.past_breaks.add(trial.now, trial.breaks)
         self._check_number(trial.births, float(held[0] @ groups.weight))
         self.position, self.now = self.position + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
         self._note_unresolved(groups, held)
         self.groups = self._without_dead(groups, held[0])
-        self._births_so_far = trial.births
+        self._births = trial.births
 
     def _check_number(self, births: float, held: float) -> None:
         """FaultError unless the weights of all cohorts are those births, and as many contacts hold as have formed and
         not broken. Both hold to 5e-16 on thousands of steps (measured on six motions)."""
-        formed, told = births * self._may_form, 1.0 + births - self.past_breaks.total
+        formed, told = births * self._part_in_cohorts, 1.0 + births - self.past_breaks.total
         most = LOST * (1.0 + births)
-        if abs(self._formed - formed) > most or abs(held - told) > most:
+        if abs(self._births_in_cohorts - formed) > most or abs(held - told) > most:
             raise FaultError(
                 f"number is not conserved: after t = {self.now:.6g}, X = {self.position:.6g} a share {held:.6g} of the "
-                f"contacts holds, {told:.6g} have formed and not broken, and of {formed:.6g} births {self._formed:.6g} "
-                "are in cohorts, a fault of the program"
+                f"contacts holds, {told:.6g} have formed and not broken, and of {formed:.6g} births "
+                f"{self._births_in_cohorts:.6g} are in cohorts, a fault of the program"
             )
 
     def _without_dead(self, groups: Groups, survival: Array) -> Groups:
@@ -167,8 +177,8 @@ class ContactsInSteps:
         at the next step these would count as broken, which _check_number cannot see."""
         count = self._at_birth.stretch.size
         alive = survival > DEAD
-        cohorts = survival[self._n_of_start :].reshape(-1, count)
-        alive[self._n_of_start :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
+        cohorts = survival[self._of_start :].reshape(-1, count)
+        alive[self._of_start :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
         alive[self._newest] = True
         self._left_out += float(survival[~alive] @ groups.weight[~alive])
         if self._left_out > LOST:
@@ -176,7 +186,7 @@ class ContactsInSteps:
                 f"number is not conserved: until t = {self.now:.6g}, X = {self.position:.6g} a share "
                 f"{self._left_out:.6g} of the contacts was left out while it held, a fault of the program"
             )
-        self._n_of_start = int(np.count_nonzero(alive[: self._n_of_start]))
+        self._of_start = int(np.count_nonzero(alive[: self._of_start]))
         return groups.pick(alive)
 
     def slide_steadily(self, travel: float, error: float) -> None:
@@ -193,26 +203,27 @@ class ContactsInSteps:
             raise StoppedError(f"{done}, and more are not taken on")
 
     def _note_unresolved(self, groups: Groups, held: Array) -> None:
-        """Bound the force of contacts born in steps of which it is unknown how many hold."""
+        """Bound the force of contacts born in steps of which it is unknown how many hold: half of what the forces of
+        first and last births differ by, for the geometric mean of the births in both cohorts."""
         count = self._at_birth.stretch.size
-        survival, force = held[:, self._n_of_start :]
-        born = np.abs(groups.weight[self._n_of_start :])
-        unknown = np.where(survival[:-count] < UNRESOLVED * survival[count:], 0.5, 0.0)
-        unknown *= np.abs(force[count:] - force[:-count]) * np.sqrt(born[count:] * born[:-count])
+        survival, force = held[:, self._of_start :]
+        born = np.abs(groups.weight[self._of_start :])
+        is_unknown = survival[:-count] < UNRESOLVED * survival[count:]
+        differ = 0.5 * np.abs(force[count:] - force[:-count])
+        unknown = np.where(is_unknown, differ * np.sqrt(born[count:] * born[:-count]), 0.0)
         self.unresolved = max(self.unresolved, float(unknown.sum()))
 
-    def born_now(self) -> None:
-        """Let all contacts be born at once that are due."""
+    def form_due(self) -> None:
+        """Let all contacts that broke together one delay ago form now, as a cohort of their own."""
         fraction = self.past_breaks.due(self.now)
         if fraction > 0.0:
-            first = self.groups.weight.size
             self.groups = self.groups.and_born(self.memory, self._at_birth, fraction, 0.0)
-            new = self.groups.pick(slice(first, None))
+            new = self.groups.pick(self._newest)
             holding, force = (new.survival_and_force(self.memory) @ new.weight).tolist()
             self.holding, self.force = self.holding + holding, self.force + force
-            self._births_so_far += fraction
-            self._formed += float(new.weight @ self._survival_at_birth)
-            self._check_number(self._births_so_far, self.holding)
+            self._births += fraction
+            self._births_in_cohorts += float(new.weight @ self._survival_at_birth)
+            self._check_number(self._births, self.holding)
 
 
 def _per_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:

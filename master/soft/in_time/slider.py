@@ -69,7 +69,7 @@ class Slider:
                 if self._slide(end):
                     self._slip(float(motion.at(np.array(contacts.now))))
                 elif end < last:
-                    contacts.born_now()
+                    contacts.form_due()
                 else:
                     break
 

@@ -37,7 +37,7 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     contacts.past_breaks.begin_section()
     contacts.take(contacts.trial(_way_to_balance(contacts, steps), contacts.now, True))
     contacts.past_breaks.repeat_jump(contacts.now)
-    contacts.born_now()
+    contacts.form_due()
 
 
 def _way_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
@@ -53,11 +53,11 @@ def _way_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
     low = high = first
     while True:
         trial = contacts.trial(high, contacts.now, without_births=True)
-        missing = steps.imbalance(trial)
-        if missing <= 0.0:
+        pull = steps.imbalance(trial)
+        if pull <= 0.0:
             return float(brentq(imbalance, low, high, xtol=AT_END * contacts.unit))
-        softest = steps.spring + contacts.largest_stiffness * trial.holding
-        low, high = high, high + steps.sign * max(missing / softest, shortest)
+        stiffest = steps.spring + contacts.largest_stiffness * trial.holding
+        low, high = high, high + steps.sign * max(pull / stiffest, shortest)
 
 
 def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> None:
@@ -67,13 +67,17 @@ def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> No
     - on the first step at whose end the spring pulls no more, once the slider is away from the balance at the begin;
     - at K (X_T - X) = F, however far, once breaks are steady: F then stays that of sliding at infinite speed.
     """
-    step, least = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
-    begin, travelled, forces = contacts.position, list[float](), list[float]()
+    step, small = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
+    begin = contacts.position
+    travelled, forces = (
+        list[float](),
+        list[float](),
+    )  # since the begin, and F, at the end of each step
 
     def imbalance(travel: float) -> float:
         return steps.imbalance(contacts.trial(travel, contacts.now))
 
-    first = _first_travel(imbalance, steps.sign * least)
+    first = _first_travel(imbalance, steps.sign * small)
     if not first:
         contacts.take(contacts.trial(NO_SLIP * step, contacts.now))
         return
@@ -82,26 +86,27 @@ def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> No
     # whether the balance at the begin lies behind: before, a step on which forces balance may only lead back to that
     away = abs(first) < abs(step)
     while True:
-        missing = imbalance(step)
-        if missing <= 0.0 and away:
+        pull = imbalance(step)
+        if pull <= 0.0 and away:
             break
-        away |= missing > 0.0 or abs(contacts.position - begin) > least
+        away |= pull > 0.0 or abs(contacts.position - begin) > small
         contacts.take(contacts.trial(step, contacts.now))
         low = 0.0
         travelled.append(abs(contacts.position - begin))
         forces.append(contacts.force)
-        rest = imbalance(0.0) / steps.spring
-        if rest > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
-            contacts.slide_steadily(steps.sign * rest, STEADY * contacts.unit)
+        # the way to the end if F stays what it is
+        left = imbalance(0.0) / steps.spring
+        if left > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
+            contacts.slide_steadily(steps.sign * left, STEADY * contacts.unit)
             return
     if imbalance(low) > 0.0:
         low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
     contacts.take(contacts.trial(low, contacts.now))
 
 
-def _first_travel(imbalance: Callable[[float], float], least: float) -> float:
-    """The first of some small travels, up to this least one, from which the slider moves on; 0 for none."""
-    travels = least * np.array(FIRST_TRAVELS)
+def _first_travel(imbalance: Callable[[float], float], furthest: float) -> float:
+    """The first of some small travels, up to the furthest, from which the slider moves on; 0 for none."""
+    travels = furthest * np.array(FIRST_TRAVELS)
     return next((float(travel) for travel in travels if imbalance(travel) > 0.0), 0.0)
 
 

@@ -190,21 +190,23 @@ class Steps:
     def step(self, size: float, guess: Guess) -> Root:
         """The balanced step of this size, or up to the section's end, looked for from a guess.
 
-        The root is looked for in the number of its steps of time, also below 0, as time does not go back: a root there
-        says that there is no balance from now on.
+        The more of its size is time, the farther the drive gets and the less the slider travels: the imbalance rises
+        with the steps of time, and its root is the balance. Where the root is below 0 there is no balance from now on,
+        see TriedStep.
         """
-        now, slope = self.contacts.now, guess.slope
-        steps_so_far = self._count.steps(now)
+        now, steps_so_far = self.contacts.now, self._count.steps(self.contacts.now)
 
         def tried(time_steps: float) -> TriedStep:
             later, back = max(time_steps, 0.0), min(time_steps, 0.0)
+            # the time after no steps may differ from now by rounding
             time = max(self._count.time(steps_so_far + later), now) if later else now
             trial = self.contacts.trial(self.sign * self.length * (size - later), time)
-            return TriedStep(time_steps, trial, self.imbalance(trial) + slope * back)
+            return TriedStep(time_steps, trial, self.imbalance(trial) + guess.slope * back)
 
         accuracy = self._accuracy * size
-        root = secant(tried, guess.time_fraction * size, slope, accuracy)
+        root = secant(tried, guess.time_fraction * size, guess.slope, accuracy)
         if root.step.time_steps < 0.0 and self.contacts.memory.exact:
+            # F jumps where exact thresholds break: the secant may have passed a balance just before that
             before = _before_exact(tried, size, accuracy)
             return root if before is None else Root(before, root.slope, converged=True)
         return root
@@ -213,7 +215,11 @@ class Steps:
 def _before_exact(
     tried: Callable[[float], TriedStep], size: float, accuracy: float
 ) -> TriedStep | None:
-    """The step of this size to the last balance before exact thresholds break; None where there is none."""
+    """The step of this size to the last balance before exact thresholds break; None where there is none.
+
+    With less time and more travel contacts pull more, until exact thresholds break and F falls. So at the first of the
+    fractions, from the latest on, at which they pull more than the spring, a balance lies between it and the one
+    before; unless they do so at the latest, without travel: then that step is the last one."""
     time_steps = size * np.array(CONTROL.time_fractions)
     for high, low in pairwise(time_steps.tolist()):
         if tried(low).imbalance < 0.0:

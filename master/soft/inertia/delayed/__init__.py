@@ -22,7 +22,8 @@ slider with tighter tolerances, too, and compares (`master/soft/inertia/solution
 
 In reading order: `slider.py`, `body.py` and `drive_path.py`, `panels.py`, `panel_search.py` and `width_control.py`,
 `collocation.py` and `panel.py`, `cohorts.py` and `survival.py`, `past_breaks.py` and `panel_births.py`,
-`fast_sliding.py`, `swinging.py`. Each number is conserved as `past_breaks.py` says.
+`fast_sliding.py`, `swinging.py`; and `foretold.py`, which tells of too many panels before the work. How the number of
+contacts is conserved says `past_breaks.py`.
 
 Tests: tests/test_mass_delay_master.py, and tests/test_mass_agreement.py beside the ensemble.
 """

@@ -19,6 +19,8 @@ DEAD = 1e-19
 STARTS = 200
 # Distances that are tried at once for how far contacts hold, and how often they are refined: to a tenth.
 TRIED, REFINED = 12, 2
+# The farthest of them, in the largest stretches: no contact holds beyond twice that.
+FARTHEST = 4.0
 
 
 class Response(NamedTuple):
@@ -121,8 +123,8 @@ class Cohorts:
             still = self.weight * self.survival.sf(np.maximum(size, self.largest) * (1.0 + TIE))
             return np.asarray((size * np.maximum(held - still, 0.0)).sum(axis=1))
 
-        far = 4.0 * float(np.abs(x - self.born).max(initial=0.0) + self.largest.max(initial=least))
-        far = max(far, 4.0 * self.survival.longest)
+        far = float(np.abs(x - self.born).max(initial=0.0) + self.largest.max(initial=least))
+        far = FARTHEST * max(far, self.survival.longest)
         if (self.largest * held).sum() + far * held.sum() <= least_force:
             return np.inf
         low, high = least, far

@@ -178,7 +178,8 @@ class Collocation:
         births: PanelBirths,
         fast: bool,
     ) -> Iterate | None:
-        """Newton's method for the speeds at the nodes; None where it does not converge."""
+        """Newton's method for the speeds at the nodes; None where it does not converge. `lack` is the left side at the
+        head of this file; as X = X_0 + A W, its derivative by W is M + A (γ + dF/dW + (dF/dX + K) A)."""
         m, g = self._machine.mass, self._machine.damping
         k, unit = self._machine.spring, self._machine.unit
         (_, x_0, w_0), integral = begin.state, width * TO_NODES
@@ -269,7 +270,11 @@ class Collocation:
         return Pull(old.holding + new.holding, force, np.diag(old.slope), drag, new.missed)
 
     def _slow(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull:
-        """The same where those born on the panel are summed node by node."""
+        """The same where those born on the panel are summed node by node.
+
+        The integral over births up to the node i is taken of the polynomial through all nodes, which needs S also for
+        births after i, at stretches below 0. There 2 - S(|y|) goes on with the value and the slope of S; S(|y|) would
+        have a kink where P_c(0) > 0, which costs breaks and force a power of the panel's width each."""
         old, no_drag = self._contacts.response(x), np.zeros(x.size)
         # of births around the node j, those that count at i
         counted = width * TO_NODES * birth_rate
@@ -277,10 +282,9 @@ class Collocation:
             return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
         way = _way(w)
         stretch = way * (x[:, None] - x)
-        size = np.abs(stretch)
-        # continued smoothly to nodes after i, as the polynomials through all nodes need
-        survival, density = self._contacts.survival.sf_and_pdf(size)
+        survival, density = self._contacts.survival.sf_and_pdf(np.abs(stretch))
         survival = np.where(stretch < 0.0, 2.0 - survival, survival)
+        # of the force at i by X_i - X_j: y S(y) has the slope S - y P_c
         slope = counted * (survival - stretch * density)
         return Pull(
             holding=old.holding + (counted * survival).sum(axis=1),

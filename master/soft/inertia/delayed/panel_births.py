@@ -13,22 +13,26 @@ class PanelBirths:
 
     born : of all contacts, shape (STAGES + 1,); where they broke on the panel itself a guess
     all_known : whether they broke before the panel
+
+    _unknown : at which PLACES they did not; _to_broken : matrix from breaks at PLACES to those one delay before these
+    _waiting : share that broke on panels before, and is out at this one's beginning
     """
 
     def __init__(self, past: PastBreaks, begin: float, width: float) -> None:
         times = begin + width * PLACES
-        broken_at = (times - past.delay - begin) / width
-        unknown, self._width = broken_at > 0.0, width
+        broken_at = (
+            times - past.delay - begin
+        ) / width  # as places on the panel, below 0 before it
+        unknown = self._unknown = broken_at > 0.0
+        self.all_known, self._width = not unknown.any(), width
         self.born = np.array([past.born_on_panels(t) for t in times.tolist()])
-        first, self.all_known = self.born[0], not unknown.any()
+        self.born -= self.born[0]
         if not self.all_known:
-            self._unknown = unknown
             self._to_broken = _values_at(broken_at[unknown])
-            self._broken_before = past.breaks_on_panels
-            self.born[unknown] = past.breaks_on_panels
+            self._waiting = past.breaks_on_panels - past.born_on_panels(begin)
+            # at first as if breaks on the panel came at the rate of its first births
+            self.born[unknown] = self._waiting
             self.born[unknown] += past.birth_rate(begin) * width * broken_at[unknown]
-        self.born -= first
-        self._first = first
 
     @property
     def rate(self) -> Array:
@@ -39,7 +43,7 @@ class PanelBirths:
         """Take unknown births from breaks at the panel's PLACES, one delay before."""
         if not self.all_known:
             since = self._to_broken @ (breaks - breaks[0])
-            self.born[self._unknown] = self._broken_before - self._first + since
+            self.born[self._unknown] = self._waiting + since
 
     @property
     def missed(self) -> float:

@@ -40,7 +40,11 @@ class PanelSearch:
         self._last = panel
 
     def next_up_to(self, stop: float) -> tuple[Solved, bool]:
-        """The next panel, and whether it reaches up to `stop`."""
+        """The next panel, and whether it reaches up to `stop`.
+
+        A panel on which contacts form and break is tried first where it is the wider one. Else, or where it misses too
+        much, a panel as wide as the last one's error lets it be, narrower until it misses little enough.
+        """
         t, left = self._body.state.t, stop - self._body.state.t
         fast = self._fast_width()
         if self._width < fast < left:
@@ -67,9 +71,10 @@ class PanelSearch:
             ratio = WIDTHS.aim * self._body.accuracy / max(missed.largest, TINY)
             ratio **= 1.0 / NODES.size
             if missed.largest <= self._body.accuracy:
-                wider = width * min(ratio, WIDTHS.growth)
-                # a panel that an edge cut short does not make the next one narrow
-                self._width = max(wider, self._width if reaches and np.isfinite(self._width) else 0)
+                before, self._width = self._width, width * min(ratio, WIDTHS.growth)
+                if reaches and np.isfinite(before):
+                    # a panel that an edge cut short does not make the next one narrow
+                    self._width = max(self._width, before)
                 return solved, reaches
             width *= float(np.clip(ratio, WIDTHS.most_shrink, WIDTHS.least_shrink))
 

@@ -39,6 +39,7 @@ class Part(NamedTuple):
         whole = self.solved.panel
         if self.panel is whole:
             return self.solved.birth_rate
+        # the polynomial through the rates at the whole panel's nodes, at those of the part
         at = (self.panel.times - whole.begin) / whole.width
         to_powers = np.linalg.inv(np.vander(2.0 * NODES - 1.0, NODES.size))
         weights = np.vander(2.0 * at - 1.0, NODES.size) @ to_powers
@@ -98,7 +99,8 @@ class OnPanels:
         return turn is not None or body.hardly_any_holds
 
     def _turn_in(self, panel: TimePanel) -> float | None:
-        """When the slider turns on the panel, if it does."""
+        """When the slider turns on the panel, if it does: its speed changes the sign between two of the PARTS, and from
+        there on it goes back farther than the panel's polynomial may wind."""
         body = self._body
         speed = panel.slope(panel.begin + PARTS * panel.width, POSITION)
         # from rest the slider sets out as it moves up to the first node: before it the polynomial may wind by its error
