@@ -26,9 +26,27 @@ from origins.thresholds.law import Array
 
 # Shortest move, and narrowest panel, in resolution lengths of the life.
 STILL = 1e-12
-# Breaks are steady where their rates agree to this share over the longest life; rates of steady breaks differ by up to
-# 5e-12, the rounding of slopes (measured on panels of half a mean threshold).
-STEADY_RATES = 1e-10
+# Way, in mean thresholds, up to which panels are planned first: most sliders slip before.
+PLANNED = 2.0
+# Part of the tolerance, and of K, that a panel may miss, and most, in mean thresholds: the begin of a slip depends on
+# F', and the error of a polynomial's slope is some hundred times that of its values. The least, a share of the
+# contacts, is round-off.
+OF_PANELS, MOST_OF_PANELS, LEAST_OF_PANELS = 1e-4, 1e-6, 1e-13
+# The end of a slip is looked for from so many errors of its begin on, next to which the load may still rise; at most so
+# much of the travel, as slips are longer.
+BEHIND_BEGIN, OF_TRAVEL = 10.0, 1e-4
+# Work of following a lump over one run of panels, in pieces of integrals.
+WORK_OF_LUMP = 15
+# Share of the contacts above which those that break together make a slip: well above rounding. That of the force,
+# relative to the distance travelled, and on one panel, in mean thresholds.
+DROPS, ROUNDING, OWN_ROUNDING = 1e-13, 1e-14, 1e-15
+# Travels along which breaks are compared, in longest stretches: one life and two, and a tenth for panels at the ends.
+ONE_LIFE, TWO_LIVES = 1.1, 2.2
+# Part of a panel's tolerance that sums over births may miss.
+OF_SUMS = 0.1
+# Breaks are steady where their rates agree to this share over the longest life, or to this part of the tolerance and of
+# K; rates of steady breaks differ by up to 5e-12, the rounding of slopes (measured on panels of half a mean threshold).
+STEADY_RATES, OF_STEADY = 1e-10, 1e-2
 # Contacts that decohere more slowly than within this many spans of two lives are not followed until they have where X*
 # tells how much is left; modes of longer X* may be hidden by this factor in the range of the force.
 DECOHERES, HIDDEN = 2.0, 100.0
@@ -58,13 +76,10 @@ class ColdContacts:
         self.start = contacts.start
         self.formed_again = reforming_law(contacts)
         self.largest_stiffness = float(contacts.relative_stiffness(self.life.largest_stretch))
-        # the beginning of a slip depends on F', and the error of a polynomial's slope is some hundred times that of its
-        # values: hence 1e-4 of the tolerance, and of K, at most of 1e-6 mean thresholds; below 1e-13 all is round-off
-        self.of_panels = max(
-            1e-4 * min(tolerance, 1e-6, spring) * self.unit / self.life.largest_stretch, 1e-13
-        )
-        # what is left of the changes of F has to be below the tolerance, and its slope below K
-        self.steady_rates = max(STEADY_RATES, 1e-2 * min(tolerance, spring))
+        # a panel's error is a share of the contacts, each of which bears the largest stretch at most
+        of_panels = OF_PANELS * min(tolerance, MOST_OF_PANELS, spring)
+        self.of_panels = max(of_panels * self.unit / self.life.largest_stretch, LEAST_OF_PANELS)
+        self.steady_rates = max(STEADY_RATES, OF_STEADY * min(tolerance, spring))
         self.spring, self.until = spring, until
         self.unknown, self.nodes = 0.0, 0
 
@@ -124,9 +139,9 @@ class Move:
 
     def __init__(self, contacts: ColdContacts, direction: int, loaded: LoadingHistory) -> None:
         self.contacts, self.direction, self.loaded = contacts, direction, loaded
-        # plan 2 mean thresholds ahead first: most sliders slip before
-        self._kinks, self._ahead = loaded.kinks, 2.0 * contacts.unit
-        self._widest = self._guess
+        self._kinks, self._ahead = loaded.kinks, PLANNED * contacts.unit
+        # the first guess of a panel's width, and the widest one
+        self._guess = self._widest = WIDE * contacts.life.resolution_length
         self._plan(loaded.march, loaded.cut, loaded.end)
         self._first = self._march.solved.count
         self._steady: SteadyForce | None = None
@@ -154,10 +169,8 @@ class Move:
     ) -> SlipEnd:
         """The curve, and the travel at the end of the slip that begins at the travel `after` with this load; `goes_on`:
         the slider never turns later, so that of contacts that have decohered only the force matters."""
-        # next to the beginning, which is known to `begin_error`, the computed load may still rise: its rise at the end
-        # is looked for from ten times as far on, at most 1e-4 of the travel, as slips are longer
-        falling, travel = min(10.0 * begin.begin_error, 1e-4 * begin.curve.end), after
-        searched, rises = after + falling, np.inf
+        falling = min(BEHIND_BEGIN * begin.begin_error, OF_TRAVEL * begin.curve.end)
+        travel, searched, rises = after, after + falling, np.inf
         while True:
             curve = self.curve_to(travel)
             # panels that were searched before are not searched again: a slip may pass thousands
@@ -175,8 +188,7 @@ class Move:
         while self._march.solved.count == self._first or (
             self._steady is None and self._march.solved.end < self.loaded.end + y
         ):
-            # following a lump over one run of panels costs as much as 15 pieces of integrals
-            self._march.births.work += 15 * len(self._march.lumps)
+            self._march.births.work += WORK_OF_LUMP * len(self._march.lumps)
             if self._march.births.work > MOST_WORK:
                 raise StoppedError("stopped as slips ask for too much work")
             before = self._march.solved.count
@@ -198,15 +210,13 @@ class Move:
         solved, own_panels = march.solved, slice(self._first, None)
         begin, width = solved.begin[own_panels] - loaded.end, solved.width[own_panels]
         force, missed = solved.force[own_panels], solved.error[own_panels]
-        # a drop by more than this share of the contacts, well above rounding, makes a slip
-        times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > 1e-13]
-        # round-off of the force grows with the distance travelled
-        rounding = 1e-14 * (self.contacts.unit + begin) + march.unseen_error * largest
+        times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > DROPS]
+        rounding = ROUNDING * (self.contacts.unit + begin) + march.unseen_error * largest
         unknown = loaded.error + self.contacts.unknown
         error = unknown + np.maximum.accumulate(missed) * largest + rounding
         drops = np.array(times) - loaded.end
         series = self.direction * force @ polynomials.TO_LEGENDRE.T
-        own = missed * largest + 1e-15 * self.contacts.unit
+        own = missed * largest + OWN_ROUNDING * self.contacts.unit
         curve = LoadCurve(begin, width, series, error, own, drops, self.contacts.spring)
         return curve if self._steady is None else self._steady.extend(curve, y, largest)
 
@@ -217,7 +227,8 @@ class Move:
         no contact that held at the move's begin is left: where rates agree, so do all that follow.
         """
         march, largest = self._march, self.contacts.life.largest_stretch
-        memory = max(1.1 * march.present.straight(float(self.direction)).longest, 2.0 * largest)
+        life = ONE_LIFE * march.present.straight(float(self.direction)).longest
+        memory = max(life, 2.0 * largest)
         undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].time)
         if undisturbed < memory:
             return None
@@ -235,7 +246,7 @@ class Move:
         over the longest life (renewal equation) and stays within them, and F - F_k falls as e^(-y/X*).
         """
         march, contacts = self._march, self.contacts
-        memory = 2.2 * contacts.life.largest_stretch
+        memory = TWO_LIVES * contacts.life.largest_stretch
         undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].time)
         if undisturbed < DECOHERES * memory:
             return None
@@ -263,14 +274,8 @@ class Move:
         """The history after the travel y; `error` is that of the force due to it."""
         y = max(y, STILL * self.contacts.life.resolution_length)
         end, places = self.loaded.end + y, (*self.loaded.places, self.at(y))
-        met = tuple(kink for kink in self._kinks if kink.time < end)
-        kinks = (*met, Kink(end, SMOOTHER))
+        kinks = (*(kink for kink in self._kinks if kink.time < end), Kink(end, SMOOTHER))
         return LoadingHistory(self.loaded.start, self._march, end, end, places, kinks, error)
-
-    @property
-    def _guess(self) -> float:
-        """The first guess of a panel's width."""
-        return WIDE * self.contacts.life.resolution_length
 
     def _plan(self, march: March | None, cut_at: float, continued_from: float) -> None:
         """Set the march that continues from `continued_from`; from `cut_at` to there no contact is born."""
@@ -280,7 +285,7 @@ class Move:
         rounding = np.spacing(continued_from + self._ahead) / life.resolution_length
         tolerance = max(contacts.of_panels, rounding)
         motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
-        births = Births(life, again, motion, accuracy=0.1 * tolerance, until=contacts.until)
+        births = Births(life, again, motion, accuracy=OF_SUMS * tolerance, until=contacts.until)
         if march is None:
             march = March(births, start, np.empty(0), tolerance, self._guess, life.largest_stretch)
         else:

@@ -13,7 +13,7 @@ from master.survival.life import NO_SURVIVAL
 
 # Most panels that are tried together: the slip may end on the first.
 MOST_TOGETHER = 8
-# Share of a way without balance that is passed at once: its end is left out, as F has an error; and how many panels
+# Share of a travel without balance that is passed at once: its end is left out, as F has an error; and how many panels
 # long it has to be, as it takes as long as some panels to find F at its end.
 PASSED, WORTH_PASSING = 0.9, 2.0
 
@@ -44,20 +44,20 @@ class MoveWithoutBirths(Move):
         return super().end_of_slip(after, load, begin, goes_on)
 
     def _pass_without_balance(self) -> bool:
-        """Pass a way on which the load cannot come back to that of the slip: F rises at most with the stiffness of the
-        contacts that hold, of which ever fewer do. Its panel holds that bound; False where the way is short."""
+        """Pass a travel on which the load cannot come back to that of the slip: F rises at most with the stiffness of
+        the contacts that hold, of which ever fewer do. Its panel holds that bound; False where the travel is short."""
         march, contacts = self._march, self.contacts
         begin = max(march.solved.end, self.loaded.end)
         missing = self._level - self._force - contacts.spring * (begin - self.loaded.end)
         stiffness = self._held * contacts.largest_stiffness
-        way = PASSED * missing / (stiffness + contacts.spring)
-        way = min(way, float(march.edges[-1]) - begin)
-        if not WORTH_PASSING * self._widest < way < np.inf:
+        travel = PASSED * missing / (stiffness + contacts.spring)
+        travel = min(travel, float(march.edges[-1]) - begin)
+        if not WORTH_PASSING * self._widest < travel < np.inf:
             return False
-        bound = self._force + stiffness * way * np.append(0.0, polynomials.NODES)[None]
+        bound = self._force + stiffness * travel * np.append(0.0, polynomials.NODES)[None]
         run = Run(np.zeros_like(bound), self.direction * bound, np.zeros(1))
-        self._append(begin, way, run, 1)
-        number, force = march.known_at(np.full((1, TARGETS.size), begin + way))[:, 0, 0]
+        self._append(begin, travel, run, 1)
+        number, force = march.known_at(np.full((1, TARGETS.size), begin + travel))[:, 0, 0]
         self._held, self._force = float(number), self.direction * float(force)
         return True
 

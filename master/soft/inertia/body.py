@@ -13,6 +13,9 @@ from origins.thresholds.law import Array
 
 # Share of the tolerance below which ringing counts as rest.
 QUIET = 0.02
+# The same, in that, for a slider that is followed slowly and for one that is not yet: both far enough from 1 that the
+# two modes do not alternate.
+STAYS_SLOW, GETS_SLOW = 2.0, 0.5
 RINGS = "stopped as the slider rings for too long; give a damping, or a larger one"
 
 Mode = Callable[[], object]

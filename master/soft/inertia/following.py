@@ -4,17 +4,32 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.soft.inertia.body import Body, Mode
+from master.soft.inertia.body import STAYS_SLOW, Body, Mode
 from master.soft.inertia.record import Instant, crossing
 from master.soft.inertia.slow import slow_motion
 from origins.thresholds.law import Array
 
-# Panels of F that are looked ahead, and points of each.
-PANELS, POINTS = 40, 17
+# Panels of F that are looked ahead, and points of each; and the way, in mean thresholds, that is solved ahead first.
+PANELS, POINTS, AHEAD = 40, 17, 2.0
 # F falls where F' is below this: above it is rounding.
 FALLS = -1e-9
 # Longest way that is looked ahead on a panel, in mean thresholds: steady breaks have an endless one.
 FURTHEST = 1e9
+# Distance from a panel's beginning of the place just inside, in widths of the panel.
+JUST_INSIDE = 1e-9
+# A slider accelerates too much to be slow where the force on its mass is above so much of what counts as rest, and of
+# the ringing that a start at the drive's speed would give: slow motion takes far less than the second.
+OF_REST, OF_START = 3.0, 1e-2
+# Bisections for where the slider gets fast, between two of the points: to a millionth of their distance.
+BISECTIONS = 20
+# The balance is looked for from so far, in mean thresholds, behind the slider on, which lags behind it.
+BEHIND = 1e-3
+# Gauss nodes on each panel, of the degree 16, in the integrals of energies.
+GAUSS = 16
+# Points of a panel at which the spring's force may begin to fall.
+WATCHED = 9
+# Slopes of 0 are taken as that where they divide.
+TINY = 1e-300
 
 
 class Ahead(NamedTuple):
@@ -34,8 +49,8 @@ class Following(Body):
         slope = self.move.panel_at(y).slope(y) + self.spring
         # what accelerates the mass
         force = float(self._pull(self.t)) - self.damping * self.w - self.spring * y - self._force(y)
-        # the second term is far above the force of a slow motion
-        quickly = 3.0 * part * self.quiet + 1e-2 * rate * np.sqrt(m / max(slope, 1e-300))
+        of_start = rate * np.sqrt(m / max(slope, TINY))
+        quickly = OF_REST * part * self.quiet + OF_START * of_start
         if slope <= 0.0 or abs(force) > quickly:
             return False
         slow = slow_motion(self.move.curve, np.array([y]), rate, m, self.damping)
@@ -49,7 +64,7 @@ class Following(Body):
         rate, end = self.spring * self._speed, self._leg_end()
         if rate < 0.0:
             return self.turn()
-        if not self._follows(2.0):
+        if not self._follows(STAYS_SLOW):
             return self.moving
         if rate == 0.0:
             which = self.record.between(self.t, end)
@@ -64,7 +79,7 @@ class Following(Body):
         until = min(reached, end)
         which = self.record.between(self.t, until)
         loads = self._pull(np.append(self.record.times[which], until))
-        low = max(min(self.y, ahead.travel) - 1e-3 * self.unit, 0.0)
+        low = max(min(self.y, ahead.travel) - BEHIND * self.unit, 0.0)
         self._follow_to(which, self.move.curve.travel_at(loads, low, ahead.travel), until)
         if reached >= end:
             self._next_leg()
@@ -76,11 +91,11 @@ class Following(Body):
     def _look_ahead(self, rate: float) -> Ahead:
         """How far the slider goes slowly from here, some panels ahead at most."""
         move, y = self.move, self.y
-        move.panel_at(y + 2.0 * self.unit)
+        move.panel_at(y + AHEAD * self.unit)
         curve = move.curve
         panels = slice(int(curve.panel(y)), int(curve.panel(y)) + PANELS)
         # F' may jump where panels meet: places just inside both are compared
-        shares = np.clip(np.linspace(0.0, 1.0, POINTS), 1e-9, 1.0)
+        shares = np.clip(np.linspace(0.0, 1.0, POINTS), JUST_INSIDE, 1.0)
         widths = np.minimum(curve.width[panels], FURTHEST * self.unit)
         places = curve.begin[panels, None] + widths[:, None] * shares
         slow = slow_motion(curve, places.ravel(), rate, self.mass, self.damping)
@@ -94,7 +109,7 @@ class Following(Body):
         if fast.any():
             k = int(np.argmax(fast))
             stop, high = max(float(ahead[k - 1]) if k else y, y), float(ahead[k])
-            for _ in range(20):
+            for _ in range(BISECTIONS):
                 middle = 0.5 * (stop + high)
                 one = slow_motion(curve, np.array([middle]), rate, self.mass, self.damping)
                 stop, high = (middle, high) if one.missed[0] <= self.quiet else (stop, middle)
@@ -132,10 +147,10 @@ class Following(Body):
         curve, low, high = self.move.curve, min(self.y, y), max(self.y, y)
         edges = curve.begin[(curve.begin > low) & (curve.begin < high)]
         ends = np.concatenate([[low], edges, [high]])
-        nodes, weights = np.polynomial.legendre.leggauss(16)
+        nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
         half = 0.5 * np.diff(ends)[:, None]
         places = ends[:-1, None] + half * (1.0 + nodes)
-        speed = rate / np.maximum(curve.load_slope(places), 1e-300)
+        speed = rate / np.maximum(curve.load_slope(places), TINY)
         sign = 1.0 if y >= self.y else -1.0
         on_contacts = sign * float((half * weights * curve.force(places)).sum())
         return self.damping * float((half * weights * speed).sum()), on_contacts
@@ -145,7 +160,7 @@ class Following(Body):
         curve, k, limit = self.move.curve, self.spring, self._speed
         edges = curve.begin[(curve.begin > self.y) & (curve.begin < stop)]
         ends = np.concatenate([[self.y], edges, [stop]])
-        cells = ends[:-1, None] + np.diff(ends)[:, None] * np.linspace(0.0, 1.0, 9)
+        cells = ends[:-1, None] + np.diff(ends)[:, None] * np.linspace(0.0, 1.0, WATCHED)
         places = np.unique(cells.ravel())
 
         def rise(y: float | Array) -> Array:

@@ -7,7 +7,7 @@ from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq
 
 from master.outcome import StoppedError, stop_after
-from master.soft.inertia.body import RINGS, Body, Mode
+from master.soft.inertia.body import GETS_SLOW, RINGS, Body, Mode
 from master.soft.inertia.record import Instant
 from origins.thresholds.law import Array
 
@@ -17,6 +17,10 @@ MOST_STEPS = 50_000
 FINE, FINEST = 1e-3, 1e-12
 # Points of a step at which the speed is compared with the drive's.
 POINTS = 17
+# Steps between two looks at the clock, which takes as long as a step.
+UNWATCHED = 64
+# Accuracy of an instant within a step, in steps; and relative, the least that brentq takes is 4 spacings.
+INSTANT, INSTANT_RELATIVE = 1e-15, 1e-14
 
 
 class Integrated(NamedTuple):
@@ -45,9 +49,14 @@ class Step(NamedTuple):
         """When a part of the state, which is beside the value at `low` and at the end, has it."""
         if low >= self.last:
             return low
-        inside, smallest = self.inside, 1e-15 * (self.last - self.first)
+        inside, accuracy = self.inside, INSTANT * (self.last - self.first)
         return float(
-            brentq(lambda t: inside(t)[part] - value, low, self.last, xtol=smallest, rtol=1e-14)
+            brentq(
+                lambda t: inside(t)[part] - value,
+                *(low, self.last),
+                xtol=accuracy,
+                rtol=INSTANT_RELATIVE,
+            )
         )
 
     def up_to(self, end: float) -> "Step":
@@ -68,7 +77,7 @@ class Moving(Body):
             self.steps += 1
             if solver.status == "failed" or self.steps > MOST_STEPS:
                 raise StoppedError(RINGS)
-            if not self.steps % 64:
+            if not self.steps % UNWATCHED:
                 stop_after(self.contacts.until)
             step = Step(begun, solver.t_old, solver.t, solver.y, solver.dense_output())
             drop, turns, finished = self._drop, False, solver.status == "finished"
@@ -95,7 +104,7 @@ class Moving(Body):
             if finished:
                 self._next_leg()
                 return self.moving
-            if rate >= 0.0 and self._follows(0.5):
+            if rate >= 0.0 and self._follows(GETS_SLOW):
                 return self.following
 
     def _solver(self) -> DOP853:

@@ -9,6 +9,17 @@ from origins.thresholds.law import Array
 
 # Points a period at which crossings are looked for, and what a peak between them may rise above them, in amplitudes.
 SAMPLES, BETWEEN = 24, 0.02
+# Least distance of the two roots, in their mean: closer ones would lose digits, and at critical damping they are kept
+# apart by that much.
+APART = 1e-4
+# Most periods that are looked through at once.
+AT_ONCE = 64
+# Accuracy of the times from which on, or up to which, a level is within reach, in steps between samples.
+OF_REACH = 1e-3
+# Accuracies of a peak and of a crossing, in periods, and relative; rounding of a level, relative.
+OF_PEAK, OF_CROSSING, RELATIVE, ROUNDING = 1e-14, 1e-15, 1e-14, 1e-15
+# Exponents below which e^z - 1 is taken by its first two terms, as the integral divides by the rate, possibly 0.
+SMALL = 1e-8
 
 
 @dataclass(frozen=True)
@@ -35,9 +46,8 @@ class Oscillation:
         drift = rate / stiffness
         centre = (pull - g * drift) / stiffness
         half, square = 0.5 * g / m, stiffness / m
-        # roots closer than 1e-4 of their size would lose digits: at critical damping they are kept apart by that much
         apart = np.sqrt(complex(half**2 - square))
-        apart = apart if abs(apart) > 1e-4 * half else complex(1e-4 * half)
+        apart = apart if abs(apart) > APART * half else complex(APART * half)
         small = -square / (half + apart) if apart.imag == 0.0 and half else apart - half
         roots = np.array([small, -half - apart], dtype=complex)
         u, du = y - centre, w - drift
@@ -115,13 +125,13 @@ class Oscillation:
         if above(0.0) < 0.0:
             if not np.isfinite(end) or above(end) < 0.0:
                 return np.inf
-            begin = max(0.0, float(brentq(above, 0.0, end, xtol=1e-3 * step)) - step)
+            begin = max(0.0, float(brentq(above, 0.0, end, xtol=OF_REACH * step)) - step)
         while begin < end:
             whole = end - begin
-            lasts = whole if self._fades(whole) else min(whole, 64 * self.period)
+            lasts = whole if self._fades(whole) else min(whole, AT_ONCE * self.period)
             times = begin + self._looked_at(lasts)
             values = sign * self.travel(times) - level
-            close = BETWEEN * np.abs(self.departure(times)).max() + 1e-15 * abs(level)
+            close = BETWEEN * np.abs(self.departure(times)).max() + ROUNDING * abs(level)
             for at in (np.flatnonzero(values[1:-1] > -close) + 1).tolist():
                 found = self._passing_near(sign, level, *times[at - 1 : at + 2].tolist())
                 if found is not None:
@@ -133,7 +143,7 @@ class Oscillation:
             if begin < end and above(begin) < 0.0:
                 if not np.isfinite(end) or above(end) < 0.0:
                     return np.inf
-                begin = max(begin, float(brentq(above, begin, end, xtol=1e-3 * step)) - step)
+                begin = max(begin, float(brentq(above, begin, end, xtol=OF_REACH * step)) - step)
         return np.inf
 
     def _fades(self, lasts: float) -> bool:
@@ -167,16 +177,16 @@ class Oscillation:
         if value(at) <= 0.0:
             if rise(before) <= 0.0 or rise(after) >= 0.0:
                 return None
-            top = float(brentq(rise, before, after, xtol=1e-14 * self.period, rtol=1e-14))
+            top = float(brentq(rise, before, after, xtol=OF_PEAK * self.period, rtol=RELATIVE))
             if value(top) <= 0.0:
                 return None
         if value(before) >= 0.0:
             return before
-        return float(brentq(value, before, top, xtol=1e-15 * self.period, rtol=1e-14))
+        return float(brentq(value, before, top, xtol=OF_CROSSING * self.period, rtol=RELATIVE))
 
 
 def _grown(rate: Array, t: Array) -> Array:
     """Integral of e^(rate t) from 0 to t."""
-    small = np.abs(rate * t) < 1e-8
+    small = np.abs(rate * t) < SMALL
     safe = np.where(rate == 0.0, 1.0, rate)
     return np.where(small, t * (1.0 + 0.5 * rate * t), np.expm1(rate * t) / safe)

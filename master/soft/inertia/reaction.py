@@ -18,6 +18,16 @@ from origins.thresholds.law import Array
 
 # Share of the tolerance by which the force may differ from that of contacts of which none breaks, or of steady breaks.
 ALIKE = 0.02
+# Travel along which breaks have to be steady, in longest stretches: a life, and a tenth for the panels at its ends.
+LIFE = 1.1
+# Width of the endless panel of the last force behind steady breaks, in mean thresholds: farther than any drive goes.
+ENDLESS = 1e15
+# Panels are solved up to so many times the way so far, and so many resolution lengths beyond, at once.
+FURTHER, AND_FURTHER = 1.2, 2.0
+# Rounding of a travel, relative; accuracy of the end of the elastic travel, relative: it bounds a closed motion only.
+ROUNDING, OF_ELASTIC_END = 1e-13, 1e-6
+# Least travel, in mean thresholds, at which energies are asked for: at 0 contacts of the move before count.
+BEGUN = 1e-12
 # Shares of a panel at which the force is compared.
 SHARES = np.linspace(1.0 / 16.0, 1.0, 16)
 # Matrix from Legendre coefficients to those of powers, the highest first.
@@ -85,7 +95,7 @@ class Reaction(Move):
 
     def _with_steady_end(self, curve: LoadCurve) -> LoadCurve:
         """The curve, with one endless panel of the last force behind, where breaks have been steady for a life."""
-        memory = 1.1 * self.contacts.life.largest_stretch
+        memory = LIFE * self.contacts.life.largest_stretch
         if curve.end < memory or (curve.drops > curve.end - memory).any():
             return curve
         first = int(np.searchsorted(curve.begin, curve.end - memory, "right")) - 1
@@ -100,7 +110,7 @@ class Reaction(Move):
         return replace(
             curve,
             begin=np.append(curve.begin, curve.end),
-            width=np.append(curve.width, 1e15 * self.contacts.unit),
+            width=np.append(curve.width, ENDLESS * self.contacts.unit),
             series=np.concatenate([curve.series, series]),
             error=np.append(curve.error, curve.error[-1] + change),
             own_error=np.append(curve.own_error, 0.0),
@@ -117,11 +127,11 @@ class Reaction(Move):
 
     def panel_at(self, y: float, last: float = np.inf) -> Panel:
         """The panel on which y lies, an edge on the one that it ends; none that begins at `last` or later."""
-        rounding = 1e-13 * (self.loaded.end + y)
+        rounding = ROUNDING * (self.loaded.end + y)
         while y > self.curve.end + rounding:
             # step by step, to see where breaks have become steady
-            further = 1.2 * self.curve.end + 2.0 * self.contacts.life.resolution_length
-            self._extend(min(y, further))
+            beyond = AND_FURTHER * self.contacts.life.resolution_length
+            self._extend(min(y, FURTHER * self.curve.end + beyond))
         at = bisect_left(self._begins, min(y, last)) - 1
         return self._panels[max(at, 0)]
 
@@ -143,7 +153,11 @@ class Reaction(Move):
                 low = panel.begin
                 for high in (panel.begin + panel.width * SHARES).tolist():
                     if abs(panel.force(high) - first - high) > self._alike:
-                        return low if off(low) >= 0.0 else float(brentq(off, low, high, rtol=1e-6))
+                        return (
+                            low
+                            if off(low) >= 0.0
+                            else float(brentq(off, low, high, rtol=OF_ELASTIC_END))
+                        )
                     low = high
             y = self.curve.end
             self.panel_at(y + self.contacts.life.resolution_length)
@@ -177,7 +191,7 @@ class Reaction(Move):
         births = replace(self._march.births, life=_StoredLife(self._march.life), until=np.inf)
         march = self._march.cut(self._march.solved.end, births)
         march.present = Present(births)
-        at = np.maximum(self.loaded.end + y, self.loaded.end + 1e-12 * self.contacts.unit)
+        at = np.maximum(self.loaded.end + y, self.loaded.end + BEGUN * self.contacts.unit)
         different, back = np.unique(at, return_inverse=True)
         return np.asarray(march.known_at(different[:, None])[1, :, 0][back])
 

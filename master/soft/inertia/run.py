@@ -6,6 +6,7 @@ import numpy as np
 
 from master.motion import Motion, drive_motion
 from master.outcome import StoppedError
+from master.soft.in_time.refining import AT_BALANCE
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.record import Record
@@ -18,8 +19,10 @@ from origins.drive import Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
-# Part of a run's tolerance that each panel of F may take.
-OF_PANELS = 0.01
+# Part of a run's tolerance that each panel of F may take; and the least, a share of the contacts: round-off.
+OF_PANELS, LEAST_OF_PANELS = 0.01, 1e-13
+# A damping that lets no slider ring for long, in critical ones: so much the message of one that rings tells.
+ENOUGH_DAMPING = 0.01
 
 
 @dataclass(frozen=True)
@@ -57,10 +60,12 @@ class Run:
         spring, unit, tolerance = float(drive.spring or 0.0), contacts.mean_threshold, part * asked
         cold = ColdContacts(contacts, spring, tolerance, until)
         # the motion hangs on F itself, and not on F' as slips without a mass do
-        cold.of_panels = max(OF_PANELS * tolerance * unit / cold.life.largest_stretch, 1e-13)
-        self._spring, self._unit, self.tolerance = spring, unit, tolerance
+        of_panels = OF_PANELS * tolerance * unit / cold.life.largest_stretch
+        cold.of_panels = max(of_panels, LEAST_OF_PANELS)
+        self._spring, self._unit = spring, unit
+        self.tolerance = tolerance
         self.balance = cold.force_of(contacts.start) / spring
-        if abs(drive.path[0] - self.balance) <= 1e-12 * unit:
+        if abs(drive.path[0] - self.balance) <= AT_BALANCE * unit:
             self.balance = float(drive.path[0])
         elif drive.time is not None and drive.time[0] == 0.0:
             hint = f"at time 0 the drive stands where it balances the start, {self.balance:.9g}"
@@ -81,7 +86,8 @@ class Run:
         except StoppedError as why:
             self.stopped = str(why)
             if self.stopped == RINGS:
-                hundredth = 0.02 * (float(drive.mass or 0.0) * (1.0 + spring)) ** 0.5
+                critical = 2.0 * (float(drive.mass or 0.0) * (1.0 + spring)) ** 0.5
+                hundredth = ENOUGH_DAMPING * critical
                 self.stopped += (
                     f" (a hundredth of the critical one of a slider that sticks is {hundredth:.3g})"
                 )
