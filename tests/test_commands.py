@@ -3,6 +3,7 @@
 import ctypes
 import json
 import os
+import re
 import signal
 import threading
 import time
@@ -372,3 +373,33 @@ def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
     assert "critical_spring_newtons" not in own["bare"]
     per_area = own["bare"]["critical_spring_per_area"]
     assert per_area == pytest.approx(1e6 * small, rel=1e-12)
+
+
+def test_compare_shows_how_far_its_numbers_hang_on_the_readings(capsys: Any) -> None:
+    """Readings that disagree on the machine's slips are the first sentence; numbers have the digits that they leave."""
+    material = ROUGH["material"] | {"hardness": 1e8}
+    mixed = ROUGH | {"material": material, "regime": "mixed"}
+    file = write(
+        "mine",
+        thresholds=ROUGH | {"material": material},
+        drive={"spring": "4e6 N/m", "area": 1e-6, "velocity": 1.0},
+        master=None,
+        verdict={"readings": ["gw/amontons/mixed", "gw/strength"]},
+    )
+    status, lines, _ = said(capsys, "compare", file)
+    found = read("compare-output/compare.json")["scenes"][0]
+    own, other = found["readings"]
+    contacts = toolkit.load_scene(write("mixed", thresholds=mixed, drive={"to": 1e-7})).contacts
+    assert other["critical_spring"] == master.propensity(contacts).critical_spring
+    area = contacts.interface.contact_density * contacts.interface.mean_stiffness * 1e-6
+    springs = [own["critical_spring_newtons"], other["critical_spring_newtons"]]
+    assert springs[1] == pytest.approx(area * other["critical_spring"], rel=1e-12)
+    assert springs[0] == found["critical_spring_newtons"] < 4e6 < springs[1]
+    assert status == 0 and list(found["left_out"]) == ["gw/strength"]
+    assert lines[0].startswith("mine: readings disagree on stick-slip: ") and "1 of 2" in lines[0]
+    at, wide = (re.split(" {2,}", line.strip()) for line in (lines[3], lines[4]))
+    assert wide[0] == "over 2 readings" and not any("±" in cell for cell in at)
+    for column, name in ((3, "critical_spring"), (8, "critical_spring_newtons")):
+        assert float(at[column].replace(",", "")) == pytest.approx(own[name], rel=5e-3)
+        ends = [float(end.replace(",", "")) for end in wide[column - 1].split(" to ")]
+        assert ends == pytest.approx(sorted([own[name], other[name]]), rel=5e-3)

@@ -1,12 +1,14 @@
-"""Scenes side by side: propensity to stick-slip by the master equation, with evidence from the ensemble."""
+"""Scenes side by side: propensity to stick-slip by the master equation, how far it hangs on what was assumed of a
+surface, and evidence from the ensemble."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import zip_longest
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
 from toolkit.judge.rigid import RIGID, on_rigid_slider
@@ -15,51 +17,75 @@ from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.records import Result
 from toolkit.running.runner import solve
 from toolkit.running.solvers import within
-from toolkit.scene.drive import has_path
+from toolkit.scene.drive import has_path, machine_number
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.laws import inside
-from toolkit.scene.scale import SHARED, Scale
+from toolkit.scene.scale import SHARED, scale_of
 from toolkit.scene.scene import Scene, load_scene, read_scene
-from toolkit.scene.tables import read_table
+from toolkit.scene.tables import DriveTable, read_table
+from toolkit.verdict.judge import Quantity
+from toolkit.verdict.readings import readings_of
+from toolkit.verdict.table import in_columns, row
 
+# of a number: a larger error stands beside it
+_KNOWN = 1e-3
 _SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
+# the names in a file of K* in each unit
+_SPRINGS = {"N/m": "critical_spring_newtons", "N/m³": "critical_spring_per_area"}
+_SPRINGS |= {SHARED: "critical_spring"}
 _HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
+
+
+@dataclass(frozen=True)
+class Read:
+    """What one reading says: numbers by the names that they have in a file, lengths in mean thresholds, K* in each unit
+    that is known, nan for what other thresholds than a surface's do not have.
+
+    springs : N_c<k> by unit: "N_c<k>", "N/m" of drive.area, "N/m³", per nominal area
+    softer : whether the machine's spring is softer than K*; None without one
+    """
+
+    name: str
+    numbers: dict[str, Number]
+    springs: dict[str, float]
+    softer: bool | None
+
+    def spring(self, unit: str) -> Number:
+        """K* in this unit."""
+        return self.numbers[_SPRINGS[unit]]
+
+    def plain(self) -> dict[str, Any]:
+        """Each number and its error, as a file has them."""
+        out = dict[str, Any]()
+        for name, number in self.numbers.items():
+            out |= {name: number.value, f"{name}_error": number.error}
+        return out
 
 
 @dataclass(frozen=True)
 class Verdict:
     """One scene's line of the comparison.
 
-    `numbers` are onset_power, critical_spring and more by name, friction_coefficient (F_k/load) for a surface only,
-    lengths in mean thresholds; `conditions` the speed, temperature and more on which they depend; `cautions` say why
-    K* is infinite, and what is at the limits of the law; `found` describes the law. `evidence` is the ensemble's: its
-    force over the exact F_k, with one standard error, where the master equation's force is largest (its own, without
-    [master]), the master's there, and the largest difference of both over the path in standard errors, or why there is
-    none; None without [eq]. `scale` are the units of the scene's forces and springs, `per_area` N_c<k> of a surface per
-    nominal area in N/m³, None of other thresholds.
+    `readings` begin with the scene's own, to which `conditions`, `cautions` and `found` belong: the speed, temperature
+    and more on which its numbers depend, why K* is infinite and what is at the limits of the law, and what describes
+    it; those `left_out` have a reason. `evidence` is the ensemble's: its force over the exact F_k, with one standard
+    error, where the master equation's force is largest (its own, without [master]), the master's there, and the
+    largest difference of both over the path in standard errors, or why there is none; None without [eq].
     """
 
     name: str
-    numbers: dict[str, Number]
+    readings: tuple[Read, ...]
+    left_out: dict[str, str]
     conditions: list[str]
     cautions: list[str]
     evidence: dict[str, Any] | None
     found: Description
     result: Result
-    scale: Scale = field(default_factory=Scale)
-    per_area: float | None = None
 
-    def value(self, name: str) -> float:
-        return self.numbers[name].value
-
-    def spring(self, unit: str) -> Number:
-        """K* in "N/m" of the area, in "N/m³", per area, or in "N_c<k>"."""
-        own, factor = self.numbers["critical_spring"], self.spring_unit(unit)
-        return Number(own.value * factor, (own.error or 0.0) * factor, unit)
-
-    def spring_unit(self, unit: str) -> float:
-        """N_c<k> in "N/m" of the area, or in "N/m³", per area; 1 where it is the unit."""
-        return {"N/m": self.scale.spring, "N/m³": self.per_area or 1.0, SHARED: 1.0}[unit]
+    @property
+    def own(self) -> Read:
+        """What the scene itself says."""
+        return self.readings[0]
 
     def plain(self) -> dict[str, Any]:
         """The content of a file; times in s."""
@@ -68,23 +94,15 @@ class Verdict:
         kept |= {"mean_threshold": result.mean_threshold, "unit": result.thresholds.unit}
         kept |= {name: getattr(self, name) for name in ("conditions", "cautions", "evidence")}
         kept |= {"sampled": self.found.sampled, "run_time": self.found.run_time}
-        for name in _SHOWN:
-            number = self.numbers.get(name, Number(np.nan, None, ""))
-            kept |= {name: number.value, f"{name}_error": number.error}
-        there = {"newtons": self.scale.spring_unit == "N/m", "per_area": self.per_area is not None}
-        for name, unit in (("newtons", "N/m"), ("per_area", "N/m³")):
-            if there[name]:
-                spring = self.spring(unit)
-                kept |= {f"critical_spring_{name}": spring.value}
-                kept |= {f"critical_spring_{name}_error": spring.error}
-        return kept
+        kept["readings"] = [{"reading": one.name, **one.plain()} for one in self.readings]
+        return kept | self.own.plain() | {"left_out": self.left_out}
 
 
 def common_unit(verdicts: Sequence[Verdict]) -> str:
     """The unit in which K* is ranked: "N/m" where each scene is of a surface with drive.area, "N/m³", per nominal area,
     where each is of a surface, else "N_c<k>". N_c<k> differs between surfaces, so that springs in its units may be in
     another order."""
-    units = {verdict.scale.spring_unit for verdict in verdicts}
+    units = {verdict.result.scale.spring_unit for verdict in verdicts}
     if SHARED in units or not verdicts:
         return SHARED
     return "N/m" if units == {"N/m"} else "N/m³"
@@ -103,8 +121,12 @@ def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -
     for scene in scenes:
         with inside(scene.name, {}):
             verdicts.append(_judge(scene, comm, progress))
-    unit, ratio = common_unit(verdicts), PROPENSITY[1]
-    return sorted(verdicts, key=lambda one: [-one.spring(unit).value, -one.value(ratio)])
+    unit = common_unit(verdicts)
+
+    def proneness(one: Verdict) -> list[float]:
+        return [one.own.spring(unit).value, one.own.numbers["static_to_kinetic"].value]
+
+    return sorted(verdicts, key=proneness, reverse=True)
 
 
 def read(scene: str, comm: Any, changes: Mapping[str, Any]) -> Scene:
@@ -116,22 +138,9 @@ def read(scene: str, comm: Any, changes: Mapping[str, Any]) -> Scene:
 
 
 def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
-    """F_k, K* and what the run of one scene showed."""
-    contacts, speed, unit = scene.contacts, scene.sliding, scene.contacts.mean_threshold
-
-    def measure() -> Description:
-        with within(scene.deadline(), scene, "K*"):
-            return describe(contacts, speed)
-
-    found = on_root(comm, measure)
-    if "critical_spring" not in found.numbers:
-        raise InputError("; ".join(found.notes))
-    numbers = {}
-    for name in _SHOWN:
-        if (own := found.numbers.get(name)) is not None:
-            scale = unit if own.unit in ("m", "length") else 1.0
-            numbers[name] = Number(own.value / scale, (own.error or 0.0) / scale, "")
-    held = conditions(contacts, speed)
+    """F_k, K*, what they hang on, and what the run of one scene showed."""
+    found, readings, left_out = on_root(comm, partial(_measured, scene))
+    held = conditions(scene.contacts, scene.sliding)
     cautions = [note for note in found.notes if note not in held]
     try:
         if scene.given_drive is not None:
@@ -148,15 +157,58 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
             raise
         cautions = [f"F(X) is left out: {error}", *cautions]
         result = solve(replace(scene, master=None), comm)[0]
-    evidence = _evidence(result, numbers["kinetic_force"].value * unit)
-    surface = contacts.interface
+    kinetic = readings[0].numbers["kinetic_force"].value * scene.contacts.mean_threshold
     return Verdict(
-        *(scene.name, numbers, held, cautions, evidence, found, result),
-        scale=scene.scale,
-        per_area=None
-        if surface is None or surface.contact_density is None
-        else float(surface.per_area(1.0)),
+        scene.name,
+        tuple(readings),
+        left_out,
+        conditions=held,
+        cautions=cautions,
+        evidence=_evidence(result, kinetic),
+        found=found,
+        result=result,
     )
+
+
+def _measured(scene: Scene) -> tuple[Description, list[Read], dict[str, str]]:
+    """The description of the scene's own reading, what each reading says, and why others say nothing."""
+    deadline, each, left_out = scene.deadline(), list[Read](), dict[str, str]()
+    own: Any = None
+    for reading in readings_of(scene, quick=True):
+        try:
+            if reading.contacts is None:
+                raise InputError(reading.refused)
+            with within(deadline, scene, "K*"):
+                found = describe(reading.contacts, scene.sliding)
+            if "critical_spring" not in found.numbers:
+                raise InputError("; ".join(found.notes))
+        except InputError as error:
+            if reading.own:
+                raise
+            left_out[reading.name] = str(error)
+            continue
+        own = own or found
+        each.append(_read(scene, reading.name, reading.contacts, found))
+    return own, each, left_out
+
+
+def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Read:
+    """The numbers of a reading in mean thresholds, the units of its springs, and whether the machine's is softer."""
+    unit, numbers, springs = contacts.mean_threshold, dict[str, Number](), {SHARED: 1.0}
+    for key in _SHOWN:
+        own = found.numbers.get(key, Number(np.nan, None, ""))
+        length = unit if own.unit in ("m", "length") else 1.0
+        error = None if own.error is None else own.error / length
+        numbers[key] = Number(own.value / length, error, "")
+    for area in (scene.area, None):
+        scale = scale_of(contacts, area)
+        springs[scale.spring_unit] = scale.spring
+    critical = numbers["critical_spring"]
+    for its_unit, factor in springs.items():
+        error = (critical.error or 0.0) * factor
+        numbers[_SPRINGS[its_unit]] = Number(critical.value * factor, error, its_unit)
+    machine = machine_number("spring", scene.drive_table or DriveTable(), contacts)
+    return Read(name, numbers, springs, None if machine is None else machine < critical.value)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
@@ -176,22 +228,20 @@ def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
 
 
 def table(verdicts: Sequence[Verdict]) -> list[str]:
-    """The comparison as lines of text, every number with its error, and run times; then the notes of each scene."""
-    heads, unit = _HEADS.split(","), common_unit(verdicts)
+    """The comparison as lines of text: where readings disagree on stick-slip; each number to a digit beyond that which
+    the widest of its uncertainties leaves, and below it how far it goes over the readings; then notes."""
+    heads, unit, names = _HEADS.split(","), common_unit(verdicts), list(_SHOWN)
     if unit != SHARED:
         heads.insert(heads.index("time"), f"K* ({unit})")
-    rows, notes = [["", "scene", *heads]], list[str]()
+        names.append(_SPRINGS[unit])
+    rows, notes = [["", "scene", *heads]], dict[str, list[str]]()
     for rank, verdict in enumerate(verdicts, start=1):
-        cells, own = [str(rank), verdict.name], [*verdict.conditions, *verdict.cautions]
-        for name in _SHOWN:
-            number = verdict.numbers.get(name, Number(np.nan, 0.0, ""))
-            text = with_error(number.value, number.error or 0.0, 4 if name == "onset_power" else 6)
-            cells.append({"inf": "infinite", "nan": ""}.get(text, text))
-        if unit != SHARED:
-            spring = verdict.spring(unit)
-            cells.append(
-                with_error(spring.value, spring.error or 0.0, 6).replace("inf", "infinite")
-            )
+        own, reach = [*verdict.conditions, *verdict.cautions], list[str]()
+        cells, many = [str(rank), verdict.name], len(verdict.readings)
+        for name in names:
+            value, over = _cells([one.numbers[name] for one in verdict.readings])
+            cells.append(value)
+            reach.append(over)
         cells.append(f"{verdict.found.run_time:.2g} s")
         if (seen := verdict.evidence) is not None:
             worst, expected = seen["worst_deviation"], seen["expected"]
@@ -202,18 +252,46 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
                 own.append(f"EQ and ME not compared: {seen['not_compared']}")
         if verdict.found.sampled:
             own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
+        own += [f"{name} is left out: {why}" for name, why in verdict.left_out.items()]
         rows.append(cells)
-        notes += [f"{verdict.name}: {note}" for note in own]
+        if many > 1:
+            rows.append(["", f"over {many} readings", *reach])
+        for note in own:
+            notes.setdefault(note, []).append(verdict.name)
+    said = [f"{', '.join(whose)}: {note}" for note, whose in notes.items()]
     started = {one.name: one.result.asked.contacts.start for one in verdicts}
     if any(start != started[verdicts[0].name] for start in started.values()):
-        names = ", ".join(name for name, start in started.items() if start is not None)
+        names = [name for name, start in started.items() if start is not None]
         hint = "K* and F_s/F_k depend on it; compare scenes of one start"
-        notes.append(f"starts differ, and contacts of {names} do not start relaxed: {hint}")
+        said.append(
+            f"starts differ, and contacts of {', '.join(names)} do not start relaxed: {hint}"
+        )
     if unit == "N/m³":
-        notes.append(
+        said.append(
             "ranked by K* per nominal area (N/m³); give each drive.area, and K* is ranked in N/m of these areas"
         )
-    widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
-    padded = ([f"{cell:>{n}}" for cell, n in zip(row, widths, strict=False)] for row in rows)
-    head, *lines = ("  ".join(row).rstrip() for row in padded)
-    return [head, "-" * len(head), *lines, *notes]
+    head, *lines = in_columns(rows, ">")
+    return [*disagreements(verdicts), head, "-" * len(head), *lines, *said]
+
+
+def _cells(each: Sequence[Number]) -> tuple[str, str]:
+    """A number by the scene's own reading, with its error where that is seen, and its range over all readings."""
+    own, known = each[0], [Quantity(one.value, one.error or 0.0) for one in each]
+    _, value, _, reach = row("", known, [1.0] * len(each), "")
+    if known[0].error > _KNOWN * abs(own.value):
+        value = with_error(own.value, known[0].error, 4)
+    return {"inf": "infinite", "not known": ""}.get(value, value), reach
+
+
+def disagreements(verdicts: Sequence[Verdict]) -> list[str]:
+    """A sentence for each scene whose readings disagree on stick-slip of its machine."""
+    said = list[str]()
+    for verdict in verdicts:
+        slip = [one.name for one in verdict.readings if one.softer]
+        if 0 < len(slip) < len(verdict.readings) and verdict.own.softer is not None:
+            own = "slips" if verdict.own.softer else "does not slip"
+            said.append(
+                f"{verdict.name}: readings disagree on stick-slip: on its spring a slider slips by {len(slip)} of "
+                f"{len(verdict.readings)} readings; by its own, {verdict.own.name}, it {own}"
+            )
+    return said

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.judge.compare import Verdict, common_unit
-from toolkit.pictures.axes import name_axis, some_of, spring_name, style_of
+from toolkit.judge.compare import Verdict, common_unit, disagreements
+from toolkit.pictures.axes import in_lines, name_axis, some_of, spring_name, style_of
 from toolkit.pictures.thresholds import highest
 from toolkit.results.kinds import is_known
 from toolkit.scene.scale import SHARED, written
@@ -26,8 +26,8 @@ class _Styled:
         self.line = {key: own for key, own in self.style.items() if key not in ("marker", "ms")}
         self.mean = verdict.result.mean_threshold
         self.length = self.mean if unit == SHARED else 1.0
-        self.kinetic = verdict.value("kinetic_force") * self.mean
-        self.force = 1.0 / self.kinetic if unit == SHARED else verdict.spring_unit(unit)
+        self.kinetic = verdict.own.numbers["kinetic_force"].value * self.mean
+        self.force = 1.0 / self.kinetic if unit == SHARED else verdict.own.springs[unit]
 
 
 def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
@@ -44,6 +44,8 @@ def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
     # below all axes: inside them it would cover curves
     handles, labels = places["P"].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    if said := disagreements(verdicts):
+        figure.suptitle("\n".join(map(in_lines, said)), fontsize="medium", parse_math=False)
     return figure
 
 
@@ -110,29 +112,34 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
 
 
 def _springs(axes: Any, styled: list[_Styled]) -> None:
-    """K* of each scene with its error, in N/m or N/m³ of surfaces, else over N_c<k>: a softer driving spring is
-    unstable. Infinite ones reach the edge."""
+    """K* of each scene with its error and its range over the readings, in N/m or N/m³ of surfaces, else over N_c<k>: a
+    softer driving spring is unstable. Infinite ones reach the edge."""
     unit = styled[0].unit if styled else SHARED
-    springs = [one.verdict.spring(unit) for one in styled]
-    finite = [spring.value for spring in springs if 0.0 < spring.value < np.inf]
+    springs = [one.verdict.own.spring(unit) for one in styled]
+    over = [[each.spring(unit).value for each in one.verdict.readings] for one in styled]
+    finite = [value for values in over for value in values if 0.0 < value < np.inf]
     usual = [] if unit != SHARED and finite else [1e-3, 1.0]
     low, high = min([*finite, *usual]) / 3.0, max([*finite, *usual]) * 3.0
-    for row, (spring, one) in enumerate(zip(springs, styled, strict=True)):
+    small: dict[str, Any] = {"va": "center", "fontsize": "small"}
+    for row, (spring, one, reach) in enumerate(zip(springs, styled, over, strict=True)):
         color, value, error = one.style["color"], spring.value, spring.error or 0.0
-        width = min(max(value, low), high) - low
-        bars = axes.barh(row, width, left=low, color=color, height=0.6)
+        axes.barh(row, min(max(value, low), high) - low, left=low, color=color, height=0.6)
+        off = error if np.isfinite(value + error) else 0.0
+        ends = np.clip([min([*reach, value - off]), max([*reach, value + off])], low, high)
+        if np.ptp(ends):  # below the bar, whose number is beside it
+            bars = {"xerr": np.ptp(ends) / 2.0, "color": "0.2", "capsize": 4}
+            axes.errorbar(np.mean(ends), row + 0.4, **bars)
         text = "infinite" if np.isinf(value) else f"{value:.3g}" if unit == SHARED else ""
-        text = text or written(value, unit)
-        axes.bar_label(bars, [text], padding=12 if np.isinf(value) else 5, fontsize="small")
+        beyond = {"xytext": (12 if np.isinf(value) else 5, 0), "textcoords": "offset points"}
+        place = (min(max(value, low), high), row)
+        axes.annotate(text or written(value, unit), place, **beyond, **small)
         if np.isinf(value):
             axes.plot(high, row, ">", color=color, ms=18, clip_on=False)
-        elif 0.0 < error < np.inf:
-            below = min(error, 0.99 * (value - low)) if value > low else 0.0
-            axes.errorbar(value, row, xerr=[[below], [error]], color="0.2", capsize=4, lw=1.2)
         axes.plot(low * (high / low) ** 0.03, row, one.style["marker"], color="white", ms=6)
     axes.set_yticks(range(len(styled)), [one.name for one in styled])
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room))
     name_axis(axes.xaxis, *spring_name(unit))
-    axes.set_title("a slider slips on a spring softer than $K^*$")
+    lines = "; lines: all readings" if any(len(reach) > 1 for reach in over) else ""
+    axes.set_title(f"a slider slips on springs below $K^*${lines}")

@@ -7,6 +7,7 @@ import numpy as np
 from master.rate_state.result import CONSTANT, Parameter, RateState
 from toolkit.rate_state.judge import Judged
 from toolkit.scene.scale import spoken, written
+from toolkit.verdict.table import in_columns
 
 
 def page(judged: Judged) -> list[str]:
@@ -27,11 +28,7 @@ def table(judged: Judged) -> list[str]:
     load = judged.scale.load is not None
     head = ["", "value", *(["over the load"] * load), "other readings"]
     rows = [[*head, f"constant within {CONSTANT:.0%}"], *_rows(judged)]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    return [
-        "  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
+    return in_columns(rows)
 
 
 def _of_readings(found: RateState) -> list[str]:

@@ -34,8 +34,9 @@ class Reading:
     refused: str = ""
 
 
-def readings_of(scene: Scene) -> list[Reading]:
-    """The scene's own reading first, then those of its [verdict] table, or the usual ones of a surface.
+def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
+    """The scene's own reading first, then those of its [verdict] table, or the usual ones of a surface; of an elastic
+    surface if `quick` without those with few plastic summits, whose K* takes seconds.
 
     Thresholds that are no surface's have one reading. A reading for which the material lacks a constant is kept with
     the reason. Raises InputError for readings that are none.
@@ -51,7 +52,8 @@ def readings_of(scene: Scene) -> list[Reading]:
     own_step = table.get("step", 1) if has_heights else 1
     words = [table["model"], table["law"], table.get("regime", "elastic")]
     own = ("/".join(words).removesuffix("/elastic"), own_step)
-    usual = READINGS + PLASTIC_TOO * ("hardness" in table["material"])
+    plastic_too = "hardness" in table["material"] and not (quick and words[2] == "elastic")
+    usual = READINGS + PLASTIC_TOO * plastic_too
     names = list(usual) if asked is None or asked.readings is None else asked.readings
     steps = sorted({own_step * k for k in STEPS}) if has_heights else [1]
     steps = steps if asked is None or asked.steps is None else asked.steps

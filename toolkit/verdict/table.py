@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from itertools import zip_longest
 
 import numpy as np
 
@@ -38,11 +39,14 @@ def table(verdict: Verdict) -> list[str]:
     many = len(verdict.answers)
     over = "over the readings" if many > 1 else "one reading only"
     rows = [["", "value", "other samples", over], *_rows(verdict)]
-    widths = [max(len(row[k]) for row in rows) for k in range(4)]
-    return [
-        "  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
+    return in_columns(rows)
+
+
+def in_columns(rows: Sequence[Sequence[str]], align: str = "<") -> list[str]:
+    """Rows of cells as lines of text, each column as wide as its widest cell; short rows end early."""
+    widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
+    padded = ([f"{cell:{align}{n}}" for cell, n in zip(row, widths, strict=False)] for row in rows)
+    return ["  ".join(row).rstrip() for row in padded]
 
 
 def _rows(verdict: Verdict) -> Iterator[list[str]]:
@@ -55,28 +59,28 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     # contacts that depend on time bear another force where the slider sticks: see `dependence`
     speed = guarded(verdict.velocity, speed_unit(verdict), 0.0)
     at = f" of a rigid slider at {speed}" * bool(own.contacts.in_time)
-    yield _row(f"kinetic friction F_k{at}", kinetic, forces, unit, share)
-    yield _row(f"static friction F_s{at}", static, forces, unit, share)
+    yield row(f"kinetic friction F_k{at}", kinetic, forces, unit, share)
+    yield row(f"static friction F_s{at}", static, forces, unit, share)
     if scale.load is not None:
         coefficients = [one.scale.force / (one.scale.load or 1.0) for one in answers]
-        yield _row("friction coefficient F_k/load", kinetic, coefficients, "", share)
-        yield _row("static coefficient F_s/load", static, coefficients, "", share)
+        yield row("friction coefficient F_k/load", kinetic, coefficients, "", share)
+        yield row("static coefficient F_s/load", static, coefficients, "", share)
     critical = [one.critical_spring for one in answers]
     springs = [one.scale.spring for one in answers]
     if own.smoothed:
         yield [f"slips below the spring K*{at}", "-", "hangs on smoothing", ""]
     else:
-        yield _row(f"slips below the spring K*{at}", critical, springs, scale.spring_unit)
+        yield row(f"slips below the spring K*{at}", critical, springs, scale.spring_unit)
     if own.machine is not None:
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
-        yield _row("the machine's spring K", each, springs, scale.spring_unit)
+        yield row("the machine's spring K", each, springs, scale.spring_unit)
     if scale.contacts is not None:
         held = [Quantity(one.scale.contacts or 0.0, 0.0) for one in answers]
-        yield _row("contacts on the area", held, [1.0] * len(held), "")
+        yield row("contacts on the area", held, [1.0] * len(held), "")
     yield from _of_slips(verdict)
 
 
-def _row(
+def row(
     name: str, each: Sequence[Quantity], factors: Sequence[float], unit: str, share: float = 0.0
 ) -> list[str]:
     """A row: the own reading's value to a digit beyond that which the widest of the three uncertainties leaves, `share`
@@ -84,13 +88,14 @@ def _row(
     if each[0].unknown:
         return [name, "not known", "", ""]
     values = [one.value * factor for one, factor in zip(each, factors, strict=True)]
-    own, spread = each[0], max(values) - min(values)
+    own, low, high = each[0], min(values), max(values)
     error, sampling = own.error * factors[0], (own.sampling or 0.0) * factors[0]
-    apart = spread > 1e-6 * abs(values[0])
-    off = max(error, sampling, spread * apart, share * abs(values[0]))
+    # an infinite K* is apart from a finite one, and not from another
+    apart = high - low > 1e-6 * min(abs(low), abs(high))
+    off = max(error, sampling, high - low if apart else 0.0, share * abs(values[0]))
     if not np.isfinite(off):
         off = share * abs(values[0])
-    ends = [guarded(value, unit, off) for value in (min(values), max(values))]
+    ends = [guarded(value, unit, off) for value in (low, high)]
     return [
         name,
         guarded(values[0], unit, off),
