@@ -28,7 +28,7 @@ from origins.thresholds.scipy_laws import as_thresholds
 
 # All laws that a contact may have beside thresholds and a start, by the attributes of Contacts; one that is absent is
 # None (stiffness: "independent"). Solvers use this list, Contacts.laws and Contacts.replace; what a law is asked beside
-# its equation stands there, see origins/laws/timed_law.py.
+# its equation stands there, see origins/laws/timed_law.py. The first stands for any law in place of thresholds.
 LAWS = ("growing", "thermal", "ageing", "delay", "reforming", "stiffness")
 _ARGUMENTS = ("thresholds", "start", *LAWS[1:], "interface")
 
@@ -38,7 +38,7 @@ class Contacts:
 
     Parameters
     ----------
-    thresholds : Thresholds, scipy.stats distribution on x >= 0, or GrowingThresholds
+    thresholds : Thresholds, scipy.stats distribution on x >= 0, or a law by which they change, a ChangingThresholds
         Law P_c(x) of fresh thresholds (a length). Distributions of scipy are frozen ones, stats.gamma(2.5), or objects
         of its newer interface, stats.Normal(mu=1.0, sigma=0.05), here and below; a weight below 0 of up to 1e-6 is cut
         off, and solvers report it. Thresholds of strengthening(...), or of a GrainContact with an age, such as
@@ -83,8 +83,8 @@ class Contacts:
     thermal, ageing, delay, reforming
         The laws; None where the law is absent. `thermal.rates` is the RateLaw, `reforming` a FormationLaw.
     laws : tuple of str
-        Names of the laws that are present, from origins.contacts.LAWS; growing thresholds are called by their own
-        name, "grains", "strengthening" or that of a law of one's own.
+        Names of the laws that are present, from origins.contacts.LAWS; a law in place of thresholds is called by its
+        own name, "grains", "strengthening" or that of a law of one's own.
     in_time, held_in_time : tuple of str
         Of these those under which time matters, and those under which it matters to contacts that hold.
     changing : ChangingThresholds or None
@@ -107,15 +107,17 @@ class Contacts:
         interface: StatedInterface | None = None,
     ) -> None:
         """Check the parts, each by itself and together; the arguments are those above."""
-        self.growing = thresholds if isinstance(thresholds, GrowingThresholds) else None
-        if self.growing is not None:
-            self.growing.check_stated()
-            thresholds = self.growing.at_start
+        own = thresholds if isinstance(thresholds, ChangingThresholds) else None
+        if own is not None:
+            own.check_stated()
+            thresholds = own.at_start
         self.thresholds = as_thresholds(thresholds)
-        if self.growing is not None and self.growing.grows:
-            self.growing.check_growth()
-        else:
-            self.growing = None
+        if isinstance(own, GrowingThresholds):
+            if own.grows:
+                own.check_growth()
+            else:
+                own = None
+        self._own = own
         if interface is not None:
             self._state(interface)
         self._stated, self.interface = interface, self.thresholds.interface
@@ -143,10 +145,14 @@ class Contacts:
         """The laws that the contacts have, each by its own repr."""
         laws = {name: getattr(self, name, None) for name in _ARGUMENTS}
         laws["interface"] = self._stated
-        if self.growing is not None:
-            laws["thresholds"] = self.growing
+        laws["thresholds"] = self._own or self.thresholds
         said = (f"{name}={law!r}" for name, law in laws.items() if law is not None)
         return f"Contacts({', '.join(said)})"
+
+    @property
+    def growing(self) -> GrowingThresholds | None:
+        """See Contacts."""
+        return self._own if isinstance(self._own, GrowingThresholds) else None
 
     @property
     def grains(self) -> GrainContact | None:
@@ -166,9 +172,9 @@ class Contacts:
     @property
     def _there(self) -> dict[str, Any]:
         """The laws that are present, by their names in `laws`."""
-        there = {name: getattr(self, name) for name in LAWS}
-        there = {name: law for name, law in there.items() if law not in (None, "independent")}
-        return {law.law if name == "growing" else name: law for name, law in there.items()}
+        own = {} if self._own is None else {self._own.law: self._own}
+        there = {name: getattr(self, name) for name in LAWS[1:]}
+        return own | {name: law for name, law in there.items() if law not in (None, "independent")}
 
     @property
     def in_time(self) -> tuple[str, ...]:
@@ -205,7 +211,7 @@ class Contacts:
         """
         given = {name: getattr(self, name) for name in _ARGUMENTS}
         given["reforming"] = None if self.reforming is None else self.reforming.law
-        given["thresholds"] = self.thresholds if self.growing is None else self.growing
+        given["thresholds"] = self._own or self.thresholds
         given["interface"] = self._stated  # that of a surface comes with its thresholds
         for name, value in changes.items():
             if name not in given:
@@ -243,12 +249,9 @@ class Contacts:
             self.ageing = None
         if self.delay and self.delay.time == 0.0:
             self.delay = None
-        if self.growing is not None and self.growing.law in LAWS[1:]:
-            refuse(
-                "law",
-                self.growing.law,
-                "is the name of another law; give these thresholds their own",
-            )
+        if self._own is not None and self._own.law in LAWS[1:]:
+            hint = "is the name of another law; give these thresholds their own"
+            refuse("law", self._own.law, hint)
         there = set(self.laws)
         if self.thermal is not None and self.thermal.closure == "paper":
             there.add(MEAN_RATE)
@@ -280,9 +283,8 @@ def check_contacts(
     those not in `takes`, and unless `own_rates` a RateLaw that is not one of origins.laws."""
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts; write origins.Contacts(thresholds)")
-    grown = contacts.growing.law if contacts.growing is not None else None
     for name in contacts.laws:
-        if ("growing" if name == grown else name) in takes:
+        if (name if name in LAWS else LAWS[0]) in takes:
             continue
         value = " = 'linked'" if name == "stiffness" else ""
         hint = f"does not take it yet; leave {name} out of the contacts"

@@ -33,28 +33,17 @@ class Power(ProportionalGrowth):
 class Hazards(GrowingThresholds):
     """The same by its hazards alone, without a factor, and without a name."""
 
-    time_unit, keeps_tail = 1.0, True
+    time_unit = 1.0
 
     def __init__(self, power, age):
-        self.power, self.age, self.older_at_start = power, age, age > 0.0
+        self.power, self.age = power, age
         self.at_start = Power(PC, power, 1.0, age).at_start
-
-    at_start = None
 
     def hazard_at(self, x, pinned_for):
         return -PC.logsf(np.abs(x) / (1.0 + pinned_for) ** self.power)
 
     def threshold_at(self, hazard, pinned_for):
         return PC.isf(np.exp(-np.asarray(hazard))) * (1.0 + pinned_for) ** self.power
-
-    def check_speed(self, velocity):
-        pass
-
-    def largest_threshold(self, fresh, share, duration):
-        return self.typical_threshold(fresh, duration)
-
-    def typical_threshold(self, fresh, duration):
-        return fresh * ((1.0 + self.age + duration) / (1.0 + self.age)) ** self.power
 
 
 def steady(power, velocity, tau=1.0):
@@ -193,23 +182,33 @@ class Unstated(Power):
         self.power = power
 
 
-class Ageless(Hazards):
-    """Without the age of contacts at X = 0."""
+class Startless(Hazards):
+    """Without the law of thresholds at X = 0."""
 
     def __init__(self):
-        self.power, self.at_start = 0.1, PC
+        self.power = 0.1
 
 
 @pytest.mark.parametrize(
     ("law", "says"),
     [
-        (Unstated(0.1), "not set: fresh, time_unit, age; call super"),
-        (Ageless(), "not set: age; set them in"),
+        (Unstated(0.1), "not set: fresh, time_unit; call super"),
+        (Startless(), "not set: at_start; set them in"),
     ],
 )
 def test_a_law_that_has_not_set_what_is_needed_says_what_and_where(law, says):
     with pytest.raises(InputError, match=says):
         Contacts(law)
+
+
+@pytest.mark.parametrize("age", [0.0, 0.5])
+def test_what_a_law_inherits_follows_from_its_hazards(age):
+    by_factor, by_hazards = Power(PC, 0.3, 1.0, age), Hazards(0.3, age)
+    assert by_hazards.older_at_start == by_factor.older_at_start == (age > 0.0)
+    ratio = ((3.0 + age) / (1.0 + age)) ** 0.3
+    for law in (by_factor, by_hazards):
+        assert law.typical_threshold(1.1, 2.0) == pytest.approx(1.1 * ratio, rel=1e-12)
+        assert law.largest_threshold(2.5, 1e-17, 2.0) == pytest.approx(2.5 * ratio, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["thermal", "ageing", "delay", "start"])
@@ -220,12 +219,13 @@ def test_a_law_in_another_law_s_place_is_named_by_its_class(name):
     assert repr(Contacts(Power(PC, 0.1, 1.0))).startswith("Contacts(thresholds=Power(...), ")
 
 
-def test_contacts_that_never_break_are_refused():
+@pytest.mark.parametrize("law", [Power(PC, 1.0, 1.0), Hazards(1.0, 0.0)])
+def test_contacts_that_never_break_are_refused(law):
     """x_s = x_s0 (1 + t/τ) grows at the speed x_s0/τ: slower contacts never meet their thresholds."""
-    contacts = Contacts(Power(PC, 1.0, 1.0))
+    contacts = Contacts(law)
     with pytest.raises(InputError, match="never break; slide faster"):
         master.steady_state(contacts, velocity=1.0)
-    with pytest.raises(InputError, match=r"contacts\.power growth: .*does not take it yet"):
+    with pytest.raises(InputError, match=rf"contacts\.{law.law}: .*does not take it yet"):
         eq_model.simulate(contacts, [1.0], spring=0.5)
 
 

@@ -18,7 +18,7 @@ from origins.laws.timed_law import ChangingThresholds
 # and lengths; and SECONDS, about what one of these takes. Growing thresholds of any other class, those derived from a
 # class of the table included, have the kernel OWN, which calls their methods.
 OWN = "own"
-KERNELS: dict[type[ChangingThresholds], str] = {
+KERNELS: dict[type, str] = {
     Ageing: "diffusing",
     GrainContact: "grains",
     Strengthening: "strengthening",

@@ -2,28 +2,74 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 from master.motion import Motion
 from master.survival.life import Life
 from origins import Contacts
+from origins.errors import refuse
+
+# Share of the contacts that holds no more: below the rounding of 1.
+NEGLECTED = 1e-17
+# Of the spread of thresholds, or their mean: the length over which a survival is resolved at first.
+FIRST_GUESS = 0.25
+# Factor between times at which all may be broken, and the last one, in mean thresholds divided by the speed.
+LATER, LATEST = 1.5, 1e130
 
 
 class ChangingLife(Life):
-    """A Life of contacts whose thresholds change while they hold; LIVES of master.survival.make has it by their law."""
+    """A Life of contacts whose thresholds change while they hold; LIVES of master.survival.make has it by their law.
+
+    A law has to write `survivors` alone, see Life. Contacts of the start are told from those born later by their
+    stretch at birth, `born`, if at all.
+    """
+
+    error = 1e-13  # of the survival, by rounding
+    neglected = NEGLECTED
+    peaks_at_bends = False
+
+    def __init__(self, contacts: Contacts, longest: float) -> None:
+        """Find how far contacts may be stretched up to the time `longest`, and how finely their survival varies."""
+        law, fresh = contacts.changing, contacts.thresholds
+        assert law is not None
+        self.contacts, self.start_as_births = contacts, not law.older_at_start
+        # a contact that starts in the far tail has a threshold even farther out
+        held = float(fresh.sf(max(abs(end) for end in contacts.start.span)))
+        share = NEGLECTED * max(held, 1e-280)  # less underflows
+        furthest = min(float(fresh.isf(share)), fresh.support()[1])
+        self.largest_stretch = law.largest_threshold(furthest, share, longest)
+        # no contact of the start is stretched beyond the largest threshold at t = 0
+        self.largest_birth_stretch = fresh.support()[1]
+        self.resolution_length = FIRST_GUESS * min(fresh.std(), fresh.mean())
+        unknown = "is not known yet along paths of several legs where thresholds change"
+        self.no_density = f"contacts.{law.law}: Q(x;X) {unknown}"
 
     @classmethod
-    def made(
-        cls, contacts: Contacts, tolerance: float, motion: Motion, until: float
-    ) -> ChangingLife:
+    def made(cls, contacts: Contacts, tolerance: float, motion: Motion, until: float) -> Self:
         """The life on a motion; arguments as those of make.life_of."""
-        raise NotImplementedError
+        return cls(contacts, float(motion.times[-1]))
 
     @classmethod
     def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
         """Why these contacts have no such life on a rigid slider that keeps its speed (`one_leg`), or on one that turns
-        or rests, and what to do instead; "" where they have one."""
-        return ""
+        or rests, and what to do instead; "" where they have one. Here: exact values would break together, which no
+        panel resolves."""
+        if not contacts.thresholds.atoms[0].size:
+            return ""
+        fault = "holds exact values, which the master equation does not follow while they change"
+        return f"contacts.thresholds: {fault}; give them a width, as in gaussian(mean, std)"
 
     @classmethod
     def longest(cls, contacts: Contacts, velocity: float) -> float:
-        """A time after which no contact holds on a slider of this speed v > 0; InputError where none ever does."""
-        raise NotImplementedError
+        """A time after which no contact holds on a slider of this speed v > 0, until even the strongest of the start
+        are broken; InputError where none ever does."""
+        law, strongest = contacts.changing, float(contacts.thresholds.isf(NEGLECTED))
+        assert law is not None
+        to_0 = max(-contacts.start.span[0], 0.0)  # distance that the start has to go to x = 0
+        unit = contacts.mean_threshold / velocity
+        longest = unit
+        while law.largest_threshold(strongest, NEGLECTED, longest) > velocity * longest - to_0:
+            longest *= LATER
+            if longest > LATEST * unit:
+                refuse("velocity", velocity, "is outrun by the strongest thresholds; slide faster")
+        return longest

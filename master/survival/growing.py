@@ -31,8 +31,8 @@ from origins.errors import refuse
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# H above which the survival e^-H, below 1e-17, counts as 0; and that survival.
-LARGEST_HAZARD, NEGLECTED = 39.2, 1e-17
+# H above which the survival e^-H, below NEGLECTED, counts as 0.
+LARGEST_HAZARD = 39.2
 # Edges of the first pieces of sums over quantiles, as η - H_worst.
 HAZARDS = np.array([0.0, 0.25, 4.0, LARGEST_HAZARD])
 # Last coefficients below which pieces are not halved, of these sums and, relative to 1 + A, of A over the logarithm of
@@ -60,29 +60,14 @@ class GrowingLife(ChangingLife):
     and have the starting age; all others pin at birth, at the stretch 0 (of grains at the age tau_m).
     """
 
-    error = 1e-13  # of the survival, by rounding of the hazards
-    neglected = NEGLECTED
-    peaks_at_bends = False
-
     def __init__(self, contacts: Contacts, longest: float) -> None:
         """Find how far contacts may be stretched, and how finely their survival varies."""
+        super().__init__(contacts, longest)
         growing = contacts.growing
         assert growing is not None
         self._growing: GrowingThresholds = growing
         self.start, self._thermal = contacts.start, contacts.thermal
         self._is_of_start = False  # set for each query, in a copy
-        self.start_as_births = not growing.older_at_start
-        start_law = growing.at_start
-        # a contact that starts in the far tail has a threshold even farther out
-        held = float(start_law.sf(max(abs(end) for end in contacts.start.span)))
-        share = NEGLECTED * max(held, 1e-280)  # less underflows
-        furthest = min(float(start_law.isf(share)), start_law.support()[1])
-        self.largest_stretch = growing.largest_threshold(furthest, share, longest)
-        # no contact of the start is stretched beyond the largest threshold at t = 0
-        self.largest_birth_stretch = start_law.support()[1]
-        self.resolution_length = 0.25 * min(start_law.std(), start_law.mean())  # a first guess
-        unknown = "is not known yet along paths of several legs where thresholds grow"
-        self.no_density = f"contacts.{growing.law}: Q(x;X) {unknown}"
         if contacts.thermal is not None:
             self.pair_work = WARM_WORK
             self.coefficient_limit = WARM_COEFFICIENT_LIMIT
@@ -105,14 +90,12 @@ class GrowingLife(ChangingLife):
 
     @classmethod
     def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
-        """See ChangingLife: exact values would break together, which no panel resolves, and with heat the births of
-        contacts whose thresholds begin at 0 take minutes on a path of several legs."""
+        """See ChangingLife: with heat the births of contacts whose thresholds begin at 0 take minutes on a path of
+        several legs."""
         growing = contacts.growing
         assert growing is not None
-        if contacts.thresholds.atoms[0].size:
-            fault = "holds exact values, which the master equation does not follow while they grow"
-            instead = "give them a width, as in gaussian(mean, std), or use eq_model.simulate"
-            return f"contacts.thresholds: {fault}; {instead}"
+        if refusal := super().why_not(contacts, one_leg):
+            return f"{refusal}, or use eq_model.simulate"
         if contacts.thermal is None or one_leg or not growing.begins_at_0:
             return ""
         fault = (
@@ -123,7 +106,7 @@ class GrowingLife(ChangingLife):
 
     @classmethod
     def longest(cls, contacts: Contacts, velocity: float) -> float:
-        """See ChangingLife: until even the strongest contacts of the start are broken."""
+        """See ChangingLife."""
         growing = contacts.growing
         assert growing is not None
         growing.check_speed(velocity)
@@ -133,11 +116,7 @@ class GrowingLife(ChangingLife):
             why = "they are stretched before their grains have grown"
             hint = f"{few}: {why}; slide more slowly, and of many speeds leave such ones out"
             refuse("velocity", velocity, hint)
-        longest, strongest = growing.time_unit, float(contacts.thresholds.isf(NEGLECTED))
-        to_0 = max(-contacts.start.span[0], 0.0)  # distance that the start has to go to x = 0
-        while growing.largest_threshold(strongest, NEGLECTED, longest) > velocity * longest - to_0:
-            longest *= 1.5
-        return longest
+        return super().longest(contacts, velocity)
 
     def survival_and_force(self, born: Start | Array, history: History) -> Survivors:
         """See Life."""

@@ -12,8 +12,8 @@ from origins.errors import refuse
 from origins.laws.timed_law import ChangingThresholds
 
 # The life of contacts whose thresholds change, by the class of the law: a module of master.survival, which is imported
-# where it is needed, and the life's name in it.
-LIVES: dict[type[ChangingThresholds], tuple[str, str]] = {
+# where it is needed, and the life's name in it; or, of a law of one's own, the life itself.
+LIVES: dict[type, tuple[str, str] | type[ChangingLife]] = {
     Ageing: ("age.ageing", "AgeingLife"),
     GrowingThresholds: ("growing", "GrowingLife"),
 }
@@ -65,8 +65,11 @@ def steady_life(contacts: Contacts, velocity: float) -> Life:
 
 def _life_by(changing: ChangingThresholds) -> type[ChangingLife]:
     """The entry of LIVES for a law, or for the class that it is made from; InputError for one that has none."""
-    for law, (module, name) in LIVES.items():
+    for law, life in LIVES.items():
         if isinstance(changing, law):
+            if isinstance(life, type):
+                return life
+            module, name = life
             found: type[ChangingLife] = getattr(import_module(f"master.survival.{module}"), name)
             return found
     refuse(f"contacts.{changing.law}", changing, "has no life in master; use eq_model.simulate")

@@ -29,7 +29,8 @@ class GrainContact(GrowingThresholds):
 
     law = "grains"
     waiting = "grains grow, unpinned, for so long that "
-    older_at_start = begins_at_0 = True
+    begins_at_0 = True
+    keeps_tail = False  # there is a largest grain
 
     def __init__(self, growth: GrainGrowth, age: float | None = None) -> None:
         if not isinstance(growth, GrainGrowth):
@@ -63,7 +64,7 @@ class GrainContact(GrowingThresholds):
         return float(self.quantile(1.0, self.age + duration))
 
     @cached_property
-    def at_start(self) -> Thresholds:
+    def at_start(self) -> Thresholds:  # type: ignore[override]
         """P_c at X = 0. InputError where the age there is not given."""
         if self.age is None:
             refuse("age", None, "give that of contacts at X = 0, above growth.first_pinning_time")

@@ -87,6 +87,10 @@ class Ageing(ChangingThresholds):
         """See ChangingThresholds: the mean one of old contacts, if it is above that of fresh ones."""
         return max(fresh, self.final.mean())
 
+    def check_stated(self) -> None:
+        """InputError, as this is asked where the law stands in place of thresholds."""
+        refuse("thresholds", self, "stands beside thresholds, as Contacts(law, ageing=Ageing(...))")
+
     def check_fresh(self, fresh: Thresholds) -> None:
         """InputError unless all fresh thresholds lie where P_cf has weight."""
         low, high = self.final.support()

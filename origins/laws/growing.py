@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable
-from typing import Any, ClassVar, NoReturn
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from origins.errors import InputError
+from origins.errors import refuse
 from origins.laws.timed_law import EXACT, LINKED, MEAN_RATE, ChangingThresholds
-from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.law import Array
 
 # Relative error of hazards, and change of one beside 1, that may be rounding in a law of one's own.
 INVERSE, ROUGHNESS = 1e-6, 1e-9
+# Of times, in time_unit, over which thresholds may be followed.
+LONGEST = 1e100
+# The strongest contacts whose breaks are asked for: a larger share than this of all holds at no age that is followed.
+STRONGEST = 1e-17
 # Ages, and times along a leg, in time_unit, at which hazards are looked at.
 AGES, LATER = np.geomspace(1e-3, 1e3, 7), np.geomspace(1e-3, 1e4, 36)
 
 
-class GrowingThresholds(ChangingThresholds, ABC):
+class GrowingThresholds(ChangingThresholds):
     """Contacts whose thresholds grow with their age; each keeps its quantile in the law of thresholds for life.
 
     A contact's quantile is told by its hazard η = -ln of the share of contacts whose thresholds are larger. η is
@@ -31,10 +36,13 @@ class GrowingThresholds(ChangingThresholds, ABC):
     `first_pinning_time` before. While |x| changes at one speed, the hazard at the contact's stretch first falls and
     then rises, or only one of the two, so that the largest is that at one end of the leg.
 
+    A law states at_start, time_unit, hazard_at and threshold_at, and what of the following is other than here:
+
     law : its name in Contacts.laws and in messages
+    at_start : P_c of all contacts at X = 0, of the age `age`
+    time_unit : a time, over which fresh thresholds grow
     age : of all contacts at X = 0, since their last break, a time; None: not given, which origins.Contacts refuses
     interface : the rough surface behind them, or None
-    time_unit : a time, over which fresh thresholds grow
     grows : False where thresholds stay as they are after all, so that the law counts as absent
     begins_at_0 : whether all thresholds are 0 as contacts pin
     quick_width : a length over which breaks of contacts just pinned change, inf where the law at X = 0 says it
@@ -43,23 +51,16 @@ class GrowingThresholds(ChangingThresholds, ABC):
     """
 
     law: ClassVar[str] = "growing"
-    # the class whose docstring says what a law has to be
+    _to_state: ClassVar[tuple[str, ...]] = ("at_start", "time_unit")
     _stated_by: ClassVar[str] = "GrowingThresholds"
-    # what each object has to have, and where it gets that
-    _to_state: ClassVar[tuple[str, ...]] = ("age", "time_unit")
-    _stated_where: ClassVar[str] = "set them in the class or in its __init__"
-    age: float | None
+    age: float | None = 0.0
     interface: Any = None
     time_unit: float
     quick_width: float = np.inf
+    keeps_tail = True
     grows = True
     begins_at_0 = False
     bends: Array = np.empty(0)
-
-    @property
-    @abstractmethod
-    def at_start(self) -> Thresholds:
-        """P_c of all contacts at X = 0, of the age `age`. InputError where that is not given."""
 
     @property
     def apart(self) -> dict[str, str]:
@@ -82,6 +83,11 @@ class GrowingThresholds(ChangingThresholds, ABC):
     def __str__(self) -> str:
         """The law in words."""
         return f"thresholds that grow from the age {self.age:.4g} on"
+
+    @cached_property
+    def older_at_start(self) -> bool:  # type: ignore[override]
+        """See ChangingThresholds."""
+        return self.start_pinned_for > 0.0
 
     @property
     def start_pinned_for(self) -> float:
@@ -108,15 +114,28 @@ class GrowingThresholds(ChangingThresholds, ABC):
         """Hazard that contacts pass as they pin, if stretched at this speed: those below it never hold."""
         return 0.0
 
-    @abstractmethod
-    def check_speed(self, velocity: float) -> None:
-        """InputError for steady speeds at which thresholds cannot be followed, or at which contacts never break."""
+    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
+        """See ChangingThresholds: that of contacts of the start, the oldest, which keep their quantile as all do."""
+        return self.typical_threshold(fresh, duration)
 
-    def check_stated(self) -> None:
-        """InputError where a subclass has set no value for what is needed before its methods are called."""
-        lacking = [name for name in self._to_state if not hasattr(self, name)]
-        if lacking:
-            self._refuse(f"not set: {', '.join(lacking)}; {self._stated_where}")
+    def typical_threshold(self, fresh: float, duration: float) -> float:
+        """See ChangingThresholds: that of the contact of the start which has the threshold `fresh`."""
+        pinned_for = self.start_pinned_for
+        hazard = self.hazard_at(np.array([fresh]), pinned_for)
+        return float(self.threshold_at(hazard, pinned_for + duration)[0])
+
+    def check_speed(self, velocity: float) -> None:
+        """InputError for speeds so low that the ages at which contacts break are beyond floating point."""
+        ages = self.at_start.mean() / velocity / self.time_unit
+        if not ages < LONGEST:
+            hint = f"contacts break at ages of {ages:.1g} times time = {self.time_unit:g}; at most {LONGEST:g} times"
+            refuse("velocity", velocity, hint)
+        latest, strongest = LONGEST * self.time_unit, -np.log(np.array([STRONGEST]))
+        if not float(self.threshold_at(strongest, latest)[0]) < velocity * latest:
+            hint = (
+                "thresholds of strong contacts grow faster, so that these never break; slide faster"
+            )
+            refuse("velocity", velocity, hint)
 
     def check_growth(self) -> None:
         """InputError where hazards at some ages, stretches and speeds are not what this class says of them, so that no
@@ -159,7 +178,3 @@ class GrowingThresholds(ChangingThresholds, ABC):
         if found.shape != shape:
             self._refuse(f"{rule}; for the shape {shape} it returns {found.shape}")
         return found
-
-    def _refuse(self, fault: str) -> NoReturn:
-        """InputError for a law that is not what this class says; it is named by `law`, as its repr says nothing."""
-        raise InputError(f"thresholds ({self.law}): {fault}; see origins.{self._stated_by}")

@@ -10,16 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import between, non_negative, refuse
-from origins.laws.growing import AGES, INVERSE, GrowingThresholds
+from origins.laws.growing import AGES, INVERSE, LONGEST, GrowingThresholds
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.powered import Powered, straight
 from origins.thresholds.scipy_laws import as_thresholds
 
-LONGEST = 1e100  # of times, in time_unit, over which thresholds may be followed
 # Rounding of a factor, relative: that of some operations.
 ROUNDED = 1e-15
-# The strongest contacts whose breaks are asked for: a larger share than this of all holds at no age that is followed.
-STRONGEST = 1e-17
 
 
 class ProportionalGrowth(GrowingThresholds):
@@ -36,7 +33,6 @@ class ProportionalGrowth(GrowingThresholds):
     Raises InputError for values that are no times, and for anything but thresholds.
     """
 
-    keeps_tail = True
     _stated_by = "ProportionalGrowth"
     _to_state = ("fresh", "time_unit", "age")
     _stated_where = "call super().__init__(fresh, time, age) in the __init__ of the subclass"
@@ -45,7 +41,6 @@ class ProportionalGrowth(GrowingThresholds):
         self.fresh = as_thresholds(fresh)
         self.time_unit = between("time", time, 1e-100, 1e100)
         self.age: float = non_negative("age", age)
-        self.older_at_start = self.age > 0.0
         if not self.age <= LONGEST * self.time_unit:
             refuse("age", age, f"must be at most {LONGEST:g} times time = {self.time_unit:g}")
         self.interface = self.fresh.interface
@@ -59,17 +54,13 @@ class ProportionalGrowth(GrowingThresholds):
         """See GrowingThresholds."""
         return float(self.factor(LONGEST * self.time_unit)) != 1.0
 
-    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
-        """See ChangingThresholds: that of contacts of the start, the oldest, which grows as all do."""
-        return self.typical_threshold(fresh, duration)
-
     def typical_threshold(self, fresh: float, duration: float) -> float:
         """See ChangingThresholds: the mean one of contacts of the start, the oldest."""
         pinned_for = self.start_pinned_for
         return fresh * float(self.factor(pinned_for + duration) / self.factor(pinned_for))
 
     @cached_property
-    def at_start(self) -> Thresholds:
+    def at_start(self) -> Thresholds:  # type: ignore[override]
         """P_c of all contacts at X = 0: that of fresh ones, in lengths g(age) times as large. InputError where the
         factor is not what ProportionalGrowth says: nothing that it gives is used before."""
         self._check_factor()
@@ -124,16 +115,3 @@ class ProportionalGrowth(GrowingThresholds):
         if bent.size:
             at = float(ages[bent[0] + 1])
             self._refuse(f"factor must be concave, and rises ever faster near the age {at:.3g}")
-
-    def check_speed(self, velocity: float) -> None:
-        """InputError for speeds so low that the ages at which contacts break are beyond floating point."""
-        ages = self.fresh.mean() / velocity / self.time_unit
-        if not ages < LONGEST:
-            hint = f"contacts break at ages of {ages:.1g} times time = {self.time_unit:g}; at most {LONGEST:g} times"
-            refuse("velocity", velocity, hint)
-        latest = LONGEST * self.time_unit
-        if not float(self.fresh.isf(STRONGEST) * self.factor(latest)) < velocity * latest:
-            hint = (
-                "thresholds of strong contacts grow faster, so that these never break; slide faster"
-            )
-            refuse("velocity", velocity, hint)

@@ -24,7 +24,6 @@ from master.soft.in_time.memory import (
 from master.soft.in_time.threshold_cells import Leg, ThresholdCells
 from master.survival.growing import GrowingLife
 from origins import Ageing, Contacts, GrowingThresholds, InputError
-from origins.laws.timed_law import ChangingThresholds
 from origins.thresholds.law import Array
 
 # Columns of a group's record: largest hazard, hazard at birth, time since pinning, and from there A.
@@ -149,7 +148,7 @@ class GrowingMemory(Memory):
 
 # The memory of contacts whose thresholds change, by the class of the law: made of the contacts, how often steps are
 # halved, and the drive's largest speed.
-MEMORIES: dict[type[ChangingThresholds], Callable[[Contacts, int, float], Memory]] = {
+MEMORIES: dict[type, Callable[[Contacts, int, float], Memory]] = {
     Ageing: AgeingMemory,
     GrowingThresholds: GrowingMemory,
 }
