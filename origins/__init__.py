@@ -38,6 +38,7 @@ from origins.laws.soft import SoftRates
 from origins.laws.stiff import StiffRates
 from origins.laws.strengthening import Strengthening, strengthening
 from origins.laws.thermal import Thermal
+from origins.laws.timed_law import ChangingThresholds
 from origins.roughness.from_surface import from_moments, from_topography, resolution_study
 from origins.roughness.greenwood_williamson import (
     gw_gaussian,

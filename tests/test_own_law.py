@@ -1,8 +1,11 @@
-"""Thresholds that grow by a law of one's own: both solvers take them, by quadratures, or refuse them in one line."""
+"""Laws of one's own by which thresholds change, those of docs/extending.md among them: solvers take them, by
+quadratures and a plain twin, or refuse them in one line."""
 
 from __future__ import annotations
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -262,3 +265,123 @@ def test_a_density_that_begins_at_a_finite_value_has_no_onset_power():
 def test_what_no_solver_follows_is_refused_beside_any_growing_thresholds(law, other, says):
     with pytest.raises(origins.InputError, match=says):
         Contacts(law, **other)
+
+
+def of_page(with_ensemble: bool) -> dict:
+    """The names that docs/extending.md makes of laws with a memory."""
+    page = (Path(__file__).parents[1] / "docs" / "extending.md").read_text(encoding="utf-8")
+    section = page.split("## A new law with a memory")[1].split("\n## ")[0]
+    names = {"np": np, "origins": origins, "master": master, "eq_model": eq_model}
+    names |= {"Contacts": Contacts}
+    for code in re.findall(r"```python\n(.*?)```", section, re.DOTALL):
+        if with_ensemble or "eq_model" not in code:
+            exec(compile(code, "extending.md", "exec"), names)
+    said = "{:.6f}, {:.6f} and {:.6f}".format(*names["by_quadrature"])
+    assert f"# {said}: at v = 0.01, 0.1 and 0.1" in section
+    return names
+
+
+@pytest.fixture(scope="module")
+def page() -> dict:
+    return of_page(with_ensemble=False)
+
+
+def test_laws_of_the_page_slide_as_by_quadratures(page):
+    of_growing, of_hardening, of_weakening = page["by_quadrature"]
+    hard = master.steady_state(page["hardening"], velocity=0.1)
+    for found, force in (
+        (page["steady"], of_growing),
+        (hard, of_hardening),
+        (page["weak"], of_weakening),
+    ):
+        assert found.success and abs(found.force - force) < 1e-8
+
+
+def stepped(threshold, path, time, start=0.0, delay=0.0, count=10_000, step=2e-3):
+    """The plain twin: contacts in steps of time, which break where |x| has reached threshold(x_s0, age), and are born
+    again at x = 0 a delay later; the mean stretch at the points, 0 of those that are out, and its standard error."""
+    rng = np.random.default_rng(5)
+    x, age = np.full(count, start), np.zeros(count)
+    fresh = PC.isf(rng.random(count) * PC.sf(abs(start)))
+    found, before = [], (0.0, 0.0)
+    for now in zip(time, path, strict=True):
+        lasts, moves = np.subtract(now, before)
+        steps = int(np.ceil(lasts / step))
+        for _ in range(steps):
+            age += lasts / steps
+            holds = age > 0.0
+            x += np.where(holds, moves / steps, 0.0)
+            broken = holds & (np.abs(x) >= threshold(fresh, age))
+            x[broken], age[broken] = 0.0, -delay
+            fresh[broken] = PC.rvs(int(broken.sum()), rng)
+        found.append((x.mean(), x.std() / np.sqrt(count)))
+        before = now
+    return np.array(found).T
+
+
+def hardened(fresh, age):
+    return fresh + np.minimum(0.1 * np.log1p(age), 0.3)
+
+
+def weakened(fresh, age):
+    return fresh * np.exp(-age / 5.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "twin", "other", "start", "delay"),
+    [
+        ("hardening", hardened, weakened, 0.0, 0.0),
+        ("weakening", weakened, hardened, 0.0, 0.0),
+        ("weakening", weakened, hardened, -0.3, 0.2),
+    ],
+)
+def test_laws_of_the_page_are_those_of_single_contacts(page, name, twin, other, start, delay):
+    """On a path that rests and turns; the twin of the other law is told apart."""
+    contacts = Contacts(page[name].changing, start, delay=origins.Delay(delay))
+    found = master.solve(contacts, page["path"], 1e-5, time=page["clock"])
+    assert found.success
+    for threshold in (twin, other):
+        force, error = stepped(threshold, page["path"], page["clock"], start, delay)
+        # contacts break up to a step late, half of one in the mean, in which they are stretched by 1e-3
+        off = np.abs(found.force - force) / (error + 1e-3)
+        assert (off.max() < 4.5) == (threshold is twin)
+
+
+@pytest.mark.slow
+def test_the_ensemble_takes_the_growing_laws_of_the_page():
+    names = of_page(with_ensemble=True)
+    exact, found = names["rested_by_master"], names["rested_by_ensemble"]
+    error = np.hypot(found.force_standard_error, exact.force_error)
+    assert (np.abs(found.force - exact.force) < 5.0 * error).all()
+    assert (np.abs(names["z"]) < 5.0).all()
+
+
+@pytest.mark.parametrize(
+    ("ask", "says"),
+    [
+        (
+            lambda law: eq_model.simulate(Contacts(law), [1.0], velocity=1.0),
+            "no kernel in eq_model",
+        ),
+        (lambda law: eq_model.simulate(Contacts(law), [1.0], spring=1.0), "does not take it yet"),
+        (lambda law: master.solve(Contacts(law), [1.0], velocity=1.0, spring=1.0), "has no memory"),
+        (lambda law: Contacts(law, thermal=origins.Thermal("soft", 0.1)), "take no thermal beside"),
+        (lambda law: Contacts(law, stiffness="linked"), "take no stiffness beside"),
+        (lambda law: Contacts(law, reforming=0.1), "take no reforming beside"),
+        (lambda law: Contacts(law, ageing=origins.Ageing(PC, 1.0)), "take no ageing beside"),
+        (
+            lambda law: Contacts(origins.Ageing(PC, 1.0)),
+            r"beside thresholds, as Contacts\(law, ageing",
+        ),
+        (
+            lambda law: master.steady_state(
+                Contacts(type(law)(origins.identical(1.0), 5.0)), velocity=1.0
+            ),
+            "exact values, which the master equation does not follow while they change",
+        ),
+    ],
+)
+def test_what_has_not_been_written_for_a_law_is_refused_in_one_line(page, ask, says):
+    with pytest.raises(InputError, match=says) as refused:
+        ask(page["weakening"].changing)
+    assert "\n" not in str(refused.value)

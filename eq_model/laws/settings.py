@@ -12,13 +12,19 @@ from origins.errors import refuse
 from origins.laws.compiled import CompiledRates, called
 from origins.laws.timed_law import ChangingThresholds
 
-# The file of eq_model/laws with the kernel of each law by which thresholds change, imported where it is needed. It has
-# make(contacts, drive, warm, rates, unit), the settings of the kernel (contact.Warm has the last two);
-# often(contacts, lasts, moved, settings), about how often a contact breaks or takes a step on legs of these durations
-# and lengths; and SECONDS, about what one of these takes. Growing thresholds of any other class, those derived from a
-# class of the table included, have the kernel OWN, which calls their methods.
+# The file of eq_model/laws with the kernel of each law by which thresholds change, imported where it is needed; or, of
+# a law of one's own, the module itself. It has
+#   make(contacts, drive, warm, rates, unit): the settings of the kernel, a NamedTuple of a class of its own; drive is a
+#     WholeDrive, contact.Warm has the last two, and warm tells whether contacts break at rates, too;
+#   often(contacts, lasts, moved, settings): about how often a contact breaks or takes a step on legs of these
+#     durations and lengths, arrays (legs,): a float;
+#   SECONDS: about what one of these takes, a float;
+# and enters functions for numba by the class of its settings: in contact.BREAKS (settings, contact, drive, counts),
+# which gives the contact.Break, and in contact.AGED (settings, contact, drive, instant), its threshold then; or, where
+# thresholds grow, both by growing.GROWTHS. Growing thresholds of any other class, those derived from a class of the
+# table included, have the kernel OWN, which calls their methods.
 OWN = "own"
-KERNELS: dict[type, str] = {
+KERNELS: dict[type, Any] = {
     Ageing: "diffusing",
     GrainContact: "grains",
     Strengthening: "strengthening",
@@ -30,7 +36,7 @@ def kernel_of(law: ChangingThresholds) -> Any:
     name = KERNELS.get(type(law), OWN if isinstance(law, GrowingThresholds) else "")
     if not name:
         refuse(f"contacts.{law.law}", law, "has no kernel in eq_model; use master.solve")
-    return import_module(f"eq_model.laws.{name}")
+    return import_module(f"eq_model.laws.{name}") if isinstance(name, str) else name
 
 
 def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:

@@ -59,7 +59,7 @@ class ChangingThresholds(TimedLaw, ABC):
     # what each object has to have before its methods are called, where it gets that, and the class that says so
     _to_state: ClassVar[tuple[str, ...]] = ("law", "at_start")
     _stated_where: ClassVar[str] = "set them in the class or in its __init__"
-    _stated_by: ClassVar[str] = "laws.timed_law.ChangingThresholds"
+    _stated_by: ClassVar[str] = "ChangingThresholds"
 
     @property
     def apart(self) -> dict[str, str]:
