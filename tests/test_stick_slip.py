@@ -50,6 +50,16 @@ def test_closed_values(name: str) -> None:
         assert abs(found.static_to_kinetic - static) <= found.static_to_kinetic_error <= 3e-8
 
 
+@pytest.mark.parametrize("law", [origins.gw_elastic(1.588), origins.gw_gaussian(0.5, 1.0)])
+def test_averages_over_a_spread_start_are_as_fine_as_slopes_need(law: origins.Thresholds) -> None:
+    """F falls by a ten thousandth of its rise; averages too coarse for its slope cost minutes and missed 1e-8."""
+    contacts, x = Contacts(law, SPREAD), np.linspace(0.0, 6.0, 601)
+    found = master.propensity(contacts)
+    force = master.solve(contacts, x, 1e-11).force
+    assert found.success and found.critical_spring_error < 1e-8
+    assert found.critical_spring == pytest.approx(-np.gradient(force, x).min(), rel=2e-3)
+
+
 NARROW, BROAD = origins.gaussian(1.0, 0.02), origins.gaussian(1.0, 0.3)
 BEHIND = [(NARROW, -1.05, 0.5), (BROAD, -1.2, 20.0), (scipy.stats.expon(), 1.2, 40.0)]
 

@@ -91,7 +91,8 @@ def extremes(contacts: Contacts, speed: float, tolerance: float, until: float = 
 def cycle_table(contacts: Contacts, velocity: float, tolerance: float) -> Cycle:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(FOR_TABLE * tolerance, FINEST_TABLE)
-    return Cycle(contacts, steady_life(contacts, velocity), velocity, accuracy)
+    life = steady_life(contacts, velocity, FOR_SLOPE * tolerance)
+    return Cycle(contacts, life, velocity, accuracy)
 
 
 def forward_march(cycle: Cycle, horizon: float, tolerance: float, until: float = np.inf) -> March:

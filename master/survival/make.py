@@ -53,11 +53,12 @@ def why_no_life(contacts: Contacts, one_leg: bool = True) -> str:
     return _life_by(contacts.changing).why_not(contacts, one_leg)
 
 
-def steady_life(contacts: Contacts, velocity: float) -> Life:
-    """The life of contacts on a slider that moves forward at one speed v > 0, for any time. Raises InputError for
-    closures in which single contacts have no law, and where no contact holds."""
+def steady_life(contacts: Contacts, velocity: float, tolerance: float = 0.0) -> Life:
+    """The life of contacts on a slider that moves forward at one speed v > 0, for any time; `tolerance` as in
+    `life_of`, of thresholds that do not change. Raises InputError for closures in which single contacts have no law,
+    and where no contact holds."""
     if contacts.changing is None:
-        return life_of(contacts)
+        return life_of(contacts, tolerance)
     longest = _life_by(contacts.changing).longest(contacts, velocity)
     motion = Motion(np.array([0.0, longest]), np.array([0.0, longest * velocity]))
     return life_of(contacts, motion=motion)
