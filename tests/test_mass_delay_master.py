@@ -13,7 +13,8 @@ from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Collocation, Machine, Solved, State
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.foretold import slip_time
-from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, TimePanel
+from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, PLACES, TimePanel
+from master.soft.inertia.delayed.panel_births import PanelBirths
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.survival import Survival
 
@@ -280,6 +281,30 @@ def test_the_slope_of_the_force_is_that_of_its_differences() -> None:
     slope = cohorts.response(at).slope
     np.testing.assert_allclose(slope, (up - down) / (2.0 * step), atol=1e-7)
     assert slope[0] > 0.0 > slope[-1]
+
+
+def test_births_on_a_panel_longer_than_the_delay_follow_from_its_own_breaks() -> None:
+    """Breaks 0.2 t + 0.1 t² all the way: births are the same, one delay later."""
+    past, delay = PastBreaks(0.3, 1.0), 0.3
+
+    def breaks(t: np.ndarray) -> np.ndarray:
+        return 0.2 * t + 0.1 * t**2
+
+    values = np.stack([0.0 * PLACES, breaks(PLACES), 0.0 * PLACES])
+    past.add(TimePanel.through(0.0, 1.0, values))
+    begin, width = 1.0, 0.5
+    births = PanelBirths(past, begin, width)
+    times = begin + width * PLACES
+    exact = breaks(times - delay) - breaks(begin - delay)
+    assert not births.all_known
+    # at first breaks on the panel count as if they came at the rate of births as it begins
+    rate = 0.2 + 0.2 * (begin - delay)
+    guessed = breaks(begin) - breaks(begin - delay) + rate * (width - delay)
+    assert births.born[-1] == pytest.approx(guessed, abs=1e-14)
+    births.guess_from(breaks(times))
+    np.testing.assert_allclose(births.born, exact, atol=1e-14)
+    np.testing.assert_allclose(births.rate, 0.2 + 0.2 * (times[1:] - delay), atol=1e-13)
+    assert births.missed < 1e-14
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

@@ -11,12 +11,12 @@ from plain_in_time import pulled
 import master
 from master.soft.in_time.breaks import BreaksInSteps
 from master.soft.in_time.threshold_cells import ThresholdCells
-from origins import Contacts, Delay, Thermal, gaussian
+from origins import Ageing, Contacts, Delay, Thermal, gaussian, growing_grains, strengthening
 
-WIDE = gaussian(1.0, 0.2)
+WIDE, HEAT = gaussian(1.0, 0.2), Thermal("soft", 0.1)
 CASES = {
     "delay": Contacts(WIDE, delay=Delay(0.25)),
-    "heat": Contacts(WIDE, thermal=Thermal("soft", 0.1)),
+    "heat": Contacts(WIDE, thermal=HEAT),
 }
 SPRING, VELOCITY = 2.0, 1.0
 # of the twin's cells of thresholds, measured by halving them
@@ -36,6 +36,33 @@ def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force(name: st
     assert abs(limit - solved.force[0]) < solved.force_error + OF_CELLS
 
 
+# contacts by what their memory keeps, with its file
+GROWING = strengthening(WIDE, 0.2, 1.0, age=0.5)
+MEMORIES = {
+    "breaks alone (breaks.py)": Contacts(WIDE, delay=Delay(0.25)),
+    "heat (threshold_cells.py)": Contacts(WIDE, thermal=HEAT),
+    "heat, re-forming behind (contacts.py)": Contacts(WIDE, thermal=HEAT, reforming=-0.1),
+    "heat, linked stiffness (threshold_cells.py)": Contacts(WIDE, thermal=HEAT, stiffness="linked"),
+    "one mean rate (memory.py)": Contacts(WIDE, thermal=Thermal("soft", 0.1, closure="paper")),
+    "ageing (cells.py)": Contacts(gaussian(0.5, 0.05), ageing=Ageing(gaussian(1.0, 0.05), 0.05)),
+    "grains (changing.py)": Contacts(growing_grains(1.0, 1.0, age=4.0)),
+    "strengthening (changing.py)": Contacts(GROWING),
+    "strengthening, heat (changing.py)": Contacts(GROWING, thermal=HEAT),
+}
+
+
+@pytest.mark.parametrize("name", MEMORIES)
+def test_on_a_stiff_spring_each_memory_tells_the_force_of_a_rigid_slider(name: str) -> None:
+    """Steps in time beside panels of time, on the way that the slider has gone, straight from point to point."""
+    contacts = MEMORIES[name]
+    times = np.array([0.6, 1.0, 1.6]) * contacts.mean_threshold
+    sprung = master.solve(contacts, times, 3e-3, spring=1e5)
+    assert sprung.success, sprung.message
+    rigid = master.solve(contacts, sprung.position, 1e-5, time=times)
+    assert rigid.success, rigid.message
+    assert np.abs(sprung.force - rigid.force).max() < 1e-5 * contacts.mean_threshold
+
+
 def test_contacts_that_are_left_out_while_they_hold_name_themselves(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -51,6 +78,44 @@ def test_breaks_that_are_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(BreaksInSteps, "add", lambda of, now, breaks: true(of, now, 0.5 * breaks))
     found = master.solve(CASES["delay"], [1.0], 1e-3, velocity=VELOCITY, spring=SPRING)
     assert not found.success and "number is not conserved: after t = " in found.message
+
+
+def test_births_follow_from_the_breaks_one_delay_before() -> None:
+    """Breaks are a cubic up to t = 1, jump by 0.2 there, and go on as a straight line; each step lasts 0.1."""
+
+    def cubic(t: float) -> float:
+        return 0.1 * t + 0.3 * t**2 - 0.1 * t**3
+
+    def line(t: float) -> float:
+        return 0.5 + 0.4 * (t - 1.0)
+
+    past = BreaksInSteps(0.25, 0.0)
+    for n in range(1, 11):
+        past.add(0.1 * n, cubic(0.1 * n))
+    past.begin_section()
+    past.add(1.0, 0.5)
+    past.repeat_jump(1.0)
+    past.begin_section()
+    for n in range(11, 15):
+        past.add(0.1 * n, line(0.1 * n))
+    for end in (
+        0.1,
+        0.25,
+        0.3,
+        0.55,
+        1.05,
+        1.24,
+    ):  # before anything is born, and with breaks before the jump
+        assert past.births_up_to(end, end - 0.1) == pytest.approx(
+            (0.0, cubic(max(end - 0.25, 0.0))), abs=1e-12
+        )
+    assert past.births_up_to(1.5, 1.4) == pytest.approx((0.0, line(1.25)), abs=1e-12)
+    # a step as long as two delays: what breaks in its first half is born in it
+    slope, rest = past.births_up_to(1.9, 1.4)
+    assert slope * line(1.9) + rest == pytest.approx(line(1.65), abs=1e-12)
+    # births jump a delay after the breaks, and bend after two; what jumps is due once
+    assert past.pending == pytest.approx({1.25: 0.2, 1.5: 0.0}, abs=1e-12)
+    assert past.due(1.2) == 0.0 and past.due(1.25) == pytest.approx(0.2) and past.due(1.25) == 0.0
 
 
 def test_the_cell_of_the_least_threshold_that_holds_is_continued_along_its_barrier() -> None:

@@ -11,6 +11,8 @@ from master.soft.curve import SlipBegin, SteadyForce
 from master.soft.moves import STILL, LoadingHistory, Move, SlipEnd
 from master.survival.life import NO_SURVIVAL
 
+# Error of a panel below which all is rounding, a share of the contacts: panels are widened there.
+ROUNDING = 1e-16
 # Most panels that are tried together: the slip may end on the first.
 MOST_TOGETHER = 8
 # Share of a travel without balance that is passed at once: its end is left out, as F has an error; and how many panels
@@ -97,7 +99,7 @@ class MoveWithoutBirths(Move):
         # beside a panel that was too wide the next ones are, too; the error grows as the width to the power DEGREE
         if good < count:
             self._widest = 0.5 * width
-        elif error.max() <= max(0.5**polynomials.DEGREE * tolerance, 1e-16):
+        elif error.max() <= max(0.5**polynomials.DEGREE * tolerance, ROUNDING):
             self._widest *= 2.0
         self._together = min(2 * self._together, MOST_TOGETHER) if good == count else 1
         self._append(begin, width, Run(np.zeros_like(force), force, error), good)

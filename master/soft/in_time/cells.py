@@ -123,12 +123,15 @@ class Cells:
         """Weights after |x| has moved from `begin` to `end` >= 0 within these times, arrays (n,)."""
         if not durations.any():
             return self._shifted(weights, end - begin)
+        # of the equation at the head, all times the duration, at both stages of the step; level: |x| there
         rise, times = (end - begin)[:, None], durations * np.ones((2, 1))
         level = begin + rise[:, 0] * self._kernel.STAGES[:, None]
         flow = self._drift(level[:, :, None] + self.edges[:-1]) * times[:, :, None] + rise
         # at least a cell wide: a thinner edge of the density need not be resolved
         spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(rise[:, 0]))
-        leaving, entering, breaking = flow, flow, np.zeros(flow.shape)
+        # what leaves a cell through its lower face enters the next, but for what breaks as the rate changes in a cell
+        leaving = entering = flow
+        breaking = np.zeros(flow.shape)
         if self._thermal is not None:
             breaking, tilt = self._early(level, times)
             leaving = flow - tilt

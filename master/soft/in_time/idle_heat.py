@@ -10,7 +10,7 @@ import numpy as np
 
 from master.numerics.averages import stretch_nodes
 from master.renewal.births import reforming_law
-from master.soft.in_time.memory import Memory, ThresholdMemory, cold_nodes
+from master.soft.in_time.memory import NO_THRESHOLD, Memory, ThresholdMemory, cold_nodes
 from master.survival.age.extent import narrowest
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
@@ -131,8 +131,9 @@ def largest_effect(contacts: Contacts, duration: float, early: float) -> float:
         return np.inf
     unit = contacts.mean_threshold
     threshold = law.isf(np.linspace(1.0 - TAIL, TAIL, THRESHOLDS))
-    threshold = np.maximum(threshold, 1e-12 * unit)
-    near = _last_quiet_stretch(contacts, threshold, np.log(early / max(duration, 1e-300)))
+    threshold = np.maximum(threshold, NO_THRESHOLD * unit)
+    log_rate = np.log(early / duration) if duration > 0.0 else np.inf
+    near = _last_quiet_stretch(contacts, threshold, log_rate)
     stiffness = np.maximum(contacts.relative_stiffness(threshold), 1.0)
     lost = near * (law.sf(near) - law.sf(threshold)) * stiffness
     beyond = (threshold * law.sf(threshold) * stiffness)[threshold > near[-1]]  # all break early

@@ -27,6 +27,8 @@ WEAK = 0.3
 STRONGEST = 1e-18
 # Least threshold that is told apart from 0, in mean or largest thresholds.
 NO_THRESHOLD = 1e-12
+# Rounding of the tables of the mean rate H, relative.
+OF_TABLES = 1e-12
 # Nodes for a start with a width on the coarsest steps, and those more with each halving: with heat or with
 # thresholds that change each node has a record of its own; without they cost little, and a start may be wide: they are
 # doubled with each halving, a few times.
@@ -129,8 +131,8 @@ class MeanRateMemory(Memory):
 
     def __init__(self, contacts: Contacts, halvings: int) -> None:
         self._life, law = MeanRateLife(contacts), contacts.thresholds
-        # rounding in tables of H is some 1e-12
-        self.width, self.starts, self.error = 2, cold_nodes(halvings), self._life.error + 1e-12
+        self.width, self.starts = 2, cold_nodes(halvings)
+        self.error = self._life.error + OF_TABLES
         self.exact, self.largest_stretch = bool(law.atoms[0].size), largest_stretch(law)
         rate = float(self._life.rate(np.zeros(1))[0])
         self.scales = scales_of(contacts)._replace(rate=rate)

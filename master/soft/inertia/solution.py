@@ -34,8 +34,8 @@ UNSEEN = OF_PANELS + ALIKE + QUIET
 # Times the difference of two runs in the error where contacts form after a delay: births repeat the errors of breaks,
 # which fall less regularly (in 1 of 63 random machines the difference alone was 1.5 times too small).
 SAFETY_OF_DELAY = 2.0
-# Smallest tolerance of a run, in mean thresholds: below it all is rounding.
-LEAST = 1e-11
+# Smallest tolerance of a run, in mean thresholds: below it all is rounding. Rounding of the force, relative to K X_T.
+LEAST, ROUNDING = 1e-11, 1e-14
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def solve_inertial(
     if most > 1.0 + max(tolerance, best.tolerance):
         stopped = f"number is not conserved: holding reaches {most:.4g}, a fault of the program"
         error = of_contacts = np.inf
-    left_out = 1e-14 * (1.0 + spring * float(np.abs(drive.path).max()) / unit)  # rounding
+    left_out = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
         left_out += idle.error
     if parting and not stopped and error + left_out > tolerance:

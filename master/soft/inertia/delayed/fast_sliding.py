@@ -79,7 +79,7 @@ class FastSliding:
         at, weight = np.polynomial.legendre.leggauss(GAUSS)
         half = 0.5 * far / PIECES
         middle = far * (np.arange(PIECES) + 0.5) / PIECES
-        # distances behind the slider at which contacts form, and when it was there
+        # distances behind the slider at which contacts form, and when it was there, by Newton's method
         back, weights = (middle[:, None] + half * at).ravel(), np.tile(half * weight, PIECES)
         t = np.full(back.size, panel.end)
         for _ in range(MOST_TRIES):
