@@ -110,9 +110,9 @@ def test_births_follow_from_the_breaks_one_delay_before() -> None:
             (0.0, cubic(max(end - 0.25, 0.0))), abs=1e-12
         )
     assert past.births_up_to(1.5, 1.4) == pytest.approx((0.0, line(1.25)), abs=1e-12)
-    # a step as long as two delays: what breaks in its first half is born in it
-    slope, rest = past.births_up_to(1.9, 1.4)
-    assert slope * line(1.9) + rest == pytest.approx(line(1.65), abs=1e-12)
+    # a step longer than the delay: part of what breaks in it is born in it
+    slope, rest = past.births_up_to(2.0, 1.4)
+    assert slope * line(2.0) + rest == pytest.approx(line(1.75), abs=1e-12)
     # births jump a delay after the breaks, and bend after two; what jumps is due once
     assert past.pending == pytest.approx({1.25: 0.2, 1.5: 0.0}, abs=1e-12)
     assert past.due(1.2) == 0.0 and past.due(1.25) == pytest.approx(0.2) and past.due(1.25) == 0.0

@@ -24,6 +24,9 @@ from master.soft.in_time.memory import Memory
 from origins import Contacts
 from origins.thresholds.law import Array
 
+# Nodes for the stretches at which contacts form again, where these are many, on the coarsest steps, and those more with
+# each halving, so that their error shows.
+FORMED_NODES, MORE_FORMED_NODES = 8, 4
 # Survival below which a group is dropped: its force is below round-off even if there are a thousand of them.
 DEAD = 1e-19
 # Most steps, and most operations in them, which take a minute or less. A group costs as many operations in a step as
@@ -86,8 +89,8 @@ class ContactsInSteps:
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
         self.jumps = bool((law.pdf(ends[ends > 0.0]) > 0.0).any())
         start = stretch_nodes(contacts.start, memory.largest_stretch, memory.starts)
-        # births at many stretches have more nodes with each halving
-        reformed = stretch_nodes(reforming_law(contacts), memory.largest_stretch, 8 + 4 * halvings)
+        count = FORMED_NODES + MORE_FORMED_NODES * halvings
+        reformed = stretch_nodes(reforming_law(contacts), memory.largest_stretch, count)
         # the groups of a cohort, by the stretches at its birth
         self._at_birth = _per_survival(memory, reformed)
         self._survival_at_birth = _survival_at_birth(memory, reformed.stretch)

@@ -15,7 +15,7 @@ class Groups(NamedTuple):
     """Contacts that began or were born together at one stretch; arrays of shape (n,), (n, width).
 
     stretch, largest : x and the largest |x| so far (lengths)
-    weight : fraction of all contacts, divided by the survival at birth
+    weight : fraction of all contacts, divided by the survival at birth, by which a Memory multiplies their survival
     record : their history, see Memory
     """
 
