@@ -30,6 +30,133 @@ def solve(contacts: origins.Contacts, path, tolerance: float = 1e-8, **machine: 
     return master.solve(contacts, path, tolerance, wall_time=300.0, **machine)
 
 
+# -- parts by themselves, fast; whole sliders follow
+
+
+def test_births_are_the_breaks_one_delay_before() -> None:
+    """Breaks 0.3 t to t = 1, none in a closed motion of which 0.01 are told at its end, t = 2, then 0.1 t."""
+    past = PastBreaks(0.5, 1.0)
+    for begin, before, rate in ((0.0, 0.0, 0.3), (2.0, 0.31, 0.1)):
+        series = np.zeros((3, 6))
+        series[1, :2] = before + 0.5 * rate, 0.5 * rate
+        past.add(TimePanel(begin, 1.0, series))
+    assert past.breaks == pytest.approx(0.41)
+    times = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.49, 2.5, 3.0, 3.5])
+    born = [0.0, 0.0, 0.15, 0.3, 0.3, 0.3, 0.31, 0.36, 0.41]
+    np.testing.assert_allclose([past.born(t) for t in times], born, atol=1e-15)
+    one_by_one = np.where(times < 2.5, born, np.subtract(born, 0.01))
+    np.testing.assert_allclose([past.born_on_panels(t) for t in times], one_by_one, atol=1e-15)
+    assert [past.birth_rate(t) for t in (0.2, 1.0, 1.9, 2.7)] == pytest.approx([0.0, 0.3, 0.0, 0.1])
+    assert past.next_birth(0.1, 0.2) == 0.5 and past.next_birth(1.6, 0.005) == 2.5
+
+
+def test_births_have_a_kink_after_each_delay() -> None:
+    """The first one stands for the kink of breaks itself; echoes of it are smoother each time."""
+    breaks = PastBreaks(2.0, held=1.0)
+    breaks.kink(1.0)
+    assert breaks.next_kink(1.0) == 3.0 and breaks.next_kink(3.0) == 5.0
+
+
+def test_births_on_a_panel_longer_than_the_delay_follow_from_its_own_breaks() -> None:
+    """Breaks 0.2 t + 0.1 t² all the way: births are the same, one delay later."""
+    past, delay = PastBreaks(0.3, 1.0), 0.3
+
+    def breaks(t: np.ndarray) -> np.ndarray:
+        return 0.2 * t + 0.1 * t**2
+
+    values = np.stack([0.0 * PLACES, breaks(PLACES), 0.0 * PLACES])
+    past.add(TimePanel.through(0.0, 1.0, values))
+    begin, width = 1.0, 0.5
+    births = PanelBirths(past, begin, width)
+    times = begin + width * PLACES
+    exact = breaks(times - delay) - breaks(begin - delay)
+    assert not births.all_known
+    # at first breaks on the panel count as if they came at the rate of births as it begins
+    rate = 0.2 + 0.2 * (begin - delay)
+    guessed = breaks(begin) - breaks(begin - delay) + rate * (width - delay)
+    assert births.born[-1] == pytest.approx(guessed, abs=1e-14)
+    births.guess_from(breaks(times))
+    np.testing.assert_allclose(births.born, exact, atol=1e-14)
+    np.testing.assert_allclose(births.rate, 0.2 + 0.2 * (times[1:] - delay), atol=1e-13)
+    assert births.missed < 1e-14
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        WIDE,
+        ELASTIC,
+        origins.rectangular(0.5, 1.5),
+        origins.mixture([origins.gaussian(1.0, 0.01), origins.gaussian(2.0, 0.3)], [0.5, 0.5]),
+        origins.identical(1.0),
+    ],
+)
+def test_survivals_are_those_of_the_law(law: origins.Thresholds) -> None:
+    x = np.linspace(0.0, 3.0 * law.mean(), 1001)
+    assert np.abs(Survival(law).sf(x) - law.sf(x)).max() < 1e-12
+
+
+def test_the_slope_of_the_force_is_that_of_its_differences() -> None:
+    """Cohorts that break as they move on, some that were stretched farther before, and some stretched backwards."""
+    contacts = origins.Contacts(WIDE, origins.gaussian_start(0.0, 0.3))
+    cohorts = Cohorts.at_start(contacts, Survival(WIDE)).moved(0.6).moved(0.45)
+    at, step = np.array([0.5, 0.55, 0.7, 0.9]), 1e-5
+    up, down = (cohorts.response(at + off).force for off in (step, -step))
+    slope = cohorts.response(at).slope
+    np.testing.assert_allclose(slope, (up - down) / (2.0 * step), atol=1e-7)
+    assert slope[0] > 0.0 > slope[-1]
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_contacts_born_on_a_panel_hold_and_pull_as_exponential_thresholds_do(way: float) -> None:
+    """In closed form: the slider is too heavy to be slowed down, and passes one threshold in a time 1, with 0.3 births.
+
+    The polynomial through all nodes needs the survival of contacts born after a node, too. As it is continued with
+    its slope, breaks are off by the cube of the panel's width, and the force by one power more; where P_c(0) > 0 a
+    kink there would cost a power each.
+    """
+    contacts, rate = origins.Contacts(stats.expon()), 0.3
+    cohorts = Cohorts.at_start(contacts, Survival(contacts.thresholds))
+    past, sliding = PastBreaks(0.5, 1.0), FastSliding(contacts.thresholds)
+    past.add(TimePanel(0.0, 1.0, np.array([[0.0] * 6, [0.5 * rate] * 2 + [0.0] * 4, [0.0] * 6])))
+    search = Collocation(Machine(1e9, 0.0, 1.0, 1.0), cohorts, sliding, past, accuracy=1e-6)
+    off = []
+    for width in (0.2, 0.1):
+        speed = np.full(NODES.size, way)
+        solved = search.solve(State(0.5, 0.0, way), width, np.zeros(NODES.size), speed)
+        assert isinstance(solved, Solved)
+        y = width * NODES
+        hold = np.exp(-y) + rate * -np.expm1(-y)
+        pull = way * (y * np.exp(-y) + rate * (1.0 - np.exp(-y) * (1.0 + y)))
+        breaks = solved.panel.nodes(BREAKS) - (1.0 + rate * y - hold)
+        off.append([np.abs(breaks).max(), np.abs(solved.panel.nodes(FORCE) - pull).max()])
+    np.testing.assert_allclose(np.log2(np.divide(*off)), [3.0, 4.0], atol=0.2)
+    assert max(off[1]) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("mass", "damping", "spring"), [(2e-9, 2e-8, 1e-6), (0.01, 0.01, 1e-2), (1e-4, 3.0, 1e-3)]
+)
+def test_a_slip_lasts_half_a_period_and_until_its_swings_are_no_longer_than_a_threshold(
+    mass: float, damping: float, spring: float
+) -> None:
+    """Beside the free motion from 1/K on, where contacts that bear a mean threshold have let the spring go; the last
+    one is damped above the critical damping. Swings of one threshold end within half a period of the forecast."""
+    period = 2.0 * np.pi * (mass / spring) ** 0.5
+    foretold = slip_time(mass, damping, spring)
+
+    def moved(_: float, state: np.ndarray) -> list[float]:
+        return [state[1], -(damping * state[1] + spring * state[0]) / mass]
+
+    seen = np.linspace(0.0, foretold + period, 20_001)
+    jacobian = np.array([[0.0, 1.0], [-spring / mass, -damping / mass]])
+    exact = {"rtol": 1e-8, "atol": 1e-8, "jac": jacobian}
+    swing = solve_ivp(moved, seen[[0, -1]], [1.0 / spring, 0.0], "Radau", seen, **exact).y[0]
+    last = seen[np.flatnonzero(np.abs(swing) > 1.0)[-1]] + 0.5 * period
+    assert -0.02 * period < foretold - last < 0.5 * period
+    assert slip_time(mass, 0.0, spring) == np.inf
+
+
 @pytest.mark.parametrize(
     ("off", "part", "says"),
     [
@@ -68,38 +195,6 @@ def test_an_error_above_the_tolerance_says_where_the_runs_part(
     agree = path < float(said[2]) * (1.0 - 1e-5)
     # half of the tolerance, as with a delay the difference counts twice
     assert agree[0] and off[agree].max() < 0.5e-6 < off.max()
-
-
-def test_births_are_the_breaks_one_delay_before() -> None:
-    """Breaks 0.3 t to t = 1, none in a closed motion of which 0.01 are told at its end, t = 2, then 0.1 t."""
-    past = PastBreaks(0.5, 1.0)
-    for begin, before, rate in ((0.0, 0.0, 0.3), (2.0, 0.31, 0.1)):
-        series = np.zeros((3, 6))
-        series[1, :2] = before + 0.5 * rate, 0.5 * rate
-        past.add(TimePanel(begin, 1.0, series))
-    assert past.breaks == pytest.approx(0.41)
-    times = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.49, 2.5, 3.0, 3.5])
-    born = [0.0, 0.0, 0.15, 0.3, 0.3, 0.3, 0.31, 0.36, 0.41]
-    np.testing.assert_allclose([past.born(t) for t in times], born, atol=1e-15)
-    one_by_one = np.where(times < 2.5, born, np.subtract(born, 0.01))
-    np.testing.assert_allclose([past.born_on_panels(t) for t in times], one_by_one, atol=1e-15)
-    assert [past.birth_rate(t) for t in (0.2, 1.0, 1.9, 2.7)] == pytest.approx([0.0, 0.3, 0.0, 0.1])
-    assert past.next_birth(0.1, 0.2) == 0.5 and past.next_birth(1.6, 0.005) == 2.5
-
-
-@pytest.mark.parametrize(
-    "law",
-    [
-        WIDE,
-        ELASTIC,
-        origins.rectangular(0.5, 1.5),
-        origins.mixture([origins.gaussian(1.0, 0.01), origins.gaussian(2.0, 0.3)], [0.5, 0.5]),
-        origins.identical(1.0),
-    ],
-)
-def test_survivals_are_those_of_the_law(law: origins.Thresholds) -> None:
-    x = np.linspace(0.0, 3.0 * law.mean(), 1001)
-    assert np.abs(Survival(law).sf(x) - law.sf(x)).max() < 1e-12
 
 
 @pytest.mark.slow
@@ -270,95 +365,3 @@ def test_a_delay_too_short_for_a_slip_of_a_million_thresholds_is_refused(delay: 
     with pytest.raises(origins.InputError, match=f"delay = {delay:g}: contacts break and form"):
         solve(delayed(delay, ELASTIC), [1e5, 2.4e6], 1e-3, **machine)
     assert solve(delayed(delay, ELASTIC), [1e4], 1e-3, **machine).success
-
-
-def test_the_slope_of_the_force_is_that_of_its_differences() -> None:
-    """Cohorts that break as they move on, some that were stretched farther before, and some stretched backwards."""
-    contacts = origins.Contacts(WIDE, origins.gaussian_start(0.0, 0.3))
-    cohorts = Cohorts.at_start(contacts, Survival(WIDE)).moved(0.6).moved(0.45)
-    at, step = np.array([0.5, 0.55, 0.7, 0.9]), 1e-5
-    up, down = (cohorts.response(at + off).force for off in (step, -step))
-    slope = cohorts.response(at).slope
-    np.testing.assert_allclose(slope, (up - down) / (2.0 * step), atol=1e-7)
-    assert slope[0] > 0.0 > slope[-1]
-
-
-def test_births_on_a_panel_longer_than_the_delay_follow_from_its_own_breaks() -> None:
-    """Breaks 0.2 t + 0.1 t² all the way: births are the same, one delay later."""
-    past, delay = PastBreaks(0.3, 1.0), 0.3
-
-    def breaks(t: np.ndarray) -> np.ndarray:
-        return 0.2 * t + 0.1 * t**2
-
-    values = np.stack([0.0 * PLACES, breaks(PLACES), 0.0 * PLACES])
-    past.add(TimePanel.through(0.0, 1.0, values))
-    begin, width = 1.0, 0.5
-    births = PanelBirths(past, begin, width)
-    times = begin + width * PLACES
-    exact = breaks(times - delay) - breaks(begin - delay)
-    assert not births.all_known
-    # at first breaks on the panel count as if they came at the rate of births as it begins
-    rate = 0.2 + 0.2 * (begin - delay)
-    guessed = breaks(begin) - breaks(begin - delay) + rate * (width - delay)
-    assert births.born[-1] == pytest.approx(guessed, abs=1e-14)
-    births.guess_from(breaks(times))
-    np.testing.assert_allclose(births.born, exact, atol=1e-14)
-    np.testing.assert_allclose(births.rate, 0.2 + 0.2 * (times[1:] - delay), atol=1e-13)
-    assert births.missed < 1e-14
-
-
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_contacts_born_on_a_panel_hold_and_pull_as_exponential_thresholds_do(way: float) -> None:
-    """In closed form: the slider is too heavy to be slowed down, and passes one threshold in a time 1, with 0.3 births.
-
-    The polynomial through all nodes needs the survival of contacts born after a node, too. As it is continued with
-    its slope, breaks are off by the cube of the panel's width, and the force by one power more; where P_c(0) > 0 a
-    kink there would cost a power each.
-    """
-    contacts, rate = origins.Contacts(stats.expon()), 0.3
-    cohorts = Cohorts.at_start(contacts, Survival(contacts.thresholds))
-    past, sliding = PastBreaks(0.5, 1.0), FastSliding(contacts.thresholds)
-    past.add(TimePanel(0.0, 1.0, np.array([[0.0] * 6, [0.5 * rate] * 2 + [0.0] * 4, [0.0] * 6])))
-    search = Collocation(Machine(1e9, 0.0, 1.0, 1.0), cohorts, sliding, past, accuracy=1e-6)
-    off = []
-    for width in (0.2, 0.1):
-        speed = np.full(NODES.size, way)
-        solved = search.solve(State(0.5, 0.0, way), width, np.zeros(NODES.size), speed)
-        assert isinstance(solved, Solved)
-        y = width * NODES
-        hold = np.exp(-y) + rate * -np.expm1(-y)
-        pull = way * (y * np.exp(-y) + rate * (1.0 - np.exp(-y) * (1.0 + y)))
-        breaks = solved.panel.nodes(BREAKS) - (1.0 + rate * y - hold)
-        off.append([np.abs(breaks).max(), np.abs(solved.panel.nodes(FORCE) - pull).max()])
-    np.testing.assert_allclose(np.log2(np.divide(*off)), [3.0, 4.0], atol=0.2)
-    assert max(off[1]) < 1e-6
-
-
-@pytest.mark.parametrize(
-    ("mass", "damping", "spring"), [(2e-9, 2e-8, 1e-6), (0.01, 0.01, 1e-2), (1e-4, 3.0, 1e-3)]
-)
-def test_a_slip_lasts_half_a_period_and_until_its_swings_are_no_longer_than_a_threshold(
-    mass: float, damping: float, spring: float
-) -> None:
-    """Beside the free motion from 1/K on, where contacts that bear a mean threshold have let the spring go; the last
-    one is damped above the critical damping. Swings of one threshold end within half a period of the forecast."""
-    period = 2.0 * np.pi * (mass / spring) ** 0.5
-    foretold = slip_time(mass, damping, spring)
-
-    def moved(_: float, state: np.ndarray) -> list[float]:
-        return [state[1], -(damping * state[1] + spring * state[0]) / mass]
-
-    seen = np.linspace(0.0, foretold + period, 20_001)
-    jacobian = np.array([[0.0, 1.0], [-spring / mass, -damping / mass]])
-    exact = {"rtol": 1e-8, "atol": 1e-8, "jac": jacobian}
-    swing = solve_ivp(moved, seen[[0, -1]], [1.0 / spring, 0.0], "Radau", seen, **exact).y[0]
-    last = seen[np.flatnonzero(np.abs(swing) > 1.0)[-1]] + 0.5 * period
-    assert -0.02 * period < foretold - last < 0.5 * period
-    assert slip_time(mass, 0.0, spring) == np.inf
-
-
-def test_births_have_a_kink_after_each_delay() -> None:
-    """The first one stands for the kink of breaks itself; echoes of it are smoother each time."""
-    breaks = PastBreaks(2.0, held=1.0)
-    breaks.kink(1.0)
-    assert breaks.next_kink(1.0) == 3.0 and breaks.next_kink(3.0) == 5.0
