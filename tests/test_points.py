@@ -2,6 +2,10 @@
 
 import csv
 import json
+import subprocess
+import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -117,6 +121,63 @@ def test_processes_give_the_same_numbers(monkeypatch: Any) -> None:
     monkeypatch.setattr(points, "WORTH", 0.0)
     monkeypatch.setattr(points, "cores_of", lambda comm: 2)
     assert columns(toolkit.run(swept()).sweep) == here
+
+
+@pytest.mark.slow
+def test_a_kill_ends_the_processes_and_keeps_their_points(monkeypatch: Any, capsys: Any) -> None:
+    """A sweep on two processes is killed, which cleans up nothing: both end with it, the points that they finished are
+    kept, and the next run solves the others alone, to the same bits."""
+    eq = {"contacts": 10_000, "replicas": 16, "threads": 1}
+    springs = {"drive.spring": {"from": 0.1, "to": 2.0, "points": 24}}
+    file = write(thresholds=WIDE, drive=DRIVE, eq=eq, master=None, sweep=springs)
+    whole, rows = columns(toolkit.run(file).sweep), Path("mine-output/checkpoint")
+    command: dict[str, Any] = {"args": [sys.executable, "-c", BY_TWO, file], "text": True}
+    with (
+        Path("errors").open("w") as errors,
+        subprocess.Popen(**command, stdout=subprocess.PIPE, stderr=errors) as run,
+    ):
+        assert run.stdout is not None
+        workers = [int(run.stdout.readline()) for _ in range(2)]
+        while run.poll() is None and kept(rows) < 3:
+            time.sleep(0.01)
+        run.kill()
+    assert 3 <= (before := kept(rows)) < 24
+    ends = time.monotonic() + 60.0  # s, far longer than a point
+    while any(lives(worker) for worker in workers) and time.monotonic() < ends:
+        time.sleep(0.05)
+    assert not any(lives(worker) for worker in workers)
+    assert "Traceback" not in Path("errors").read_text()
+    solve, count = points.solve_point, []
+    monkeypatch.setattr(points, "WORTH", np.inf)
+    monkeypatch.setattr(points, "solve_point", lambda *job: count.append(1) or solve(*job))
+    assert said(capsys, "run", file)[0] == 0 and len(count) == 24 - before
+    assert columns(toolkit.load("mine-output").sweep) == whole and not rows.exists()
+
+
+def kept(folder: Path) -> int:
+    """How many points are kept in a folder."""
+    return len(points.earlier_points(folder))
+
+
+def lives(process: int) -> bool:
+    """Whether a process is there; one that has ended and nobody waited for is not."""
+    with suppress(FileNotFoundError):
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    return False
+
+
+# the command with any work worth two processes, whose numbers it tells
+BY_TWO = """
+import subprocess, sys
+from toolkit.command import main
+from toolkit.running import points
+class Told(subprocess.Popen):
+    def __init__(self, *given, **named):
+        super().__init__(*given, **named)
+        print(self.pid, flush=True)
+points.WORTH, points.cores_of, subprocess.Popen = 0.0, lambda comm: 2, Told
+main(["run", sys.argv[1]])
+"""
 
 
 def test_ranks_share_the_points_and_find_the_same(mpirun: Any) -> None:

@@ -5,6 +5,7 @@ hang. It ends with its input, so also where the process that gives it work is ki
 """
 
 import json
+import os
 import signal
 import sys
 
@@ -16,8 +17,11 @@ def main() -> None:
     from toolkit.running.point import solve_point
 
     for line in sys.stdin:
-        answers.write(json.dumps(solve_point(*json.loads(line))) + "\n")
-        answers.flush()
+        answer = json.dumps(solve_point(*json.loads(line)))
+        try:
+            print(answer, file=answers, flush=True)
+        except BrokenPipeError:  # nobody is left to answer
+            os._exit(1)
 
 
 if __name__ == "__main__":
