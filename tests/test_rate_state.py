@@ -435,3 +435,28 @@ def test_the_command(capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     contacts = {"thresholds": ROUGH}
     file = write(master=None, contacts=contacts, drive=drive)
     assert refused(capsys, "rate-state", file).startswith("contacts: a = b = 0")
+
+
+@pytest.mark.slow  # some 20 s
+def test_slips_that_come_and_go_with_the_steps_have_a_finite_error():
+    """Where smooth sliding gets unstable the first slips are small, and finer steps may have one more: a surface whose
+    friction falls with the speed, slowed to 1 µm/s on a spring 5 % below the critical one. Late slips are those of the
+    ensemble at three N, extrapolated by N^(-2/3)."""
+    scene = load_scene("rate-state-weakening")
+    stiffness, newtons = 1.09e6, scene.scale.force
+    speeds, onward = np.geomspace(1e-3, 1e-6, 30), 2e-9 * np.arange(1, 151)
+    slid = 0.25 / stiffness + 6e-8 + 8e-9 * np.arange(30)
+    times = np.cumsum(np.diff(slid, prepend=0.0) / speeds)
+    path = np.r_[0.0, slid, slid[-1] + onward]
+    arrival = np.r_[0.0, times, times[-1] + onward / 1e-6]
+    spring = stiffness / scene.scale.spring
+    found = master.solve(scene.contacts, path, 1e-3, spring=spring, slip="instant", time=arrival)
+    error = newtons * scene.contacts.mean_threshold * found.force_error
+    assert error < 2e-3 and found.regime.verdict == "stick-slip"
+    slips = found.slips
+    for solved, ensemble, scatter in (
+        (newtons * slips.force_before[-1], 335.32e-3, 0.17e-3),
+        (newtons * slips.force_after[-1], 251.23e-3, 0.14e-3),
+        (stiffness * np.diff(slips.drive)[-1], 88.67e-3, 0.14e-3),
+    ):
+        assert abs(solved - ensemble) < 4.0 * scatter + error

@@ -31,7 +31,7 @@ FORMED_NODES, MORE_FORMED_NODES = 8, 4
 DEAD = 1e-19
 # Most steps, and most operations in them, which take a minute or less. A group costs as many operations in a step as
 # there are numbers in its record, and as many as FIXED_WORK numbers beside them.
-MOST_STEPS, MOST_WORK, FIXED_WORK = 6e3, 1e9, 60
+MOST_STEPS, MOST_WORK, FIXED_WORK = 8e3, 1e9, 60
 # An error estimate needs as many sliders, each with its steps halved once more, so that the coarser ones may take only
 # a part of that.
 COMPARED = 3

@@ -5,6 +5,9 @@ or births jump; all are extrapolated as if by the square. The error estimate is 
 change of the extrapolated or of the plain answers, whichever is smaller, plus the error of the contacts' memory and
 rounding, or what the steps do not resolve if that is larger. The error of the force, and of the load K X_T at slips, is
 claimed.
+
+Where smooth sliding gets unstable its first slips are small, and finer steps may have one more or one less. Of all
+three sliders as many of the largest slips are compared, and the largest drop of the others is added to the changes.
 """
 
 from itertools import pairwise
@@ -56,7 +59,7 @@ class Limit(NamedTuple):
 def extrapolated(
     sliders: list[Slider], contacts: Contacts, drive: Drive, balance: float, asked: Array
 ) -> Followed:
-    """The answer at times (n,) of three sliders with as many slips; of fewer, with an infinite error."""
+    """The answer at times (n,) of three sliders; of fewer, with an infinite error."""
     unit, spring, last = contacts.mean_threshold, float(drive.spring or 0.0), sliders[-1]
     times = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), INSTANTS))
     if len(sliders) == COMPARED:
@@ -91,10 +94,16 @@ def _answer(slider: Slider, times: Array) -> Answer:
 
 
 def _limit(sliders: list[Slider], times: Array) -> Limit:
-    """The answer at step 0 of three sliders with as many slips."""
+    """The answer at step 0 of three sliders; its slips are those of the last one."""
     answers = [_answer(one, times) for one in sliders]
-    force, holding, slips = (np.array(part) for part in zip(*answers, strict=True))
-    instants = [np.array([slip.time for slip in one.slips]) for one in sliders]
+    force = np.array([one.force for one in answers])
+    holding = np.array([one.holding for one in answers])
+    alike = _alike([one.slips for one in answers])
+    slips = np.array([one.slips[:, some] for one, some in zip(answers, alike.which, strict=True)])
+    instants = [
+        np.array([slip.time for slip in one.slips])[some]
+        for one, some in zip(sliders, alike.which, strict=True)
+    ]
     # at times between two sliders' slips F changes by its drop, which is no error; K X_T says how far F is off
     beside = np.any([_beside(times, *pair) for pair in pairwise(instants)], axis=0)
     of_slips = _changes(slips.reshape(COMPARED, -1))
@@ -106,16 +115,43 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
         safety * float(part.max(axis=1, initial=0.0).min()) for part in (of_force, of_holding)
     )
     limit = Answer(
-        *(part[2] + REST_OF_CHANGE * (part[2] - part[1]) for part in (force, holding, slips))
+        force[2] + REST_OF_CHANGE * (force[2] - force[1]),
+        holding[2] + REST_OF_CHANGE * (holding[2] - holding[1]),
+        answers[2].slips.copy(),
     )
+    limit.slips[:, alike.which[2]] += REST_OF_CHANGE * (slips[2] - slips[1])
     if beside.any():  # read F as long before or after the slip as it is from the extrapolated slip
         later = REST_OF_CHANGE * (instants[2] - instants[1])
         nearest = np.abs(times[beside, None] - instants[2] - later).argmin(axis=1)
         there = _answer(sliders[2], times[beside] - later[nearest])
         limit.force[beside], limit.holding[beside] = there.force, there.holding
+    error += safety * alike.left_over
     if slip_undecided(sliders):
         error = max(error, float(np.abs(limit.force).max()))
     return Limit(limit, error, holding_error)
+
+
+class AlikeSlips(NamedTuple):
+    """The slips of some sliders that are compared.
+
+    which : indices of the largest slips of each slider, in order, as many as all of them have
+    left_over : the largest drop of F in the others, in mean thresholds
+    """
+
+    which: list[npt.NDArray[np.intp]]
+    left_over: float
+
+
+def _alike(slips: list[Array]) -> AlikeSlips:
+    """Which slips of each slider are compared, from K X_T, F before and F after, shape (3, slips)."""
+    drops = [np.abs(before - after) for _, before, after in slips]
+    fewest = min(drop.size for drop in drops)
+    which, left_over = [], 0.0
+    for drop in drops:
+        by_size = np.argsort(-drop, kind="stable")
+        which.append(np.sort(by_size[:fewest]))
+        left_over = max(left_over, float(drop[by_size[fewest:]].max(initial=0.0)))
+    return AlikeSlips(which, left_over)
 
 
 def _changes(three: Array) -> Array:

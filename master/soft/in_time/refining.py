@@ -89,8 +89,7 @@ def refined(
                 asked = asked[asked <= cohorts.now]
                 best = extrapolated([slider], contacts, drive, balance, asked)
             return best._replace(stopped_because=str(why))
-        # only sliders with the same number of slips can be compared
-        sliders = [*(one for one in sliders[-2:] if len(one.slips) == len(slider.slips)), slider]
+        sliders = [*sliders[-2:], slider]
         found = extrapolated(sliders, contacts, drive, balance, asked)
         progress(found.error)
         if best is None or found.largest_error <= best.largest_error:
