@@ -104,8 +104,11 @@ def print_weakening() -> None:
         arrival = np.r_[0.0, times, times[-1] + onward / scene.sliding]
         given: dict[str, Any] = {"spring": spring, "slip": "instant", "time": arrival}
         run = master.solve(scene.contacts, path, 1e-3, **given)
-        force = 1e3 * scene.scale.force * np.asarray(run.force)[-50:]
-        print(f"spring {newtons_per_metre:.3g} N/m: {force.min():.2f} to {force.max():.2f} mN")
+        slips, newtons = run.slips, 1e3 * scene.scale.force
+        force = newtons * np.r_[run.force[-50:], slips.force_before, slips.force_after]
+        error = newtons * scene.contacts.mean_threshold * run.force_error
+        told = f"{force.min():.2f} to {force.max():.2f} mN, error {error:.2g}"
+        print(f"spring {newtons_per_metre:.3g} N/m: {told}")
 
 
 def main() -> None:
