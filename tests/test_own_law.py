@@ -15,6 +15,8 @@ from solving import gauss
 import eq_model
 import master
 import origins
+from master.survival import make
+from master.survival.make import LIVES
 from origins import Contacts, GrowingThresholds, InputError, ProportionalGrowth
 
 PC = origins.gaussian(mean=1.0, std=0.2)
@@ -354,6 +356,59 @@ def test_the_ensemble_takes_the_growing_laws_of_the_page():
     error = np.hypot(found.force_standard_error, exact.force_error)
     assert (np.abs(found.force - exact.force) < 5.0 * error).all()
     assert (np.abs(names["z"]) < 5.0).all()
+
+
+def with_life(page, monkeypatch, survivors=None, reach=lambda fresh: fresh):
+    """Contacts of a law like weakening whose life gives `survivors` of what the page's life does."""
+    law = type(
+        "Own", (page["Weakening"],), {"largest_threshold": lambda self, fresh, *rest: reach(fresh)}
+    )
+
+    class Life(page["WeakeningLife"]):
+        def survivors(self, *given):
+            found = super().survivors(*given)
+            return found if survivors is None else survivors(found)
+
+    others = {key: life for key, life in LIVES.items() if not issubclass(law, key)}
+    monkeypatch.setattr(make, "LIVES", {law: Life} | others)
+    return Contacts(law(PC, 5.0))
+
+
+@pytest.mark.parametrize(
+    ("survivors", "reach", "says"),
+    [
+        (tuple, float, r"must return Survivors\(survival, force, error\), not \("),
+        (
+            lambda found: found.reshape(3, 1),
+            float,
+            r"must return a survival of the shape \(3,\), not \(3, 1\)",
+        ),
+        (lambda found: found._replace(force=np.nan * found.force), float, "finite forces"),
+        (lambda found: found._replace(survival=1.1 * found.survival), float, "shares from 0 to 1"),
+        (lambda found: found._replace(error=found.force), float, "and one error"),
+        (None, lambda fresh: np.inf, "must return a finite number, not inf"),
+        (None, lambda fresh: np.array([fresh]), r"must return a finite number, not array\("),
+    ],
+)
+def test_a_life_that_gives_what_cannot_be_is_refused(page, monkeypatch, survivors, reach, says):
+    contacts = with_life(page, monkeypatch, survivors, reach)
+    with pytest.raises(InputError, match=says) as refused:
+        master.solve(contacts, [1.0], velocity=1.0)
+    said = str(refused.value)
+    assert "\n" not in said and said.startswith("contacts.weakening: Life: ")
+
+
+def test_a_life_that_leaves_out_contacts_tells_where_the_number_jumps(page, monkeypatch):
+    """A tenth of those that form is lost: panels at the beginning of a leg are narrower than rounding of the time, and
+    their births have to stay on that leg."""
+    contacts = with_life(
+        page,
+        monkeypatch,
+        lambda found: found._replace(survival=0.9 * found.survival, force=0.9 * found.force),
+    )
+    found = master.solve(contacts, page["path"], 1e-6, time=page["clock"], wall_time=60.0)
+    assert not found.success and found.force.size == len(page["path"])
+    assert "the number jumps by " in found.message
 
 
 @pytest.mark.parametrize(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import NoReturn, Self
+
+import numpy as np
 
 from master.motion import Motion
-from master.survival.life import Life
-from origins import Contacts
+from master.survival.life import Life, Survivors
+from origins import Contacts, InputError
 from origins.errors import refuse
 
 # Share of the contacts that holds no more: below the rounding of 1.
@@ -20,8 +22,8 @@ LATER, LATEST = 1.5, 1e130
 class ChangingLife(Life):
     """A Life of contacts whose thresholds change while they hold; LIVES of master.survival.make has it by their law.
 
-    A law has to write `survivors` alone, see Life. Contacts of the start are told from those born later by their
-    stretch at birth, `born`, if at all.
+    A law has to write `survivors` alone, see Life. Where contacts of the start are older than those born later, it has
+    to tell them apart in `survival_and_force`, as GrowingLife does.
     """
 
     error = 1e-13  # of the survival, by rounding
@@ -38,6 +40,10 @@ class ChangingLife(Life):
         share = NEGLECTED * max(held, 1e-280)  # less underflows
         furthest = min(float(fresh.isf(share)), fresh.support()[1])
         self.largest_stretch = law.largest_threshold(furthest, share, longest)
+        if np.shape(self.largest_stretch) or not np.isfinite(self.largest_stretch):
+            self._refuse(
+                f"largest_threshold must return a finite number, not {self.largest_stretch!r}"
+            )
         # no contact of the start is stretched beyond the largest threshold at t = 0
         self.largest_birth_stretch = fresh.support()[1]
         self.resolution_length = FIRST_GUESS * min(fresh.std(), fresh.mean())
@@ -47,7 +53,34 @@ class ChangingLife(Life):
     @classmethod
     def made(cls, contacts: Contacts, tolerance: float, motion: Motion, until: float) -> Self:
         """The life on a motion; arguments as those of make.life_of."""
-        return cls(contacts, float(motion.times[-1]))
+        life = cls(contacts, float(motion.times[-1]))
+        life.check_survivors(motion)
+        return life
+
+    def check_survivors(self, motion: Motion) -> None:
+        """InputError where what holds of contacts born relaxed at t = 0 cannot be, at instants of the first leg."""
+        instants = motion.times[1] * np.array([[0.0, 1e-3, 1.0]])
+        history = motion.history(instants, np.zeros((1, 1))).pick(slice(None))
+        born = np.zeros(instants.size)
+        found = self.survivors(born, history.largest(born), history)
+        if not isinstance(found, Survivors):
+            self._refuse(f"survivors must return Survivors(survival, force, error), not {found!r}")
+        for name in ("survival", "force"):
+            if (shape := np.shape(getattr(found, name))) != born.shape:
+                self._refuse(
+                    f"survivors must return a {name} of the shape {born.shape}, not {shape}"
+                )
+        holds = (found.survival >= 0.0) & (found.survival <= 1.0 + self.error)
+        if not (holds & np.isfinite(found.force)).all() or np.ndim(found.error):
+            said = f"survival {found.survival}, force {found.force}, error {found.error}"
+            self._refuse(
+                f"survivors must return shares from 0 to 1, finite forces and one error: {said}"
+            )
+
+    def _refuse(self, fault: str) -> NoReturn:
+        """InputError for a law of one's own."""
+        named = f"contacts.{', '.join(self.contacts.in_time)}"
+        raise InputError(f"{named}: {type(self).__name__}: {fault}; see docs/extending.md")
 
     @classmethod
     def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
