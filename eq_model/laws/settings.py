@@ -12,8 +12,8 @@ from origins.errors import refuse
 from origins.laws.compiled import CompiledRates, called
 from origins.laws.timed_law import ChangingThresholds
 
-# The file of eq_model/laws with the kernel of each law by which thresholds change, imported where it is needed; or, of
-# a law of one's own, the module itself. It has
+# The file of eq_model/laws with the kernel of each law by which thresholds change, imported where it is needed. It
+# stands there as compiled code is kept on disk for the version of these files. It has
 #   make(contacts, drive, warm, rates, unit): the settings of the kernel, a NamedTuple of a class of its own; drive is a
 #     WholeDrive, contact.Warm has the last two, and warm tells whether contacts break at rates, too;
 #   often(contacts, lasts, moved, settings): about how often a contact breaks or takes a step on legs of these
@@ -24,7 +24,7 @@ from origins.laws.timed_law import ChangingThresholds
 # thresholds grow, both by growing.GROWTHS. Growing thresholds of any other class, those derived from a class of the
 # table included, have the kernel OWN, which calls their methods.
 OWN = "own"
-KERNELS: dict[type, Any] = {
+KERNELS: dict[type, str] = {
     Ageing: "diffusing",
     GrainContact: "grains",
     Strengthening: "strengthening",
@@ -36,7 +36,7 @@ def kernel_of(law: ChangingThresholds) -> Any:
     name = KERNELS.get(type(law), OWN if isinstance(law, GrowingThresholds) else "")
     if not name:
         refuse(f"contacts.{law.law}", law, "has no kernel in eq_model; use master.solve")
-    return import_module(f"eq_model.laws.{name}") if isinstance(name, str) else name
+    return import_module(f"eq_model.laws.{name}")
 
 
 def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
