@@ -112,12 +112,11 @@ class Contacts:
             own.check_stated()
             thresholds = own.at_start
         self.thresholds = as_thresholds(thresholds)
-        if isinstance(own, GrowingThresholds):
-            if own.grows:
-                own.check_growth()
-            else:
-                own = None
+        if isinstance(own, GrowingThresholds) and not own.grows:
+            own = None
         self._own = own
+        if self.growing is not None:
+            self.growing.check_growth()
         if interface is not None:
             self._state(interface)
         self._stated, self.interface = interface, self.thresholds.interface
@@ -172,7 +171,7 @@ class Contacts:
     @property
     def _there(self) -> dict[str, Any]:
         """The laws that are present, by their names in `laws`."""
-        own = {} if self._own is None else {self._own.law: self._own}
+        own = {self._own.law: self._own} if self._own else {}
         there = {name: getattr(self, name) for name in LAWS[1:]}
         return own | {name: law for name, law in there.items() if law not in (None, "independent")}
 
@@ -277,17 +276,23 @@ def _checked_mean(thresholds: Thresholds) -> float:
 
 
 def check_contacts(
-    contacts: object, solver: str, takes: tuple[str, ...] = (), own_rates: bool = False
+    contacts: object,
+    solver: str,
+    takes: tuple[str, ...] = (),
+    own_rates: bool = False,
+    other: str = "",
 ) -> None:
-    """Raise InputError for anything but Contacts, such as thresholds alone, and for laws that `solver` does not take:
-    those not in `takes`, and unless `own_rates` a RateLaw that is not one of origins.laws."""
+    """Raise InputError for anything but Contacts, such as thresholds alone, and for laws that `solver` does not take,
+    but `other` may: those not in `takes`, and unless `own_rates` a RateLaw that is not one of origins.laws."""
     if not isinstance(contacts, Contacts):
         refuse("contacts", contacts, "must be contacts; write origins.Contacts(thresholds)")
     for name in contacts.laws:
         if (name if name in LAWS else LAWS[0]) in takes:
             continue
         value = " = 'linked'" if name == "stiffness" else ""
-        hint = f"does not take it yet; leave {name} out of the contacts"
+        hint = (
+            f"does not take it yet; leave {name} out of the contacts{other and ', or use '}{other}"
+        )
         raise InputError(f"contacts.{name}{value}: {solver} {hint}")
     if not (own_rates or isinstance(contacts.thermal, Thermal | None)):
         known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)

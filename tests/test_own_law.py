@@ -418,7 +418,7 @@ def test_a_life_that_leaves_out_contacts_tells_where_the_number_jumps(page, monk
             lambda law: eq_model.simulate(Contacts(law), [1.0], velocity=1.0),
             "no kernel in eq_model",
         ),
-        (lambda law: eq_model.simulate(Contacts(law), [1.0], spring=1.0), "does not take it yet"),
+        (lambda law: eq_model.simulate(Contacts(law), [1.0], spring=1.0), "or use master.solve"),
         (lambda law: master.solve(Contacts(law), [1.0], velocity=1.0, spring=1.0), "has no memory"),
         (lambda law: Contacts(law, thermal=origins.Thermal("soft", 0.1)), "take no thermal beside"),
         (lambda law: Contacts(law, stiffness="linked"), "take no stiffness beside"),

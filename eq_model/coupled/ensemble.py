@@ -236,7 +236,7 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     takes = ["delay", "reforming", "stiffness"]
     if isinstance(contacts, Contacts) and contacts.strengthening and not heavy:
         takes.append("growing")
-    check_contacts(contacts, solver, tuple(takes))
+    check_contacts(contacts, solver, tuple(takes), other="" if heavy else "master.solve")
     if contacts.reforming is not None and (drive.slip != "instant" or contacts.delay is not None):
         raise InputError(
             "contacts.reforming: contacts that form again stretched after an avalanche would pull "

@@ -38,7 +38,11 @@ def memory_of(contacts: Contacts, halvings: int, fastest: float) -> Memory:
         for law, made in MEMORIES.items():
             if isinstance(changing, law):
                 return made(contacts, halvings, fastest)
-        refuse(f"contacts.{changing.law}", changing, "has no memory under a spring in master")
+        refuse(
+            f"contacts.{changing.law}",
+            changing,
+            "has no memory under a spring in master; leave the spring out",
+        )
     if contacts.thermal is not None and contacts.thermal.closure == "paper":
         return MeanRateMemory(contacts, halvings)
     return ThresholdMemory(contacts, halvings)
