@@ -77,6 +77,10 @@ def same_bits(one: Any, other: Any, *but: str) -> None:
             continue
         if dataclasses.is_dataclass(mine):
             same_bits(mine, yours)
+        elif isinstance(mine, dict):
+            assert {name: np.asarray(own).tolist() for name, own in mine.items()} == {
+                name: np.asarray(own).tolist() for name, own in yours.items()
+            }
         elif field.name == "histograms":
             for first, second in zip(mine, yours, strict=True):
                 same_bits(first, second)

@@ -16,13 +16,13 @@ import toolkit
 from toolkit.judge.compare import compare
 from toolkit.judge.picture import draw_comparison
 from toolkit.pictures.axes import OKABE_ITO, name_axis, style_of
+from toolkit.pictures.points import plot_points_spring
 from toolkit.pictures.run import (
     draw_run,
     plot_force,
     plot_holding,
     plot_position,
 )
-from toolkit.pictures.sweep import plot_critical_spring
 from toolkit.pictures.thresholds import plot_density, plot_samples
 from toolkit.results.records import sample_curve
 from toolkit.verdict.judge import verdict
@@ -267,7 +267,7 @@ def test_springs_of_a_sweep_have_error_bars_and_units() -> None:
     contacts = {"thresholds": ROUGH, "delay": {"time": 1e-3}}
     drive = {"to": 1e-8, "points": 3, "area": 1e-6}
     result = toolkit.run(scene(contacts=contacts, drive=drive, sweep=sweep))
-    axes = plot_critical_spring(Figure().subplots(), result)
+    axes = plot_points_spring(Figure().subplots(), result)
     assert axes.get_ylabel().endswith("N/m)") and axes.get_xlabel().startswith("speed $v$ (")
     (bars,) = axes.containers
     low, high = np.array([one[:, 1] for one in bars[2][0].get_segments()]).T

@@ -16,9 +16,9 @@ from toolkit.results.files import (
     write_result,
 )
 from toolkit.results.folders import write_folder
-from toolkit.results.points import PointsRecord, write_points_csv
+from toolkit.results.points import write_sweep
 from toolkit.results.records import Result
-from toolkit.results.spreadsheets import has_force, has_slips, write_force, write_slips, write_sweep
+from toolkit.results.spreadsheets import has_force, has_slips, write_force, write_slips
 
 FORMATS = ("pdf", "svg")  # of pictures, beside PNG
 
@@ -70,12 +70,9 @@ def save(result: Result, folder: str | os.PathLike[str], formats: Sequence[str] 
         from toolkit.pictures.thresholds import save_barriers
 
         writers |= pictures("barriers", partial(save_barriers, islands), formats)
-    sweep = result.sweep
-    if isinstance(sweep, PointsRecord):
-        writers["sweep.csv"] = partial(write_points_csv, sweep)
-    elif sweep is not None:
+    if (sweep := result.sweep) is not None:
         units = units_of(result, short=True) | {"force_error": "<x_s>"}
-        writers["sweep.csv"] = partial(write_sweep, sweep, units)
+        writers["sweep.csv"] = partial(write_sweep, sweep, units if sweep.smooth else sweep.units)
     gone = [*earlier(folder).get("tables", []), *stale(["picture", "barriers"], writers)]
     if another(folder, result.name, result.text) is not None:
         gone += ["thresholds.json", "thresholds.png", "barriers.png"]

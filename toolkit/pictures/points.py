@@ -1,4 +1,4 @@
-"""The picture of a sweep over keys of the scene: F_k, K* where it was asked for, and the swings of a spring's force."""
+"""The picture of a sweep: F_k, K* where it was asked for, and the swings of a spring's force."""
 
 import re
 from typing import Any
@@ -14,23 +14,36 @@ from toolkit.pictures.axes import (
     spring_name,
     style_of,
 )
-from toolkit.results.points import PointsRecord
+from toolkit.results.points import SweepRecord
 from toolkit.results.records import Result
+from toolkit.scene.scale import PREFIXED, written
 
 _LINES = 8  # as can be distinguished
+_MARKED = 30  # points of a line; with more, some carry a mark
+# of the largest value: a change of no account, which is not to fill the axis
+_FLAT = 0.01
+_SYMBOLS = {"velocity": "speed $v$", "temperature": r"temperature $k_BT/\langle k\rangle$"}
+_SYMBOLS |= {"kelvin": "temperature $T$", "rate": "rate of ageing", "delay": r"delay $\tau$"}
+# columns of F_k, where they stand alone
+_OF_RIGID = ["force"], ["kinetic_force"]
 _NOISE = 0.1  # part of the largest swing below which the force swings by chance
 
 
-def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
-    """A column with its errors, in the unit of the result's scale, along the key that was swept first, a line for each
-    combination of the others; of sliders on springs the forces before and after a slip beside F_k."""
+def plot_points(axes: Any, result: Result, name: str = "") -> Any:
+    """A column with its errors, F_k by default, in the unit of the result's scale, along the key that was swept first,
+    a line for each combination of the others; of sliders on springs the forces before and after a slip beside F_k."""
     sweep: Any = result.sweep
     first, *others = sweep.along
-    x, unit = _numbers(sweep[first])
+    x, unit = _numbers(sweep[first].ravel())
+    name, units = name or ("force" if sweep.smooth else "kinetic_force"), _units(result)
     columns = {name: ""}
     if name == "kinetic_force" and (slips := _of_slips(sweep)):
         columns = slips if others else slips | {name: "kinetic force $F_k$, rigid slider"}
-    lines = [", ".join(f"{key} = {sweep[key][row]}" for key in others) for row in range(len(sweep))]
+    each = {key: sweep[key].ravel() for key in others}
+    lines = [
+        ", ".join(f"{key} = {_told(own[row], units.get(key, ''))}" for key, own in each.items())
+        for row in range(x.size)
+    ]
     names, number = list(dict.fromkeys(lines)), 0
     for column, said in list(columns.items())[: 1 if others else None]:
         value, error = _with_error(result, column)
@@ -38,23 +51,37 @@ def plot_points(axes: Any, result: Result, name: str = "kinetic_force") -> Any:
             rows = np.flatnonzero([line == names[k] for line in lines])
             rows = rows[np.argsort(x[rows], kind="stable")]
             style = style_of(number) | {"ms": 4, "lw": 1.2, "capsize": 2, "label": names[k] or said}
+            style |= dict.fromkeys(("markevery", "errorevery"), max(rows.size // _MARKED, 1))
             axes.errorbar(x[rows], value[rows], error[rows], **style)
             number += 1
     if x.min() > 0.0 and x.max() > 30.0 * x.min():
         axes.set_xscale("log")
-    units = dict.fromkeys(("velocity", "drive.velocity"), result.scale.speed_unit)
-    units |= {"contacts.thresholds.pressure": "Pa"}
-    name_axis(axes.xaxis, first, unit or units.get(first, ""))
+    name_axis(axes.xaxis, _SYMBOLS.get(first, first), unit or units.get(first, ""))
     name_axis(axes.yaxis, *_axis_of(name, columns, result))
     value, _ = _with_error(result, name)
-    if name == "critical_spring" or np.nanmax(value) - np.nanmin(value) < 1e-6 * np.nanmax(value):
+    if name == "critical_spring" or np.nanmax(value) - np.nanmin(value) < _FLAT * np.nanmax(value):
         axes.set_ylim(0.0, 1.15 * max(axes.get_ylim()[1], np.nanmax(value)))
     if others or len(columns) > 1:
         legend_above(axes)
     return axes
 
 
-def _of_slips(sweep: PointsRecord) -> dict[str, str]:
+def _units(result: Result) -> dict[str, str]:
+    """Units of keys that are swept as numbers, where they are known."""
+    length, time, speed = result.scale.length_unit, result.scale.time_unit, result.scale.speed_unit
+    units = {"temperature": f"{length}²", "kelvin": "K", "rate": f"{length}²/{time}", "delay": time}
+    units |= dict.fromkeys(("velocity", "drive.velocity"), speed)
+    return units | {"contacts.thresholds.pressure": "Pa"}
+
+
+def _told(value: Any, unit: str) -> str:
+    """The value of a key that tells a line from others."""
+    if isinstance(value, str) or not unit:
+        return str(value)
+    return written(value, unit) if unit in PREFIXED else f"{value:.3g} {unit}"
+
+
+def _of_slips(sweep: SweepRecord) -> dict[str, str]:
     """The columns of the forces of slips that are known at some point, and what they are; empty without slips."""
     named = {
         "force_before_slip": "before the last slip",
@@ -68,7 +95,10 @@ def _of_slips(sweep: PointsRecord) -> dict[str, str]:
 def _with_error(result: Result, name: str) -> tuple[Array, Array]:
     """A column and its error, 0 where it is not known, in the unit of the scale; nan where there is no value."""
     sweep: Any = result.sweep
-    value, error = (sweep.columns.get(key, np.zeros(len(sweep))) for key in (name, f"{name}_error"))
+    none = np.zeros(sweep.size)
+    value, error = (sweep.columns.get(key, none).ravel() for key in (name, f"{name}_error"))
+    if name == "force":  # whose error is in mean thresholds
+        error = result.mean_threshold * error
     value, error = _factors(result) * value, _factors(result) * error
     return np.where(np.isfinite(value), value, np.nan), np.where(np.isfinite(error), error, 0.0)
 
@@ -77,7 +107,7 @@ def _axis_of(name: str, columns: dict[str, str], result: Result) -> tuple[str, s
     """Name and unit of the axis on which these columns are drawn."""
     if name == "critical_spring":
         return spring_name(result.scale.spring_unit)
-    whole, unit = force_name(result.scale, "F_k" if list(columns) == ["kinetic_force"] else "F")
+    whole, unit = force_name(result.scale, "F_k" if [*columns] in _OF_RIGID else "F")
     return (f"swing of spring {whole}\n" if name == "eq_force_swing" else whole), unit
 
 
@@ -86,7 +116,7 @@ def _factors(result: Result) -> Array:
     be its own."""
     sweep: Any = result.sweep
     name = {"N": "kinetic_force_newtons", "Pa": "kinetic_stress"}.get(result.scale.force_unit)
-    out = np.full(len(sweep), result.scale.force)
+    out = np.full(sweep.size, result.scale.force)
     if name in sweep.columns:
         shared, known = sweep["kinetic_force"], sweep["kinetic_force"] > 0.0
         np.divide(sweep[name], shared, out=out, where=known)
@@ -116,13 +146,13 @@ def plot_points_swing(axes: Any, result: Result) -> Any:
 
 
 def with_swing(sweep: object) -> bool:
-    """Whether a sweep over keys of the scene has swings of the force of a spring."""
-    return isinstance(sweep, PointsRecord) and "eq_force_swing" in sweep.columns
+    """Whether a sweep has swings of the force of a spring."""
+    return isinstance(sweep, SweepRecord) and "eq_force_swing" in sweep.columns
 
 
 def with_spring(sweep: object) -> bool:
-    """Whether a sweep over keys of the scene has K* somewhere."""
-    own = sweep.columns.get("critical_spring") if isinstance(sweep, PointsRecord) else None
+    """Whether a sweep has K* somewhere."""
+    own = sweep.columns.get("critical_spring") if isinstance(sweep, SweepRecord) else None
     return own is not None and bool(np.isfinite(own).any())
 
 

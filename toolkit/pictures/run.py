@@ -27,12 +27,10 @@ from toolkit.pictures.points import (
     with_spring,
     with_swing,
 )
-from toolkit.pictures.sweep import plot_critical_spring, plot_sweep
 from toolkit.pictures.thresholds import plot_density
 from toolkit.pictures.traces import along, in_time, moments, slips_of, with_slips
 from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.kinds import is_coupled, is_heavy, is_known
-from toolkit.results.points import PointsRecord
 from toolkit.results.records import Result
 
 _BARS = 61  # error bars; with more the line would be hidden
@@ -50,7 +48,7 @@ def plot(result: Result, axes: Any = None) -> Any:
     of matplotlib's `axes` only the first two are drawn; returned is their figure.
     """
     if axes is not None:
-        (plot_force if result.curves else _swept(result))(axes[0], result)
+        (plot_force if result.curves else plot_points)(axes[0], result)
         legend_above(axes[0], title=result.title or result.name)
         plot_density(axes[1], result.thresholds)
         return axes[0].figure
@@ -210,11 +208,6 @@ def _draw_top_speeds(
     axes.plot(at, slips.top_speed, mark, color=ink, ms=4, label=label)
 
 
-def _swept(result: Result) -> Callable[[Any, Result], Any]:
-    """What draws F_k along the result's sweep."""
-    return plot_points if isinstance(result.sweep, PointsRecord) else plot_sweep
-
-
 def _shows_slips(result: Result) -> bool:
     """Whether points of the path lie in most slips that last, or in the delay after them: else the fraction that holds
     at some point tells by chance whether a slip is near."""
@@ -236,9 +229,7 @@ def draw_run(result: Result, figure: Any) -> Any:
         below.append(plot_holding)
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
-    swept: list[Any] = [_swept(result)] if result.curves and result.sweep is not None else []
-    if getattr(result.sweep, "critical_spring", None) is not None:
-        swept.append(plot_critical_spring)
+    swept: list[Any] = [plot_points] if result.curves and result.sweep is not None else []
     if with_spring(result.sweep):
         swept.append(plot_points_spring)
     if with_swing(result.sweep):
@@ -248,7 +239,7 @@ def draw_run(result: Result, figure: Any) -> Any:
     figure.set_size_inches(10, 1.2 + sum(heights))
     rows: list[Any] = [["F", "P"], *([draw.__name__, "P"] for draw in (*below, *swept))]
     places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=heights)
-    (plot_force if result.curves else _swept(result))(places["F"], result)
+    (plot_force if result.curves else plot_points)(places["F"], result)
     plot_density(places["P"], result.thresholds)
     for draw in (*swept, *below):
         draw(places[draw.__name__], result)

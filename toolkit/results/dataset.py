@@ -77,17 +77,16 @@ def _of_answer(result: Any, prefix: str, answer: Any, size: int) -> dict[str, An
 
 def _of_sweep(result: Any, sweep: Any) -> dict[str, Any]:
     """The arrays of a sweep along what it sweeps, of one over keys of the scene along its points."""
-    if hasattr(sweep, "columns"):
+    if not sweep.smooth:
         return {
             f"sweep_{name}": ("sweep_point", values, {"units": sweep.units.get(name) or "1"})
             for name, values in sweep.columns.items()
         }
     along = tuple(f"sweep_{name}_values" for name in sweep.along)
-    arrays = {field.name: getattr(sweep, field.name) for field in fields(sweep)}
     out = {
         f"sweep_{name}": _array(result, along, name, value)
-        for name, value in arrays.items()
-        if isinstance(value, np.ndarray) and name != "force_error"
+        for name, value in sweep.columns.items()
+        if name != "force_error"
     }
     error = sweep.force_error * result.mean_threshold
     return out | {"sweep_force_error": _array(result, along, "force_standard_error", error)}

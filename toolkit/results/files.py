@@ -15,7 +15,7 @@ from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
 from toolkit.results.kinds import QUANTITIES, is_coupled, is_heavy
-from toolkit.results.points import PointsRecord, fill_points, read_points
+from toolkit.results.points import fill_sweep, read_sweep
 from toolkit.results.records import (
     Result,
     SolvedRecord,
@@ -24,7 +24,6 @@ from toolkit.results.records import (
 )
 from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import Number
-from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import read_table
 
 RESULT = "result.h5"
@@ -50,7 +49,7 @@ def load(folder: str | os.PathLike[str]) -> Result:
             eq=_read_eq(store["eq"]) if "eq" in store else None,
             notes=tuple(note.decode() for note in store["notes"][()]) if "notes" in store else (),
             interface=_read_interface(store["interface"]) if "interface" in store else None,
-            sweep=_read_sweep(store["sweep"]) if "sweep" in store else None,
+            sweep=read_sweep(store["sweep"]) if "sweep" in store else None,
         )
 
 
@@ -110,13 +109,11 @@ def summary(result: Result) -> dict[str, Any]:
                     own["mean_slip_duration"] = float(eq.slips.duration.mean())
                     own["slip_top_speed"] = float(eq.slips.top_speed.max())
         content["eq"] = own
-    if isinstance(sweep, PointsRecord):
-        content["sweep"] = {
-            name: getattr(sweep, name) for name in ("run_time", "success", "message")
-        }
-        content["sweep"] |= {"points": len(sweep), "along": list(sweep.along)}
-    elif sweep is not None:
-        content["sweep"] = _numbers(sweep) | {"points": sweep.force.size}
+    if sweep is not None:
+        own = {name: getattr(sweep, name) for name in ("run_time", "success", "message")}
+        errors = [name for name in sweep.columns if sweep.smooth and name.endswith("error")]
+        own |= {f"largest_{name}": float(np.abs(sweep[name]).max()) for name in errors}
+        content["sweep"] = own | {"points": sweep.size, "along": list(sweep.along)}
     if result.interface is not None:
         content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
     return content | {"notes": list(result.notes)}
@@ -199,10 +196,10 @@ def _fill(result: Result, store: Any) -> None:
         own.attrs["units"] = number.unit or "1"
         if number.error is not None:
             own.attrs["error"] = number.error
-    for name in ("thresholds", "sweep", "master", "eq"):
-        if isinstance(answer := getattr(result, name), PointsRecord):
-            fill_points(store.create_group(name), answer)
-        elif answer is not None:
+    if (sweep := result.sweep) is not None:
+        fill_sweep(store.create_group("sweep"), sweep, units if sweep.smooth else sweep.units)
+    for name in ("thresholds", "master", "eq"):
+        if (answer := getattr(result, name)) is not None:
             _write(store.create_group(name), answer, units)
     if result.eq is not None and result.asked.eq is not None:
         store.attrs["seed"] = result.asked.eq.seed
@@ -219,14 +216,6 @@ def _write(group: Any, answer: Any, units: dict[str, str], **how: Any) -> None:
             group[name].attrs["units"] = units.get(name.removeprefix("slip_"), "1")
         elif name != _HISTOGRAMS:
             group.attrs[name] = value
-
-
-def _read_sweep(group: Any) -> SweepRecord | PointsRecord:
-    return (
-        read_points(group)
-        if "along" in group.attrs and "000" in group
-        else _read(group, SweepRecord)
-    )
 
 
 def _read_interface(group: Any) -> dict[str, Number]:

@@ -7,7 +7,6 @@ import numpy as np
 from toolkit.results.kinds import is_coupled, is_known
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import with_uncertainty, written
-from toolkit.scene.sweep import SweepRecord
 
 
 def numbers_of(result: Any) -> dict[str, Number]:
@@ -36,7 +35,7 @@ def numbers_of(result: Any) -> dict[str, Number]:
         found |= _of_curve(eq.force, eq.force_standard_error + eq.step_error, scale)
         if is_coupled(eq) and eq.slips.number.size:
             found |= _of_slips(eq, scale)
-    if isinstance(result.sweep, SweepRecord):
+    if result.sweep is not None and result.sweep.smooth:
         for name, factor, unit in (
             ("force", scale.force, force),
             ("critical_spring", scale.spring, scale.spring_unit),

@@ -1,6 +1,7 @@
-"""The record of a sweep over keys of the scene: a table with a row for each point, and its files."""
+"""The record of a sweep: a table with a row for each point, and its files."""
 
 import csv
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,23 @@ import numpy as np
 from origins.brief import brief
 from origins.thresholds.law import Array
 
+# columns of a sweep of smooth sliding over speeds, temperatures, rates of ageing or delays, those that it has
+SMOOTH: tuple[str, ...] = ("velocity", "force", "force_error", "holding", "holding_error")
+SMOOTH += ("temperature", "kelvin", "rate", "delay", "critical_spring", "critical_spring_error")
+
 
 @dataclass(frozen=True)
-class PointsRecord:
-    """What each point of a sweep over keys of the scene gives; ``record["critical_spring"]`` is a column.
+class SweepRecord:
+    """What each point of a sweep gives; ``record["critical_spring"]`` is a column.
 
-    along : the keys that are swept; columns : by name, arrays of shape (n,), of numbers or of text, the keys first; nan
-        and "" where a point has no such number, and "message" says why it failed, where it did
-    units : of columns, "" or missing for a pure number and for a key, whose unit is the scene's
+    along : the keys that are swept
+    columns : by name, arrays of one shape. Of a sweep over keys of the scene (n,), of numbers or of text, the keys
+        first; nan and "" where a point has no such number, and "message" says why it failed, where it did. Of smooth
+        sliding (n,) or (n, m), the first axis `along` its first: `force` = F_k/(N_c<k>) (a length), `force_error` (in
+        <x_s>), `holding`, the fraction that holds, and its error; if requested `critical_spring` = K*/(N_c<k>) and its
+        error; `velocity`, `temperature`, `rate`, `delay` at each point, `kelvin` if temperatures were given in K. These
+        are attributes, too: None for one that is not there, as of a law that the contacts do not have
+    units : of columns, "" or missing for a pure number, a key, whose unit is the scene's, and smooth sliding
     run_time : s, of all launches and processes together
     """
 
@@ -34,6 +44,24 @@ class PointsRecord:
         """A column by its name."""
         return self.columns[name]
 
+    def __getattr__(self, name: str) -> Array | None:
+        if name not in SMOOTH:
+            raise AttributeError(f"a sweep has no {name}")
+        return self.columns.get(name)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *(name for name in SMOOTH if name in self.columns)]
+
+    @property
+    def smooth(self) -> bool:
+        """Whether it is of smooth sliding; else each point is a run of the scene."""
+        return "force" in self.columns
+
+    @property
+    def size(self) -> int:
+        """How many points there are."""
+        return next(iter(self.columns.values())).size
+
     def _ipython_key_completions_(self) -> list[str]:
         """What a notebook offers after ``record["``."""
         return list(self.columns)
@@ -42,37 +70,37 @@ class PointsRecord:
         return len(next(iter(self.columns.values())))
 
 
-def write_points_csv(record: PointsRecord, path: Path) -> None:
+def write_sweep(record: SweepRecord, units: Mapping[str, str], path: Path) -> None:
     """A line for each point, a column for each of the record's, its unit in brackets, with all digits."""
-    heads = (
-        f"{name} [{record.units[name]}]" if record.units.get(name) else name
-        for name in record.columns
-    )
+    heads = (f"{name} [{units[name]}]" if units.get(name) else name for name in record.columns)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(heads)
-        writer.writerows(zip(*(column.tolist() for column in record.columns.values()), strict=True))
+        columns = (column.ravel().tolist() for column in record.columns.values())
+        writer.writerows(zip(*columns, strict=True))
 
 
-def fill_points(group: Any, record: PointsRecord) -> None:
-    """Write the record into an HDF5 group: a data set for each column, numbered in their order."""
+def fill_sweep(group: Any, record: SweepRecord, units: Mapping[str, str]) -> None:
+    """Write the record into an HDF5 group: a data set for each column, by its name, or numbered in their order where
+    columns are keys of the scene."""
     for name in ("run_time", "success", "message"):
         group.attrs[name] = getattr(record, name)
-    group.attrs["along"] = list(record.along)
+    group.attrs["along"], pure = list(record.along), "1" if record.smooth else ""
     for number, (name, column) in enumerate(record.columns.items()):
-        own = group.create_dataset(f"{number:03d}", data=column.tolist())
-        own.attrs["name"], own.attrs["units"] = name, record.units.get(name, "")
+        own = group.create_dataset(name if record.smooth else f"{number:03d}", data=column.tolist())
+        own.attrs["name"], own.attrs["units"] = name, units.get(name, pure)
 
 
-def read_points(group: Any) -> PointsRecord:
-    """The record that `fill_points` wrote."""
+def read_sweep(group: Any) -> SweepRecord:
+    """The record that `fill_sweep` wrote, in this version or an older one."""
     columns, units = dict[str, Array](), dict[str, str]()
-    for number in sorted(group):
-        values, name = group[number][()], str(group[number].attrs["name"])
+    smooth = "force" in group
+    for key in [name for name in SMOOTH if name in group] if smooth else sorted(group):
+        values, name = group[key][()], str(group[key].attrs.get("name", key))
         text = values.dtype.kind == "O"
         columns[name] = np.array([one.decode() for one in values]) if text else values
-        units[name] = str(group[number].attrs["units"])
-    return PointsRecord(
+        units |= {} if smooth else {name: str(group[key].attrs["units"])}
+    return SweepRecord(
         along=tuple(map(str, group.attrs["along"])),
         columns=columns,
         units=units,

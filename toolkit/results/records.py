@@ -15,11 +15,10 @@ from origins.thresholds.quadrature import panel_edges
 from toolkit.results.dataset import as_dataset
 from toolkit.results.html import as_html
 from toolkit.results.kinds import ENERGIES
-from toolkit.results.points import PointsRecord
+from toolkit.results.points import SweepRecord
 from toolkit.scene.drive import has_path, make_drive
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import Scale, of_surface
-from toolkit.scene.sweep import SweepRecord
 from toolkit.scene.tables import SceneTable, read_table
 
 OWN_UNIT = "length unit of the thresholds"
@@ -127,7 +126,7 @@ class Result:
     eq: Any
     notes: tuple[str, ...] = ()
     interface: dict[str, Number] | None = None
-    sweep: SweepRecord | PointsRecord | None = None
+    sweep: SweepRecord | None = None
     domains: DomainSamples | None = None
 
     __repr__ = brief

@@ -5,7 +5,6 @@ from typing import Any
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.kinds import is_coupled
 from toolkit.results.numbers import in_words
-from toolkit.results.points import PointsRecord
 from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import in_a_line, with_error
 from toolkit.scene.scale import spoken
@@ -39,8 +38,8 @@ def report(result: Any) -> list[str]:
             f"(Q15)   P_c: mass off by up to {abs(solved.mass_defect).max():.1e}, weight below 0 up to "
             f"{solved.positivity_defect.max():.1e}; contacts outrun it {where}"
         )
-    if isinstance(sweep, PointsRecord):
-        at = f"{len(sweep)} points along {' and '.join(sweep.along)}"
+    if sweep is not None and not sweep.smooth:
+        at = f"{sweep.size} points along {' and '.join(sweep.along)}"
         lines.append(f"sweep   {at}, {sweep.run_time:.4g} s of work; their table is sweep.csv")
     elif sweep is not None:
         error = f"error {sweep.force_error.max():.1e} of <x_s>"

@@ -2,7 +2,6 @@
 
 import csv
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,6 @@ import numpy as np
 from origins.thresholds.law import Array
 from toolkit.results.kinds import is_coupled
 from toolkit.results.records import Result
-from toolkit.scene.sweep import SweepRecord
 
 # points of a path: more, some tens of megabytes, are in result.h5 alone
 MOST = 200_000
@@ -92,13 +90,3 @@ def write_slips(result: Result, path: Path) -> None:
             columns[head] += [""] * count if own is None else own.tolist()
     empty = [head for head in heavy.values() if not any(cell != "" for cell in columns[head])]
     write_rows({head: cells for head, cells in columns.items() if head not in empty}, path)
-
-
-def write_sweep(sweep: SweepRecord, units: dict[str, str], path: Path) -> None:
-    """A line for each point, a column for each array that the sweep has, its unit in brackets, with all digits."""
-    arrays = {field.name: getattr(sweep, field.name) for field in fields(sweep)}
-    arrays = {name: value for name, value in arrays.items() if isinstance(value, np.ndarray)}
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(f"{name} [{units[name]}]" if name in units else name for name in arrays)
-        writer.writerows(zip(*(value.ravel().tolist() for value in arrays.values()), strict=True))

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.processes.ranks import cores_of, on_root
-from toolkit.results.points import PointsRecord
+from toolkit.results.points import SweepRecord
 from toolkit.running.point import Column, solve_point
 from toolkit.scene.scene import Scene, read_scene
 from toolkit.scene.tables import to_toml
@@ -45,7 +45,7 @@ def solve_points(
     comm: Any = None,
     kept: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> PointsRecord:
+) -> SweepRecord:
     """Solve every point of the scene's sweep. All ranks of `comm` must call; each gets the whole record.
 
     Rank r takes every size-th point from the r-th on; each rank has as many processes as its share of the node's cores.
@@ -194,7 +194,7 @@ def _by_processes(jobs: list[Job], first: int, count: int) -> Iterator[tuple[int
             worker.wait()
 
 
-def _record(scene: Scene, found: list[Any]) -> PointsRecord:
+def _record(scene: Scene, found: list[Any]) -> SweepRecord:
     """The table of all points."""
     grid: Any = scene.grid
     points = grid.points
@@ -216,4 +216,4 @@ def _record(scene: Scene, found: list[Any]) -> PointsRecord:
         where = ", ".join(f"{key} = {value}" for key, value in points[missed[0]].items())
         said += f"{where}: {columns['message'][missed[0]]}"
     seconds = sum(took for _, took in found)
-    return PointsRecord(tuple(grid.values), columns, units, seconds, not missed.size, said)
+    return SweepRecord(tuple(grid.values), columns, units, seconds, not missed.size, said)

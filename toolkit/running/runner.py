@@ -9,18 +9,23 @@ from origins.samples.from_samples import sampled_parts
 from toolkit.processes.ranks import on_root
 from toolkit.results.files import another
 from toolkit.results.folders import check_folder, only_writer
-from toolkit.results.points import PointsRecord
 from toolkit.results.records import Result, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
 from toolkit.running.points import forget_points, solve_points
 from toolkit.running.progress import Progress
 from toolkit.running.rules import beside_other_rules
-from toolkit.running.solvers import EQ_KEYS, follow, make_ensemble, solve_master, within
+from toolkit.running.solvers import (
+    EQ_KEYS,
+    follow,
+    make_ensemble,
+    solve_master,
+    solve_sweep,
+    within,
+)
 from toolkit.saving import save
 from toolkit.scene import laws
 from toolkit.scene.interfaces import foreseen, of_interface, remarks
 from toolkit.scene.scene import Scene, load_scene
-from toolkit.scene.sweep import solve_sweep
 from toolkit.version import __version__
 
 
@@ -79,7 +84,7 @@ def write(
 
     def on_first() -> None:
         save(result, kept.folder, formats)
-        if isinstance(result.sweep, PointsRecord):
+        if result.sweep is not None and not result.sweep.smooth:
             forget_points(kept.folder / "checkpoint")
         elif finished and result.eq is not None:  # else a checkpoint there is that of another scene
             kept.remove()

@@ -1,22 +1,32 @@
 """The solvers of a scene: the master equation, and the ensemble from its first block to its result."""
 
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
+from origins.contacts import Contacts
 from origins.errors import InputError, refuse
+from origins.laws.temperature import TooHot
+from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
 from toolkit.processes.signals import TimeIsUp, deferred, no_longer_than
+from toolkit.results.points import SMOOTH, SweepRecord
 from toolkit.results.records import SolvedRecord, record_of
 from toolkit.running.checkpoint import Checkpoint
 from toolkit.scene import laws
 from toolkit.scene.interfaces import of_so_many
 from toolkit.scene.scene import Scene
+from toolkit.scene.sweep import QUANTITIES, Sweep
 from toolkit.scene.tables import EqTable
 
 _STOP = 7117  # tag of the message by which a rank passes a signal on to the others
+_SPRINGS = ("critical_spring", "critical_spring_error")
 _OWN = ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
 EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {name: name for name in _OWN}
 
@@ -128,3 +138,32 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
     arguments |= {name: getattr(drive, name) for name in motion}
     with laws.inside("eq", EQ_KEYS):
         return eq_model.Ensemble(contacts, scene.path, **(arguments | other))
+
+
+def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
+    """F_k and the fraction that holds at all points in one call, and if requested K* in another."""
+    import master
+
+    began = time.perf_counter()
+    velocity: Any = asked.at["velocity"]
+    laws_at: dict[str, Any] = {name: asked.at[name] for name in QUANTITIES[1:] if name in asked.at}
+    with laws.inside("sweep", {name: name for name in QUANTITIES}), warnings.catch_warnings():
+        warnings.simplefilter("ignore", TooHot)  # a note of the run says it
+        curve = master.kinetic_curve(contacts, velocity, **laws_at)
+        success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
+        message, springs = curve.message, dict[str, Any]()
+        if asked.critical_spring:
+            line = master.phase_line(contacts, velocity, **laws_at)
+            springs = {name: getattr(line, name) for name in _SPRINGS}
+            success = success and _good(line.success, *reversed(springs.values()))
+            message += f"; {line.message}"
+    found = {name: getattr(curve, name, None) for name in SMOOTH} | springs
+    found["kelvin"] = asked.at.get("kelvin")
+    columns: Any = {name: found[name] for name in SMOOTH if found[name] is not None}
+    took = time.perf_counter() - began
+    return SweepRecord(asked.along, columns, {}, took, success, message)
+
+
+def _good(success: npt.NDArray[np.bool_], error: Array, value: Array) -> bool:
+    """Whether each point reaches its tolerance, or at least a relative error of 1e-3, less than a picture shows."""
+    return bool((success | (error <= 1e-3 * np.maximum(value, 1e-300))).all())

@@ -1,23 +1,16 @@
 """A scene's [sweep]: F_k, the fraction that holds, and K* at many speeds, temperatures, rates of ageing or delays."""
 
-import time
-import warnings
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from origins.brief import brief
 from origins.contacts import Contacts, Thermal
 from origins.errors import InputError, non_negative, one_of, positive, refuse
-from origins.laws.temperature import TooHot
 from origins.thresholds.law import Array
 from toolkit.scene import laws
 from toolkit.scene.tables import RangeTable, SweepTable
 
 QUANTITIES = ("velocity", "temperature", "rate", "delay")
-_SPRINGS = ("critical_spring", "critical_spring_error")
 
 
 @dataclass(frozen=True)
@@ -28,34 +21,6 @@ class Sweep:
     along: tuple[str, ...]
     critical_spring: bool
     at: dict[str, Array]
-
-
-@dataclass(frozen=True)
-class SweepRecord:
-    """Smooth sliding at all points of a sweep: arrays of one shape, (n,) or (n, m), the first axis `along` its first.
-
-    `force` = F_k/(N_c<k>) (a length), `force_error` (in <x_s>), `holding`, the fraction that holds, and its error;
-    if requested, `critical_spring` = K*/(N_c<k>) and its error, else None. `velocity`, `temperature`, `rate`, `delay`
-    at each point, None for a law that the contacts do not have; `kelvin` if temperatures were given in K.
-    """
-
-    along: tuple[str, ...]
-    velocity: Array
-    force: Array
-    force_error: Array
-    holding: Array
-    holding_error: Array
-    run_time: float
-    temperature: Array | None = None
-    kelvin: Array | None = None
-    rate: Array | None = None
-    delay: Array | None = None
-    critical_spring: Array | None = None
-    critical_spring_error: Array | None = None
-    success: bool = True
-    message: str = ""
-
-    __repr__ = brief
 
 
 def make_sweep(table: SweepTable, contacts: Contacts, velocity: float) -> Sweep:
@@ -103,37 +68,3 @@ def _values(name: str, value: float | list[float] | RangeTable) -> Array:
     if min(begin, end) == 0.0:
         raise InputError(f'sweep.{name}: 0 has no logarithm; write spacing = "even"')
     return np.geomspace(begin, end, value.points)
-
-
-def solve_sweep(contacts: Contacts, asked: Sweep) -> SweepRecord:
-    """F_k and the fraction that holds at all points in one call, and if requested K* in another."""
-    import master
-
-    began = time.perf_counter()
-    velocity: Any = asked.at["velocity"]
-    laws_at: dict[str, Any] = {name: asked.at[name] for name in QUANTITIES[1:] if name in asked.at}
-    with laws.inside("sweep", {name: name for name in QUANTITIES}), warnings.catch_warnings():
-        warnings.simplefilter("ignore", TooHot)  # a note of the run says it
-        curve = master.kinetic_curve(contacts, velocity, **laws_at)
-        success = _good(curve.success, curve.force_error * contacts.mean_threshold, curve.force)
-        message, springs = curve.message, dict[str, Array]()
-        if asked.critical_spring:
-            line = master.phase_line(contacts, velocity, **laws_at)
-            springs = {name: getattr(line, name) for name in _SPRINGS}
-            success = success and _good(line.success, *reversed(springs.values()))
-            message += f"; {line.message}"
-    same = (*QUANTITIES, "force", "force_error", "holding", "holding_error")
-    return SweepRecord(
-        along=asked.along,
-        run_time=time.perf_counter() - began,
-        kelvin=asked.at.get("kelvin"),
-        success=success,
-        message=message,
-        **springs,
-        **{name: getattr(curve, name) for name in same},
-    )
-
-
-def _good(success: npt.NDArray[np.bool_], error: Array, value: Array) -> bool:
-    """Whether each point reaches its tolerance, or at least a relative error of 1e-3, less than a picture shows."""
-    return bool((success | (error <= 1e-3 * np.maximum(value, 1e-300))).all())
