@@ -172,7 +172,7 @@ class Engine:
         contacts, reach, start = self.contacts, self._reach, self.contacts.start
         stretch = np.minimum(reach.span + reach.furthest, reach.longest)
         law, again, share = contacts.thresholds, contacts.reforming, np.full(seen.size, 1.0 / n)
-        constant = contacts.ageing is None and contacts.growing is None
+        constant = contacts.changing is None
         if constant and contacts.thermal is None:
             alike = start.is_single and not np.diff(law.support())[0]
             if alike and (again is None or again.law.is_single):

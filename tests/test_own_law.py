@@ -358,6 +358,21 @@ def test_the_ensemble_takes_the_growing_laws_of_the_page():
     assert (np.abs(names["z"]) < 5.0).all()
 
 
+def test_what_slides_and_slips_follows_from_the_life_alone(page):
+    """The sum over roots is the force along the path; F_s its largest, K* its steepest fall."""
+    contacts, x = page["weakening"], np.linspace(2e-3, 3.0, 1500)
+    found = master.solve(contacts, x, 1e-8, velocity=1.0)
+    spectrum = master.decoherence_spectrum(contacts, velocity=1.0)
+    late = slice(1000, None, 100)
+    assert np.abs(spectrum.force(x[late]) - found.force[late]).max() < 1e-7
+    ready, steady = (
+        ask(contacts, velocity=1.0) for ask in (master.propensity, master.steady_state)
+    )
+    assert ready.static_to_kinetic == pytest.approx(found.force.max() / steady.force, abs=1e-5)
+    steepest = -np.diff(found.force).min() / 2e-3
+    assert ready.critical_spring == pytest.approx(steepest, abs=1e-3)
+
+
 def with_life(page, monkeypatch, survivors=None, reach=lambda fresh: fresh):
     """Contacts of a law like weakening whose life gives `survivors` of what the page's life does."""
     law = type(
