@@ -190,8 +190,9 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
 def verdict(arguments: argparse.Namespace) -> int:
     """Whether the scene's interface sticks and slips on its machine: one page, a picture, tables; returns 1 where a
     solver missed its tolerance, and where the number of contacts decides."""
-    from toolkit.verdict.files import save_verdict
+    from toolkit.verdict.files import friction, plain
     from toolkit.verdict.judge import verdict as judged
+    from toolkit.verdict.picture import draw_verdict
     from toolkit.verdict.words import disagreeing, page
 
     formats = read_formats(arguments.format)
@@ -200,8 +201,10 @@ def verdict(arguments: argparse.Namespace) -> int:
     check_folder(folder)  # before the work, not after it
     with closing(Progress("verdict")) as bar:
         found = judged(scene, bar.doing)
-    save_verdict(found, folder, formats)
-    print("\n".join([*page(found), f"written to {folder}"]))
+    lines, draw = page(found), partial(draw_verdict, found)
+    tables = lines, plain(found), friction(found)
+    save_judgement(folder, "verdict", draw, *tables, formats, table="friction")
+    print("\n".join([*lines, f"written to {folder}"]))
     return 0 if found.success and not disagreeing(found) else 1
 
 

@@ -19,16 +19,19 @@ def save_judgement(
     numbers: dict[str, Any],
     rows: Mapping[str, Sequence[Any]],
     formats: Sequence[str] = (),
+    table: str = "",
 ) -> None:
-    """Write name.png, .txt, .json and .csv; `rows` are the columns of the last, by their heads. The picture is written
-    in `formats`, too."""
+    """Write name.png, .txt, .json and .csv, the last as table.csv if that is given; `rows` are its columns, by their
+    heads, and without any there is none. The picture is written in `formats`, too. Raises InputError where that
+    fails."""
     text, figure = "\n".join([*lines, ""]), draw()
     writers: dict[str, Any] = {
         **pictures(name, partial(_save_figure, figure), formats),
         f"{name}.txt": lambda path: path.write_text(text, encoding="utf-8"),
         f"{name}.json": lambda path: write_json(numbers, path),
-        f"{name}.csv": partial(write_rows, rows),
     }
+    if rows:
+        writers[f"{table or name}.csv"] = partial(write_rows, rows)
     write_folder(folder, writers, stale([name], writers))
 
 

@@ -1,36 +1,14 @@
-"""The files of a verdict: verdict.txt, verdict.json, friction.csv and verdict.png, all or none."""
+"""What the files of a verdict hold: verdict.json and friction.csv."""
 
-import csv
-import os
-from collections.abc import Sequence
 from dataclasses import asdict
-from functools import partial
-from pathlib import Path
 from typing import Any
 
-from toolkit.results.files import write_json
-from toolkit.results.folders import write_folder
-from toolkit.saving import pictures, stale
+import numpy as np
+
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import Answer, Verdict
-from toolkit.verdict.picture import save_verdict_picture
-from toolkit.verdict.words import details, page, sentence, warnings
-
-
-def save_verdict(
-    verdict: Verdict, folder: str | os.PathLike[str], formats: Sequence[str] = ()
-) -> None:
-    """Write the four files into `folder`, the picture in `formats`, too. Raises InputError where that fails."""
-    text = "\n".join([*page(verdict), ""])
-    writers: dict[str, Any] = {
-        "verdict.txt": lambda path: path.write_text(text, encoding="utf-8"),
-        "verdict.json": lambda path: write_json(plain(verdict), path),
-        **pictures("verdict", partial(save_verdict_picture, verdict), formats),
-    }
-    if verdict.own.behaviours:
-        writers["friction.csv"] = partial(write_friction, verdict)
-    write_folder(folder, writers, stale(["verdict"], writers))
+from toolkit.verdict.words import details, sentence, warnings
 
 
 def plain(verdict: Verdict) -> dict[str, Any]:
@@ -94,16 +72,17 @@ def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
     return out | {"force_error": behaviour.error * mean * force}
 
 
-def write_friction(verdict: Verdict, path: Path) -> None:
-    """The friction trace of the scene's own reading, a row a point; slips at their own places have two rows."""
-    scale = verdict.own.scale
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        rows = csv.writer(stream)
-        rows.writerow(
-            ["slip rule", f"drive ({scale.length_unit})", f"spring force ({scale.force_unit})"]
-        )
-        for behaviour in verdict.own.behaviours:
-            for drive, force in zip(behaviour.drive, behaviour.force, strict=True):
-                rows.writerow(
-                    [behaviour.rule, repr(float(drive)), repr(float(force * scale.force))]
-                )
+def friction(verdict: Verdict) -> dict[str, list[Any]]:
+    """The columns of friction.csv: the trace of the scene's own reading under each rule, a row a point; slips at their
+    own places have two rows."""
+    scale, own = verdict.own.scale, verdict.own.behaviours
+    if not own:
+        return {}
+    drive, force = (
+        np.concatenate([getattr(one, name) for one in own]) for name in ("drive", "force")
+    )
+    return {
+        "slip rule": [one.rule for one in own for _ in one.drive],
+        f"drive ({scale.length_unit})": drive.tolist(),
+        f"spring force ({scale.force_unit})": (force * scale.force).tolist(),
+    }

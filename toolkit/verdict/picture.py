@@ -1,6 +1,5 @@
 """The picture of a verdict: the friction trace, the threshold laws, and each reading's K* beside the spring."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,11 +30,6 @@ _DENSITY_POINTS = 400
 _HIGH, _MOST = 1.5, 0.98
 # of the panels below the trace: heights with one reading, and more for each other one (in), and widths
 _LOW, _EACH, _ONE_WIDE, _WIDE = 2.8, 0.2, (2.2, 1.0), (1.0, 1.0)
-
-
-def save_verdict_picture(verdict: Verdict, path: Path) -> None:
-    """Save the picture in the format of the path's suffix."""
-    draw_verdict(verdict).savefig(path, dpi=150, format=path.suffix[1:])
 
 
 def draw_verdict(verdict: Verdict) -> Any:
