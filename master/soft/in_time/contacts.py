@@ -67,6 +67,7 @@ class ContactsInSteps:
 
     position, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the fraction that holds
     past_breaks : those at the ends of all steps, and what will be born of them
+    are_new : whether all contacts have just formed, so that what comes does not depend on what was
     unit, jumps : mean threshold (a length), and whether P_c may jump
     largest_stiffness : k_i/<k> of the stiffest contacts
     halvings : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
@@ -101,18 +102,23 @@ class ContactsInSteps:
         # weights in the last two cohorts per contact born in a step: half of its births belong to the cohort at its
         # begin, half to that at its end
         self._per_birth = 0.5 * np.tile(self._at_birth.weight, 2)
-        self._replace_all(_per_survival(memory, start), memory.start(start.stretch))
+        began, again = _per_survival(memory, start), self._at_birth
+        record, fresh = memory.start(start.stretch), memory.fresh(again.stretch, 0.0)
+        self._replace_all(began, record)
+        both = zip((*began, record), (*again, fresh), strict=True)
+        self.are_new = all(np.array_equal(*two) for two in both)
 
     def relax(self) -> None:
         """Replace all contacts, also those that are out, by those just formed again."""
         self._replace_all(self._at_birth, self.memory.fresh(self._at_birth.stretch, 0.0))
+        self.are_new = True
 
     def _replace_all(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
         groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
         held = groups.survival_and_force(self.memory)
         self.holding, self.force = (held @ groups.weight).tolist()
-        self._of_start = start.stretch.size
+        self.are_new, self._of_start = False, start.stretch.size
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
         self.past_breaks = BreaksInSteps(self.delay, self.now)
         self._births = self._births_in_cohorts = self._left_out = 0.0
@@ -148,6 +154,7 @@ class ContactsInSteps:
     def take(self, trial: Trial) -> None:
         """Take the step; StoppedError where there are too many."""
         groups, held = trial.groups, trial.survival_and_force
+        self.are_new = False
         self.steps += 1
         self.work += groups.weight.size * (self.memory.width + FIXED_WORK)
         self._stop_at_limits()
@@ -197,6 +204,11 @@ class ContactsInSteps:
         `error` bounds what F changes on the way (a length)."""
         self.position += travel
         self.unresolved = max(self.unresolved, error)
+
+    def repeat(self, steps: int, now: float) -> None:
+        """Go to this time in as many steps as were solved before, from contacts that were new; StoppedError as `take`."""
+        self.steps, self.now = self.steps + steps, now
+        self._stop_at_limits()
 
     def _stop_at_limits(self) -> None:
         """Raise StoppedError after too many steps, or too much work in them."""

@@ -51,6 +51,8 @@ class Slider:
         self._rule, self._spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
         self.sections = list[list[Node]]()
+        # the section of this leg along which new contacts came to a slip that left all contacts new
+        self._stick = list[Node]()
         self.slips = list[Slip]()
 
     def run(self) -> None:
@@ -63,11 +65,17 @@ class Slider:
         self._search = SlipBegins(self._steps)
         for leg, last in enumerate(motion.times[1:].tolist()):
             contacts.past_breaks.repeat_bend(float(motion.times[leg]))
+            self._stick = []
             while True:
                 end = min([*contacts.past_breaks.pending, last])
                 self._steps.begin(leg, end)
+                were_new = contacts.are_new
+                if were_new and self._repeat(end):
+                    continue
                 if self._slide(end):
-                    self._slip(float(motion.at(np.array(contacts.now))))
+                    self._slip(self._drive())
+                    if were_new and contacts.are_new:
+                        self._stick = self.sections[-1]
                 elif end < last:
                     contacts.form_due()
                 else:
@@ -89,6 +97,32 @@ class Slider:
                 nodes.append(self._node(done))
         return slips
 
+    def _repeat(self, end: float) -> bool:
+        """Let new contacts stick and slip as they did before on this leg, where they slip before `end`; returns whether
+        they do."""
+        contacts, known = self.contacts, self._stick
+        if not known or known[-1].time + contacts.now - known[0].time >= end:
+            return False
+        begin, here = known[0], self._node(0.0)
+        self.sections.append(
+            [
+                node._replace(
+                    time=here.time + (node.time - begin.time),
+                    position=here.position + (node.position - begin.position),
+                )
+                for node in known
+            ]
+        )
+        contacts.repeat(len(known) - 1, self.sections[-1][-1].time)
+        contacts.position = self._drive() - contacts.force / self._spring
+        self._list_slip(known[-1].force)
+        return True
+
+    def _drive(self) -> float:
+        """Where the drive is now (a length)."""
+        assert self.motion is not None
+        return float(self.motion.at(np.array(self.contacts.now)))
+
     def _node(self, size: float) -> Node:
         state = self.contacts
         return Node(size, state.now, state.force, state.holding, state.position)
@@ -103,8 +137,13 @@ class Slider:
             slip_without_births(contacts, self._steps)
         else:
             slip_with_births(contacts, self._steps, self._size)
-        drop = abs(force - contacts.force)
+        self._list_slip(force)
+
+    def _list_slip(self, before: float) -> None:
+        """List the slip that ends now, if F changed by enough from what it was before."""
+        contacts, load = self.contacts, self._spring * self._drive()
+        drop = abs(before - contacts.force)
         if drop < self._least_drop:
             contacts.unresolved = max(contacts.unresolved, drop)
         else:
-            self.slips.append(Slip(contacts.now, self._spring * drive, force, contacts.force))
+            self.slips.append(Slip(contacts.now, load, before, contacts.force))

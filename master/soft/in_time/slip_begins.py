@@ -120,7 +120,10 @@ class SlipBegins:
         # far from a slip the slider follows the drive, and this part of the size is time
         if step.time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
-        return self._tried(ONSET.before_fold * size).step.time_steps >= step.time_steps
+        # the balanced step before takes as long or longer where this time leaves it no imbalance: that increases with it
+        slope = self._guess.slope
+        before = self._steps.tried(ONSET.before_fold * size, step.time_steps, slope)
+        return before.imbalance <= 0.0
 
     def _foresee(self, time_fraction: float, size: float) -> None:
         """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.

@@ -32,10 +32,12 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
 
     Breaks lower F, so that it rises at most with the stiffness of the contacts that still hold. Where the spring pulls
     more by d no balance is nearer than d/(K + that stiffness): steps of this length miss none. Where nothing holds any
-    more one of them leads to the end, X = X_T.
+    more one of them leads to the end, X = X_T; without a delay this is a reset.
     """
     contacts.past_breaks.begin_section()
     contacts.take(contacts.trial(_way_to_balance(contacts, steps), contacts.now, True))
+    if not (contacts.holding or contacts.delay):
+        return contacts.relax()
     contacts.past_breaks.repeat_jump(contacts.now)
     contacts.form_due()
 

@@ -189,6 +189,14 @@ class Steps:
         stretch = self._drive.at(np.array(trial.now)) - self.contacts.position - trial.travel
         return float(self.sign * (self.spring * stretch - trial.force))
 
+    def tried(self, size: float, time_steps: float, slope: float) -> TriedStep:
+        """The step of this size of which so much is time; `slope`: of the imbalance, where that is below 0."""
+        now, later = self.contacts.now, max(time_steps, 0.0)
+        # the time after no steps may differ from now by rounding
+        time = max(self._count.time(self._count.steps(now) + later), now) if later else now
+        trial = self.contacts.trial(self.sign * self.length * (size - later), time)
+        return TriedStep(time_steps, trial, self.imbalance(trial) + slope * min(time_steps, 0.0))
+
     def step(self, size: float, guess: Guess) -> Root:
         """The balanced step of this size, or up to the section's end, looked for from a guess.
 
@@ -196,17 +204,12 @@ class Steps:
         with the steps of time, and its root is the balance. Where the root is below 0 there is no balance from now on,
         see TriedStep.
         """
-        now, steps_so_far = self.contacts.now, self._count.steps(self.contacts.now)
+        slope, accuracy = guess.slope, self._accuracy * size
 
         def tried(time_steps: float) -> TriedStep:
-            later, back = max(time_steps, 0.0), min(time_steps, 0.0)
-            # the time after no steps may differ from now by rounding
-            time = max(self._count.time(steps_so_far + later), now) if later else now
-            trial = self.contacts.trial(self.sign * self.length * (size - later), time)
-            return TriedStep(time_steps, trial, self.imbalance(trial) + guess.slope * back)
+            return self.tried(size, time_steps, slope)
 
-        accuracy = self._accuracy * size
-        root = secant(tried, guess.time_fraction * size, guess.slope, accuracy)
+        root = secant(tried, guess.time_fraction * size, slope, accuracy)
         if root.step.time_steps < 0.0 and self.contacts.memory.exact:
             # F jumps where exact thresholds break: the secant may have passed a balance just before that
             before = _before_exact(tried, size, accuracy)
