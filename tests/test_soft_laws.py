@@ -403,3 +403,29 @@ def test_a_slide_with_the_drive_that_takes_too_many_steps_is_refused_before_the_
     for end in (1.4e6, 1.5e6):
         with pytest.raises(origins.InputError, match=told):
             master.solve(warm, [3e5, end], 1e-3, spring=SOFTEST, slip="instant")
+
+
+@pytest.mark.parametrize("rule", ["reset", pytest.param("reform-after", marks=pytest.mark.slow)])
+def test_new_contacts_slip_as_they_did_before(rule: SlipRule) -> None:
+    """What follows on a slip that leaves all contacts new is not solved again: held to a drive whose speed changes by
+    1e-5 at each of its points, between which it is. There a slip comes in two of three stretches."""
+    warm, ends = Contacts(WIDE, thermal=Thermal("soft", 0.05)), np.linspace(0.0, 300.0, 7)
+    time = np.append(0.0, np.cumsum(np.diff(ends) * (1.0 + 1e-5 * np.arange(6))))
+    repeated = master.solve(warm, ends, 1e-3, spring=0.01, slip=rule)
+    anew = master.solve(warm, ends, 1e-3, spring=0.01, slip=rule, time=time)
+    assert repeated.success and anew.success
+    slips, known = repeated.slips, anew.slips
+    assert slips.drive.size == known.drive.size >= 4
+    assert np.ptp(np.diff(slips.drive)) < 1e-12 * slips.drive[-1]
+    assert np.abs(slips.drive - known.drive).max() <= slips.drive_error + known.drive_error
+    claims = repeated.force_error + anew.force_error
+    assert np.abs(slips.force_before - known.force_before).max() <= claims
+    assert np.abs(repeated.force - anew.force).max() <= claims
+
+
+def test_slips_that_take_too_many_steps_are_refused_after_the_second() -> None:
+    """Contacts that age are stronger the slower they slide: under "instant" they creep far, and slip."""
+    old = Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.2), 1e-4))
+    told = r"^path\[-1\] = 2600000\.0: a slip takes 2\d\d steps, and the 1500 that are taken on"
+    with pytest.raises(origins.InputError, match=told):
+        master.solve(old, [3e5, 2.6e6], 1e-3, spring=SOFTEST, slip="instant")

@@ -18,7 +18,8 @@ A slip begins where a longer step would end earlier: the spring then pulls more 
 contacts form again on the way ("instant"), after it ("reform-after"), or whether all are replaced ("reset")
 (`slip_ends.py`). With a delay "instant" is "reform-after": a slip takes no time, so that no delay ends in it. Steps go
 from one to the next section of the drive's motion, which end where it turns, changes speed or holds, where births jump
-a delay after such an instant, and at slips (`Slider`).
+a delay after such an instant, and at slips (`Slider`). What follows on a slip that leaves all contacts new
+is solved once on a leg of the drive.
 
 Refinement (`refined`): the whole path is solved with steps, and the meshes of records, halved each time. Errors fall as
 the square of the steps: three solutions with as many slips give the limit, and an error from their changes, to which

@@ -155,13 +155,16 @@ class Cells:
 
     def _shifted(self, weights: Array, rise: Array) -> Array:
         """Weights that remain above |x| when it jumps."""
-        out = np.empty(weights.shape)
+        edges = self.edges
         below = np.cumsum(np.insert(weights, 0, 0.0, axis=1), axis=1)
-        for row, way, series in zip(out, rise, below, strict=True):
-            at = np.clip(way + self.edges, 0.0, self.edges[-1])
-            with np.errstate(over="ignore"):  # of slopes that nearly underflow, which count as 0
-                row[:] = np.diff(PchipInterpolator(self.edges, series)(at))
-        return out
+        with np.errstate(over="ignore"):  # of slopes that nearly underflow, which count as 0
+            cubics = PchipInterpolator(edges, below, axis=1).c  # shape (4, cells, strands)
+        # each strand jumps by a way of its own, so that an interpolator cannot be asked for all at once
+        at = np.clip(rise[:, None] + edges, 0.0, edges[-1])
+        cell = np.clip(np.searchsorted(edges, at, "right") - 1, 0, edges.size - 2)
+        beyond, strand = at - edges[cell], np.arange(rise.size)[:, None]
+        cubic, square, slope, value = cubics[:, cell, strand]
+        return np.diff(((cubic * beyond + square) * beyond + slope) * beyond + value, axis=1)
 
 
 def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: float) -> Array:

@@ -33,8 +33,8 @@ WIDTHS_OF_BIRTHS = 2.0
 # First step of a hold: of contacts that age in times in which thresholds spread by the narrowest width, of growing ones
 # in their unit of time.
 FIRST_OF_AGEING, FIRST_OF_GROWTH = 1e-3, 0.05
-# Halvings of steps after which cells of thresholds that age are as fine: their errors are then a tenth of those of steps
-# (measured on springs of 1e-6 and 0.3 N_c<k>), and every halving of cells makes each step 1.7 times as long.
+# Cells of thresholds that age are coarser than steps by this many halvings: their errors are then a tenth of those of
+# steps (measured on springs of 1e-6 and 1 N_c<k>), and with every halving of cells a step takes 1.7 times as long.
 COARSER_CELLS = 1
 # Largest root of the hazard at an edge: the survival there is 2e-14. Cells on the coarsest steps; they are halved with
 # every second one.

@@ -205,15 +205,20 @@ class ContactsInSteps:
         self.position += travel
         self.unresolved = max(self.unresolved, error)
 
+    @property
+    def most_steps(self) -> float:
+        """As many as leave finer steps, by which the error is known, below MOST_STEPS."""
+        return MOST_STEPS * 0.5 ** max(COMPARED - 1 - self.halvings, 0)
+
     def repeat(self, steps: int, now: float) -> None:
-        """Go to this time in as many steps as were solved before, from contacts that were new; StoppedError as `take`."""
+        """Go to this time in as many steps as new contacts were solved in before; StoppedError as `take`."""
         self.steps, self.now = self.steps + steps, now
         self._stop_at_limits()
 
     def _stop_at_limits(self) -> None:
         """Raise StoppedError after too many steps, or too much work in them."""
-        part = 0.5 ** max(COMPARED - 1 - self.halvings, 0)
-        if self.steps > MOST_STEPS * part or self.work > MOST_WORK * part**2:
+        part = self.most_steps / MOST_STEPS
+        if self.steps > self.most_steps or self.work > MOST_WORK * part**2:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise StoppedError(f"{done}, and more are not taken on")
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from master.motion import Motion
+from master.outcome import StoppedError
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
@@ -74,6 +75,8 @@ class Slider:
                     continue
                 if self._slide(end):
                     self._slip(self._drive())
+                    if len(self.slips) > 1 and self.slips[-1].time == contacts.now:
+                        self._foresee_steps(last)
                     if were_new and contacts.are_new:
                         self._stick = self.sections[-1]
                 elif end < last:
@@ -117,6 +120,16 @@ class Slider:
         contacts.position = self._drive() - contacts.force / self._spring
         self._list_slip(known[-1].force)
         return True
+
+    def _foresee_steps(self, end: float) -> None:
+        """StoppedError where as many steps for each slip as the last one took would be too many up to this time."""
+        contacts, began = self.contacts, self.slips[-2].time
+        count = sum(len(section) - 1 for section in self.sections if section[0].time >= began)
+        period, left = contacts.now - began, contacts.most_steps - contacts.steps
+        last = contacts.now + period * left / count
+        if last < end:
+            told = f"a slip takes {count} steps, and the {contacts.most_steps:.0f}"
+            raise StoppedError(f"{told} that are taken on lead to a time of some {last:.3g} only")
 
     def _drive(self) -> float:
         """Where the drive is now (a length)."""

@@ -120,7 +120,7 @@ class SlipBegins:
         # far from a slip the slider follows the drive, and this part of the size is time
         if step.time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
-        # the balanced step before takes as long or longer where this time leaves it no imbalance: that increases with it
+        # imbalances increase with time: where none is left, the balanced step takes this time or more
         slope = self._guess.slope
         before = self._steps.tried(ONSET.before_fold * size, step.time_steps, slope)
         return before.imbalance <= 0.0
