@@ -405,18 +405,27 @@ def test_a_slide_with_the_drive_that_takes_too_many_steps_is_refused_before_the_
             master.solve(warm, [3e5, end], 1e-3, spring=SOFTEST, slip="instant")
 
 
-@pytest.mark.parametrize("rule", ["reset", pytest.param("reform-after", marks=pytest.mark.slow)])
-def test_new_contacts_slip_as_they_did_before(rule: SlipRule) -> None:
+SOFT_PULL: dict[str, tuple[SlipRule, dict[str, Any]]] = {
+    "heat": ("reset", {"thermal": Thermal("soft", 0.05)}),
+    "heat, nothing holds": ("reform-after", {"thermal": Thermal("soft", 0.05)}),
+    "delay": ("reset", {"delay": Delay(0.3)}),
+}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n != "delay")) for n in SOFT_PULL]
+)
+def test_new_contacts_slip_as_they_did_before(name: str) -> None:
     """What follows on a slip that leaves all contacts new is not solved again: held to a drive whose speed changes by
-    1e-5 at each of its points, between which it is. There a slip comes in two of three stretches."""
-    warm, ends = Contacts(WIDE, thermal=Thermal("soft", 0.05)), np.linspace(0.0, 300.0, 7)
+    1e-5 at each of its points, where it is."""
+    rule, laws = SOFT_PULL[name]
+    contacts, ends = Contacts(WIDE, **laws), np.linspace(0.0, 300.0, 7)
     time = np.append(0.0, np.cumsum(np.diff(ends) * (1.0 + 1e-5 * np.arange(6))))
-    repeated = master.solve(warm, ends, 1e-3, spring=0.01, slip=rule)
-    anew = master.solve(warm, ends, 1e-3, spring=0.01, slip=rule, time=time)
+    repeated = master.solve(contacts, ends, 1e-3, spring=0.01, slip=rule)
+    anew = master.solve(contacts, ends, 1e-3, spring=0.01, slip=rule, time=time)
     assert repeated.success and anew.success
     slips, known = repeated.slips, anew.slips
     assert slips.drive.size == known.drive.size >= 4
-    assert np.ptp(np.diff(slips.drive)) < 1e-12 * slips.drive[-1]
     assert np.abs(slips.drive - known.drive).max() <= slips.drive_error + known.drive_error
     claims = repeated.force_error + anew.force_error
     assert np.abs(slips.force_before - known.force_before).max() <= claims
@@ -426,6 +435,6 @@ def test_new_contacts_slip_as_they_did_before(rule: SlipRule) -> None:
 def test_slips_that_take_too_many_steps_are_refused_after_the_second() -> None:
     """Contacts that age are stronger the slower they slide: under "instant" they creep far, and slip."""
     old = Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.2), 1e-4))
-    told = r"^path\[-1\] = 2600000\.0: a slip takes 2\d\d steps, and the 1500 that are taken on"
+    told = r"^path\[-1\] = 2600000\.0: a slip takes 2\d\d steps, and the 2000 that are taken on"
     with pytest.raises(origins.InputError, match=told):
         master.solve(old, [3e5, 2.6e6], 1e-3, spring=SOFTEST, slip="instant")

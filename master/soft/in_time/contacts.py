@@ -211,9 +211,10 @@ class ContactsInSteps:
         return MOST_STEPS * 0.5 ** max(COMPARED - 1 - self.halvings, 0)
 
     def repeat(self, steps: int, now: float) -> None:
-        """Go to this time in as many steps as new contacts were solved in before; StoppedError as `take`."""
+        """Go to this time in as many steps as new contacts took before, and replace all; StoppedError as `take`."""
         self.steps, self.now = self.steps + steps, now
         self._stop_at_limits()
+        self.relax()
 
     def _stop_at_limits(self) -> None:
         """Raise StoppedError after too many steps, or too much work in them."""

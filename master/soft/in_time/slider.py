@@ -12,6 +12,9 @@ from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Steps
 from origins.drive import Drive
 
+# A slip after which F is at most this part of what it was is a large one: the drive then loads the spring anew, so that
+# the time up to the next one tells of those to come.
+LARGE = 0.9
 # Least size of a step before the end of a section, in steps: rounding of times would make it 0.
 SHORTEST = 1e-6
 
@@ -75,8 +78,7 @@ class Slider:
                     continue
                 if self._slide(end):
                     self._slip(self._drive())
-                    if len(self.slips) > 1 and self.slips[-1].time == contacts.now:
-                        self._foresee_steps(last)
+                    self._foresee_steps(last)
                     if were_new and contacts.are_new:
                         self._stick = self.sections[-1]
                 elif end < last:
@@ -123,7 +125,11 @@ class Slider:
 
     def _foresee_steps(self, end: float) -> None:
         """StoppedError where as many steps for each slip as the last one took would be too many up to this time."""
-        contacts, began = self.contacts, self.slips[-2].time
+        contacts, two = self.contacts, self.slips[-2:]
+        large = [slip for slip in two if slip.force_after < LARGE * slip.force_before]
+        if len(large) < 2 or two[-1].time < contacts.now:
+            return
+        began = two[0].time
         count = sum(len(section) - 1 for section in self.sections if section[0].time >= began)
         period, left = contacts.now - began, contacts.most_steps - contacts.steps
         last = contacts.now + period * left / count
