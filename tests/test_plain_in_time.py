@@ -10,6 +10,7 @@ from plain_in_time import pulled
 
 import master
 from master.soft.in_time.breaks import BreaksInSteps
+from master.soft.in_time.steps import CONTROL, StepCount
 from master.soft.in_time.threshold_cells import ThresholdCells
 from origins import Ageing, Contacts, Delay, Thermal, gaussian, growing_grains, strengthening
 
@@ -23,61 +24,24 @@ SPRING, VELOCITY = 2.0, 1.0
 OF_CELLS = 1e-5
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force(name: str) -> None:
-    solved = master.solve(CASES[name], [1.0], 1e-4, velocity=VELOCITY, spring=SPRING)
-    assert solved.success, solved.message
-    assert not solved.slips.drive.size
-    coarse, middle, fine = (
-        pulled(CASES[name], SPRING, VELOCITY, 1.0, steps)[-1] for steps in (16, 32, 64)
-    )
-    assert abs(np.log2((coarse - middle) / (middle - fine)) - 2.0) < 0.2
-    limit = fine + (fine - middle) / 3.0
-    assert abs(limit - solved.force[0]) < solved.force_error + OF_CELLS
-
-
-# contacts by what their memory keeps, with its file
-GROWING = strengthening(WIDE, 0.2, 1.0, age=0.5)
-MEMORIES = {
-    "breaks alone (breaks.py)": Contacts(WIDE, delay=Delay(0.25)),
-    "heat (threshold_cells.py)": Contacts(WIDE, thermal=HEAT),
-    "heat, re-forming behind (contacts.py)": Contacts(WIDE, thermal=HEAT, reforming=-0.1),
-    "heat, linked stiffness (threshold_cells.py)": Contacts(WIDE, thermal=HEAT, stiffness="linked"),
-    "one mean rate (memory.py)": Contacts(WIDE, thermal=Thermal("soft", 0.1, closure="paper")),
-    "ageing (cells.py)": Contacts(gaussian(0.5, 0.05), ageing=Ageing(gaussian(1.0, 0.05), 0.05)),
-    "grains (changing.py)": Contacts(growing_grains(1.0, 1.0, age=4.0)),
-    "strengthening (changing.py)": Contacts(GROWING),
-    "strengthening, heat (changing.py)": Contacts(GROWING, thermal=HEAT),
-}
-
-
-@pytest.mark.parametrize("name", MEMORIES)
-def test_on_a_stiff_spring_each_memory_tells_the_force_of_a_rigid_slider(name: str) -> None:
-    """Steps in time beside panels of time, on the way that the slider has gone, straight from point to point."""
-    contacts = MEMORIES[name]
-    times = np.array([0.6, 1.0, 1.6]) * contacts.mean_threshold
-    sprung = master.solve(contacts, times, 3e-3, spring=1e5)
-    assert sprung.success, sprung.message
-    rigid = master.solve(contacts, sprung.position, 1e-5, time=times)
-    assert rigid.success, rigid.message
-    assert np.abs(sprung.force - rigid.force).max() < 1e-5 * contacts.mean_threshold
-
-
-def test_contacts_that_are_left_out_while_they_hold_name_themselves(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(
+    ("rate", "first"),
+    [(0.0, 1e-6), (3.0, np.inf), (3.0, 1e-3), (3.0, 50.0), (1e-12, 1e-3)],
+    ids=["hold", "move", "move, quick first", "move, slow", "hardly moves"],
+)
+def test_steps_of_time_are_uniform_and_logarithmic_and_lead_back_to_their_times(
+    rate: float, first: float
 ) -> None:
-    """Cohorts go as soon as less than 0.3 of them holds: their number would be made up by births."""
-    monkeypatch.setattr("master.soft.in_time.contacts.DEAD", 0.3)
-    found = master.solve(CASES["heat"], [2.0], 1e-3, velocity=VELOCITY, spring=SPRING)
-    assert not found.success and "was left out while it held" in found.message
-
-
-def test_breaks_that_are_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Half of the breaks are forgotten as a step is taken: more have formed and not broken than hold."""
-    true = BreaksInSteps.add
-    monkeypatch.setattr(BreaksInSteps, "add", lambda of, now, breaks: true(of, now, 0.5 * breaks))
-    found = master.solve(CASES["delay"], [1.0], 1e-3, velocity=VELOCITY, spring=SPRING)
-    assert not found.success and "number is not conserved: after t = " in found.message
+    begin, end = 2.0, 12.0
+    count, times = StepCount(begin, end, rate, first), np.array([2.0, 2.001, 2.5, 7.0, 12.0])
+    folds = CONTROL.per_e_fold_of_move if rate else CONTROL.per_e_fold_of_hold
+    folds = folds if first < end - begin else 0.0
+    steps = np.array([count.steps(t) for t in times])
+    later = times - begin
+    np.testing.assert_allclose(steps, rate * later + folds * np.log1p(later / first), rtol=1e-12)
+    back = [count.time(many) for many in steps]
+    np.testing.assert_allclose(back, times, rtol=1e-9)
+    assert count.time(2.0 * steps[-1]) == end
 
 
 def test_births_follow_from_the_breaks_one_delay_before() -> None:
@@ -145,3 +109,60 @@ def test_the_cell_of_the_least_threshold_that_holds_is_continued_along_its_barri
     ]
     assert abs(found[0] - shares @ means) < 1e-8
     assert abs(force[0] - stretch * found[0]) < 1e-15
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force(name: str) -> None:
+    solved = master.solve(CASES[name], [1.0], 1e-4, velocity=VELOCITY, spring=SPRING)
+    assert solved.success, solved.message
+    assert not solved.slips.drive.size
+    coarse, middle, fine = (
+        pulled(CASES[name], SPRING, VELOCITY, 1.0, steps)[-1] for steps in (16, 32, 64)
+    )
+    assert abs(np.log2((coarse - middle) / (middle - fine)) - 2.0) < 0.2
+    limit = fine + (fine - middle) / 3.0
+    assert abs(limit - solved.force[0]) < solved.force_error + OF_CELLS
+
+
+# contacts by what their memory keeps, with its file
+GROWING = strengthening(WIDE, 0.2, 1.0, age=0.5)
+MEMORIES = {
+    "breaks alone (breaks.py)": Contacts(WIDE, delay=Delay(0.25)),
+    "heat (threshold_cells.py)": Contacts(WIDE, thermal=HEAT),
+    "heat, re-forming behind (contacts.py)": Contacts(WIDE, thermal=HEAT, reforming=-0.1),
+    "heat, linked stiffness (threshold_cells.py)": Contacts(WIDE, thermal=HEAT, stiffness="linked"),
+    "one mean rate (memory.py)": Contacts(WIDE, thermal=Thermal("soft", 0.1, closure="paper")),
+    "ageing (cells.py)": Contacts(gaussian(0.5, 0.05), ageing=Ageing(gaussian(1.0, 0.05), 0.05)),
+    "grains (changing.py)": Contacts(growing_grains(1.0, 1.0, age=4.0)),
+    "strengthening (changing.py)": Contacts(GROWING),
+    "strengthening, heat (changing.py)": Contacts(GROWING, thermal=HEAT),
+}
+
+
+@pytest.mark.parametrize("name", MEMORIES)
+def test_on_a_stiff_spring_each_memory_tells_the_force_of_a_rigid_slider(name: str) -> None:
+    """Steps in time beside panels of time, on the way that the slider has gone, straight from point to point."""
+    contacts = MEMORIES[name]
+    times = np.array([0.6, 1.0, 1.6]) * contacts.mean_threshold
+    sprung = master.solve(contacts, times, 3e-3, spring=1e5)
+    assert sprung.success, sprung.message
+    rigid = master.solve(contacts, sprung.position, 1e-5, time=times)
+    assert rigid.success, rigid.message
+    assert np.abs(sprung.force - rigid.force).max() < 1e-5 * contacts.mean_threshold
+
+
+def test_contacts_that_are_left_out_while_they_hold_name_themselves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Cohorts go as soon as less than 0.3 of them holds: their number would be made up by births."""
+    monkeypatch.setattr("master.soft.in_time.contacts.DEAD", 0.3)
+    found = master.solve(CASES["heat"], [2.0], 1e-3, velocity=VELOCITY, spring=SPRING)
+    assert not found.success and "was left out while it held" in found.message
+
+
+def test_breaks_that_are_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of the breaks are forgotten as a step is taken: more have formed and not broken than hold."""
+    true = BreaksInSteps.add
+    monkeypatch.setattr(BreaksInSteps, "add", lambda of, now, breaks: true(of, now, 0.5 * breaks))
+    found = master.solve(CASES["delay"], [1.0], 1e-3, velocity=VELOCITY, spring=SPRING)
+    assert not found.success and "number is not conserved: after t = " in found.message
