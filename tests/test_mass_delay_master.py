@@ -10,11 +10,12 @@ from scipy.integrate import solve_ivp
 import master
 import origins
 from master.soft.inertia.delayed.cohorts import Cohorts
-from master.soft.inertia.delayed.collocation import Collocation, Machine, Solved, State
+from master.soft.inertia.delayed.collocation import Collocation, Machine, Missed, Solved, State
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.foretold import slip_time
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, PLACES, TimePanel
 from master.soft.inertia.delayed.panel_births import PanelBirths
+from master.soft.inertia.delayed.panels import Part
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.survival import Survival
 
@@ -132,6 +133,70 @@ def test_contacts_born_on_a_panel_hold_and_pull_as_exponential_thresholds_do(way
         off.append([np.abs(breaks).max(), np.abs(solved.panel.nodes(FORCE) - pull).max()])
     np.testing.assert_allclose(np.log2(np.divide(*off)), [3.0, 4.0], atol=0.2)
     assert max(off[1]) < 1e-6
+
+
+def uneven_panel() -> tuple[TimePanel, np.ndarray]:
+    """A panel on which X = 40 (z + z²), with z from 0 to 1, and births at the rate 0.2 + 0.3 z + 0.1 z⁴."""
+    places = 40.0 * (PLACES + PLACES**2)
+    panel = TimePanel.through(3.0, 0.5, np.stack([places, 0.0 * PLACES, 0.0 * PLACES]))
+    return panel, 0.2 + 0.3 * NODES + 0.1 * NODES**4
+
+
+def test_births_on_a_part_of_a_panel_come_at_the_rate_of_the_whole() -> None:
+    whole, rate = uneven_panel()
+    part = Part(whole.cut(3.2), Solved(whole, rate, Missed(0.0, 0.0, 0.0, 0.0), fast=False))
+    z = 0.4 * NODES
+    np.testing.assert_allclose(part.birth_rate, 0.2 + 0.3 * z + 0.1 * z**4, rtol=1e-12)
+    assert part.panel.integral(part.birth_rate) == pytest.approx(
+        0.5 * (0.2 * 0.4 + 0.15 * 0.4**2 + 0.02 * 0.4**5), rel=1e-12
+    )
+
+
+def test_contacts_born_at_one_place_count_there_as_their_mean() -> None:
+    """As many, and as far behind the slider in the mean, as where each counts by itself."""
+    contacts = Cohorts.at_start(origins.Contacts(WIDE), Survival(WIDE))
+    panel, rate = uneven_panel()
+    each, together = (contacts.after(panel, rate, least) for least in (0.0, np.inf))
+    assert together.born.size == 1 and each.born.size == NODES.size
+    assert together.weight[0] == pytest.approx(each.weight.sum(), rel=1e-14)
+    assert together.born[0] == pytest.approx(each.weight @ each.born / each.weight.sum(), rel=1e-14)
+
+
+@pytest.mark.parametrize("speed", [50.0, 200.0])
+def test_contacts_that_form_and_break_on_a_panel_hold_as_many_as_a_quadrature_says(
+    speed: float,
+) -> None:
+    """At a steady speed with births that rise evenly: what FastSliding leaves out is then 0, but for its tables."""
+    sliding, width, rise = FastSliding(WIDE), 0.5, 0.7
+    rate = 0.2 + rise * NODES
+    travel = speed * width * NODES
+    found = sliding.at(travel, rate, np.full(NODES.size, speed), width)
+    at, weight = np.polynomial.legendre.leggauss(400)
+    for node, u in enumerate(travel):
+        y = 0.5 * min(u, 3.0) * (at + 1.0)  # none holds beyond 3
+        births = (rate[node] - rise / width * y / speed) / speed * 0.5 * min(u, 3.0) * weight
+        assert found.holding[node] == pytest.approx(births @ WIDE.sf(y), rel=1e-5)
+        assert found.force[node] == pytest.approx(births @ (y * WIDE.sf(y)), rel=1e-5)
+
+
+@pytest.mark.parametrize("end", [3.5, 3.2])
+def test_contacts_left_behind_on_a_fast_panel_are_those_born_on_its_last_thresholds(
+    end: float,
+) -> None:
+    """Of a whole panel, and of a part: births by X are their rate over the speed."""
+    whole, rate = uneven_panel()
+    panel, sliding = whole.cut(end), FastSliding(WIDE)
+    places, share = sliding.born(panel, whole, rate, 0.0)
+    last = 40.0 * (2.0 * (end - 3.0) + (2.0 * (end - 3.0)) ** 2)
+    at, weight = np.polynomial.legendre.leggauss(400)
+    back = 0.5 * sliding.passage * (at + 1.0)
+    z = np.sqrt(0.25 + (last - back) / 40.0) - 0.5
+    births = (0.2 + 0.3 * z + 0.1 * z**4) * 0.5 / (40.0 * (1.0 + 2.0 * z))
+    births *= 0.5 * sliding.passage * weight
+    assert share.sum() == pytest.approx(births.sum(), rel=1e-9)
+    assert share @ (last - places) == pytest.approx(births @ back, rel=1e-9)
+    pull = (last - places) * WIDE.sf(last - places)
+    assert share @ pull == pytest.approx(births @ (back * WIDE.sf(back)), rel=1e-6)
 
 
 @pytest.mark.parametrize(

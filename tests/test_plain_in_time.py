@@ -10,6 +10,9 @@ from plain_in_time import pulled
 
 import master
 from master.soft.in_time.breaks import BreaksInSteps
+from master.soft.in_time.cells import Cells
+from master.soft.in_time.extrapolation import read
+from master.soft.in_time.slider import Node
 from master.soft.in_time.steps import CONTROL, StepCount
 from master.soft.in_time.threshold_cells import ThresholdCells
 from origins import Ageing, Contacts, Delay, Thermal, gaussian, growing_grains, strengthening
@@ -109,6 +112,32 @@ def test_the_cell_of_the_least_threshold_that_holds_is_continued_along_its_barri
     ]
     assert abs(found[0] - shares @ means) < 1e-8
     assert abs(force[0] - stretch * found[0]) < 1e-15
+
+
+def test_cells_of_thresholds_lose_those_that_a_jump_meets_and_those_that_heat_breaks() -> None:
+    """Thresholds that hardly age: what holds is the survival of P_c, or the mean of e^(-h t) over it, by quadrature."""
+    law, spread = gaussian(1.0, 0.05), Ageing(gaussian(1.0, 0.05), 1e-12)
+    cells = Cells(Contacts(law, ageing=spread), resolution=3, fastest=1.0)
+    begin, end = np.array([0.0, 0.3, 0.3]), np.array([1.02, -1.02, 0.3])
+    held = cells.stepped(cells.fresh(begin), begin, end, 0.0).sum(axis=1)
+    np.testing.assert_allclose(held, [law.sf(1.02), law.sf(1.02), 1.0], atol=1e-4)
+    warm = Cells(Contacts(law, ageing=spread, thermal=HEAT), resolution=3, fastest=1.0)
+    at, duration = np.array([0.4]), 0.1
+    threshold = law.ppf((np.arange(20_000) + 0.5) / 20_000)
+    exact = np.exp(-HEAT.rates.rate(0.4, threshold, 1.0) * duration).mean()
+    held = warm.stepped(warm.fresh(at), at, at, duration).sum(axis=1)
+    assert held[0] == pytest.approx(exact, abs=1e-5) and exact < 0.999
+
+
+def test_forces_are_read_between_the_ends_of_steps_and_behind_a_slip() -> None:
+    """F = 3 t - t³ up to a slip at t = 1, whose steps grow, and t - 1 after it."""
+    sizes = np.linspace(0.0, 1.0, 9)
+    before = [Node(size, size**2, 3.0 * size**2 - size**6, 1.0 - size, 0.0) for size in sizes]
+    after = [Node(size, 1.0 + size, size, size, 0.0) for size in sizes]
+    at = np.array([0.0, 0.1, 0.64, 0.999, 1.0, 1.3, 2.0])
+    force, holding = read([before, after], at)
+    np.testing.assert_allclose(force, np.where(at < 1.0, 3.0 * at - at**3, at - 1.0), atol=1e-4)
+    np.testing.assert_allclose(holding, np.where(at < 1.0, 1.0 - np.sqrt(at), at - 1.0), atol=1e-8)
 
 
 @pytest.mark.parametrize("name", CASES)
