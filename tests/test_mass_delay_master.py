@@ -304,10 +304,23 @@ def test_identical_contacts_by_hand() -> None:
             t, state = float(run.t[-1]), run.y[:, -1].tolist()
         formed = state[0]
     contacts = delayed(delay, origins.identical(1.0))
-    found = solve(contacts, path, 1e-8, spring=spring, mass=mass, damping=damping)
-    assert found.success, found.message
-    assert found.slips.drive.size == 2
-    np.testing.assert_allclose(found.position, hand, atol=1e-7)
+    for way in (1.0, -1.0):
+        found = solve(contacts, way * path, 1e-8, spring=spring, mass=mass, damping=damping)
+        assert found.success, found.message
+        assert found.slips.drive.size == 2
+        np.testing.assert_allclose(found.position, way * hand, atol=1e-7)
+
+
+def test_a_slider_that_is_pulled_back_does_the_same_backwards() -> None:
+    """With a drive that turns, and contacts that begin stretched, which meet the ends of P_c on either side."""
+    path, machine = np.append(np.linspace(0.3, 2.5, 12), [2.0, 1.0]), {"mass": 0.2, "damping": 0.3}
+    law, delay, found = origins.rectangular(0.5, 1.5), origins.Delay(0.3), []
+    for way in (1.0, -1.0):
+        contacts = origins.Contacts(law, start=0.1 * way, delay=delay)
+        found.append(solve(contacts, way * path, 1e-3, spring=0.5, **machine))
+        assert found[-1].success, found[-1].message
+    np.testing.assert_allclose(found[1].force, -found[0].force, atol=1e-9)
+    np.testing.assert_allclose(found[1].holding, found[0].holding, atol=1e-9)
 
 
 def test_a_short_delay_is_like_none() -> None:
