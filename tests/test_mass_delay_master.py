@@ -9,8 +9,10 @@ from scipy.integrate import solve_ivp
 
 import master
 import origins
+from master.motion import Motion
 from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Collocation, Machine, Missed, Solved, State
+from master.soft.inertia.delayed.drive_path import DrivePath
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.foretold import slip_time
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, PLACES, TimePanel
@@ -49,6 +51,12 @@ def test_births_are_the_breaks_one_delay_before() -> None:
     np.testing.assert_allclose([past.born_on_panels(t) for t in times], one_by_one, atol=1e-15)
     assert [past.birth_rate(t) for t in (0.2, 1.0, 1.9, 2.7)] == pytest.approx([0.0, 0.3, 0.0, 0.1])
     assert past.next_birth(0.1, 0.2) == 0.5 and past.next_birth(1.6, 0.005) == 2.5
+    # those that break together form together, first those that broke first
+    past.add_lump(3.0, 0.2)
+    past.add_lump(3.1, 0.05)
+    assert past.holding(0.0, 0.0) == pytest.approx(0.75) and past.next_lump == 3.5
+    assert past.form_lump() == 0.2 and past.next_lump == 3.6
+    assert past.holding(0.0, 0.0) == pytest.approx(0.95)
 
 
 def test_births_have_a_kink_after_each_delay() -> None:
@@ -133,6 +141,33 @@ def test_contacts_born_on_a_panel_hold_and_pull_as_exponential_thresholds_do(way
         off.append([np.abs(breaks).max(), np.abs(solved.panel.nodes(FORCE) - pull).max()])
     np.testing.assert_allclose(np.log2(np.divide(*off)), [3.0, 4.0], atol=0.2)
     assert max(off[1]) < 1e-6
+
+
+def test_contacts_at_an_exact_threshold_are_as_far_from_it_as_their_stretch_leaves() -> None:
+    one = origins.identical(1.0)
+    contacts = Cohorts.at_start(delayed(1.0, one), Survival(one)).moved(0.3)
+    assert contacts.reach(0.3, 1, 1e-12, 1e-6) == pytest.approx(0.7, abs=1e-15)
+    assert contacts.reach(0.3, -1, 1e-12, 1e-6) == pytest.approx(1.3, abs=1e-15)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_contacts_reach_as_far_as_breaks_take_some_force_at_most(way: int) -> None:
+    """They have been at 0.6, and are at 0.45: backwards they are as strong, and forwards weak from 0.6 on."""
+    contacts, least = Cohorts.at_start(delayed(1.0), Survival(WIDE)).moved(0.6).moved(0.45), 1e-3
+    far = contacts.reach(0.45, way, 1e-4, least)
+    x = 0.45 + way * far * np.array([1.0, 1.2])
+    lost = np.abs(x) * (WIDE.sf(0.6) - WIDE.sf(np.maximum(np.abs(x), 0.6)))
+    assert lost[0] <= least < lost[1]
+
+
+def test_a_drive_that_rests_keeps_its_way() -> None:
+    positions = np.array([0.0, 0.0, 1.0, 1.0, 0.5, 0.5])
+    drive, ways = DrivePath(Motion(np.arange(6.0), positions)), []
+    while not drive.over:
+        ways.append(drive.way)
+        assert drive.at(drive.leg_end) == pytest.approx(positions[drive.leg + 1])
+        drive.next_leg()
+    assert ways == [1, 1, 1, -1, -1]
 
 
 def uneven_panel() -> tuple[TimePanel, np.ndarray]:

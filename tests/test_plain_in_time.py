@@ -7,13 +7,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from plain_in_time import pulled
+from scipy.optimize import brentq
 
 import master
+from master.motion import Motion
 from master.soft.in_time.breaks import BreaksInSteps
 from master.soft.in_time.cells import Cells
+from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.extrapolation import read
+from master.soft.in_time.memory import ThresholdMemory
 from master.soft.in_time.slider import Node
-from master.soft.in_time.steps import CONTROL, StepCount
+from master.soft.in_time.slip_begins import SlipBegins
+from master.soft.in_time.steps import CONTROL, StepCount, Steps
 from master.soft.in_time.threshold_cells import ThresholdCells
 from origins import Ageing, Contacts, Delay, Thermal, gaussian, growing_grains, strengthening
 
@@ -127,6 +132,27 @@ def test_cells_of_thresholds_lose_those_that_a_jump_meets_and_those_that_heat_br
     exact = np.exp(-HEAT.rates.rate(0.4, threshold, 1.0) * duration).mean()
     held = warm.stepped(warm.fresh(at), at, at, duration).sum(axis=1)
     assert held[0] == pytest.approx(exact, abs=1e-7) and exact < 0.999
+
+
+@pytest.mark.parametrize("spring", [1e-3, 0.3, 1.0])
+def test_a_slip_begins_where_the_load_is_largest(spring: float) -> None:
+    """Broken contacts stay out: F = X S(X), and the load F + K X is largest where F' = -K."""
+    contacts, end = Contacts(WIDE, delay=Delay(1e9)), 2.0 + 2.0 / spring
+    cohorts = ContactsInSteps(contacts, ThresholdMemory(contacts, 0), 0, np.inf)
+    steps = Steps(cohorts, spring, Motion(np.array([0.0, end]), np.array([0.0, end])))
+    search, slips, size = SlipBegins(steps), False, 0.25
+    steps.begin(0, end)
+    while not slips and cohorts.steps < 100:
+        trial, slips = search.up_to_slip(size)
+        cohorts.take(trial)
+
+    def rise(x: float) -> float:
+        return float(WIDE.sf(x) - x * WIDE.pdf(x)) + spring
+
+    x = float(brentq(rise, 0.5, 1.0))
+    assert slips, "none was found in 100 steps"
+    assert cohorts.position == pytest.approx(x, abs=1e-3)
+    assert spring * cohorts.now == pytest.approx(x * WIDE.sf(x) + spring * x, abs=1e-8)
 
 
 def test_forces_are_read_between_the_ends_of_steps_and_behind_a_slip() -> None:

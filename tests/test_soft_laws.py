@@ -130,6 +130,17 @@ def test_a_slip_ends_a_hundredth_of_a_threshold_beyond_an_exact_value() -> None:
         assert np.abs(solved.force - force).max() <= solved.force_error < 1e-3
 
 
+def test_a_slip_ends_at_the_first_balance_though_the_spring_would_pull_farther() -> None:
+    """The weak half breaks, and the strong one holds on at F = X/2; beyond it there is no balance before X_T."""
+    halves = origins.mixture([gaussian(0.5, 0.02), gaussian(1.5, 0.05)], [0.5, 0.5])
+    contacts, drive = Contacts(halves, delay=Delay(1.0)), {"spring": 0.05, "slip": "reform-after"}
+    found = master.solve(contacts, [10.2], 1e-3, **drive)
+    assert found.success, found.message
+    assert found.slips.drive.size == 1
+    balance = 0.05 * found.slips.drive[0] / (0.5 + 0.05)
+    assert found.slips.after[0] == pytest.approx(balance, abs=1e-5)
+
+
 def test_a_path_may_end_just_before_a_slip() -> None:
     """There the slider moves ever faster, and no step goes beyond the path's last point."""
     late = Contacts(origins.rectangular(1.0, 1.1), delay=Delay(1e-3))
