@@ -31,5 +31,6 @@ Then the memories: `memory.py` (what a memory is, and thresholds that stay), `th
 the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where
 they age; and `idle_heat.py`, for heat too weak for steps to see. A plain twin: `tests/plain_in_time.py`.
 
-Tests: tests/test_plain_in_time.py for steps, test_soft_laws.py and test_any_spring.py for slips.
+Tests: tests/test_plain_in_time.py for parts by themselves and each memory, in seconds; test_soft_laws.py and
+test_any_spring.py for slips.
 """
