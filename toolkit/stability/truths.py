@@ -31,22 +31,6 @@ def steady(contacts: Contacts, path: Array) -> Truth:
     return Truth(np.full(path.shape, value), 1e-10 * value, "F_k from two moments")
 
 
-def constant_rate(rate: float) -> Callable[[Contacts, Array], Truth]:
-    """Contacts that break at `rate` per mean threshold of the way, whatever their stretch, or at their threshold: the
-    force of steady sliding is the mean of x over exp(-rate x) S(x)."""
-
-    def truth(contacts: Contacts, path: Array) -> Truth:
-        law, unit = contacts.thresholds, contacts.mean_threshold
-        x, weight = np.polynomial.legendre.leggauss(2000)
-        end = min(60.0 / rate, float(law.isf(1e-20)) / unit)
-        x, weight = 0.5 * end * (x + 1.0), 0.5 * end * weight
-        held = weight * np.exp(-rate * x) * law.sf(x * unit)
-        value = float((x * held).sum() / held.sum())
-        return Truth(np.full(path.shape, value), 1e-9 * value, "F_k by quadrature")
-
-    return truth
-
-
 def waiting(delay: float) -> Callable[[Contacts, Array], Truth]:
     """F_k at T = 0 where contacts wait for `delay` mean thresholds of the way: F_k <x_s>/(<x_s> + the wait)."""
 
@@ -78,8 +62,8 @@ def at_rates(passed: Callable[[Array, Array], Array]) -> Callable[[Contacts, Arr
         threshold = threshold[:, None]
         x, w = 0.5 * threshold * (node + 1.0), 0.5 * threshold * weight
         held = density * w * np.exp(-passed(x, threshold))
-        value = float((x * held).sum() / held.sum())
-        return Truth(np.full(path.shape, value), 1e-9 * value, "F_k by quadrature")
+        still = _mean_stretch(x, held)
+        return Truth(np.full(path.shape, still.values), still.error, still.road)
 
     return truth
 
@@ -93,8 +77,7 @@ def grown(law: Thresholds, beta: float, speed: float) -> Truth:
         end = float(law.isf(1e-20)) / unit * (1.0 + beta * np.log1p(end / speed))
     x, w = _stretched(node, weight, 0.0, end)
     held = w * law.sf(x * unit / (1.0 + beta * np.log1p(x / speed)))
-    value = float((x * held).sum() / held.sum())
-    return Truth(value, 1e-9 * value, "F_k by quadrature")
+    return _mean_stretch(x, held)
 
 
 def before_breaks(
@@ -117,6 +100,12 @@ def before_breaks(
     x = (speed * time - shift + swing).real
     floor = 1e-15 * (1.0 + spring * time.max())
     return Truth(spring * (time - x), floor, "an oscillator, in closed form")
+
+
+def _mean_stretch(x: Array, held: Array) -> Truth:
+    """F_k as the mean of stretches in steady sliding, of which so many contacts hold."""
+    value = float((x * held).sum() / held.sum())
+    return Truth(value, 1e-9 * value, "F_k by quadrature")
 
 
 def _stretched(node: Array, weight: Array, first: float, last: float) -> tuple[Array, Array]:
