@@ -8,6 +8,7 @@ from typing import Any
 
 from origins.contacts import Contacts
 from origins.errors import InputError, refuse
+from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import of_listed_angles, why_infinite
 from toolkit.scene.scene import Scene, make_contacts
 from toolkit.scene.tables import read_table
@@ -17,6 +18,7 @@ READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "perss
 # also compared where the material has a hardness
 PLASTIC_TOO = ("gw/amontons/mixed", "gw/strength/mixed", "gw/paper/mixed")
 LAWS, REGIMES = ("amontons", "strength", "paper"), ("elastic", "plastic", "mixed")
+FEW = 0.1  # of the contacts; where fewer are plastic the jump of P_c between regimes is in its tail
 STEPS = (1, 2)  # of the scan's points: twice the distance shows what the resolution decides
 
 
@@ -35,8 +37,8 @@ class Reading:
 
 
 def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
-    """The scene's own reading first, then those of its [verdict] table, or the usual ones of a surface; of an elastic
-    surface if `quick` without those with few plastic summits, whose K* takes seconds.
+    """The scene's own reading first, then those of its [verdict] table, or the usual ones of a surface, if
+    `quick` without mixed ones where few contacts are plastic, as K* takes seconds then.
 
     Thresholds that are no surface's have one reading. A reading for which the material lacks a constant is kept with
     the reason. Raises InputError for readings that are none.
@@ -52,7 +54,7 @@ def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
     own_step = table.get("step", 1) if has_heights else 1
     words = [table["model"], table["law"], table.get("regime", "elastic")]
     own = ("/".join(words).removesuffix("/elastic"), own_step)
-    plastic_too = "hardness" in table["material"] and not (quick and words[2] == "elastic")
+    plastic_too = "hardness" in table["material"] and not (quick and _few_are_plastic(scene))
     usual = READINGS + PLASTIC_TOO * plastic_too
     names = list(usual) if asked is None or asked.readings is None else asked.readings
     steps = sorted({own_step * k for k in STEPS}) if has_heights else [1]
@@ -65,6 +67,12 @@ def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
         if (name, step) != own:
             found.append(_read(scene, given, name, step, _title(name, step, steps)))
     return found
+
+
+def _few_are_plastic(scene: Scene) -> bool:
+    """Whether fewer contacts than FEW are, or would be, plastic in the scene's own reading."""
+    surface = scene.contacts.interface
+    return isinstance(surface, Interface) and (surface.plastic_fraction or 0.0) < FEW
 
 
 def why_late(contacts: Contacts) -> list[str]:
