@@ -143,6 +143,21 @@ def test_contacts_born_on_a_panel_hold_and_pull_as_exponential_thresholds_do(way
     assert max(off[1]) < 1e-6
 
 
+def test_contacts_of_a_wide_start_all_hold_and_pull_by_their_mean_stretch() -> None:
+    """Some are stretched beyond the weakest thresholds, and hold as these are not theirs; moved on, by quadrature."""
+    start = origins.gaussian_start(0.6, 0.2)
+    cohorts = Cohorts.at_start(origins.Contacts(WIDE, start), Survival(WIDE))
+    assert cohorts.unbroken() == pytest.approx(1.0, abs=1e-12)
+    assert cohorts.response(np.zeros(1)).force[0] == pytest.approx(0.6, abs=1e-9)
+    assert cohorts.stored(0.0) == pytest.approx(0.5 * (0.6**2 + 0.2**2), abs=1e-9)
+    at = np.linspace(-1.4, 2.6, 20_001)
+    weight = np.exp(-0.5 * ((at - 0.6) / 0.2) ** 2)
+    holds = weight * WIDE.sf(np.maximum(np.abs(at), np.abs(at + 0.1))) / WIDE.sf(np.abs(at))
+    moved = cohorts.response(np.array([0.1]))
+    assert moved.holding[0] == pytest.approx(holds.sum() / weight.sum(), abs=1e-7)
+    assert moved.force[0] == pytest.approx((at + 0.1) @ holds / weight.sum(), abs=1e-7)
+
+
 def test_contacts_at_an_exact_threshold_are_as_far_from_it_as_their_stretch_leaves() -> None:
     one = origins.identical(1.0)
     contacts = Cohorts.at_start(delayed(1.0, one), Survival(one)).moved(0.3)

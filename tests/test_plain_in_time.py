@@ -10,12 +10,14 @@ from plain_in_time import pulled
 from scipy.optimize import brentq
 
 import master
+import origins
 from master.motion import Motion
 from master.soft.in_time.breaks import BreaksInSteps
 from master.soft.in_time.cells import Cells
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.extrapolation import read
 from master.soft.in_time.memory import ThresholdMemory
+from master.soft.in_time.refining import memory_of
 from master.soft.in_time.slider import Node
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.steps import CONTROL, StepCount, Steps
@@ -192,6 +194,21 @@ MEMORIES = {
     "strengthening (changing.py)": Contacts(GROWING),
     "strengthening, heat (changing.py)": Contacts(GROWING, thermal=HEAT),
 }
+
+
+@pytest.mark.parametrize("name", MEMORIES)
+def test_at_first_and_after_a_reset_all_contacts_hold_and_pull_by_their_mean_stretch(
+    name: str,
+) -> None:
+    """Those of the start are stretched beyond weak thresholds, which are then not theirs."""
+    contacts = MEMORIES[name].replace(start=origins.gaussian_start(0.4, 0.05))
+    cohorts = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
+    assert cohorts.holding == pytest.approx(1.0, abs=1e-12)
+    assert contacts.stiffness == "linked" or cohorts.force == pytest.approx(0.4, abs=1e-6)
+    cohorts.relax()
+    assert cohorts.holding == pytest.approx(1.0, abs=1e-12)
+    formed = 0.0 if contacts.reforming is None else -0.1
+    assert cohorts.force == pytest.approx(formed, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", MEMORIES)
