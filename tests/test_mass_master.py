@@ -92,6 +92,23 @@ def test_energy_is_kept_and_breaks_only_release(damping: float) -> None:
     assert (energy.damped[-1] > 0.01) == (damping > 0.0)
 
 
+def test_a_swing_that_has_faded_to_what_counts_as_rest_is_at_rest() -> None:
+    """By rounding it may be larger by a last digit: the same motion then began again without end."""
+    path, keywords = np.linspace(0.0, 22.0, 23), {"mass": 0.1, "damping": 0.05, "velocity": 0.3}
+    found = master.solve(NARROW, path, 1e-4, spring=0.05, wall_time=60.0, **keywords)
+    assert found.success, found.message
+    count, replicas = 32_000, 16
+    drawn = eq_model.simulate(
+        NARROW, path, spring=0.05, n_contacts=count, n_replicas=replicas, seed=2, **keywords
+    ).slips
+    first = [np.flatnonzero(drawn.replica == each)[0] for each in range(replicas)]
+    late = count ** (-2.0 / 3.0) / 0.05  # finite numbers of contacts slip later by less than this
+    for name, bias in ("drive", late), ("force_before", 0.0), ("top_speed", 0.0):
+        values, known = getattr(drawn, name)[first], getattr(found.slips, name)[0]
+        error = values.std(ddof=1) / replicas**0.5
+        assert abs(values.mean() - known) < 4.0 * error + bias, name
+
+
 def test_identical_contacts_move_as_one() -> None:
     """All break together, so that any number of contacts is infinitely many."""
     contacts, path = origins.Contacts(origins.identical(1.0)), np.linspace(0.2, 6.0, 30)

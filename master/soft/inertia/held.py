@@ -86,7 +86,8 @@ class Held(Body):
         pull, rate = float(self._pull(t)) - shift, self.spring * self._speed
         motion = Oscillation.of(m, g, self.stiff, pull, rate, y, self.w)
         calm = motion.time_until(self.quiet / self.stiff)
-        rests = calm <= 0.0
+        # a time that is lost in rounding would bring the same state again, without end
+        rests = t + calm <= t
         if rests:
             motion = Oscillation.of(m, g, self.stiff, pull, rate, motion.centre, motion.drift)
         end, known = (end, True) if rests or calm > end else (calm, False)
