@@ -17,8 +17,9 @@ def brief(record: Any) -> str:
 
 
 def _short(value: object) -> str:
-    """One field in a few words: of a long array its shape and range, of other values their repr."""
-    if isinstance(value, Mapping | list):
+    """One field in a few words: of a long array its shape and range, of a mapping its keys, of other values their
+    repr."""
+    if isinstance(value, list):
         return f"<{len(value)}>" if value else "<none>"
     if isinstance(value, np.ndarray) and value.size > _FEW:
         shape = "x".join(map(str, value.shape))
@@ -26,5 +27,7 @@ def _short(value: object) -> str:
         reach = f"from {known.min():.6g} to {known.max():.6g}" if known.size else value.dtype
         return f"<{shape} {reach}>"
     text = " ".join(repr(value).split())
-    cut = isinstance(value, str) and len(text) > _LONGEST
+    if isinstance(value, Mapping):
+        text = f"<{', '.join(map(str, value)) or 'none'}>"
+    cut = isinstance(value, str | Mapping) and len(text) > _LONGEST
     return f"{text[: _LONGEST - 3]}..." if cut else text

@@ -125,6 +125,8 @@ def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:
     line = master.phase_line(contacts, temperature=0.1, delay=0.05)
     assert found.critical_spring[1, 0] == line.critical_spring
     same_bits(toolkit.load("out").sweep, found)
+    assert found.kelvin is None and not hasattr(found, "colour")
+    assert "columns=<velocity, force, " in repr(found) and {"delay", "force"} <= set(dir(found))
     head, *lines = Path("out/sweep.csv").read_text().splitlines()
     assert head.startswith("velocity [length / time],force [length],force_error [<x_s>],holding,")
     table = np.array([line.split(",") for line in lines], dtype=float)
