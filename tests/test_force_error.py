@@ -37,6 +37,7 @@ FIRST = int(os.environ.get("FORCE_ERROR_FIRST", "0"))
 DENSE = 400  # points of a path at which errors are looked for
 SPARSE = {"pulled", "pulled_with_laws", "older_in_time"}  # not there: they take long
 FINER = 0.05  # of what these claim, for a reference where the older version has none: a thousandth takes hours
+FINEST = 1e-11  # tolerance of a reference: at times of 1e5 their rounding alone makes 1e-12
 MISSED = 0.01  # of the scenes may be off by more than they claim
 NEAR = 30.0  # times the true error, or round-off: half of the claims are no larger
 
@@ -73,9 +74,9 @@ def question(asked: Given) -> Question:
         values = np.nan_to_num(values)
         if np.isfinite(errors).any() and asked.kind in SPARSE:
             return Truth(np.tile(values, 2), np.tile(errors, 2), "ee6a1b9")
-        finest = min(1e-3 * tolerance, max(0.2 * claimed[0], 1e-12))
+        finest = min(1e-3 * tolerance, max(0.2 * claimed[0], FINEST))
         if asked.kind in SPARSE:
-            finest = max(FINER * min(tolerance, claimed[0]), 1e-12)
+            finest = max(FINER * min(tolerance, claimed[0]), FINEST)
         finer = master.solve(contacts, path, finest, **drive)
         errors = np.append(errors, np.full(path.size, finer.force_error))
         return Truth(np.append(values, finer.force / mean), errors, "ee6a1b9; tighter tolerance")
