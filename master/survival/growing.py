@@ -22,7 +22,7 @@ from copy import copy
 import numpy as np
 
 from master.motion import History, Motion
-from master.numerics.averages import integrals_above
+from master.numerics.averages import FROM_HALF, HALF_OF_NODES, integrals_above
 from master.numerics.polynomials import Rows
 from master.survival.changing import ChangingLife
 from master.survival.life import MARGIN, Survivors
@@ -39,14 +39,16 @@ HAZARDS = np.array([0.0, 0.25, 4.0, LARGEST_HAZARD])
 # time: errors are about the square. The second where thresholds do not begin at 0: heat then breaks contacts within a
 # narrow band of thresholds, and to the first errors of 1e-8 would make tables rough (measured).
 COEFFICIENT_LIMIT, LIMIT_OF_BAND = 1e-6, 1e-7
-# Of the tolerance: such coefficients on a path that is asked for to a looser one, and the largest. Errors are then a
-# thousandth of the tolerance and less (measured).
-OF_TOLERANCE, LOOSEST = 0.1, 1e-4
+# Of the tolerance: such coefficients on a path that is asked for to a looser one, and the largest. Larger ones make
+# tables rough, and cost 100 times the look-ups (measured).
+OF_TOLERANCE, LOOSEST = 1e-3, 1e-6
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
-WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 1000
+WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 500
 # Part of a contact's age, in the logarithm of time, from which on a leg is told apart from none; and the least.
 SHORTEST, TINY = 1e-14, 1e-200
+# ln A at which e^-A is 0 in floating point.
+LOG_OF_BROKEN = 7.0
 # Largest hazard lost right after pinning: the survival e^-300 is close to underflow.
 MOST_LOST = 300.0
 
@@ -80,12 +82,8 @@ class GrowingLife(ChangingLife):
         """See ChangingLife."""
         life = cls(contacts, float(motion.times[-1]))
         # with looser limits tables of grains are rough, and never fine enough
-        if life._growing.begins_at_0:
-            return life
-        loosest = min(OF_TOLERANCE * tolerance, LOOSEST)
-        life._limit = max(life._limit, loosest)
-        if contacts.thermal is not None:
-            life.coefficient_limit = max(life.coefficient_limit, loosest)
+        if not life._growing.begins_at_0:
+            life._limit = max(life._limit, min(OF_TOLERANCE * tolerance, LOOSEST))
         return life
 
     @classmethod
@@ -159,9 +157,12 @@ class GrowingLife(ChangingLife):
         rate_errors = [0.0]
 
         def survival(row: Rows, hazard: Array) -> Array:
-            integrated, error = self._integrated_rate(hazard, stretch[row], pinned_for[row])
+            # A takes long, and ln A is much smoother than e^-A: half of the nodes tell it
+            some = hazard[:, HALF_OF_NODES]
+            integrated, error = self._integrated_rate(some, stretch[row], pinned_for[row])
             rate_errors.append(error)
-            return np.exp(worst[row, None] - hazard - integrated)[None]
+            log = np.log(np.maximum(integrated, TINY)) @ FROM_HALF
+            return np.exp(worst[row, None] - hazard - np.exp(np.minimum(log, LOG_OF_BROKEN)))[None]
 
         ends = worst[:, None] + HAZARDS
         found = integrals_above(survival, worst, ends, True, self._limit)
