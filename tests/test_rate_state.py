@@ -333,13 +333,40 @@ def test_bad_input_is_refused_in_a_line() -> None:
             master.rate_state(contacts, **given)
 
 
-@pytest.mark.slow
-def test_heat_and_strengthening_of_a_rough_surface_are_refused_after_the_first_steps() -> None:
-    """Their steps take more work than is allowed; smaller steps, other speeds and rests are not begun."""
-    scene, begun = load_scene("rate-state-weakening"), list[str]()
-    contacts = scene.contacts.replace(thermal=Thermal("eyring", width=0.01, attempt_frequency=1e10))
-    with pytest.raises(InputError, match=r"known to .* times its change only, .* eq_model"):
-        master.rate_state(contacts, scene.sliding, rests=[1.0], progress=begun.append)
+@pytest.mark.slow  # some 40 s
+def test_heat_and_strengthening_of_a_rough_surface_step_as_single_contacts_do() -> None:
+    """The scene rate-state with thresholds that strengthen, too: numbers of the page, and a step by the ensemble."""
+    scene = load_scene("rate-state")
+    contacts = scene.contacts.replace(
+        thresholds=strengthening(scene.contacts.thresholds, 0.03, 1e-4)
+    )
+    found = master.rate_state(contacts, scene.sliding, decades=0)
+    assert found.success
+    coefficient = scene.scale.force / (scene.scale.load or 1.0)
+    assert found.a.value * coefficient == pytest.approx(0.0123, abs=5e-5)
+    assert found.b.value * coefficient == pytest.approx(0.0074, abs=5e-5)
+    assert found.slip_distance.value == pytest.approx(4.66e-9, abs=1e-11)
+    step = found.steps[0]
+    some = np.searchsorted(
+        step.slip, contacts.mean_threshold * np.array([0.03, 0.1, 0.3, 0.6, 1.2])
+    )
+    begin = 8.0 * contacts.mean_threshold
+    path = begin + np.append(0.0, step.slip[some])
+    times = begin / step.before + (path - begin) / step.after
+    single = eq_model.simulate(contacts, path, time=times, n_contacts=400_000, seed=11)
+    solved = np.append(step.steady_before, step.force[some])
+    off = (single.force - solved) / np.hypot(single.force_standard_error, step.error)
+    assert np.abs(off).max() < 4.0
+    assert np.ptp(solved) > 20.0 * single.force_standard_error.max()
+
+
+def test_steps_that_change_the_force_by_less_than_its_error_are_refused() -> None:
+    """Neither smaller steps nor other speeds and rests are begun."""
+    begun = list[str]()
+    hardly = Thermal("eyring", width=1e-4)
+    contacts = Contacts(strengthening(gaussian(1.0, 0.2), 1e-5, 1.0), thermal=hardly)
+    with pytest.raises(InputError, match=r"changes by .*, and its error is .* eq_model"):
+        master.rate_state(contacts, 1e-3, rests=[1.0], progress=begun.append)
     assert begun == ["velocity steps"]
 
 

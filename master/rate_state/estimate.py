@@ -47,7 +47,7 @@ def rate_state(
     rests : times at rest, shape (n,), before the slider goes on at v; None: none.
     decades : to either side of v, over which is looked where the numbers are constant; 0: nowhere.
     tolerance : of forces, in mean thresholds; after rests ten times this. Of contacts with heat whose thresholds grow
-        1e-3 at least, as a step takes half a minute to that.
+        1e-3 at least, as a step takes 5 to 40 s to that.
     progress : called with a word on what begins.
     known : called once, after the steps at v, with a function that gives what is known when it is called, for a caller
         who is interrupted: speeds that were not reached are NaN, such rests are left out, and `success` is False.
@@ -57,7 +57,7 @@ def rate_state(
 
     Raises InputError for contacts whose force does not depend on time, as `solve` and `kinetic_curve` do, and for
     numbers outside these ranges; and for contacts with heat whose thresholds grow where the first steps, of a minute or
-    two, are not known, as on rough surfaces.
+    two, change the force by less than its error.
     """
     began = time.perf_counter()
     check_contacts(contacts, "master.rate_state", LAWS, own_rates=True)
@@ -136,12 +136,12 @@ def rate_state(
 def _check_known(steps: Sequence[VelocityStep]) -> None:
     """Raise InputError where the error of the force is above its change, before minutes of work on smaller steps, other
     speeds and rests, which are then known no better."""
-    change = max(min(float(np.ptp(one.force)) for one in steps), 1e-300)
+    change = min(float(np.ptp(one.force)) for one in steps)
     if steps[0].error > change:
+        known = f"known to {SLOW_TOLERANCE:g} mean thresholds, and less well where that takes too much work"
         raise InputError(
-            f"contacts: the force after a step is known to {steps[0].error / change:.2g} times its change only, as "
-            "heat and strengthening together of such wide thresholds take too much work; kinetic_curve gives F_k, and "
-            "eq_model.simulate follows steps, or take a gaussian"
+            f"contacts: the force changes by {change:.1e} after a step, and its error is {steps[0].error:.1e}: heat "
+            f"and strengthening together are {known}; kinetic_curve gives F_k, and eq_model.simulate follows steps"
         )
 
 

@@ -44,7 +44,7 @@ COEFFICIENT_LIMIT, LIMIT_OF_BAND = 1e-6, 1e-7
 OF_TOLERANCE, LOOSEST = 1e-3, 1e-6
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
-WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 500
+WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 250
 # Part of a contact's age, in the logarithm of time, from which on a leg is told apart from none; and the least.
 SHORTEST, TINY = 1e-14, 1e-200
 # ln A at which e^-A is 0 in floating point.
