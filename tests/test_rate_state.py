@@ -360,6 +360,7 @@ def test_heat_and_strengthening_of_a_rough_surface_step_as_single_contacts_do() 
     assert np.ptp(solved) > 20.0 * single.force_standard_error.max()
 
 
+@pytest.mark.slow
 def test_steps_that_change_the_force_by_less_than_its_error_are_refused() -> None:
     """Neither smaller steps nor other speeds and rests are begun."""
     begun = list[str]()
