@@ -39,8 +39,8 @@ HAZARDS = np.array([0.0, 0.25, 4.0, LARGEST_HAZARD])
 # time: errors are about the square. The second where thresholds do not begin at 0: heat then breaks contacts within a
 # narrow band of thresholds, and to the first errors of 1e-8 would make tables rough (measured).
 COEFFICIENT_LIMIT, LIMIT_OF_BAND = 1e-6, 1e-7
-# Of the tolerance: such coefficients on a path that is asked for to a looser one, and the largest. Larger ones make
-# tables rough, and cost 100 times the look-ups (measured).
+# Of the tolerance: such coefficients on a path that is asked for to above 1e-4, with A at half of the nodes; and the
+# largest. Larger ones make tables rough, and cost 100 times the look-ups (measured).
 OF_TOLERANCE, LOOSEST = 1e-3, 1e-6
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
@@ -74,6 +74,7 @@ class GrowingLife(ChangingLife):
             self.pair_work = WARM_WORK
             self.coefficient_limit = WARM_COEFFICIENT_LIMIT
         self._limit = COEFFICIENT_LIMIT if growing.begins_at_0 else LIMIT_OF_BAND
+        self._at_half = False  # whether A is asked for at half of the nodes of sums over quantiles
 
     @classmethod
     def made(
@@ -82,8 +83,9 @@ class GrowingLife(ChangingLife):
         """See ChangingLife."""
         life = cls(contacts, float(motion.times[-1]))
         # with looser limits tables of grains are rough, and never fine enough
-        if not life._growing.begins_at_0:
-            life._limit = max(life._limit, min(OF_TOLERANCE * tolerance, LOOSEST))
+        limit = min(OF_TOLERANCE * tolerance, LOOSEST)
+        if limit > life._limit and not life._growing.begins_at_0:
+            life._limit, life._at_half = limit, True
         return life
 
     @classmethod
@@ -157,12 +159,13 @@ class GrowingLife(ChangingLife):
         rate_errors = [0.0]
 
         def survival(row: Rows, hazard: Array) -> Array:
-            # A takes long, and ln A is much smoother than e^-A: half of the nodes tell it
-            some = hazard[:, HALF_OF_NODES]
+            some = hazard[:, HALF_OF_NODES] if self._at_half else hazard
             integrated, error = self._integrated_rate(some, stretch[row], pinned_for[row])
             rate_errors.append(error)
-            log = np.log(np.maximum(integrated, TINY)) @ FROM_HALF
-            return np.exp(worst[row, None] - hazard - np.exp(np.minimum(log, LOG_OF_BROKEN)))[None]
+            if self._at_half:  # A takes long, and ln A is smoother than e^-A
+                log = np.log(np.maximum(integrated, TINY)) @ FROM_HALF
+                integrated = np.exp(np.minimum(log, LOG_OF_BROKEN))
+            return np.exp(worst[row, None] - hazard - integrated)[None]
 
         ends = worst[:, None] + HAZARDS
         found = integrals_above(survival, worst, ends, True, self._limit)
