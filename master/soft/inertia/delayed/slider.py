@@ -107,6 +107,7 @@ class DelayedSlider:
             delay = self._body.past.delay
             raise StoppedError(
                 f"stopped in the slip that begins at t = {self._held_at:.6g}: a delay of {delay:g} is so "
-                f"short beside it that contacts break and form too often, on some {panels:.0e} panels of time; "
+                f"short beside it that contacts break and form too often, on some {panels:.0e} panels of time after "
+                f"{tried:,}, of which at most {MOST_PANELS:,} are followed; "
                 "take eq_model.simulate, end the path before, or leave the mass out and give a slip rule"
             )
