@@ -111,7 +111,7 @@ class GrowingThresholds(ChangingThresholds):
         return lambda which, pinned_for: self.threshold_at(hazard[which, None], pinned_for)
 
     def lost_hazard(self, velocity: float) -> float:
-        """Hazard that contacts pass as they pin, if stretched at this speed: those below it never hold."""
+        """Hazard that contacts pass as they pin, if stretched at this speed |dX/dt| >= 0: those below it never hold."""
         return 0.0
 
     def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
@@ -147,6 +147,8 @@ class GrowingThresholds(ChangingThresholds):
         found = self._asked("hazard_at", thresholds, ages)
         if not (exact or np.allclose(found, hazards, rtol=INVERSE)):
             self._refuse("hazard_at at threshold_at(hazard, age) is not that hazard")
+        if not np.allclose(self._asked("hazard_at", -thresholds, ages), found, rtol=INVERSE):
+            self._refuse("hazard_at(-x, age) is not hazard_at(x, age): x has either sign")
         if not (np.diff(thresholds, axis=0) >= 0.0).all():
             self._refuse("threshold_at falls with the age")
         at_start = self.threshold_at(hazards, self.start_pinned_for)

@@ -77,6 +77,10 @@ class ChangingThresholds(TimedLaw, ABC):
         lacking = [name for name in self._to_state if not hasattr(self, name)]
         if lacking:
             self._refuse(f"not set: {', '.join(lacking)}; {self._stated_where}")
+        if not isinstance(self.at_start, Thresholds):
+            self._refuse(
+                "at_start must be a law of origins; write origins.Contacts(law).thresholds"
+            )
 
     @abstractmethod
     def largest_threshold(self, fresh: float, share: float, duration: float) -> float:

@@ -66,7 +66,7 @@ class Cells:
     """Cells above |x|, and the change of their weights, arrays (strands, cells), in time.
 
     contacts : with `ageing`, closure "exact"
-    resolution : from -1 on; the next one has an eighth of the errors
+    resolution : a whole number from -1 on; the next one has an eighth of the errors
     fastest : largest speed of the slider
     width : the smaller of the narrowest widths of both laws (a length)
     heat_rate : mean rate at which fresh relaxed contacts break by heat (per time)

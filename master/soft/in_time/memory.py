@@ -79,7 +79,8 @@ class Memory:
         raise NotImplementedError
 
     def fresh(self, stretch: Array, speed: float) -> Array:
-        """Record of contacts that are born at stretches (n,) on a slider of this speed."""
+        """Record of contacts that are born at stretches (n,) on a slider of this speed: |dX/dt|, also where it
+        moves back; inf where it moves in no time."""
         return self.start(stretch)
 
     def advance(self, record: Array, leg: Leg) -> Array:

@@ -85,7 +85,8 @@ def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> No
         return
     # a travel on the next step at which the slider still moves on
     low = first
-    # whether the balance at the begin lies behind: before, a step on which forces balance may only lead back to that
+    # whether the slider is already past the balance at which the slip began, as it is where a step goes beyond `first`:
+    # before, a step on which forces balance may only lead back to that
     away = abs(first) < abs(step)
     while True:
         pull = imbalance(step)

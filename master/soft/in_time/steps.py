@@ -158,9 +158,8 @@ class Steps:
         contacts, speed = self.contacts, float(self._drive.speeds[leg])
         scales = contacts.memory.scales
         self.sign = float(np.sign(speed) or np.sign(contacts.force) or 1.0)
-        uniform = (
-            0.0  # steps per time: as a stuck slider travels, and as fresh contacts break by heat
-        )
+        # steps per time: as a stuck slider travels, and as fresh contacts break by heat
+        uniform = 0.0
         if speed:
             # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
             stuck = abs(speed) * self.spring / (1.0 + self.spring)
