@@ -60,6 +60,18 @@ def test_averages_over_a_spread_start_are_as_fine_as_slopes_need(law: origins.Th
     assert found.critical_spring == pytest.approx(-np.gradient(force, x).min(), rel=2e-3)
 
 
+def test_a_start_of_many_bins_has_its_slope_in_a_second() -> None:
+    """Coarser averages over its bins would let the finer marches narrow their panels in noise, without an end."""
+    law, edges = origins.gaussian(1.0, 0.2), np.linspace(0.0, 2.0, 201)
+    holds = law.sf(0.5 * (edges[1:] + edges[:-1]))
+    start = scipy.stats.rv_histogram((holds, edges), density=True)
+    contacts, x = Contacts(law, start, delay=origins.Delay(0.1)), np.linspace(0.0, 6.0, 1201)
+    found = master.propensity(contacts, 1e-3)
+    slopes = np.gradient(master.solve(contacts, x, 1e-5, wall_time=60.0).force, x)
+    assert found.success and found.critical_spring_error < 1e-3
+    assert found.critical_spring == pytest.approx(-slopes.min(), abs=3e-3)
+
+
 NARROW, BROAD = origins.gaussian(1.0, 0.02), origins.gaussian(1.0, 0.3)
 BEHIND = [(NARROW, -1.05, 0.5), (BROAD, -1.2, 20.0), (scipy.stats.expon(), 1.2, 40.0)]
 

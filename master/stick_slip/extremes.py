@@ -12,6 +12,7 @@ from master.renewal.march import March
 from master.renewal.panel_width import WIDE
 from master.rigid import ROUND_OFF, longest_stretch, march_of
 from master.steady.cycle import Cycle
+from master.survival.life import COEFFICIENT_LIMIT
 from master.survival.make import steady_life
 from origins import Contacts
 from origins.thresholds.law import Array
@@ -91,7 +92,9 @@ def extremes(contacts: Contacts, speed: float, tolerance: float, until: float = 
 def cycle_table(contacts: Contacts, velocity: float, tolerance: float) -> Cycle:
     """The table of E and K, as accurate as a march needs for slopes of F to this tolerance."""
     accuracy = max(FOR_TABLE * tolerance, FINEST_TABLE)
-    life = steady_life(contacts, velocity, FOR_SLOPE * tolerance)
+    # never coarser than where no tolerance is known: a march that is asked for more, as slopes turn out to be bad,
+    # would narrow its panels without end in the noise of averages over the start
+    life = steady_life(contacts, velocity, min(FOR_SLOPE * tolerance, COEFFICIENT_LIMIT))
     return Cycle(contacts, life, velocity, accuracy)
 
 
