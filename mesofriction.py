@@ -28,3 +28,11 @@ def __getattr__(name: str) -> ModuleType:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+if __name__ == "__main__":  # python -m mesofriction
+    import sys
+
+    from toolkit.command import main
+
+    sys.exit(main())

@@ -348,6 +348,9 @@ def test_bug_shows_its_traceback_and_the_module_is_the_command(python: Any) -> N
     done = python(f"{bug}; {run}", "run", "gaussian")
     assert done.returncode == 1 and os.listdir() == []
     assert "Traceback (most recent call last)" in done.stderr and "ZeroDivisionError" in done.stderr
+    for module in ("mesofriction", "toolkit.command"):
+        told = python(f"import runpy; runpy.run_module('{module}', run_name='__main__')", "scenes")
+        assert told.returncode == 0 and "rough-gw-amontons" in told.stdout
 
 
 def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:

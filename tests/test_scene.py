@@ -2,6 +2,7 @@
 
 import copy
 import math
+import re
 import tomllib
 import warnings
 from collections.abc import Iterator
@@ -236,6 +237,21 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
     ):
         with pytest.raises(InputError, match=rule):
             pulled(**drive)
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "unit"),
+    [
+        ("contacts.thresholds.pressure", "1 MPa", "Pa"),
+        ("contacts.delay.time", "10 ms", "s where speeds are in m/s"),
+        ("drive.area", "1 mm²", "m²"),
+        ("drive.to", "5 nm", "the scene's unit of length, m of a surface"),
+    ],
+)
+def test_a_unit_where_a_number_stands_alone(key: str, text: str, unit: str) -> None:
+    given = re.escape(f"{key} = '{text}': must be a number alone, in {unit}; only drive.spring")
+    with pytest.raises(InputError, match=f"^{given}, mass and damping take text with a unit$"):
+        toolkit.load_scene(scene(ROUGH), changes={key: text})
 
 
 def test_mass_and_damping_of_the_slider() -> None:

@@ -1,6 +1,7 @@
 """The tables of a scene file: their keys, types and defaults; and a scene given as a dict, written as TOML text."""
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
@@ -113,6 +114,14 @@ _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq":
 _TABLES |= {"master": MasterTable, "sweep": SweepTable, "verdict": VerdictTable}
 _COUNTS = ("points", "contacts", "replicas", "seed", "samples", "threads")
 
+# the units of numbers that are often written with one: of keys by their last name
+_PASCALS = "pressure contact_modulus shear_modulus hardness shear_strength force_coefficient"
+_LENGTHS = "to from mean std value lower upper scale centre lattice_constant"
+_UNITS = dict.fromkeys(_PASCALS.split(), "Pa") | {"kelvin": "K", "wall_time": "s"}
+_UNITS |= dict.fromkeys(_LENGTHS.split(), "the scene's unit of length, m of a surface")
+_UNITS |= {"area": "m²", "patch_area": "m²", "mean_stiffness": "N/m", "contact_density": "1/m²"}
+_UNITS |= {"time": "s where speeds are in m/s", "velocity": "m/s where lengths are in m"}
+
 
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
     """The tables with their types checked and defaults filled in. Raises InputError with the path of the bad key."""
@@ -158,10 +167,15 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
     return f"did you mean {close[0]}? " if close else ""
 
 
-def _counted(value: Any, key: str = "") -> Any:
-    """The same tables, with counts written as 1e5 as whole numbers."""
+def _counted(value: Any, where: str = "") -> Any:
+    """The same tables, with counts written as 1e5 as whole numbers. Raises InputError for text such as "1 MPa" where a
+    number is meant."""
     if isinstance(value, Mapping):
-        return {name: _counted(item, name) for name, item in value.items()}
+        return {name: _counted(item, f"{where}.{name}".lstrip(".")) for name, item in value.items()}
+    key = where.rpartition(".")[2]
+    if key in _UNITS and isinstance(value, str) and re.search(r"\d", value):
+        hint = "only drive.spring, mass and damping take text with a unit"
+        refuse(where, value, f"must be a number alone, in {_UNITS[key]}; {hint}")
     whole = key in _COUNTS and isinstance(value, float) and value.is_integer()
     return int(value) if whole else value
 
