@@ -18,11 +18,20 @@ from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.extrapolation import read
 from master.soft.in_time.memory import ThresholdMemory
 from master.soft.in_time.refining import memory_of
-from master.soft.in_time.slider import Node
+from master.soft.in_time.slider import Node, Slider
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.steps import CONTROL, StepCount, Steps
 from master.soft.in_time.threshold_cells import ThresholdCells
-from origins import Ageing, Contacts, Delay, Thermal, gaussian, growing_grains, strengthening
+from origins import (
+    Ageing,
+    Contacts,
+    Delay,
+    Drive,
+    Thermal,
+    gaussian,
+    growing_grains,
+    strengthening,
+)
 
 WIDE, HEAT = gaussian(1.0, 0.2), Thermal("soft", 0.1)
 CASES = {
@@ -221,6 +230,29 @@ def test_on_a_stiff_spring_each_memory_tells_the_force_of_a_rigid_slider(name: s
     rigid = master.solve(contacts, sprung.position, 1e-5, time=times)
     assert rigid.success, rigid.message
     assert np.abs(sprung.force - rigid.force).max() < 1e-5 * contacts.mean_threshold
+
+
+def test_after_a_reset_sections_end_where_births_bend_and_the_next_stick_repeats_the_first() -> (
+    None
+):
+    """With heat births jump from none as the first delay ends, and bend as the second does, also after a reset."""
+    delay, spring, end = 0.25, 0.1, 17.0
+    contacts = Contacts(WIDE, thermal=HEAT, delay=Delay(delay))
+    cohorts = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
+    motion = Motion(np.array([0.0, end]), np.array([0.0, end]))
+    slider = Slider(cohorts, Drive(np.array([end]), spring=spring, slip="reset"), motion, 1e-3)
+    slider.run()
+    first, second = slider.slips
+    assert (second.time, second.load) == pytest.approx((2.0 * first.time, 2.0 * first.load))
+    ends = [section[-1].time for section in slider.sections]
+    stick = np.array([delay, 2.0 * delay, first.time])
+    known = [*stick, *(first.time + stick), *(second.time + stick[:2]), end]
+    np.testing.assert_allclose(ends, known, rtol=1e-12)
+    # not solved again, and a slip leaves X where the drive is
+    times = [np.diff([node.time for node in section]) for section in slider.sections]
+    for before, after in zip(times[:3], times[3:6], strict=True):
+        np.testing.assert_allclose(after, before, rtol=1e-9)
+    assert slider.sections[3][0].position == pytest.approx(first.time, abs=1e-12)
 
 
 def test_contacts_that_are_left_out_while_they_hold_name_themselves(

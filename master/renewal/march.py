@@ -251,13 +251,16 @@ class March:
             return
         leg = int(self.motion.leg(t))
         self._enter(leg)
-        t_leg, beside = t - self.motion.times[leg], 0.5 * min(self.solved.width[-1], end - t)
-        # the number at t as its jump begins, in a row of times before it, and as it ends, in a row after it
-        sides = t_leg + beside * np.array([[-1.0, 0.0], [0.0, 1.0]])
-        # times that are asked for together lie on one leg
-        asked = [sides] if t < self.motion.times[leg + 1] else np.split(sides, 2)
-        number = np.concatenate([self.known_on(leg, rows)[0] for rows in asked])
-        broken = float(number[0, 1] - number[1, 0])
+        edge_leg = t - self.motion.times[leg]
+        beside = 0.5 * min(self.solved.width[-1], end - t)
+        # Number is asked for in rows of times on one panel each, and has the limit from its row's side at an edge. So
+        # the edge ends a row of earlier times, when none has broken, and begins a row of later ones, when all have.
+        rows = np.array([[edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]])
+        # rows that are asked for together lie on one leg, which this edge may end
+        asked = [rows] if t < self.motion.times[leg + 1] else np.split(rows, 2)
+        number = np.concatenate([self.known_on(leg, times)[0] for times in asked])
+        at_edge_before, at_edge_after = number[0, 1], number[1, 0]
+        broken = float(at_edge_before - at_edge_after)
         if broken > LEAST_LUMP:
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 
@@ -268,6 +271,7 @@ class March:
         other = March(births, start, self.edges, self.tolerance, self.guess, self.stretch)
         # the contacts, and the errors with which they are known
         other.solved = self.solved.up_to(t, SAME_BEGIN * self.guess)
+        # the start, the first lump, it has made; contacts that break together at t it finds again as it runs
         other.lumps += [lump for lump in self.lumps[1:] if lump.time < t]
         other._past.count_errors_of(self._past)
         other.jump = self.jump

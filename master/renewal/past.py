@@ -92,9 +92,10 @@ class Past:
         middle_path = panels.middle_of_births(births.delay)
         self.first_panel = int(np.searchsorted(middle_path, self._leg_begins_path))
         panels = panels.pick(slice(self.first_panel))
-        # rounding puts the middle of the narrowest panel at the knot where it begins, which ends the leg before
-        begun = np.searchsorted(path.times, panels.begin + births.delay, "right") - 1
-        legs = np.maximum(path.leg(middle_path[: self.first_panel]), begun)
+        # The leg of each panel's births is that of their middle; but not one before that of their begin, as the middle
+        # of the narrowest panels is rounded to their begin: a knot, where it belongs to the leg that ends there.
+        leg_of_begin = np.searchsorted(path.times, panels.begin + births.delay, "right") - 1
+        legs = np.maximum(path.leg(middle_path[: self.first_panel]), leg_of_begin)
         begin_birth_leg = panels.births_begin(path.times[legs], births.delay)
         if self._strands is not None:
             new = range(max(before, 0), leg)

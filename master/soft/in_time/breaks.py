@@ -70,15 +70,18 @@ class BreaksInSteps:
         self._sections.append(self._sections[-1][-1:])
 
     def repeat_bend(self, at: float) -> None:
-        """The rate of breaks jumps: that of births jumps a delay later, and bends after two."""
-        for later in (at + self.delay, at + 2.0 * self.delay):
-            self.pending.setdefault(later, 0.0)
+        """The rate of breaks jumps: that of births jumps a delay later, and bends after two. Without a delay births
+        follow at once, and nothing is repeated."""
+        if self.delay:
+            for later in (at + self.delay, at + 2.0 * self.delay):
+                self.pending.setdefault(later, 0.0)
 
     def repeat_jump(self, at: float) -> None:
         """Breaks jumped by those of the last section, which took no time: births repeat it a delay later."""
         (_, before), (_, after) = self._sections[-1][0], self._sections[-1][-1]
         self.repeat_bend(at)
-        self.pending[at + self.delay] += after - before
+        due_at = at + self.delay
+        self.pending[due_at] = self.pending.get(due_at, 0.0) + after - before
 
     def due(self, now: float) -> float:
         """The fraction that is born at once now, and no longer pending."""

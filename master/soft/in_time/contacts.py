@@ -121,6 +121,7 @@ class ContactsInSteps:
         self.are_new, self._of_start = False, start.stretch.size
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
         self.past_breaks = BreaksInSteps(self.delay, self.now)
+        self.past_breaks.repeat_bend(self.now)  # before there were no breaks
         self._births = self._births_in_cohorts = self._left_out = 0.0
 
     def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:

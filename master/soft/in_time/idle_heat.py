@@ -135,8 +135,10 @@ def largest_effect(contacts: Contacts, duration: float, early: float) -> float:
     log_rate = np.log(early / duration) if duration > 0.0 else np.inf
     near = _last_quiet_stretch(contacts, threshold, log_rate)
     stiffness = np.maximum(contacts.relative_stiffness(threshold), 1.0)
+    # X P(y < X < x_s) at the X at which contacts of each threshold are no longer quiet, y = X
     lost = near * (law.sf(near) - law.sf(threshold)) * stiffness
-    beyond = (threshold * law.sf(threshold) * stiffness)[threshold > near[-1]]  # all break early
+    # and at larger X, beyond the largest y: P(x_s > X), as heat may break all contacts there before their thresholds
+    beyond = (threshold * law.sf(threshold) * stiffness)[threshold > near[-1]]
     early_births = float((threshold - near).mean())
     early_births *= STIFFER if contacts.stiffness == "linked" else 1.0
     most = max(float(lost.max()), float(beyond.max(initial=0.0))) + early_births

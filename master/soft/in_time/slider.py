@@ -55,8 +55,8 @@ class Slider:
         self._rule, self._spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
         self.sections = list[list[Node]]()
-        # the section of this leg along which new contacts came to a slip that left all contacts new
-        self._stick = list[Node]()
+        # the sections of this leg along which new contacts came to a slip that left all contacts new
+        self._stick = list[list[Node]]()
         self.slips = list[Slip]()
 
     def run(self) -> None:
@@ -69,18 +69,20 @@ class Slider:
         self._search = SlipBegins(self._steps)
         for leg, last in enumerate(motion.times[1:].tolist()):
             contacts.past_breaks.repeat_bend(float(motion.times[leg]))
-            self._stick = []
+            self._stick, first_of_new = [], None
             while True:
+                if contacts.are_new:
+                    if self._repeat(last):
+                        continue
+                    first_of_new = len(self.sections)
                 end = min([*contacts.past_breaks.pending, last])
                 self._steps.begin(leg, end)
-                were_new = contacts.are_new
-                if were_new and self._repeat(end):
-                    continue
                 if self._slide(end):
                     self._slip(self._drive())
                     self._foresee_steps(last)
-                    if were_new and contacts.are_new:
-                        self._stick = self.sections[-1]
+                    if first_of_new is not None and contacts.are_new:
+                        self._stick = self.sections[first_of_new:]
+                    first_of_new = None  # what comes depends on this slip, unless it left all new
                 elif end < last:
                     contacts.form_due()
                 else:
@@ -106,21 +108,22 @@ class Slider:
         """Let new contacts stick and slip as they did before on this leg, where they slip before `end`; returns whether
         they do."""
         contacts, known = self.contacts, self._stick
-        if not known or known[-1].time + contacts.now - known[0].time >= end:
+        if not known or known[-1][-1].time + contacts.now - known[0][0].time >= end:
             return False
-        begin, here = known[0], self._node(0.0)
-        self.sections.append(
-            [
+        begin, here = known[0][0], self._node(0.0)
+        for section in known:
+            again = [
                 node._replace(
                     time=here.time + (node.time - begin.time),
                     position=here.position + (node.position - begin.position),
                 )
-                for node in known
+                for node in section
             ]
-        )
-        contacts.repeat(len(known) - 1, self.sections[-1][-1].time)
+            self.sections.append(again)
+        steps = sum(len(section) - 1 for section in known)
+        contacts.repeat(steps, self.sections[-1][-1].time)
         contacts.position = self._drive() - contacts.force / self._spring
-        self._list_slip(known[-1].force)
+        self._list_slip(known[-1][-1].force)
         return True
 
     def _foresee_steps(self, end: float) -> None:
