@@ -162,6 +162,17 @@ def test_the_two_logarithms_of_heat_and_growth_multiply():
         assert 0.5 * (slow + fast) / UNAGED == pytest.approx(a * b, rel=5e-3)
 
 
+def test_the_force_of_heat_and_growth_falls_and_then_rises_with_the_speed():
+    """As of granite: where β > α it falls while contacts have the time to strengthen, up to v = 0.1 <x_s>/τ_0, and
+    rises beyond by heat alone, up to where that saturates."""
+    contacts = Contacts(strengthening(PC, 0.05, 1e4), thermal=Thermal("eyring", width=0.02))
+    speeds = 10.0 ** np.arange(-9.0, -1.0)
+    rises = np.diff(master.kinetic_curve(contacts, speeds).force) > 0.0
+    assert list(rises) == [False] * 5 + [True] * 2
+    slow, fast = master.kinetic_curve(contacts, [3e-3, 1e-2]).force
+    assert (fast - slow) / np.log(1e-2 / 3e-3) / UNAGED == pytest.approx(0.02, rel=0.2)
+
+
 # -- paths -----------------------------------------------------------------------------------------
 
 
