@@ -45,6 +45,21 @@ def test_kinetic_force_grows_with_the_logarithm_of_speed() -> None:
     assert 0.52 - found.force[-1] < 1e-4
 
 
+def test_the_logarithm_ends_where_contacts_creep_and_where_all_reach_their_thresholds() -> None:
+    """The slope falls above v = 0.1 ωα<x_s>; far below e^(-1/α) ωα<x_s> the force is in proportion to the speed."""
+    unit = ALPHA * WIDE.mean()
+
+    def slope(speed: float) -> float:
+        slow, fast = master.kinetic_curve(CONTACTS, [speed / 1.1, speed * 1.1]).force
+        return float((fast - slow) / np.log(1.21) / 0.52 / ALPHA)
+
+    assert slope(0.1 * unit) == pytest.approx(0.998, abs=1e-3)
+    assert slope(unit) == pytest.approx(0.648, abs=1e-3) and slope(30.0 * unit) < 0.04
+    slowest = 1e-4 * unit * np.exp(-1.0 / ALPHA)
+    creep = master.kinetic_curve(CONTACTS, [slowest, 2.0 * slowest]).force
+    assert creep[1] / creep[0] == pytest.approx(2.0, rel=2e-3) and creep[0] < 1e-4
+
+
 def test_the_ensemble_slides_with_the_same_force() -> None:
     for speed in (1e-6, 1e-2):
         path = np.linspace(30.0, 32.0, 5)

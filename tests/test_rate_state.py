@@ -16,7 +16,7 @@ from master.rate_state.reading import Reading, read_steps
 from master.rate_state.rests import healing_of, rest_of
 from master.rate_state.stability import critical_spring_of
 from master.rate_state.traces import Rest, VelocityStep, steps_about
-from origins import Contacts, Delay, InputError, Thermal, gaussian, strengthening
+from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, strengthening
 from tests.scenes import ROUGH, refused, said, write
 from toolkit.processes.signals import Terminated, TimeIsUp
 from toolkit.running.progress import Progress
@@ -323,6 +323,11 @@ def test_the_master_equation_swings_below_the_same_spring() -> None:
 def test_bad_input_is_refused_in_a_line() -> None:
     for contacts, given, words in (
         (Contacts(WIDE), {}, "a = b = 0: their force does not depend on the speed"),
+        (
+            Contacts(WIDE, ageing=Ageing(WIDE, rate=1.0, closure="paper")),
+            {},
+            "closure = 'paper': of ageing follows one speed without steps",
+        ),
         (EYRING, {"velocity": -1.0}, "velocity = -1.0"),
         (EYRING, {"ratio": 1.0}, "ratio = 1.0: must lie between"),
         (EYRING, {"rests": [-1.0]}, r"rests\[0\] = -1.0"),

@@ -17,7 +17,15 @@ from master.rate_state.traces import LIVES, SLOW_TOLERANCE, Rest, VelocityStep, 
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
 from origins.contacts import LAWS, check_contacts
-from origins.errors import InputError, between, check_tolerance, one_of, positive_array, whole
+from origins.errors import (
+    InputError,
+    between,
+    check_tolerance,
+    one_of,
+    positive_array,
+    refuse,
+    whole,
+)
 from origins.thresholds.law import Array
 
 # of the speed: a step so small that the answer is proportional to it, for the critical spring
@@ -64,6 +72,8 @@ def rate_state(
     if not contacts.in_time:
         hint = 'give them a law in time, such as thermal = Thermal("eyring", width=0.03)'
         raise InputError(f"contacts: a = b = 0: their force does not depend on the speed; {hint}")
+    if contacts.ageing is not None and contacts.ageing.closure == "paper":
+        refuse("closure", "paper", 'of ageing follows one speed without steps; use closure = "exact"')
     velocity = between("velocity", velocity, 1e-100, 1e100)
     ratio = between("ratio", ratio, 1.01, 100.0, "steps in experiments are 3 to 10")
     one_of("evolution", evolution, ("slip", "ageing"))
