@@ -311,6 +311,15 @@ def test_a_soft_spring_is_stretched_far() -> None:
         toolkit.load_scene(scene(drive=drive, eq=eq))
 
 
+def test_fewer_contacts_than_the_area_holds_change_slips_alone() -> None:
+    """Without a spring contacts are independent, and nothing is said of their number."""
+    eq = {"contacts": 1000}
+    for spring in (None, "50 N/mm"):
+        drive = {"to": 5e-8, "points": 3, "area": 1e-6} | ({"spring": spring} if spring else {})
+        notes = " ".join(foreseen(toolkit.load_scene(scene(ROUGH, drive=drive, eq=eq))))
+        assert "N_c = " in notes and ("follows 1,000 contacts" in notes) == (spring is not None)
+
+
 def test_files_dicts_and_names(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     file.write_text(to_toml(scene()))

@@ -73,7 +73,9 @@ def rate_state(
         hint = 'give them a law in time, such as thermal = Thermal("eyring", width=0.03)'
         raise InputError(f"contacts: a = b = 0: their force does not depend on the speed; {hint}")
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        refuse("closure", "paper", 'of ageing follows one speed without steps; use closure = "exact"')
+        refuse(
+            "closure", "paper", 'of ageing follows one speed without steps; use closure = "exact"'
+        )
     velocity = between("velocity", velocity, 1e-100, 1e100)
     ratio = between("ratio", ratio, 1.01, 100.0, "steps in experiments are 3 to 10")
     one_of("evolution", evolution, ("slip", "ageing"))

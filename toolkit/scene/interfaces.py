@@ -153,7 +153,8 @@ def foreseen(scene: Scene) -> list[str]:
         together = f"N_c<k> = {held * surface.mean_stiffness:.4g} N/m"
         few = ": so few scatter, add [eq] with as many" * (held < 1e4 and scene.eq is None)
         said.append(f"N_c = {held:.4g} contacts and {together} on drive.area{few}")
-        if scene.eq is not None and not 0.5 < scene.eq.contacts / held < 2.0:
+        soft = scene.given_drive is not None and scene.drive.spring is not None
+        if soft and scene.eq is not None and not 0.5 < scene.eq.contacts / held < 2.0:
             said.append(
                 f"[eq] follows {scene.eq.contacts:,} contacts in each replica: the spring is that of the area, but "
                 "slips scatter and come late as those of so many contacts"
