@@ -32,6 +32,7 @@ from origins.grains.film import GrainGrowth, film_growth, grains
 from origins.laws.ageing import Ageing
 from origins.laws.delay import Delay
 from origins.laws.growing import GrowingThresholds
+from origins.laws.ordered import OrderedThresholds
 from origins.laws.proportional import ProportionalGrowth
 from origins.laws.rate_law import RateLaw
 from origins.laws.soft import SoftRates

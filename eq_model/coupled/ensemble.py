@@ -236,7 +236,10 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     takes = ["delay", "reforming", "stiffness"]
     if isinstance(contacts, Contacts) and contacts.strengthening and not heavy:
         takes.append("growing")
-    check_contacts(contacts, solver, tuple(takes), other="" if heavy else "master.solve")
+    # of laws by which thresholds change otherwise master has no memory under a spring either
+    own = isinstance(contacts, Contacts) and contacts.changing and not contacts.growing
+    other = "" if heavy or (own and not contacts.ageing) else "master.solve"
+    check_contacts(contacts, solver, tuple(takes), other=other)
     if contacts.reforming is not None and (drive.slip != "instant" or contacts.delay is not None):
         raise InputError(
             "contacts.reforming: contacts that form again stretched after an avalanche would pull "

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 
 import numba.experimental.function_type  # noqa: F401 - numba then takes an Address as an argument
 import numpy as np
-from numba import float64
+from numba import cfunc, float64
 from numba.core.types import WrapperAddressProtocol
+from numba.extending import is_jitted
 from scipy.optimize import brentq
 
 from eq_model.compiling import real
@@ -28,14 +29,16 @@ ACCURACY = 1e-9
 
 
 class Address(WrapperAddressProtocol):
-    """A Python function of numbers, which kernels may call."""
+    """A function of numbers, of Python or compiled by numba.njit, which kernels may call."""
 
     def __init__(self, function: Callable[..., Any], count: int) -> None:
         function(*[1.0] * count)  # kernels cannot pass on errors of the law, so they show here
-        self._callback = CFUNCTYPE(c_double, *[c_double] * count)(
-            lambda *given: float(function(*given))
-        )
         self._signature = float64(*[float64] * count)
+        if is_jitted(function):
+            self._callback = cfunc(self._signature)(function.py_func).ctypes
+        else:
+            types = CFUNCTYPE(c_double, *[c_double] * count)
+            self._callback = types(lambda *given: float(function(*given)))
 
     def __wrapper_address__(self) -> Any:
         """Where the function is; see numba."""

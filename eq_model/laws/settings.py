@@ -7,7 +7,15 @@ import numpy as np
 
 from eq_model import contact
 from eq_model.whole_drive import WholeDrive
-from origins import Ageing, Contacts, GrainContact, GrowingThresholds, Strengthening, Thermal
+from origins import (
+    Ageing,
+    Contacts,
+    GrainContact,
+    GrowingThresholds,
+    OrderedThresholds,
+    Strengthening,
+    Thermal,
+)
 from origins.errors import refuse
 from origins.laws.compiled import CompiledRates, called
 from origins.laws.timed_law import ChangingThresholds
@@ -22,8 +30,8 @@ from origins.laws.timed_law import ChangingThresholds
 # and enters functions for numba by the class of its settings: in contact.BREAKS (settings, contact, drive, counts),
 # which gives the contact.Break, and in contact.AGED (settings, contact, drive, instant), its threshold then; or, where
 # thresholds grow, both by growing.GROWTHS. Growing thresholds of any other class, those derived from a class of the
-# table included, have the kernel OWN, which calls their methods.
-OWN = "own"
+# table included, have the kernel OWN, and ordered ones ORDERED: these call the law's methods.
+OWN, ORDERED = "own", "ordered"
 KERNELS: dict[type, str] = {
     Ageing: "diffusing",
     GrainContact: "grains",
@@ -33,9 +41,11 @@ KERNELS: dict[type, str] = {
 
 def kernel_of(law: ChangingThresholds) -> Any:
     """The module of KERNELS for a law. Raises InputError for one that has none."""
-    name = KERNELS.get(type(law), OWN if isinstance(law, GrowingThresholds) else "")
+    own = ORDERED if isinstance(law, OrderedThresholds) else ""
+    name = KERNELS.get(type(law), OWN if isinstance(law, GrowingThresholds) else own)
     if not name:
-        refuse(f"contacts.{law.law}", law, "has no kernel in eq_model; use master.solve")
+        hint = "use master.solve, or state birth_threshold, see origins.OrderedThresholds"
+        refuse(f"contacts.{law.law}", law, f"has no kernel in eq_model; {hint}")
     return import_module(f"eq_model.laws.{name}")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from master.motion import Motion
 from master.survival.changing import ChangingLife
 from master.survival.life import COEFFICIENT_LIMIT, ColdLife, Life
-from origins import Ageing, Contacts, GrowingThresholds, InputError
+from origins import Ageing, Contacts, GrowingThresholds, InputError, OrderedThresholds
 from origins.errors import refuse
 from origins.laws.timed_law import ChangingThresholds
 
@@ -16,6 +16,7 @@ from origins.laws.timed_law import ChangingThresholds
 LIVES: dict[type, tuple[str, str] | type[ChangingLife]] = {
     Ageing: ("age.ageing", "AgeingLife"),
     GrowingThresholds: ("growing", "GrowingLife"),
+    OrderedThresholds: ("ordered", "OrderedLife"),
 }
 
 
