@@ -53,11 +53,17 @@ def healed_and_worn(x, age, travelled):
     return x * np.exp(travelled / 3.0) / (1.0 + 0.1 * np.log(1.0 + age))
 
 
+def to_one(x, age, travelled):
+    """All thresholds tend to 0.5: stronger contacts weaken and weaker ones strengthen."""
+    return np.maximum(0.5 + (x - 0.5) * np.exp(np.minimum(age / 3.0, 600.0)), 0.0)
+
+
 LAWS = [
     Law("weak", weak),
     Law("worn", worn),
     Law("to plateau", to_plateau, lambda duration: 1.5),
     Law("healed and worn", healed_and_worn, lambda duration: 1.0 + 0.1 * np.log(1.0 + duration)),
+    Law("to one", to_one, lambda duration: 1.0),
 ]
 by_name = pytest.mark.parametrize("law", LAWS, ids=[law.law for law in LAWS])
 
@@ -128,11 +134,11 @@ def test_histograms_count_thresholds_as_they_are_then():
         (Law("a", lambda x, age, way: x + 1.0 + age), r"birth_threshold\(0.5347, 0, 0\) is 1.535, and must be 0.5"),
         (Law("a", lambda x, age, way: float(x)), "arrays of one shape, and return that; .* ends in TypeError"),
         (Law("a", lambda x, age, way: np.ravel(x)), r"for the shape \(2, 3, 1\) it returns \(6,\)"),
-        (Law("a", lambda x, age, way: x * np.cos(age)), "must be >= 0 or inf|rises and falls"),
+        (Law("a", lambda x, age, way: x * np.cos(age)), "must be from 0, where all hold, to inf|rises and falls"),
         (Law("a", lambda x, age, way: x * (1.0 + 0.1 * np.sin(age))), "rises and falls with the age"),
         (Law("a", lambda x, age, way: x * (1.0 + 0.1 * np.sin(way))), "rises and falls with the distance"),
         (Law("a", lambda x, age, way: np.maximum(x, np.minimum(age, 1.0) * (2.0 - x))), "falls with x"),
-        (Law("a", lambda x, age, way: x * np.exp(1e3 * age)), "is nan, and must be >= 0 or inf"),
+        (Law("a", lambda x, age, way: x * np.exp(1e3 * age)), "is nan, and must be from 0, where all hold, to inf"),
         (Law("a", to_plateau), r"largest_threshold\(0.5347, ..., 14\) is 0.5347, and by birth_thr"),
     ],
 )  # fmt: skip

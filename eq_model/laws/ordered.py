@@ -9,23 +9,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from eq_model.compiling import real, whole
+from eq_model.compiling import bare, real, whole
 from eq_model.contact import AGED, BREAKS, Break
 from eq_model.laws.own import Address
 from eq_model.whole_drive import WholeDrive
 from origins import Contacts, OrderedThresholds
 from origins.errors import refuse
+from origins.laws.ordered import Trend
 from origins.thresholds.law import Array
 
-SECONDS = 2e-5  # of a break where the function is plain Python, see settings.KERNELS
+SECONDS = 5e-5  # of a break where the function is plain Python, see settings.KERNELS
 
 
 class Ordered(NamedTuple):
-    """The law's function, and which way it goes; lengths and times in it are those of the law."""
+    """The law's function, in its units of length and time, and which way it goes."""
 
     birth_threshold: Any  # (x, age, travelled): numbers
-    weakens_with_age: bool
-    weakens_with_travel: bool
+    trend: Trend
     first_step: np.int64  # ticks of the clock
     unit: float  # a length: that of whole numbers
 
@@ -41,7 +41,7 @@ def make(contacts: Contacts, drive: WholeDrive, warm: bool, rates: Any, unit: fl
     furthest = float(np.abs(np.diff(drive.positions)).sum()) * unit
     trend = law.trend(longest, furthest)
     step = whole(max(round(0.5 * contacts.mean_threshold / unit), 1))
-    return Ordered(Address(law.birth_threshold, 3), trend.age > 0, trend.travelled > 0, step, unit)
+    return Ordered(Address(law.birth_threshold, 3), trend, step, unit)
 
 
 def often(contacts: Contacts, lasts: Array, moved: Array, law: Ordered) -> float:
@@ -58,12 +58,31 @@ def often(contacts: Contacts, lasts: Array, moved: Array, law: Ordered) -> float
     return total / high
 
 
+@bare
+def _largest(law, x, age, late_age, way, late_way):  # type: ignore[no-untyped-def]
+    """The largest birth_threshold at a stretch between two ages and between two distances travelled: that at one end of
+    each, as it rises or falls all along; at which, says the law's trend, and at both where contacts do both."""
+    trend, birth_threshold = law.trend, law.birth_threshold
+    first_age = age if trend.strengthens_with_age else late_age
+    other_age = late_age if trend.weakens_with_age else first_age
+    first_way = way if trend.strengthens_with_travel else late_way
+    other_way = late_way if trend.weakens_with_travel else first_way
+    largest = birth_threshold(x, first_age, first_way)
+    if other_age != first_age:
+        largest = max(largest, birth_threshold(x, other_age, first_way))
+    if other_way != first_way:
+        largest = max(largest, birth_threshold(x, first_age, other_way))
+        if other_age != first_age:
+            largest = max(largest, birth_threshold(x, other_age, other_way))
+    return largest
+
+
 def break_ordered(law, contact, drive, counts):  # type: ignore[no-untyped-def]
     """The break of a contact where birth_threshold first reaches its threshold at birth, to a tick of the clock.
 
-    Between two ticks of a leg |x| is at most the larger of the two, and birth_threshold at most that of this stretch at
-    the age and the distance at which contacts are weaker. Where that is below the contact's threshold at birth, the
-    contact holds in between; else the interval is halved.
+    Between two ticks of a leg |x| is at most the larger of the two, and birth_threshold at most the largest at this
+    stretch. Where that is below the contact's threshold at birth, the contact holds in between; else the interval is
+    halved.
     """
     clock, leg, x, birth = contact.clock, contact.leg, contact.stretch, real(contact.threshold)
     age, travelled, step = 0.0, 0.0, law.first_step
@@ -75,9 +94,9 @@ def break_ordered(law, contact, drive, counts):  # type: ignore[no-untyped-def]
         while at < room:
             then = min(at + step, room)
             stretch = max(abs(x + d * at), abs(x + d * then)) * law.unit
-            ages = age + pace * (then if law.weakens_with_age else at)
-            way = travelled + length * (then if law.weakens_with_travel else at)
-            if law.birth_threshold(stretch, ages, way) < birth * law.unit:
+            ages, late_age = age + pace * at, age + pace * then
+            way, late_way = travelled + length * at, travelled + length * then
+            if _largest(law, stretch, ages, late_age, way, late_way) < birth * law.unit:
                 at = then
                 step = 2 * step if at >= doubtful else max((doubtful - at) >> 1, whole(1))
             elif then - at > 1:

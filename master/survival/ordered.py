@@ -54,7 +54,9 @@ class OrderedLife(ChangingLife):
             at_0 = np.divide(-x[:, :-1], speed, out=np.zeros_like(duration), where=speed != 0.0)
             at_0 = np.clip(at_0, 0.0, duration)  # the time on a leg at which x = 0
             moves = speed != 0.0
-            inward, outward = max(self.trend) > 0, min(self.trend) < 0
+            trend = self.trend
+            inward = trend.weakens_with_age or trend.weakens_with_travel
+            outward = trend.strengthens_with_age or trend.strengthens_with_travel
             for first, last, is_sought in (
                 (np.zeros_like(at_0), at_0, inward),
                 (at_0, duration, outward),
