@@ -359,6 +359,13 @@ def test_averages_of_a_closed_form() -> None:
     assert frozen.sf(1.0) == pytest.approx(np.exp(-1.0) - np.exp(-2.0), abs=1e-10)
 
 
+def test_low_quantiles_of_a_narrow_gaussian_are_told_without_a_warning() -> None:
+    """Its density at 0 underflows."""
+    below = np.array([1e-305, 1e-300, 1e-30])
+    exact = 1.0 + 0.02 * stats.norm.ppf(below)
+    np.testing.assert_allclose(origins.gaussian(1.0, 0.02).ppf(below), exact, rtol=1e-12)
+
+
 @pytest.mark.parametrize("law", [*FAR, stats.mielke(2.0, 1.5), stats.invgauss(0.3, scale=1e9)])
 def test_quantiles_where_scipy_has_no_survival_far_out(law: Any) -> None:
     """Their sf is NaN or 1 beyond some place; quantiles once ran off to it, and no contact broke."""

@@ -97,7 +97,9 @@ class UpperGaussian(CutGaussian):
         x = self.parent_mean + self.parent_std * z
         typical = max(self.parent_mean, self.parent_std)
         some = below[near := ~(x > 0.5 * typical)]
-        at = np.where(x[near] > 1e-9 * typical, x[near], some / np.exp(self._log_at_zero))
+        at = x[near]
+        lost = at <= 1e-9 * typical  # none of a narrow law, whose density at 0 underflows
+        at[lost] = some[lost] / np.exp(self._log_at_zero)
         for _ in range(4):
             at = at - (self._cdf(at) - some) / self._pdf(at)
         x[near] = at
