@@ -14,18 +14,20 @@ import pytest
 import eq_model
 import master
 import origins
-from origins import Contacts, InputError, gaussian, identical, mixture
+from origins import Contacts, Delay, InputError, gaussian, identical, mixture
 from tests.scenes import CONSTANTS, GAUSSIAN, ROUGH, said, write
 from toolkit.processes.signals import TimeIsUp
+from toolkit.running.solvers import within
 from toolkit.scene.interfaces import of_islands, of_samples, of_smoothing
 from toolkit.scene.scale import guarded, scale_of, written
 from toolkit.scene.scene import load_scene
-from toolkit.verdict import judge
+from toolkit.verdict import answers, judge
 from toolkit.verdict.budget import Budget
+from toolkit.verdict.ensemble import follow_by_contacts
 from toolkit.verdict.files import plain
 from toolkit.verdict.finite import Finite, follow_finite, with_more
-from toolkit.verdict.follow import follow
-from toolkit.verdict.machine import NO_TIME, Behaviour, Known, Machine, not_followed
+from toolkit.verdict.follow import follow, follow_other_delay
+from toolkit.verdict.machine import NO_FORCES, NO_TIME, Behaviour, Known, Machine, not_followed
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.words import disagreeing, page, sentence
 
@@ -148,7 +150,7 @@ def test_an_undamped_slider_that_rings_is_told_of_with_some_damping(
     table, solve = {"kind": "gaussian", "mean": 1.0, "std": 0.3}, master.solve
 
     def ringing(*arguments: Any, **named: Any) -> Any:
-        if not named["damping"]:
+        if not named.get("damping", 1.0):
             raise InputError("stopped as the slider rings for too long")
         return solve(*arguments, **named)
 
@@ -210,7 +212,7 @@ def test_sliders_that_would_take_too_long_are_not_followed() -> None:
     asked = infinite("stick-slip", 5)
     found = follow_finite(machine, Contacts(contacts), 1e4, asked, 0.8, seconds=0.0)
     assert found.kind == "unknown" and "10,000 contacts would take some" in found.message
-    assert "0 s are left: give more wall_time" in found.message
+    assert "0 s are left: raise wall_time (s; 60 where none is given)" in found.message
 
 
 def test_readings_that_lack_a_constant_share_one_line(capsys: Any) -> None:
@@ -396,10 +398,10 @@ def test_a_page_is_written_of_what_is_known_where_f_s_is_too_late(
         status, page, found = judged(capsys, **tables)
         (reading,) = found["readings"]
         assert status == 1 and not found["success"] and Path("mine-output/verdict.png").exists()
-        assert page.splitlines()[2] == f"not decided ({judge.NO_FORCES})"
+        assert page.splitlines()[2] == f"not decided ({NO_FORCES})"
         assert reading["kinetic"]["value"] == pytest.approx(0.5 if known else 0.50125, rel=1e-4)
         assert reading["static"]["value"] is reading["critical_spring"]["value"] is None
-        assert re.search(r"slips below the spring K\* +not known", page)
+        assert re.search(r"slips at least once below the spring K\* +not known", page)
         assert ("K* is infinite: all contacts break at one value, x = 1" in page) is known
         assert ("F_s of exact values may take a minute" in page) is known
 
@@ -526,16 +528,16 @@ def test_slips_that_were_seen_are_told_beside_what_was_not_followed() -> None:
     contacts, nan = Contacts(gaussian(1.0, 0.3)), float("nan")
     seen = replace(infinite("undecided", 16), before=0.2, after=0.0, message="cut", success=False)
     refused = replace(not_followed("mass", "no such slider"), before=nan)
-    number, scale = judge.Quantity(1.0, 0.0), scale_of(contacts, None)
-    answer = judge.Answer("own", contacts, scale, number, number, number, SOFT, (refused, seen))
-    said = sentence(judge.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+    number, scale = answers.Quantity(1.0, 0.0), scale_of(contacts, None)
+    answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (refused, seen))
+    said = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
     assert said.startswith("not decided (no such slider) if mass, damping and delay decide; ")
     assert (
         "16 slips were seen, the last from 0.2" in said and "if a slip renews all contacts" in said
     )
     assert "and whether it goes on is not known" in said
     rough = replace(answer, behaviours=(refused, replace(seen, error=float("inf"))))
-    text = "\n".join(page(judge.Verdict("a", "a", 1.0, (rough,), (), {}, 1.0)))
+    text = "\n".join(page(answers.Verdict("a", "a", 1.0, (rough,), (), {}, 1.0)))
     assert "and neither errors nor whether it goes on are known" in text
     assert "force before a slip (reset: not decided, errors not known)" in text
 
@@ -545,15 +547,17 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
 ):
     """One reading of three is decided: the sentence is its own, and says so; F_k of all is known all the same."""
     contacts, scale = Contacts(gaussian(1.0, 0.3)), scale_of(Contacts(gaussian(1.0, 0.3)), None)
-    sure, vague = judge.Quantity(2.0, 1e-6), judge.Quantity(10.0, 6.0)
+    sure, vague = answers.Quantity(2.0, 1e-6), answers.Quantity(10.0, 6.0)
 
-    def answer(name: str, kinetic: float, spring: judge.Quantity, one: Behaviour) -> judge.Answer:
-        force = judge.Quantity(kinetic, 1e-6)
-        return judge.Answer(name, contacts, scale, force, force, spring, SOFT, (one,))
+    def answer(
+        name: str, kinetic: float, spring: answers.Quantity, one: Behaviour
+    ) -> answers.Answer:
+        force = answers.Quantity(kinetic, 1e-6)
+        return answers.Answer(name, contacts, scale, force, force, spring, SOFT, (one,))
 
     smooth, late = replace(infinite("smooth", 0), error=1e-9), not_followed("reset", NO_TIME)
     others = answer("b", 0.4, vague, late), answer("c", 0.5, sure, late)
-    found = judge.Verdict("a", "a", 1.0, (answer("own", 0.9, sure, smooth), *others), (), {}, 1.0)
+    found = answers.Verdict("a", "a", 1.0, (answer("own", 0.9, sure, smooth), *others), (), {}, 1.0)
     said, text = sentence(found), "\n".join(page(found))
     assert said.startswith("smooth at 0.5") and said.count("\n") == 0
     assert "this is of own, the other 2 are not decided in time; F_k of all 3 is 0.4" in said
@@ -569,25 +573,25 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
 
 def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
     """Below K* contacts that re-form late would let it slip: none is given, so the first sentence says so."""
-    number, own = judge.Quantity(1.0, 0.0), replace(infinite("smooth", 0), rule="mass")
+    number, own = answers.Quantity(1.0, 0.0), replace(infinite("smooth", 0), rule="mass")
     for spring, delay, told in ((1e-4, 0.0, True), (2.0, 0.0, False), (1e-4, 3.0, False)):
         contacts = Contacts(gaussian(1.0, 0.3), delay=origins.Delay(delay) if delay else None)
         machine, scale = replace(SOFT, spring=spring, mass=1.0), scale_of(contacts, None)
-        answer = judge.Answer("own", contacts, scale, number, number, number, machine, (own,))
-        found = sentence(judge.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+        answer = answers.Answer("own", contacts, scale, number, number, number, machine, (own,))
+        found = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
         assert found.startswith("smooth at 0.5")
         assert found.endswith(" if contacts re-form at once (no delay is given)") is told
 
 
 def test_the_critical_spring_of_smoothed_islands_is_no_number(monkeypatch: Any) -> None:
     """No digits of it, and no point: it hangs on how samples are smoothed."""
-    monkeypatch.setattr(judge, "of_smoothing", lambda law: True)
+    monkeypatch.setattr(answers, "of_smoothing", lambda law: True)
     contacts, scale = Contacts(gaussian(1.0, 0.3)), scale_of(Contacts(gaussian(1.0, 0.3)), None)
-    force, spring = judge.Quantity(0.5, 1e-6), judge.Quantity(3.287, 0.1)
+    force, spring = answers.Quantity(0.5, 1e-6), answers.Quantity(3.287, 0.1)
     for machine in (SOFT, None):
         rules = (infinite("smooth", 0),) if machine else ()
-        answer = judge.Answer("own", contacts, scale, force, force, spring, machine, rules)
-        found = judge.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0)
+        answer = answers.Answer("own", contacts, scale, force, force, spring, machine, rules)
+        found = answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0)
         text = "\n".join(page(found))
         assert "3.28" not in text + found._repr_html_() and "hangs on smoothing" in text
         assert ("K*, which is not known" in text) is (machine is None)
@@ -608,11 +612,11 @@ def test_samples_that_the_program_draws_are_its_own_to_raise() -> None:
 
 def test_the_force_of_the_areas_own_contacts_stands_beside_that_of_infinitely_many() -> None:
     contacts, own = Contacts(gaussian(1.0, 0.3)), infinite("stick-slip", 5)
-    number, scale = judge.Quantity(1.0, 0.0), replace(scale_of(contacts, None), contacts=300.0)
-    answer = judge.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
+    number, scale = answers.Quantity(1.0, 0.0), replace(scale_of(contacts, None), contacts=300.0)
+    answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
     for before, told in ((0.7, True), (0.7999, False)):
         finite = Finite(own.rule, 300, "stick-slip", before, 1e-3, 0.0, 0.0, 5.0)
-        found = judge.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
+        found = answers.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
         said = sentence(found)
         assert said.startswith("stick-slip: 0.8")
         assert ("slips of 300 contacts, from (reset)" in "\n".join(page(found))) is told
@@ -625,11 +629,11 @@ def test_the_force_of_the_areas_own_contacts_stands_beside_that_of_infinitely_ma
 def test_a_fall_that_is_none_is_no_disagreement() -> None:
     """Slips of finitely many contacts below 0.02 <x_s> do not contradict smooth sliding."""
     contacts, own = Contacts(gaussian(1.0, 0.3)), infinite("smooth", 1)
-    number, scale = judge.Quantity(1.0, 0.0), scale_of(contacts, None)
-    answer = judge.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
+    number, scale = answers.Quantity(1.0, 0.0), scale_of(contacts, None)
+    answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
     for fall, apart in ((0.001, False), (0.1, True)):
         finite = Finite(own.rule, 1000, "now and then", 0.6, 1e-3, 0.6 - fall, 1e-3, 1.2)
-        said = judge.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
+        said = answers.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
         assert bool(disagreeing(said)) is apart
 
 
@@ -691,3 +695,82 @@ def test_heat_that_does_nothing_leaves_the_ensemble_to_a_heavy_slider() -> None:
     found = follow(machine, contacts, "mass", known, 2.0)
     assert found.heat_left_out is not None and found.error >= found.heat_left_out
     assert found.kind == "stick-slip"
+
+
+def told_of(behaviour: Behaviour, other: Behaviour | None, contacts: Contacts) -> answers.Verdict:
+    """The verdict on a slider with mass on a spring far below K*, and what another delay would make it do."""
+    machine, scale = replace(SOFT, mass=1e-4), scale_of(contacts, None)
+    kinetic, static, spring = (answers.Quantity(each, 1e-9) for each in (0.5, 0.51, 1.0))
+    forces = kinetic, static, spring
+    answer = answers.Answer("own", contacts, scale, *forces, machine, (behaviour,))
+    return answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0, other)
+
+
+def test_the_delay_that_would_turn_the_answer_stands_in_the_second_line() -> None:
+    """A slider with mass whose contacts form again at once slides; the line is there only where the other is known."""
+    smooth, slips = replace(infinite("smooth", 0), rule="mass"), infinite("stick-slip", 5)
+    at_once, late = Contacts(gaussian(1.0, 0.3)), Contacts(gaussian(1.0, 0.3), delay=Delay(99.0))
+    for own, other, contacts, line in (
+        (smooth, slips, at_once, "once a slip is over, which takes some 3.14 units of time, would"),
+        (replace(slips, rule="mass"), smooth, late, "again at once would make it smooth at 0.5"),
+        (smooth, smooth, at_once, ""),
+        (smooth, None, at_once, ""),
+        (smooth, not_followed("reform-after", NO_TIME), at_once, ""),
+    ):
+        lines = page(found := told_of(own, other, contacts))
+        assert (line in lines[3]) if line else ("would make it" not in "\n".join(lines))
+        assert bool(plain(found)["would_turn"]) is bool(line)
+    assert "not the contacts' delay" in "\n".join(page(told_of(smooth, smooth, at_once)))
+
+
+@pytest.mark.parametrize(
+    ("delay", "rule", "kind"), [(0.0, "reform-after", "stick-slip"), (50.0, "instant", "smooth")]
+)
+def test_the_other_delay_is_that_of_a_slider_without_mass(
+    delay: float, rule: str, kind: str
+) -> None:
+    contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(delay) if delay else None)
+    found = follow_other_delay(replace(SOFT, spring=1e-2, mass=1e-4), contacts, None, 1e4)
+    path = np.linspace(0.0, 500.0, 50)
+    solved: Any = master.solve(WIDE, path, 1e-8, spring=1e-2, slip=rule)
+    assert found.kind == kind and solved.regime.verdict in (kind, "decaying transient")
+    force = solved.slips.force_before[-1] if kind == "stick-slip" else solved.force[-1]
+    assert found.before == pytest.approx(force, abs=1e-5)
+
+
+def test_below_the_critical_spring_smooth_sliding_has_its_reason_beside_the_table() -> None:
+    """A fall of less than 0.02 <x_s> is no slip of a heavy slider; a slider that slipped has forgotten its start."""
+    contacts, smooth = Contacts(gaussian(1.0, 0.3)), replace(infinite("smooth", 0), rule="mass")
+    for behaviour, reason in (
+        (smooth, "the fall from F_s to F_k, 0.0100 N_c<k> length, is too small to count as a slip"),
+        (replace(smooth, slips=2), "the slider slips once or a few times, and then no more"),
+    ):
+        lines = page(told_of(behaviour, None, contacts))
+        at = next(n for n, line in enumerate(lines) if line.startswith("K is below K*, and yet"))
+        assert reason in lines[at] and lines[at + 1].startswith("numerical errors")
+    stiff = told_of(smooth, None, contacts)
+    stiff = replace(stiff, answers=(replace(stiff.own, machine=replace(SOFT, spring=2.0)),))
+    assert "and yet" not in "\n".join(page(stiff))
+
+
+def test_a_slider_that_rings_at_the_end_of_its_path_is_not_called_smooth() -> None:
+    """Without damping it rings on while contacts that form again break at once."""
+    contacts, known = (
+        Contacts(gaussian(1.0, 0.2), delay=Delay(300.0)),
+        Known(0.75, 0.52, 1e-9, 1.0, 4.0),
+    )
+    for damping, kind in ((0.0, "undecided"), (1e-4, "stick-slip")):
+        machine = Machine(spring=1e-3, mass=1e-3, damping=damping, velocity=1.0)
+        found = follow_by_contacts(machine, contacts, "mass", 751.0, time.monotonic(), known)
+        assert found.kind == kind and ("still ring" in found.message) is (kind == "undecided")
+
+
+def test_the_commands_own_limit_of_time_is_named_as_such() -> None:
+    own = load_scene(write(master=None), solved=False)
+    for scene, words in (
+        (own, r"own limit of time .* wall_time = 300 \(s\)"),
+        (replace(own, wall_time=5.0), r"^wall_time = 5\.0: is over"),
+    ):
+        late = within(time.monotonic() - 1.0, scene, "this reading")
+        with pytest.raises(InputError, match=words), late:
+            time.sleep(1.0)

@@ -23,7 +23,7 @@ from toolkit.scene.laws import inside
 from toolkit.scene.scale import SHARED, scale_of
 from toolkit.scene.scene import Scene, load_scene, read_scene
 from toolkit.scene.tables import DriveTable, read_table
-from toolkit.verdict.judge import Quantity
+from toolkit.verdict.answers import Quantity
 from toolkit.verdict.readings import readings_of
 from toolkit.verdict.table import in_columns, row
 

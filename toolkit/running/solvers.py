@@ -79,7 +79,11 @@ def within(
     try:
         with no_longer_than(None if deadline is None else deadline - time.monotonic(), left=left):
             yield
-    except TimeIsUp:
+    except TimeIsUp as over:
+        if scene.wall_time is None:
+            hint = "give more, as wall_time = 300 (s) at the top of the scene, or ask for less"
+            said = f"the command's own limit of time is over before {what} is solved; {hint}"
+            raise InputError(said) from over
         hint = f"is over before {what} is solved; give more, or ask for less"
         refuse("wall_time", scene.wall_time, hint)
 

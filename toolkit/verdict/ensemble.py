@@ -10,7 +10,16 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
-from toolkit.verdict.machine import Behaviour, Known, Machine, last_of, not_followed, with_slips
+from toolkit.verdict.budget import MORE_TIME
+from toolkit.verdict.machine import (
+    Behaviour,
+    Known,
+    Machine,
+    half_a_swing,
+    last_of,
+    not_followed,
+    with_slips,
+)
 
 # sliders, which differ by chance; contacts of each where the ensemble takes the place of the master equation
 SLIDERS, CONTACTS, SEED = 4, 20_000, 1
@@ -26,6 +35,9 @@ FEW, SHORT = 1_000, 2.0
 ROUNDING = 1e-12
 # mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
 SLID = 10.0
+# of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
+# more than so many mean thresholds (that of a thousand contacts scatters by some 0.1 of them)
+LATE, RINGS = 10, 0.3
 NOT_SLID = "its path ended before it slid or slipped"
 
 
@@ -39,8 +51,7 @@ def may_follow(machine: Machine, contacts: Contacts, rule: str, known: Known) ->
     if contacts.held_in_time:
         return False
     if rule == "mass":
-        slip_time = np.pi * np.sqrt((machine.mass or 0.0) / machine.spring)
-        return bool(contacts.waiting_time >= LONG_DELAY * slip_time)
+        return contacts.waiting_time >= LONG_DELAY * half_a_swing(machine)
     return rule != "instant" and machine.spring < SOFT * known.critical_spring
 
 
@@ -70,7 +81,7 @@ def sliders(
             if few_will_do:
                 return pilot
             raise InputError(
-                f"{number:,} contacts would take some {needed:,.2g} s, where {left:.0f} s are left: give more wall_time"
+                f"{number:,} contacts would take some {needed:,.2g} s, where {left:.0f} s are left: {MORE_TIME}"
             )
         number = min(number, most)
     return eq_model.simulate(contacts, path, n_contacts=number, **asked)
@@ -106,6 +117,9 @@ def follow_by_contacts(
         error += _too_early(found, few, unit)
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
+    late = found.forces[:, -POINTS // LATE :]
+    if not slipped and (swing := float(np.ptp(late, axis=1).max()) / unit) > RINGS:
+        return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
     return Behaviour(
         rule=rule,
         kind="stick-slip" if slipped else "smooth",

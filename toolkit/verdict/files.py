@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence
-from toolkit.verdict.judge import Answer, Verdict
-from toolkit.verdict.words import details, sentence, warnings
+from toolkit.verdict.words import details, sentence, turned, warnings
 
 
 def plain(verdict: Verdict) -> dict[str, Any]:
@@ -18,6 +18,7 @@ def plain(verdict: Verdict) -> dict[str, Any]:
         "title": verdict.title,
         "do_not_trust": warnings(verdict),
         "verdict": sentence(verdict),
+        "would_turn": turned(verdict),
         "numbers": details(verdict),
         "hangs_on": dependence(verdict),
         "velocity": verdict.velocity,

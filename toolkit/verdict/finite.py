@@ -27,6 +27,8 @@ MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
 POINTS = 100
+# of BEYOND, for the scatter of the places at which sliders with mass begin to slide
+SCATTERED = 0.3
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,12 @@ def follow_finite(
     if most < min(held, FEW):
         breaks = SLIDERS * held * lives
         why = f"some {breaks:.1g} breaks are more than are followed here"
+        return Finite(rule, held, "unknown", message=why)
+    # the static force of so many scatters by some N^(-1/2) of itself
+    further = static / np.sqrt(held) / machine.spring / mean
+    if rule == "mass" and not slips and further > SCATTERED * BEYOND:
+        scatter = f"F_s of such sliders scatters by some {held**-0.5:.1%}"
+        why = f"{scatter}, on so soft a spring {further:,.0f} <x_s> of the drive's way: too long to be followed"
         return Finite(rule, held, "unknown", message=why)
     if infinite.heat_left_out is not None:  # nor do as many contacts need it
         contacts = contacts.replace(thermal=None)

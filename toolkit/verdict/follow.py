@@ -14,6 +14,7 @@ from toolkit.verdict.machine import (
     Behaviour,
     Known,
     Machine,
+    known_of,
     last_of,
     not_followed,
     with_slips,
@@ -26,6 +27,8 @@ TOLERANCE, TOLERANCE_IN_TIME, ENOUGH = 1e-6, 1e-3, 0.05
 LENGTHS = (LOADINGS, 20.0, 60.0)
 # of critical damping, taken where none is given and the slider rings for too long
 DAMPED = 0.1
+# tolerance of F_s and K*, where they decide how far a slider is pulled
+ROUGHLY = 1e-3
 # of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider;
 # and s of it at most under a slip rule, which ordinary laws take a second for, and laws with many peaks minutes
 FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
@@ -35,11 +38,16 @@ FORGOTTEN, SOFTEST = 30.0, 1e-3
 
 
 def follow(
-    machine: Machine, contacts: Contacts, rule: str, known: Known, wall_time: float
+    machine: Machine,
+    contacts: Contacts,
+    rule: str,
+    known: Known,
+    wall_time: float,
+    rings: bool = False,
 ) -> Behaviour:
     """Pull the slider until it has slipped five times or slides steadily.
 
-    wall_time : s
+    wall_time : s; rings : whether an undamped slider is known to ring for too long, and is followed with some damping
     A combination that the solver does not take is "undecided", and its message says why. Where the master equation does
     not decide within its part of the time, the ensemble is followed, or what a slider does that has forgotten its start
     is told; and an undamped slider is followed again with some damping.
@@ -48,8 +56,11 @@ def follow(
     loading = known.static / machine.spring + contacts.mean_threshold
     # the ensemble keeps its tables with the contacts, for all rules
     cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
-    by_contacts = may_follow(machine, cold, rule, known)
     undamped = machine.mass is not None and not machine.damping
+    if undamped and rings:
+        return _damped(machine, contacts, rule, known, wall_time)
+    # without damping they ring on: while a slider is fast, contacts that form again break at once
+    by_contacts = may_follow(machine, cold, rule, known) and not undamped
     first = FIRST if rule == "mass" else FIRST_OF_RULES
     until = end - (1.0 - first) * wall_time * (undamped or by_contacts)
     forgets = rule == "instant" and _forgets(machine, contacts, known)
@@ -69,13 +80,39 @@ def follow(
         return other if found.heat_left_out is None else _without_heat(other, found.heat_left_out)
     if forgets:
         return _after_forgetting(machine, contacts, known, found)
-    if undamped and machine.mass is not None:
-        critical = 2.0 * float(np.sqrt(machine.spring * machine.mass))
-        damped = replace(machine, damping=DAMPED * critical)
-        again = follow(damped, contacts, rule, known, end - time.monotonic())
-        if again.kind != "undecided":
-            return replace(again, damping=damped.damping)
+    if undamped:
+        again = _damped(machine, contacts, rule, known, end - time.monotonic())
+        return again if again.kind != "undecided" else found
     return found
+
+
+def _damped(
+    machine: Machine, contacts: Contacts, rule: str, known: Known, wall_time: float
+) -> Behaviour:
+    """What an undamped slider with mass does with DAMPED of its critical damping."""
+    critical = 2.0 * float(np.sqrt(machine.spring * (machine.mass or 0.0)))
+    damped = replace(machine, damping=DAMPED * critical)
+    return replace(follow(damped, contacts, rule, known, wall_time), damping=damped.damping)
+
+
+def follow_other_delay(
+    machine: Machine, contacts: Contacts, number: float | None, wall_time: float
+) -> Behaviour:
+    """What a slider with mass would do with the other extreme of the contacts' delay, without heat: without a delay of
+    theirs those that form again only once a slip is over, else those that form again at once. As slip rules tell of
+    both, its mass does not matter.
+
+    number : of contacts on the area; wall_time : s
+    """
+    import master
+
+    light = replace(machine, mass=None, damping=0.0)
+    other = contacts.replace(thermal=None, delay=None)
+    steady = master.steady_state(other, velocity=machine.velocity)
+    found = master.propensity(other, velocity=machine.velocity, tolerance=ROUGHLY)
+    known = known_of(other, steady, found, number)
+    rule = "instant" if contacts.waiting_time else "reform-after"
+    return follow(light, other, rule, known, wall_time)
 
 
 def _without_heat(found: Behaviour, change: float) -> Behaviour:

@@ -7,12 +7,16 @@ import numpy as np
 
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import written
+from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
-from toolkit.verdict.judge import NO_FORCES, Answer, Verdict
+from toolkit.verdict.machine import NO_FORCES
 from toolkit.verdict.readings import why_late
 from toolkit.verdict.table import drop_of, fall_of, in_units, regained_by
 
+# of a fall of the force, in mean thresholds: smaller ones are no stick-slip, as of a slider with mass
+SMALL = 0.02
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
 # how the slip rules are named where a user reads of them
 NAMED = {
@@ -77,11 +81,23 @@ def _of_rules(verdict: Verdict) -> Iterator[str]:
         )
     elif len(kinds) > 1 and "undecided" not in kinds.values():
         yield "not the slip rule, for infinitely many contacts: all rules agree"
-    elif len(kinds) == 1 and own.machine and own.machine.mass and not own.contacts.waiting_time:
-        yield (
-            "the contacts' delay: none is given, so that they re-form at once; one far above the time of a slip makes "
-            "full stick-slip of most smooth sliders: give [contacts.delay]"
-        )
+    elif len(kinds) == 1 and own.machine and own.machine.mass:
+        given, known = bool(own.contacts.waiting_time), verdict.turned is not None
+        if not given and (delay_decides(verdict) or not known):
+            yield (
+                "the contacts' delay: none is given, so that they form again at once; give [contacts.delay]"
+            )
+        elif delay_decides(verdict):
+            yield "the contacts' delay: far below the time of a slip it changes the answer"
+        elif known and verdict.turned and verdict.turned.kind != "undecided":
+            yield f"not the contacts' delay: {'without one' if given else 'with a long one'} it does the same"
+
+
+def delay_decides(verdict: Verdict) -> bool:
+    """Whether a slider with mass is known to do something else with the other extreme of the contacts' delay."""
+    kinds = {one.kind for one in verdict.own.behaviours}
+    other = verdict.turned
+    return other is not None and "undecided" not in kinds | {other.kind} and other.kind not in kinds
 
 
 def _of_readings(verdict: Verdict) -> Iterator[str]:
@@ -123,12 +139,12 @@ def _of_readings(verdict: Verdict) -> Iterator[str]:
 def _why(answer: Answer) -> str:
     """Why a reading is not decided."""
     if out_of_time(answer):
-        return "out of time: give more wall_time, or fewer verdict.readings"
+        return f"out of time: {MORE_TIME}, or give fewer verdict.readings"
     return in_units(answer.behaviours[0].message, answer.scale)
 
 
 def _of_a_stuck_slider(verdict: Verdict) -> Iterator[str]:
-    """Why the table's forces are not those of the slips, and why a slider below K* may slide."""
+    """Why the table's forces are not those of the slips."""
     own = verdict.own
     if own.machine is None:
         return
@@ -138,16 +154,33 @@ def _of_a_stuck_slider(verdict: Verdict) -> Iterator[str]:
             "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
             "before a slip"
         )
-    smooth = [one.rule for one in own.behaviours if one.kind == "smooth"]
-    if smooth and own.machine.spring < own.critical_spring.value and not own.contacts.in_time:
-        force, unit = own.scale.force, own.scale.force_unit
-        fall = own.static.value - own.kinetic.value
-        begin = "K is below K*, and yet " * (not own.smoothed)
-        ends = f"F_s, {written(fall * force, unit)} above F_k," if fall > 0.0 else "a rise to F_k"
-        yield (
-            f"{begin}sliding is smooth if {named(smooth)}: after {ends} the slider slips once or a few "
-            "times, and then no more, as contacts have forgotten their start"
-        )
+
+
+def why_smooth(verdict: Verdict) -> list[str]:
+    """Why a slider below K* slides, in a sentence that stands below the table, beside K*."""
+    own = verdict.own
+    smooth = [one for one in own.behaviours if one.kind == "smooth"]
+    if own.machine is None or not smooth or not own.machine.spring < own.critical_spring.value:
+        return []
+    force, unit = own.scale.force, own.scale.force_unit
+    fall = own.static.value - own.kinetic.value
+    rules = (
+        "" if len(smooth) == len(own.behaviours) else f" if {named([one.rule for one in smooth])}"
+    )
+    begin = "K is below K*, and yet " * (not own.smoothed)
+    said = f"{begin}sliding is smooth{rules}: "
+    cold = not own.contacts.in_time or all(one.heat_left_out is not None for one in smooth)
+    small = SMALL * own.contacts.mean_threshold
+    if all(one.rule == "mass" and not one.slips for one in smooth) and cold and fall < small:
+        return [
+            f"{said}the fall from F_s to F_k, {written(fall * force, unit)}, is too small to count as a slip of a "
+            f"slider with mass (from {written(small * force, unit)} on, {SMALL:g} <x_s>)"
+        ]
+    ends = f"F_s, {written(fall * force, unit)} above F_k," if fall > 0.0 else "a rise to F_k"
+    after = f"after {ends} " * cold
+    return [
+        f"{said}{after}the slider slips once or a few times, and then no more, as contacts have forgotten their start"
+    ]
 
 
 def _of_a_mass(verdict: Verdict) -> Iterator[str]:

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -13,130 +13,40 @@ from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from toolkit.processes.signals import TimeIsUp
-from toolkit.results.html import as_table
 from toolkit.running.resampled import of_resampled
 from toolkit.running.solvers import within
-from toolkit.scene.interfaces import of_smoothing
-from toolkit.scene.scale import Scale, scale_of, with_uncertainty
+from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
-from toolkit.verdict.budget import Budget
+from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
+from toolkit.verdict.budget import WALL_TIME, Budget
 from toolkit.verdict.finite import Finite, follow_finite, with_more
-from toolkit.verdict.follow import follow
+from toolkit.verdict.follow import follow, follow_other_delay
 from toolkit.verdict.machine import (
+    NO_FORCES,
     NO_TIME,
     RULES,
     Behaviour,
-    Known,
     Machine,
+    known_of,
     machine_of,
     not_followed,
     rules_of,
 )
 from toolkit.verdict.readings import readings_of
 
-# s for all readings and rules together; share of what is left for the scene's own, and then for its contacts' number
-WALL_TIME, OWN = 60.0, 0.5
+# of the time that is left, for the scene's own reading, and then for the number of its contacts
+OWN = 0.5
 # of a reading's time for a slider with mass; where that does not do, slip rules have the rest
 HEAVY = 0.8
 # of K* and F_s of readings other than the scene's own
 TOLERANCE = 1e-6
+# relative error of both that is not seen on the page, and not lowered with more work
+KNOWN = 1e-5
 # resampled laws of samples, the fewest whose scatter tells something, and the tolerance for these
 RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long
 LONGER = 12.0
-# why nothing is told of a slider, and of a reading other than the scene's own
-NO_FORCES = (
-    "F_s and K* were not found in time, and without them no slider is followed: give more wall_time"
-)
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number of one reading: `value`, its numerical error, and the scatter that other samples would give (None: not
-    known, as of a single scan)."""
-
-    value: float
-    error: float
-    sampling: float | None = None
-
-    @property
-    def unknown(self) -> bool:
-        """Whether there was no time to find it."""
-        return bool(np.isnan(self.value))
-
-
-UNKNOWN = Quantity(float("nan"), float("inf"))
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What one reading says. Forces F/(N_c <k>) are lengths, springs are per N_c<k>.
-
-    machine : what pulls; None where the scene has no spring
-    behaviours : of the machine's slider, one for each rule
-    """
-
-    name: str
-    contacts: Contacts
-    scale: Scale
-    kinetic: Quantity
-    static: Quantity
-    critical_spring: Quantity
-    machine: Machine | None
-    behaviours: tuple[Behaviour, ...]
-
-    @property
-    def smoothed(self) -> bool:
-        """Whether K* is no number of the contacts: it hangs on how samples of islands are smoothed."""
-        return of_smoothing(self.contacts.thresholds)
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """The answers of all readings, the scene's own first.
-
-    velocity : of the drive; run_time : s
-    finite : what as many contacts as there are do under each rule, by the own reading; empty where their number is
-        not known
-    left_out : readings without an answer, and why
-    """
-
-    name: str
-    title: str
-    velocity: float
-    answers: tuple[Answer, ...]
-    finite: tuple[Finite, ...]
-    left_out: dict[str, str]
-    run_time: float
-
-    @property
-    def own(self) -> Answer:
-        """What the scene's own reading says."""
-        return self.answers[0]
-
-    @property
-    def success(self) -> bool:
-        """Whether all solves of the own reading met their tolerance."""
-        found = all(behaviour.success for behaviour in self.own.behaviours)
-        return found and not self.own.critical_spring.unknown
-
-    def _repr_html_(self) -> str:
-        """The own reading's numbers and what the slider does, as a table in a notebook; `words.page` says it all."""
-        own, scale = self.own, self.own.scale
-        numbers = {
-            "kinetic friction F_k": (own.kinetic, scale.force, scale.force_unit),
-            "static friction F_s": (own.static, scale.force, scale.force_unit),
-            "critical spring K*": (own.critical_spring, scale.spring, scale.spring_unit),
-        }
-        rows = [
-            (name, with_uncertainty(one.value * factor, (one.sampling or one.error) * factor, unit))
-            for name, (one, factor, unit) in numbers.items()
-        ]
-        if own.smoothed:
-            rows[-1] = ("critical spring K*", "not known: it hangs on the smoothing of P_c")
-        rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
-        return as_table(self.title, rows)
 
 
 def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -> Verdict:
@@ -153,7 +63,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
     readings, rules = readings_of(scene), rules_of(scene, table)
     # what is given is of the clock, as of a queue; else a busy machine says what a quiet one does
     budget = Budget(scene.wall_time or WALL_TIME, strict=scene.wall_time is not None)
-    scene, answers = replace(scene, wall_time=scene.wall_time or WALL_TIME), list[Answer]()
+    answers, turned = list[Answer](), None
     left_out, finite = dict[str, str](), tuple[Finite, ...]()
     many, solved = sum(reading.contacts is not None for reading in readings), 0
     for number, reading in enumerate(readings):
@@ -168,7 +78,9 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             if reading.contacts is None:
                 raise InputError(reading.refused)
             with within(deadline, scene, "this reading", budget.left):
-                found = _answer(table, reading.name, reading.contacts, rules, part)
+                # what the own reading's slider does without damping, those of the others do
+                rings = any(one.damping is not None for each in answers for one in each.behaviours)
+                found = _answer(table, reading.name, reading.contacts, rules, part, rings)
             if found.critical_spring.unknown and not reading.own:
                 raise InputError(NO_FORCES)
             answers.append(found)
@@ -182,6 +94,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             pairs = zip(answers[0].behaviours, finite, strict=False)
             more = tuple(with_more(one, many, unit) for one, many in pairs)
             answers[0] = replace(answers[0], behaviours=more or answers[0].behaviours)
+            turned = _turned(answers[0], budget.part(OWN))
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
@@ -189,6 +102,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         answers=tuple(answers),
         finite=finite,
         left_out=left_out,
+        turned=turned,
         run_time=time.monotonic() - began,
     )
 
@@ -211,10 +125,26 @@ def _finite(
     return tuple(found)
 
 
+def _turned(own: Answer, budget: Budget) -> Behaviour | None:
+    """What the own reading's slider with mass would do with another delay, where its own is known."""
+    if own.machine is None or [one.rule for one in own.behaviours] != ["mass"]:
+        return None
+    if own.behaviours[0].kind == "undecided":
+        return None
+    with suppress(InputError, TimeIsUp):
+        return follow_other_delay(own.machine, own.contacts, own.scale.contacts, budget.left())
+    return None
+
+
 def _answer(
-    table: DriveTable, name: str, contacts: Contacts, rules: tuple[str, ...], budget: Budget
+    table: DriveTable,
+    name: str,
+    contacts: Contacts,
+    rules: tuple[str, ...],
+    budget: Budget,
+    rings: bool,
 ) -> Answer:
-    """The answer of one reading, about within the budget."""
+    """The answer of one reading, about within the budget; `rings`: see `follow`."""
     import master
 
     velocity = table.velocity
@@ -229,24 +159,18 @@ def _answer(
         ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
         static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
         critical = Quantity(found.critical_spring, found.critical_spring_error)
-        known_before = Known(
-            static.value,
-            steady.force,
-            kinetic.error,
-            critical.value,
-            found.decoherence_length,
-            scale.contacts,
-        )
+        before = known_of(contacts, steady, found, scale.contacts)
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
             share = budget.left() / left * (HEAVY if machine and machine.mass else 1.0)
-            behaviours.append(follow(cast(Machine, machine), contacts, rule, known_before, share))
+            pulled = cast(Machine, machine)
+            behaviours.append(follow(pulled, contacts, rule, before, share, rings))
         unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
         if machine is not None and unknown == ["mass"]:
             # no solver takes the slider with its mass, or not in time: what it does without one, under each slip rule
             light = replace(machine, mass=None, damping=0.0)
             for left, rule in zip(range(len(RULES), 0, -1), RULES, strict=True):
                 share = budget.left() / left
-                behaviours.append(follow(light, contacts, rule, known_before, share))
+                behaviours.append(follow(light, contacts, rule, before, share))
         if sampled_parts(contacts.thresholds):
             known = [kinetic, static, critical]
             kinetic, static, critical = _with_sampling(contacts, velocity, known, budget)
@@ -271,7 +195,9 @@ def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:
 
     rough = master.propensity(contacts, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
     late = LONGER * rough.run_time > budget.left()
-    if late or not np.isfinite(rough.critical_spring):
+    spring, off = rough.critical_spring, rough.critical_spring_error
+    known = off <= KNOWN * spring and rough.static_to_kinetic_error <= KNOWN
+    if late or known or not np.isfinite(spring):
         return rough
     return master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
 

@@ -11,9 +11,14 @@ from origins.thresholds.law import Array
 from toolkit.scene.drive import machine_number
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
+from toolkit.verdict.budget import MORE_TIME
 
 RULES = ("reset", "reform-after", "instant")
-NO_TIME = "no time was left: give more wall_time"
+NO_TIME = f"no time was left: {MORE_TIME}"
+# why nothing is told of a slider, and of a reading other than the scene's own
+NO_FORCES = (
+    f"F_s and K* were not found in time, and without them no slider is followed: {MORE_TIME}"
+)
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,11 @@ class Machine:
         if rule == "mass":
             return given | {"mass": self.mass, "damping": self.damping}
         return given | {"slip": rule}
+
+
+def half_a_swing(machine: Machine) -> float:
+    """π (M/K)^(1/2), the time of a slip in which no contact holds; 0 without a mass."""
+    return float(np.pi * np.sqrt((machine.mass or 0.0) / machine.spring))
 
 
 def machine_of(table: DriveTable, contacts: Contacts) -> Machine | None:
@@ -84,6 +94,18 @@ class Known:
     critical_spring: float
     memory: float
     contacts: float | None = None
+
+
+def known_of(contacts: Contacts, steady: Any, propensity: Any, number: float | None) -> Known:
+    """What is known from the master equation's steady state and propensity; `number`: of contacts on the area."""
+    return Known(
+        static=propensity.static_to_kinetic * steady.force,
+        kinetic=steady.force,
+        kinetic_error=steady.force_error * contacts.mean_threshold,
+        critical_spring=propensity.critical_spring,
+        memory=propensity.decoherence_length,
+        contacts=number,
+    )
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from toolkit.pictures.axes import (
     style_of,
 )
 from toolkit.scene.scale import SHARED
+from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.hangs_on import NAMED, named
-from toolkit.verdict.judge import Answer, Verdict
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.words import disagreeing, sentence, warnings
 

@@ -12,6 +12,7 @@ from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import of_listed_angles, why_infinite
 from toolkit.scene.scene import Scene, make_contacts
 from toolkit.scene.tables import read_table
+from toolkit.verdict.budget import MORE_TIME
 
 # contact model / threshold law; a third word names the regime of the summits, as in "gw/amontons/mixed"
 READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "persson/paper")
@@ -80,9 +81,9 @@ def why_late(contacts: Contacts) -> list[str]:
     law = contacts.thresholds
     if not law.atoms[0].size or contacts.in_time:
         few = of_listed_angles(law)
-        hint = "F_s of islands may take minutes of the processor: give more wall_time, or run the scene with [eq]"
+        hint = f"F_s of islands may take minutes of the processor: {MORE_TIME}, or run the scene with [eq]"
         return few or [hint] * (law.domains is not None)
-    hint = "F_s of exact values may take a minute of the processor: give more wall_time, or leave it out"
+    hint = f"F_s of exact values may take a minute of the processor: {MORE_TIME}"
     return [why_infinite(contacts), hint]
 
 

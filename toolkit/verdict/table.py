@@ -7,8 +7,8 @@ from itertools import zip_longest
 import numpy as np
 
 from toolkit.scene.scale import Scale, guarded, with_uncertainty, written
+from toolkit.verdict.answers import Quantity, Verdict
 from toolkit.verdict.finite import Finite
-from toolkit.verdict.judge import Quantity, Verdict
 from toolkit.verdict.machine import Behaviour
 
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
@@ -68,9 +68,10 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     critical = [one.critical_spring for one in answers]
     springs = [one.scale.spring for one in answers]
     if own.smoothed:
-        yield [f"slips below the spring K*{at}", "-", "hangs on smoothing", ""]
+        yield [f"slips at least once below the spring K*{at}", "-", "hangs on smoothing", ""]
     else:
-        yield row(f"slips below the spring K*{at}", critical, springs, scale.spring_unit)
+        name = f"slips at least once below the spring K*{at}"
+        yield row(name, critical, springs, scale.spring_unit)
     if own.machine is not None:
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
         yield row("the machine's spring K", each, springs, scale.spring_unit)

@@ -5,11 +5,20 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from toolkit.scene.interfaces import doubts
-from toolkit.scene.scale import guarded, written
+from toolkit.scene.scale import guarded, spoken, written
+from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.finite import Finite
-from toolkit.verdict.hangs_on import dependence, named, not_decided, others, out_of_time
-from toolkit.verdict.judge import NO_FORCES, Answer, Verdict
-from toolkit.verdict.machine import Behaviour
+from toolkit.verdict.hangs_on import (
+    SMALL,
+    delay_decides,
+    dependence,
+    named,
+    not_decided,
+    others,
+    out_of_time,
+    why_smooth,
+)
+from toolkit.verdict.machine import NO_FORCES, Behaviour, half_a_swing
 from toolkit.verdict.table import (
     fall_of,
     in_units,
@@ -20,8 +29,6 @@ from toolkit.verdict.table import (
     table,
 )
 
-# of a fall of the force, in mean thresholds: smaller ones are no stick-slip, as of a slider with mass
-SMALL = 0.02
 # of a force: a larger error of it is told beside it
 KNOWN = 1e-3
 
@@ -29,9 +36,10 @@ KNOWN = 1e-3
 def page(verdict: Verdict) -> list[str]:
     """The verdict on one page: title, doubts about the input, sentence, numbers, table, what it hangs on, run time."""
     lines = [verdict.title, "", *warnings(verdict), sentence(verdict)]
+    lines += [f"  {line}" for line in turned(verdict)]
     lines += [*(f"  {line}" for line in details(verdict)), ""]
     lines += table(verdict)
-    lines += [numerical_errors(verdict), "", "What it hangs on"]
+    lines += [*why_smooth(verdict), numerical_errors(verdict), "", "What it hangs on"]
     lines += [f"  {line}" for line in dependence(verdict)]
     return [*lines, "", f"run time {verdict.run_time:.1f} s"]
 
@@ -66,6 +74,20 @@ def details(verdict: Verdict) -> list[str]:
     """The numbers of what the sentence says in kinds alone; none where it gives them itself."""
     numbers = _told(verdict, verdict.own) if verdict.own.machine is not None else []
     return [] if _answered(verdict) == "; ".join(numbers) else numbers
+
+
+def turned(verdict: Verdict) -> list[str]:
+    """With which delay of the contacts a slider with mass would do something else, where that is known."""
+    own, other = verdict.own, verdict.turned
+    if other is None or own.machine is None or not delay_decides(verdict):
+        return []
+    slip = spoken(half_a_swing(own.machine), own.scale.time_unit)
+    whose = "at once"
+    if not own.contacts.waiting_time:
+        whose = f"only once a slip is over, which takes some {slip},"
+    return [
+        f"contacts that form again {whose} would make it {_behaved(verdict, own, other.kind, [other])}"
+    ]
 
 
 def _not_known_of(verdict: Verdict) -> list[str]:

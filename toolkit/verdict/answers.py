@@ -1,0 +1,103 @@
+"""What a verdict holds: the numbers of each reading, and what its slider does."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from origins.contacts import Contacts
+from toolkit.results.html import as_table
+from toolkit.scene.interfaces import of_smoothing
+from toolkit.scene.scale import Scale, with_uncertainty
+from toolkit.verdict.finite import Finite
+from toolkit.verdict.machine import Behaviour, Machine
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of one reading: `value`, its numerical error, and the scatter that other samples would give (None: not
+    known, as of a single scan)."""
+
+    value: float
+    error: float
+    sampling: float | None = None
+
+    @property
+    def unknown(self) -> bool:
+        """Whether there was no time to find it."""
+        return bool(np.isnan(self.value))
+
+
+UNKNOWN = Quantity(float("nan"), float("inf"))
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one reading says. Forces F/(N_c <k>) are lengths, springs are per N_c<k>.
+
+    machine : what pulls; None where the scene has no spring
+    behaviours : of the machine's slider, one for each rule
+    """
+
+    name: str
+    contacts: Contacts
+    scale: Scale
+    kinetic: Quantity
+    static: Quantity
+    critical_spring: Quantity
+    machine: Machine | None
+    behaviours: tuple[Behaviour, ...]
+
+    @property
+    def smoothed(self) -> bool:
+        """Whether K* is no number of the contacts: it hangs on how samples of islands are smoothed."""
+        return of_smoothing(self.contacts.thresholds)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answers of all readings, the scene's own first.
+
+    velocity : of the drive; run_time : s
+    finite : what as many contacts as there are do under each rule, by the own reading; empty where their number is
+        not known
+    left_out : readings without an answer, and why
+    turned : what a slider with mass would do with the other extreme of the contacts' delay, see `follow_other_delay`;
+        None where there is none, or no time
+    """
+
+    name: str
+    title: str
+    velocity: float
+    answers: tuple[Answer, ...]
+    finite: tuple[Finite, ...]
+    left_out: dict[str, str]
+    run_time: float
+    turned: Behaviour | None = None
+
+    @property
+    def own(self) -> Answer:
+        """What the scene's own reading says."""
+        return self.answers[0]
+
+    @property
+    def success(self) -> bool:
+        """Whether all solves of the own reading met their tolerance."""
+        found = all(behaviour.success for behaviour in self.own.behaviours)
+        return found and not self.own.critical_spring.unknown
+
+    def _repr_html_(self) -> str:
+        """The own reading's numbers and what the slider does, as a table in a notebook; `words.page` says it all."""
+        own, scale = self.own, self.own.scale
+        numbers = {
+            "kinetic friction F_k": (own.kinetic, scale.force, scale.force_unit),
+            "static friction F_s": (own.static, scale.force, scale.force_unit),
+            "critical spring K*": (own.critical_spring, scale.spring, scale.spring_unit),
+        }
+        rows = [
+            (name, with_uncertainty(one.value * factor, (one.sampling or one.error) * factor, unit))
+            for name, (one, factor, unit) in numbers.items()
+        ]
+        if own.smoothed:
+            rows[-1] = ("critical spring K*", "not known: it hangs on the smoothing of P_c")
+        rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
+        return as_table(self.title, rows)
