@@ -21,16 +21,11 @@ from origins.laws.compiled import CompiledRates, called
 from origins.laws.timed_law import ChangingThresholds
 
 # The file of eq_model/laws with the kernel of each law by which thresholds change, imported where it is needed. It
-# stands there as compiled code is kept on disk for the version of these files. It has
-#   make(contacts, drive, warm, rates, unit): the settings of the kernel, a NamedTuple of a class of its own; drive is a
-#     WholeDrive, contact.Warm has the last two, and warm tells whether contacts break at rates, too;
-#   often(contacts, lasts, moved, settings): about how often a contact breaks or takes a step on legs of these
-#     durations and lengths, arrays (legs,): a float;
-#   SECONDS: about what one of these takes, a float;
-# and enters functions for numba by the class of its settings: in contact.BREAKS (settings, contact, drive, counts),
-# which gives the contact.Break, and in contact.AGED (settings, contact, drive, instant), its threshold then; or, where
-# thresholds grow, both by growing.GROWTHS. Growing thresholds of any other class, those derived from a class of the
-# table included, have the kernel OWN, and ordered ones ORDERED: these call the law's methods.
+# stands there as compiled code is kept on disk for the version of these files. It has `make`, `often` and SECONDS, and
+# enters functions for numba by the class of its settings in contact.BREAKS and contact.AGED, or, where thresholds grow,
+# both by growing.GROWTHS; docs/extending.md says what each gets and returns. Growing thresholds of any other class,
+# those derived from a class of the table included, have the kernel OWN, and ordered ones ORDERED, which call methods of
+# the law.
 OWN, ORDERED = "own", "ordered"
 KERNELS: dict[type, str] = {
     Ageing: "diffusing",

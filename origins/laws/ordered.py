@@ -11,7 +11,7 @@ from origins.laws.timed_law import ChangingThresholds
 from origins.thresholds.law import Array
 
 # Parts of the longest age, and of the longest distance, at which the law is looked at; and what may be rounding there.
-LOOKED_AT, ROUNDED = np.append(0.0, np.geomspace(1e-6, 1.0, 13)), 1e-9
+LOOKED_AT, ROUNDED = np.append(0.0, np.geomspace(1e-12, 1.0, 37)), 1e-9
 # Shares of the contacts that are weaker than those that are looked at; and of those that are left out, as in solvers.
 WEAKER, NEGLECTED = (0.01, 0.5, 0.99), 1e-17
 
