@@ -89,8 +89,8 @@ def integrals(
 
     for halving in range(HALVINGS + 1):
         sums, tails = _sums(pieces, integrand)
-        if relative and not halving:
-            limit = limit * summed(pieces.owner, sums[-1:])[0]
+        if relative:  # nodes of the first pieces may miss nearly all of the integral
+            limit = accuracy * (total[-1] + summed(pieces.owner, sums[-1:])[0])
         size = np.maximum(np.abs(pieces.low), np.abs(pieces.high))
         rough = (tails > limit[pieces.owner]) & (pieces.high - pieces.low > NARROWEST * size)
         rough &= halving < HALVINGS

@@ -140,7 +140,8 @@ class Straight:
         while held[0] < 1.0 - AT_FIRST and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
             if lags[0] < SHORTEST_LAG * longest:
                 fault = "contacts break before they have moved a length that is a number"
-                refuse("velocity", abs(self._speed), f"{fault}; slide faster")
+                instead = "slide faster where heat breaks them, slower where thresholds grow"
+                refuse("velocity", abs(self._speed), f"{fault}; {instead}")
             lower = lags[0] * RATIO ** -np.arange(LAGS_TOGETHER, 0.0, -1.0)
             lags, held = np.append(lower, lags), np.append(self._for_table(lower[:, None])[0], held)
         typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
