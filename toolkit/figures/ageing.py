@@ -66,7 +66,8 @@ def a05(figure: Any) -> Found:
     single = master.kinetic_curve(contacts.replace(ageing=_one_by_one(contacts)), speeds).force
     inset.semilogx(speeds, paper, color=INKS[0], lw=1.0, label="(Q15)")
     inset.semilogx(speeds, single, ":", color=INKS[1], lw=1.0, label="one by one")
-    inset.set(xlabel="$v/D$", ylabel="$F_k$")
+    inset.set_xlabel("$v/D$")
+    inset.text(0.05, 0.6, "$F_k$", transform=inset.transAxes)
     inset.legend(fontsize=6)
     upper.set(xlabel="$x$", ylabel="$Q_s(x)$", xlim=(0.0, 1.1))
     lower.set(xlabel="$x$", ylabel="$P_c(x)$", xlim=(0.0, 1.1), ylim=(0.0, 12.0))

@@ -43,7 +43,7 @@ def a08a(figure: Any) -> Found:
     """The breaking rate P_T at several temperatures, and at several speeds."""
     figure.set_size_inches(6.0, 4.8)
     axes = figure.subplots()
-    inset = axes.inset_axes((0.12, 0.5, 0.42, 0.46))
+    inset = axes.inset_axes((0.12, 0.5, 0.42, 0.43))
     x = np.linspace(0.0, 1.15, 1151)
     cold = load_scene("gaussian").contacts.thresholds
     plain = np.exp(cold.logpdf(x) - cold.logsf(x))
@@ -60,8 +60,8 @@ def a08a(figure: Any) -> Found:
         axis.set(xlim=(0.0, 1.1))
     axes.set(xlabel="$x$", ylabel="$P_T(x)$, ω/kv = 1 (dashed: $P_c$/10)", ylim=(0.0, 2.5))
     inset.set(ylim=(0.0, 10.0))
-    inset.text(0.97, 0.5, "T = 0.3", ha="right", fontsize=7, transform=inset.transAxes)
-    axes.legend(fontsize="small", loc="center left", bbox_to_anchor=(0.02, 0.3))
+    inset.set_title("T = 0.3", fontsize=7, pad=2.0)
+    axes.legend(fontsize="x-small", ncols=3, loc="center left", bbox_to_anchor=(0.01, 0.385))
     inset.legend(fontsize=6)
     exact = float(_mean_rate(np.array([0.5]), 0.3)[0])
     found = float(_rate(np.linspace(0.49, 0.51, 21), 0.3, 1.0)[10])
@@ -90,8 +90,8 @@ def a08b(figure: Any) -> Found:
         color="0.5",
         label="$P_c$/8",
     )
-    axes.set(xlabel="$x$", ylabel="$Q_s(x)$", title="T = 0.3", xlim=(0.0, 1.3))
-    axes.legend(fontsize="small")
+    axes.set(xlabel="$x$", ylabel="$Q_s(x)$", xlim=(0.0, 1.3))
+    axes.legend(fontsize="small", title="T = 0.3")
     _, weights, held = _held(0.3, 10.0)
     exact = float(1.0 / (weights * held).sum())
     return Found("Q_s(0) = 1/C, ω/kv = 10", found, 1e-6, exact, "quadrature of E_P")
@@ -127,9 +127,9 @@ def a08c(figure: Any) -> Found:
             )
             inset.loglog(speeds, force, ls=dash, color=ink, lw=0.8)
     upper.set(xlabel="$T$", ylabel=r"$F_k/(N_c\langle k\rangle)$", ylim=(0.0, 0.55))
-    lower.set(xlabel="$v$", ylabel=r"$F_k/(N_c\langle k\rangle)$", ylim=(0.0, 0.55))
-    upper.legend(fontsize="small")
-    lower.legend(fontsize="small", loc="upper left", bbox_to_anchor=(0.05, 0.9))
+    lower.set(xlabel="$v$", ylabel=r"$F_k/(N_c\langle k\rangle)$", ylim=(0.0, 0.6))
+    upper.legend(fontsize="small", title="full: soft; broken: stiff", title_fontsize="small")
+    lower.legend(fontsize="small", loc="upper center", ncols=4, columnspacing=1.0)
     inset.tick_params(labelsize=6)
     for axes, letter in ((upper, "a"), (lower, "b")):
         lettered(axes, letter)

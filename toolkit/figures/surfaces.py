@@ -18,7 +18,7 @@ def _pair(figure: Any, scenes: tuple[str, str], names: tuple[str, str]) -> list[
     """F(X) of two scenes, full and broken, with their P_c in an inset; both solutions."""
     figure.set_size_inches(5.5, 4.5)
     axes = figure.subplots()
-    inset, x, found = axes.inset_axes((0.5, 0.6, 0.45, 0.37)), np.linspace(0.0, 2.5, 501), []
+    inset, x, found = axes.inset_axes((0.5, 0.67, 0.45, 0.3)), np.linspace(0.0, 2.5, 501), []
     for scene, name, dash in zip(scenes, names, ("-", "--"), strict=True):
         loaded = load_scene(scene)
         solved: Any = master.solve(loaded.contacts, loaded.path, 1e-8)
