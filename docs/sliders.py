@@ -166,9 +166,7 @@ def main() -> None:
     drive = np.linspace(0.0, 12.0, 1201)
     for slip, ink, dashes in RULES:
         found = master.solve(CONTACTS, drive, spring=SPRING, slip=slip)
-        print(
-            f"{slip}: {found.slips.drive.size} slips, {found.regime.verdict}; {found.regime.reason}"
-        )
+        print(f"{slip}: {found.regime.verdict}; {found.regime.reason}")
         axes[2].plot(drive, found.force, color=ink, ls=dashes, lw=1.4, label=f'slip = "{slip}"')
     title = f"soft slider, K = {SPRING} $N_c\\langle k\\rangle$"
     axes[2].set(

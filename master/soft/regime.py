@@ -176,8 +176,7 @@ def regime(
     verdict: Verdict = "undecided"
     if found.force.size < drive.path.size or not found.error < UNRELIABLE:
         reason = f"{count} slips up to where the solution stopped, or is no longer known"
-    elif not count:
-        # K* is that of a rigid slider; a soft slider's speed differs from the drive's
+    elif not count:  # K* is that of a rigid slider; a soft slider's speed differs from the drive's
         lacking = _lacking(contacts, drive, found, critical, latest)
         verdict = "undecided" if lacking else "smooth"
         reason = f"{known}; no slip up to the end of the path{lacking}"
@@ -186,7 +185,7 @@ def regime(
         shares = found.shares[np.isfinite(found.shares)]
         largest = float(shares.max(initial=0.0))
         if shares.size:
-            reason += f"; up to {largest:.2g} of the contacts break in a slip"
+            reason += f"; up to {largest:.0%} of the contacts break in a slip"
         if verdict == "stick-slip" and shares.size == count and largest < SLIP_SHARE:
             verdict = "undecided"
             renewed = ", although a reset renews all" if drive.slip == "reset" else ""
@@ -204,7 +203,8 @@ def _by_slips(
     """Whether the slips up to the end of the path continue or fade."""
     spring, slips = float(drive.spring or 0.0), found.slips
     drops, count = np.abs(slips.drop), slips.drive.size
-    counted = f"{count} slips up to the end of the path"
+    slipped = f"{count} slips" if count > 1 else "1 slip"
+    counted = f"{slipped} up to the end of the path"
     if drive.slip == "reset" and count > 1:
         return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
     if _first_slip_repeats(contacts, drive, found):
@@ -215,7 +215,7 @@ def _by_slips(
     # slips are over if the last is this many times the longest period ago
     if silent > 1.5 * longest:
         over = f"then none for {silent / longest:.3g} times the longest period"
-        return "decaying transient", f"{count} slips, {over}"
+        return "decaying transient", f"{slipped}, {over}"
     if count < FEWEST:
         far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * (FEWEST + 1 - count) * longest
         return "undecided", f"{counted} are too few to tell; drive to about X_T = {far:.3g}"
