@@ -57,6 +57,7 @@ def test_copies_never_overwrite(capsys: Any) -> None:
     assert Path("gaussian.toml").read_text() == "mine"
     Path("sub").mkdir()
     assert said(capsys, "copy", "gaussian", "sub")[0] == 0 and Path("sub/gaussian.toml").exists()
+    assert said(capsys, "copy", "gaussian", "new/")[0] == 0 and Path("new/gaussian.toml").exists()
     assert "did you mean gaussian? `mesofriction scenes`" in refused(capsys, "copy", "gausian")
     assert "cannot be written" in refused(capsys, "copy", "gaussian", "gaussian.toml/x")
 

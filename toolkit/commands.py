@@ -93,9 +93,12 @@ def copy(arguments: argparse.Namespace) -> int:
     if name not in shipped_scenes():
         meant = did_you_mean(name, shipped_scenes())
         refuse("scene", name, f"is no shipped scene; {meant}`mesofriction scenes` lists them")
-    file = Path(arguments.file or ".")
-    file = file / f"{name}.toml" if file.is_dir() else file
+    given = arguments.file or "."
+    file = Path(given)
     try:
+        if file.is_dir() or given.endswith("/"):
+            file.mkdir(parents=True, exist_ok=True)
+            file /= f"{name}.toml"
         with file.open("x", encoding="utf-8") as stream:
             stream.write((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
     except FileExistsError:

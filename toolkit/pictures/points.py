@@ -38,14 +38,16 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     name, units = name or ("force" if sweep.smooth else "kinetic_force"), _units(result)
     columns = {name: ""}
     if name == "kinetic_force" and (slips := _of_slips(sweep)):
-        columns = slips if others else slips | {name: "kinetic force $F_k$, rigid slider"}
+        columns = slips | {name: "kinetic force $F_k$, rigid slider"}
+        if others:  # whose lines are many: one column
+            columns = dict([*slips.items()][:1])
     each = {key: sweep[key].ravel() for key in others}
     lines = [
         ", ".join(f"{key} = {_told(own[row], units.get(key, ''))}" for key, own in each.items())
         for row in range(x.size)
     ]
     names, number = list(dict.fromkeys(lines)), 0
-    for column, said in list(columns.items())[: 1 if others else None]:
+    for column, said in columns.items():
         value, error = _with_error(result, column)
         for k in some_of(len(names), _LINES):
             rows = np.flatnonzero([line == names[k] for line in lines])
@@ -108,7 +110,10 @@ def _axis_of(name: str, columns: dict[str, str], result: Result) -> tuple[str, s
     if name == "critical_spring":
         return spring_name(result.scale.spring_unit)
     whole, unit = force_name(result.scale, "F_k" if [*columns] in _OF_RIGID else "F")
-    return (f"swing of spring {whole}\n" if name == "eq_force_swing" else whole), unit
+    if name == "eq_force_swing":
+        return f"swing of spring {whole}\n", unit
+    said = "".join(columns.values()) if len(columns) == 1 else ""
+    return f"{whole}\n{said}".strip(), unit
 
 
 def _factors(result: Result) -> Array:
