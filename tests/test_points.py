@@ -78,6 +78,17 @@ def test_si_units_of_a_surface_and_the_ensemble() -> None:
     np.testing.assert_allclose(
         found["kinetic_force_over_load"] * found["drive.area"] * 1e6, newtons
     )
+    asked = {"contacts": {"thresholds": ROUGH}, "drive": drive | {"spring": "1 N/m"}}
+    springs = sweep | {"critical_spring": True}
+    own: Any = toolkit.run(asked | {"sweep": springs}, folder="out").sweep
+    with Path("out/sweep.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    for head, name in (
+        ("kinetic_force [N]", "kinetic_force_newtons"),
+        ("critical_spring [N/m]", "critical_spring_newtons"),
+    ):
+        assert [float(row[head]) for row in rows] == pytest.approx(list(own[name]), rel=1e-14)
+        assert not any(name in head for head in rows[0])
     assert found.units["kinetic_force_newtons"] == "N" and (found["eq_last_force"] > 0.0).all()
 
 

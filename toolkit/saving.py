@@ -72,7 +72,10 @@ def save(result: Result, folder: str | os.PathLike[str], formats: Sequence[str] 
         writers |= pictures("barriers", partial(save_barriers, islands), formats)
     if (sweep := result.sweep) is not None:
         units = units_of(result, short=True) | {"force_error": "<x_s>"}
-        writers["sweep.csv"] = partial(write_sweep, sweep, units if sweep.smooth else sweep.units)
+        units = units if sweep.smooth else sweep.units
+        writers["sweep.csv"] = partial(
+            write_sweep, sweep, units, result.scale, result.mean_threshold
+        )
     gone = [*earlier(folder).get("tables", []), *stale(["picture", "barriers"], writers)]
     if another(folder, result.name, result.text) is not None:
         gone += ["thresholds.json", "thresholds.png", "barriers.png"]

@@ -14,7 +14,7 @@ from toolkit.pictures.axes import (
     spring_name,
     style_of,
 )
-from toolkit.results.points import SweepRecord
+from toolkit.results.points import SweepRecord, force_factors
 from toolkit.results.records import Result
 from toolkit.scene.scale import PREFIXED, written
 
@@ -101,7 +101,8 @@ def _with_error(result: Result, name: str) -> tuple[Array, Array]:
     value, error = (sweep.columns.get(key, none).ravel() for key in (name, f"{name}_error"))
     if name == "force":  # whose error is in mean thresholds
         error = result.mean_threshold * error
-    value, error = _factors(result) * value, _factors(result) * error
+    factors = force_factors(sweep, result.scale)
+    value, error = factors * value, factors * error
     return np.where(np.isfinite(value), value, np.nan), np.where(np.isfinite(error), error, 0.0)
 
 
@@ -114,18 +115,6 @@ def _axis_of(name: str, columns: dict[str, str], result: Result) -> tuple[str, s
         return f"swing of spring {whole}\n", unit
     said = "".join(columns.values()) if len(columns) == 1 else ""
     return f"{whole}\n{said}".strip(), unit
-
-
-def _factors(result: Result) -> Array:
-    """What forces and springs over N_c<k> are in the unit of the scale at each point, whose surface or area may
-    be its own."""
-    sweep: Any = result.sweep
-    name = {"N": "kinetic_force_newtons", "Pa": "kinetic_stress"}.get(result.scale.force_unit)
-    out = np.full(sweep.size, result.scale.force)
-    if name in sweep.columns:
-        shared, known = sweep["kinetic_force"], sweep["kinetic_force"] > 0.0
-        np.divide(sweep[name], shared, out=out, where=known)
-    return out
 
 
 def plot_points_spring(axes: Any, result: Result) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 
 from origins.brief import brief
 from origins.thresholds.law import Array
+from toolkit.scene.scale import Scale
 
 # columns of a sweep of smooth sliding over speeds, temperatures, rates of ageing or delays, those that it has
 SMOOTH: tuple[str, ...] = ("velocity", "force", "force_error", "holding", "holding_error")
@@ -70,14 +71,40 @@ class SweepRecord:
         return len(next(iter(self.columns.values())))
 
 
-def write_sweep(record: SweepRecord, units: Mapping[str, str], path: Path) -> None:
-    """A line for each point, a column for each of the record's, its unit in brackets, with all digits."""
-    heads = (f"{name} [{units[name]}]" if units.get(name) else name for name in record.columns)
+def force_factors(record: SweepRecord, scale: Scale) -> Array:
+    """What forces and springs over N_c<k> are in the unit of the scale at each point, whose surface or area may be its
+    own."""
+    name = {"N": "kinetic_force_newtons", "Pa": "kinetic_stress"}.get(scale.force_unit)
+    out = np.full(record.size, scale.force)
+    if name in record.columns:
+        shared = record["kinetic_force"]
+        np.divide(record[name], shared, out=out, where=shared > 0.0)
+    return out
+
+
+def write_sweep(
+    record: SweepRecord, units: Mapping[str, str], scale: Scale, mean_threshold: float, path: Path
+) -> None:
+    """A line for each point, a column for each of the record's, its unit in brackets, with all digits; forces and
+    springs in the unit of the scale."""
+    units, columns = dict(units), {name: own.ravel() for name, own in record.columns.items()}
+    if scale.force_unit in ("N", "Pa"):
+        factors = force_factors(record, scale)
+        errors = mean_threshold if record.smooth else 1.0  # of smooth sliding they are in <x_s>
+        for name, own in columns.items():
+            if name in ("critical_spring", "critical_spring_error"):
+                columns[name], units[name] = factors * own, scale.spring_unit
+            elif units.get(name) in ("m", "<x_s>") and "force" in name:
+                columns[name] = factors * own * (errors if name == "force_error" else 1.0)
+                units[name] = scale.force_unit
+        for twin in ("kinetic_force_newtons", "kinetic_stress", "critical_spring_newtons"):
+            if units.get(twin) in (scale.force_unit, scale.spring_unit):
+                del columns[twin]
+    heads = [f"{name} [{units[name]}]" if units.get(name) else name for name in columns]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(heads)
-        columns = (column.ravel().tolist() for column in record.columns.values())
-        writer.writerows(zip(*columns, strict=True))
+        writer.writerows(zip(*(own.tolist() for own in columns.values()), strict=True))
 
 
 def fill_sweep(group: Any, record: SweepRecord, units: Mapping[str, str]) -> None:
