@@ -55,7 +55,8 @@ def test_a_point_is_the_scene_with_its_values(capsys: Any) -> None:
         assert found["critical_spring"][k] == own.critical_spring
     with Path("mine-output/sweep.csv").open(encoding="utf-8") as stream:
         head, *rows = list(csv.reader(stream))
-    assert head[:3] == [*OVER, "mean_threshold [length]"] and "critical_spring [N_c<k>]" in head
+    keys = ["drive.spring", "contacts.thresholds.std [length]"]
+    assert head[:3] == [*keys, "mean_threshold [length]"] and "critical_spring [N_c<k>]" in head
     assert [float(row[head.index("last_force [length]")]) for row in rows] == found[
         "last_force"
     ].tolist()

@@ -14,7 +14,7 @@ from toolkit.pictures.axes import (
     spring_name,
     style_of,
 )
-from toolkit.results.points import SweepRecord, force_factors
+from toolkit.results.points import SweepRecord, force_factors, key_units
 from toolkit.results.records import Result
 from toolkit.scene.scale import PREFIXED, written
 
@@ -35,7 +35,8 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     sweep: Any = result.sweep
     first, *others = sweep.along
     x, unit = _numbers(sweep[first].ravel())
-    name, units = name or ("force" if sweep.smooth else "kinetic_force"), _units(result)
+    name = name or ("force" if sweep.smooth else "kinetic_force")
+    units = key_units(sweep.along, result.scale)
     columns = {name: ""}
     if name == "kinetic_force" and (slips := _of_slips(sweep)):
         columns = slips | {name: "kinetic force $F_k$, rigid slider"}
@@ -66,14 +67,6 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     if others or len(columns) > 1:
         legend_above(axes)
     return axes
-
-
-def _units(result: Result) -> dict[str, str]:
-    """Units of keys that are swept as numbers, where they are known."""
-    length, time, speed = result.scale.length_unit, result.scale.time_unit, result.scale.speed_unit
-    units = {"temperature": f"{length}²", "kelvin": "K", "rate": f"{length}²/{time}", "delay": time}
-    units |= dict.fromkeys(("velocity", "drive.velocity"), speed)
-    return units | {"contacts.thresholds.pressure": "Pa"}
 
 
 def _told(value: Any, unit: str) -> str:

@@ -1,7 +1,7 @@
 """The record of a sweep: a table with a row for each point, and its files."""
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -71,6 +71,19 @@ class SweepRecord:
         return len(next(iter(self.columns.values())))
 
 
+def key_units(along: Iterable[str], scale: Scale) -> dict[str, str]:
+    """Units of keys of a scene that are swept as numbers, where they are known; by the last word of a key."""
+    length, time = scale.length_unit, scale.time_unit
+    known = dict.fromkeys(("mean", "std", "to", "value", "lower", "upper"), length)
+    known |= {
+        "temperature": f"{length}²",
+        "rate": f"{length}²/{time}",
+        "velocity": scale.speed_unit,
+    }
+    known |= {"delay": time, "time": time, "kelvin": "K", "pressure": "Pa", "area": "m²"}
+    return {key: known.get(key.rpartition(".")[2], "") for key in along}
+
+
 def force_factors(record: SweepRecord, scale: Scale) -> Array:
     """What forces and springs over N_c<k> are in the unit of the scale at each point, whose surface or area may be its
     own."""
@@ -87,7 +100,9 @@ def write_sweep(
 ) -> None:
     """A line for each point, a column for each of the record's, its unit in brackets, with all digits; forces and
     springs in the unit of the scale."""
-    units, columns = dict(units), {name: own.ravel() for name, own in record.columns.items()}
+    keys = [key for key in record.along if record[key].dtype.kind != "U"]
+    units = key_units(keys, scale) | {name: unit for name, unit in units.items() if unit}
+    columns = {name: own.ravel() for name, own in record.columns.items()}
     if scale.force_unit in ("N", "Pa"):
         factors = force_factors(record, scale)
         errors = mean_threshold if record.smooth else 1.0  # of smooth sliding they are in <x_s>
