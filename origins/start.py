@@ -9,7 +9,7 @@ import scipy
 
 from origins.errors import TEMPERATURE, InputError, finite, non_negative, positive, refuse
 from origins.thresholds.law import Array, Thresholds
-from origins.thresholds.scipy_laws import as_frozen, single_mean
+from origins.thresholds.scipy_laws import as_frozen, jumps_of, single_mean
 
 LARGEST = 1e150  # of the mean and the width of a start, so that their squares are finite
 
@@ -112,7 +112,7 @@ def as_start(start: object, name: str = "start") -> Start:
     ends = np.array(frozen.support(), dtype=float)
     reach = np.array([frozen.ppf(1e-16), frozen.isf(1e-16)])
     lower, upper = np.where(np.isfinite(ends), ends, reach).tolist()
-    found = Start(mean, (lower, upper), ends[np.isfinite(ends)])
+    found = Start(mean, (lower, upper), jumps_of(frozen))
     for method in ("pdf", "cdf", "sf", "ppf", "isf"):
         setattr(found, method, getattr(frozen, method))
     return found

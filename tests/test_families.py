@@ -218,6 +218,12 @@ FROZEN = {
 }
 
 
+def test_a_start_that_is_a_histogram_has_a_breakpoint_at_each_edge_of_its_bins() -> None:
+    moved = stats.rv_histogram(HISTOGRAM, density=False)(loc=-0.5, scale=0.2)
+    start = origins.Contacts(stats.gamma(9.0), start=moved).start
+    np.testing.assert_allclose(start.breakpoints, [-0.5, -0.3, -0.1], rtol=1e-15)
+
+
 @pytest.mark.filterwarnings("error")  # none of scipy's integrals, which diverge for pareto
 @pytest.mark.parametrize("name", FROZEN)
 def test_frozen_distributions(name: str) -> None:

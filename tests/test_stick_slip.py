@@ -72,6 +72,33 @@ def test_a_start_of_many_bins_has_its_slope_in_a_second() -> None:
     assert found.critical_spring == pytest.approx(-slopes.min(), abs=3e-3)
 
 
+def test_a_start_of_200_bins_is_a_sum_over_them() -> None:
+    """Up to X = 0.3 none that formed at X > 0 breaks: F is the sum over the bins of what their contacts bear, and the
+    integral of the fraction that has broken; F falls most steeply where its slope, by the same sums, is least."""
+    law, edges = origins.gaussian(1.0, 0.05), np.linspace(0.45, 0.95, 201)
+    drawn = np.diff(origins.gaussian(0.75, 0.05).cdf(edges))
+    start = scipy.stats.rv_histogram((drawn, edges), density=False)
+    at, weight = np.polynomial.legendre.leggauss(20)
+    half, middle = 0.5 * np.diff(edges)[:, None], 0.5 * (edges[1:] + edges[:-1])[:, None]
+    born = (middle + half * at).ravel()
+    share = (drawn[:, None] / drawn.sum() * 0.5 * weight).ravel() / law.sf(born)
+
+    def holds(x: np.ndarray) -> np.ndarray:
+        return np.asarray(law.sf(born + x[:, None]) @ share)
+
+    x = np.linspace(0.0, 0.3, 31)
+    within = x[:, None] * 0.5 * (at + 1.0)
+    broken = (1.0 - holds(within.ravel())).reshape(within.shape) @ weight * 0.5 * x
+    force = (law.sf(born + x[:, None]) * (born + x[:, None])) @ share + broken
+    contacts = Contacts(law, start)
+    found = master.solve(contacts, x, 1e-10)
+    assert found.success and np.abs(found.force - force).max() < 1e-11
+    stretch = born + np.linspace(0.2, 0.3, 1001)[:, None]
+    slope = 1.0 - (law.pdf(stretch) * stretch) @ share
+    critical = master.propensity(contacts, 1e-8)
+    assert critical.success and critical.critical_spring == pytest.approx(-slope.min(), rel=1e-5)
+
+
 NARROW, BROAD = origins.gaussian(1.0, 0.02), origins.gaussian(1.0, 0.3)
 BEHIND = [(NARROW, -1.05, 0.5), (BROAD, -1.2, 20.0), (scipy.stats.expon(), 1.2, 40.0)]
 
