@@ -19,6 +19,7 @@ import master
 import origins
 import toolkit
 from toolkit.running.progress import Progress
+from toolkit.scene.scale import guarded
 from toolkit.scene.scene import shipped_scenes
 
 EQ = {"contacts": 200, "replicas": 4, "seed": 7}
@@ -252,6 +253,39 @@ def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) ->
     assert abs(off) < 5.0 * evidence["static_to_kinetic_error"]
 
 
+def test_compare_says_where_the_order_is_not_decided(capsys: Any) -> None:
+    """K* of two laws of one surface go over the same readings; K* of samples scatters, and that of a wide Gaussian is
+    far below. Run times have one line at the end."""
+    material = ROUGH["material"] | {"shear_strength": 5e7}
+    tables: dict[str, Any] = {"verdict": {"readings": ["gw/amontons", "gw/strength"]}}
+    tables |= {"drive": {"area": 1e-6}, "master": None}
+    surfaces = [
+        write(law, thresholds=ROUGH | {"law": law, "material": material}, **tables)
+        for law in ("amontons", "strength")
+    ]
+    _, lines, _ = said(capsys, "compare", *surfaces)
+    assert lines[0].startswith("order undecided between strength and amontons: over readings and ")
+    found = read("compare-output/compare.json")["scenes"]
+    ends = sorted(one["critical_spring_newtons"] for one in found)
+    low, high = (guarded(end, "N/m", ends[1] - ends[0]) for end in ends)
+    assert lines[0].endswith(f"K* is {low} to {high} for each")
+    assert lines[-2].startswith("run times: strength ") and " s, amontons " in lines[-2]
+    assert not any("time" in line for line in lines[:-2])
+
+    draws = np.random.default_rng(1).normal(1.0, 0.2, (2, 40)).tolist()
+    drawn = [
+        write(f"drawn{n}", thresholds={"kind": "from-samples", "x_s": one}, drive={"to": 4.0})
+        for n, one in enumerate(draws)
+    ]
+    wide = write(
+        "wide", thresholds={"kind": "gaussian", "mean": 1.0, "std": 0.8}, drive={"to": 4.0}
+    )
+    _, lines, _ = said(capsys, "compare", *drawn, wide)
+    assert lines[0].startswith("order undecided between drawn") and "wide" not in lines[0]
+    assert not any(line.startswith("order undecided") for line in lines[1:])
+    assert "; " in lines[0] and " for drawn0" in lines[0]
+
+
 def test_scenes_lists_every_shipped_scene(capsys: Any) -> None:
     status, out, _ = said(capsys, "scenes")
     told = "\n" + "\n".join(out)
@@ -400,6 +434,8 @@ def test_compare_shows_how_far_its_numbers_hang_on_the_readings(capsys: Any) -> 
     assert springs[0] == found["critical_spring_newtons"] < 4e6 < springs[1]
     assert status == 0 and list(found["left_out"]) == ["gw/strength"]
     assert lines[0].startswith("mine: readings disagree on stick-slip: ") and "1 of 2" in lines[0]
+    named = "the 2 readings, contact model/threshold law and step of the points, are "
+    assert f"mine: {named}gw/amontons; gw/amontons/mixed" in lines
     at, wide = (re.split(" {2,}", line.strip()) for line in (lines[3], lines[4]))
     assert wide[0] == "over 2 readings" and not any("±" in cell for cell in at)
     for column, name in ((3, "critical_spring"), (8, "critical_spring_newtons")):

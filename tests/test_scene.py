@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from scenes import GAUSSIAN, ROUGH, scene
 
+import eq_model
 import origins
 import toolkit
 from origins.errors import InputError
@@ -226,6 +227,16 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
     few = {"to": 1e-7, "points": 5, "spring": "50 N/m", "area": 1e-10}
     told = toolkit.run(scene(ROUGH, drive=few)).master.regime.reason
     assert told.endswith("infinitely many contacts: the area holds 9.47; run [eq] contacts = 9")
+    followed = toolkit.run(scene(ROUGH, drive=few, eq={"contacts": 9, "replicas": 2}))
+    assert followed.eq.contacts == 18
+    # a path on which so many contacts would break too often is to end sooner, and there they are not refused
+    stiff = {"spring": "0.5 N_c<k>", "area": 1e-10, "points": 5}
+    long = toolkit.run(scene(ROUGH, drive=stiff | {"to": 30.0})).master.regime.reason
+    assert "over 1e+10 breaks of each slider" in long and long.endswith("run [eq] contacts = 9")
+    (end,) = re.findall(r"end it at ([\d.]+) m, ", long)
+    asked = toolkit.load_scene(scene(ROUGH, drive=stiff | {"to": float(end)}))
+    spring = asked.drive.spring
+    eq_model.Ensemble(asked.contacts, asked.path, n_contacts=9, n_replicas=2, spring=spring)
     for drive, rule in (
         ({"spring": 50.0, "area": 1e-4}, r'no unit; .*= "50 N/m" with area.* or .* = "50 N_c<k>"'),
         ({"spring": "50 N/m"}, r"^drive\.spring = '50 N/m': needs drive\.area, the nominal area"),

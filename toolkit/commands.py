@@ -171,6 +171,8 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
 def compare(arguments: argparse.Namespace, comm: Any) -> int:
     """Propensity of each scene to stick-slip, as a printed table and a picture; returns 1 where a solver missed its
     tolerance."""
+    from toolkit.judge.lines import table
+
     scenes: dict[str, Any] = {}
     formats, changes = read_formats(arguments.format), read_changes(arguments.changes)
     for given in arguments.scene:
@@ -182,7 +184,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))  # before the work, not after it
     verdicts = judge.compare(list(scenes.values()), comm, comm is None or comm.Get_rank() == 0)
-    lines, numbers = judge.table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
+    lines, numbers = table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
     draw = partial(pictures.draw_comparison, verdicts)
     rows = comparison_rows(numbers["scenes"])
     on_root(comm, lambda: save_judgement(folder, "compare", draw, lines, numbers, rows, formats))

@@ -10,7 +10,7 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
-from toolkit.judge.describe import PROPENSITY, RESAMPLES, Description, conditions, describe
+from toolkit.judge.describe import PROPENSITY, Description, conditions, describe
 from toolkit.judge.rigid import RIGID, on_rigid_slider
 from toolkit.processes.ranks import on_root
 from toolkit.results.beside import NOT_COMPARED, deviation
@@ -18,22 +18,17 @@ from toolkit.results.records import Result
 from toolkit.running.runner import solve
 from toolkit.running.solvers import within
 from toolkit.scene.drive import has_path, machine_number
-from toolkit.scene.interfaces import Number, with_error
+from toolkit.scene.interfaces import Number
 from toolkit.scene.laws import inside
 from toolkit.scene.scale import SHARED, scale_of
 from toolkit.scene.scene import Scene, load_scene, read_scene
 from toolkit.scene.tables import DriveTable, read_table
-from toolkit.verdict.answers import Quantity
 from toolkit.verdict.readings import readings_of
-from toolkit.verdict.table import in_columns, row
 
-# of a number: a larger error stands beside it
-_KNOWN = 1e-3
-_SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
+SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
 # the names in a file of K* in each unit
-_SPRINGS = {"N/m": "critical_spring_newtons", "N/m³": "critical_spring_per_area"}
-_SPRINGS |= {SHARED: "critical_spring"}
-_HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,time,EQ at the peak,ME there,max |z|,EQ time"
+SPRINGS = {"N/m": "critical_spring_newtons", "N/m³": "critical_spring_per_area"}
+SPRINGS |= {SHARED: "critical_spring"}
 
 
 @dataclass(frozen=True)
@@ -52,7 +47,7 @@ class Read:
 
     def spring(self, unit: str) -> Number:
         """K* in this unit."""
-        return self.numbers[_SPRINGS[unit]]
+        return self.numbers[SPRINGS[unit]]
 
     def plain(self) -> dict[str, Any]:
         """Each number and its error, as a file has them."""
@@ -195,7 +190,7 @@ def _measured(scene: Scene) -> tuple[Description, list[Read], dict[str, str]]:
 def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Read:
     """The numbers of a reading in mean thresholds, the units of its springs, and whether the machine's is softer."""
     unit, numbers, springs = contacts.mean_threshold, dict[str, Number](), {SHARED: 1.0}
-    for key in _SHOWN:
+    for key in SHOWN:
         own = found.numbers.get(key, Number(np.nan, None, ""))
         length = unit if own.unit in ("m", "length") else 1.0
         error = None if own.error is None else own.error / length
@@ -206,7 +201,7 @@ def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Re
     critical = numbers["critical_spring"]
     for its_unit, factor in springs.items():
         error = (critical.error or 0.0) * factor
-        numbers[_SPRINGS[its_unit]] = Number(critical.value * factor, error, its_unit)
+        numbers[SPRINGS[its_unit]] = Number(critical.value * factor, error, its_unit)
     machine = machine_number("spring", scene.drive_table or DriveTable(), contacts)
     return Read(name, numbers, springs, None if machine is None else machine < critical.value)
 
@@ -225,73 +220,3 @@ def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:
         "run_time": eq.run_time,
         "contacts": eq.contacts,
     }
-
-
-def table(verdicts: Sequence[Verdict]) -> list[str]:
-    """The comparison as lines of text: where readings disagree on stick-slip; each number to a digit beyond that which
-    the widest of its uncertainties leaves, and below it how far it goes over the readings; then notes."""
-    heads, unit, names = _HEADS.split(","), common_unit(verdicts), list(_SHOWN)
-    if unit != SHARED:
-        heads.insert(heads.index("time"), f"K* ({unit})")
-        names.append(_SPRINGS[unit])
-    rows, notes = [["", "scene", *heads]], dict[str, list[str]]()
-    for rank, verdict in enumerate(verdicts, start=1):
-        own, reach = [*verdict.conditions, *verdict.cautions], list[str]()
-        cells, many = [str(rank), verdict.name], len(verdict.readings)
-        for name in names:
-            value, over = _cells([one.numbers[name] for one in verdict.readings])
-            cells.append(value)
-            reach.append(over)
-        cells.append(f"{verdict.found.run_time:.2g} s")
-        if (seen := verdict.evidence) is not None:
-            worst, expected = seen["worst_deviation"], seen["expected"]
-            cells.append(with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6))
-            cells.append("" if expected is None else f"{expected:.5f}")
-            cells += ["" if worst is None else f"{worst:.1f}", f"{seen['run_time']:.2g} s"]
-            if seen["not_compared"] is not None:
-                own.append(f"EQ and ME not compared: {seen['not_compared']}")
-        if verdict.found.sampled:
-            own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
-        own += [f"{name} is left out: {why}" for name, why in verdict.left_out.items()]
-        rows.append(cells)
-        if many > 1:
-            rows.append(["", f"over {many} readings", *reach])
-        for note in own:
-            notes.setdefault(note, []).append(verdict.name)
-    said = [f"{', '.join(whose)}: {note}" for note, whose in notes.items()]
-    started = {one.name: one.result.asked.contacts.start for one in verdicts}
-    if any(start != started[verdicts[0].name] for start in started.values()):
-        names = [name for name, start in started.items() if start is not None]
-        hint = "K* and F_s/F_k depend on it; compare scenes of one start"
-        said.append(
-            f"starts differ, and contacts of {', '.join(names)} do not start relaxed: {hint}"
-        )
-    if unit == "N/m³":
-        said.append(
-            "ranked by K* per nominal area (N/m³); give each drive.area, and K* is ranked in N/m of these areas"
-        )
-    head, *lines = in_columns(rows, ">")
-    return [*disagreements(verdicts), head, "-" * len(head), *lines, *said]
-
-
-def _cells(each: Sequence[Number]) -> tuple[str, str]:
-    """A number by the scene's own reading, with its error where that is seen, and its range over all readings."""
-    own, known = each[0], [Quantity(one.value, one.error or 0.0) for one in each]
-    _, value, _, reach = row("", known, [1.0] * len(each), "")
-    if known[0].error > _KNOWN * abs(own.value):
-        value = with_error(own.value, known[0].error, 4)
-    return {"inf": "infinite", "not known": ""}.get(value, value), reach
-
-
-def disagreements(verdicts: Sequence[Verdict]) -> list[str]:
-    """A sentence for each scene whose readings disagree on stick-slip of its machine."""
-    said = list[str]()
-    for verdict in verdicts:
-        slip = [one.name for one in verdict.readings if one.softer]
-        if 0 < len(slip) < len(verdict.readings) and verdict.own.softer is not None:
-            own = "slips" if verdict.own.softer else "does not slip"
-            said.append(
-                f"{verdict.name}: readings disagree on stick-slip: on its spring a slider slips by {len(slip)} of "
-                f"{len(verdict.readings)} readings; by its own, {verdict.own.name}, it {own}"
-            )
-    return said

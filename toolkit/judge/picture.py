@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.judge.compare import Verdict, common_unit, disagreements
+from toolkit.judge.compare import Verdict, common_unit
+from toolkit.judge.lines import disagreements
 from toolkit.pictures.axes import in_lines, name_axis, some_of, spring_name, style_of
 from toolkit.pictures.thresholds import highest
 from toolkit.results.kinds import is_known

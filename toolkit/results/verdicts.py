@@ -1,9 +1,17 @@
 """The verdict of a run on a soft slider: that of infinitely many contacts beside that of as many as the run follows."""
 
+from typing import Any
+
 import numpy as np
 
 from toolkit.results.kinds import is_coupled
 from toolkit.results.records import Result
+from toolkit.scene.scale import SI, written
+from toolkit.scene.scene import Scene
+
+# breaks of a slider that take some minutes, with a mass half an hour; the shortest way of a slider, in mean thresholds,
+# that shows whether it slides
+FOLLOWED, LEAST_WAY = 1e10, 100.0
 
 
 def contradiction(result: Result) -> str:
@@ -32,3 +40,40 @@ def contradiction(result: Result) -> str:
             "them, so that nothing is reset; these events are no stick-slip"
         )
     return ""
+
+
+def of_so_many(scene: Scene, regime: Any) -> str:
+    """What to add to the reason of a soft slider's regime: K* in N/m, that the nominal area holds too few contacts for
+    smooth sliding (docs/sliders.md: N K^3 below some 50), or that the spring may be meant in N/m."""
+    surface, spring = scene.contacts.interface, scene.drive.spring or 0.0
+    critical, smooth = regime.critical_spring, regime.verdict == "smooth"
+    if surface is None and smooth and spring > 10.0 * max(critical, 1.0):
+        return "; spring is in units of N_c<k>; in N/m of a surface, or with [contacts.interface]"
+    if surface is None or surface.contact_density is None or scene.units != SI:
+        return ""
+    said = f"; K* = {written(critical * scene.scale.spring, scene.scale.spring_unit, digits=4)}"
+    if scene.area is None:
+        return said
+    held = surface.contact_density * scene.area
+    if smooth and held * spring**3 < 50.0:
+        said += f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
+        if not scene.contacts.held_in_time:
+            said += _how_to_follow(scene, held)
+    return said
+
+
+def _how_to_follow(scene: Scene, held: float) -> str:
+    """What to run for sliders of as many contacts as the area holds. From the first loading on each breaks about once a
+    mean threshold; where these are too many breaks the path is to end sooner, which must leave it a way to slide."""
+    mean, spring = scene.contacts.mean_threshold, scene.drive.spring or 0.0
+    loading, way = mean / spring, float(np.abs(np.diff(scene.path, prepend=0.0)).sum())
+    advice, further = f"run [eq] contacts = {held:.0f}", FOLLOWED / held
+    if way - loading < further * mean:
+        return f"; {advice}"
+    said = (
+        f", and [eq] would take over {FOLLOWED:.0e} breaks of each slider of so many on this path"
+    )
+    if further < LEAST_WAY:
+        return f"{said}, or on any on which it slides"
+    end = written(loading + further * mean, "m", digits=6)
+    return f"{said}: end it at {end}, {further:.2g} <x_s> after the spring is loaded, and {advice}"

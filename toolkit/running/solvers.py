@@ -18,9 +18,9 @@ from toolkit.processes.ranks import cores_of
 from toolkit.processes.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.results.points import SMOOTH, SweepRecord
 from toolkit.results.records import SolvedRecord, record_of
+from toolkit.results.verdicts import of_so_many
 from toolkit.running.checkpoint import Checkpoint
 from toolkit.scene import laws
-from toolkit.scene.interfaces import of_so_many
 from toolkit.scene.scene import Scene
 from toolkit.scene.sweep import QUANTITIES, Sweep
 from toolkit.scene.tables import EqTable

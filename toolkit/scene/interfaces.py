@@ -13,7 +13,6 @@ from origins.roughness.stated import InSI
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
-from toolkit.scene.scale import SI, written
 from toolkit.scene.scene import Scene
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
@@ -171,26 +170,6 @@ def foreseen(scene: Scene) -> list[str]:
         load = "F_k/load and the stress of the surface are those of its thresholds alone"
         more = "; sliding, linked contacts carry more than the load, and F may exceed mu times it"
         said.append(f"{load}, without {there}{more * (contacts.stiffness == 'linked')}")
-    return said
-
-
-def of_so_many(scene: Scene, regime: Any) -> str:
-    """What to add to the reason of a soft slider's regime: K* in N/m, that the nominal area holds too few contacts for
-    smooth sliding (docs/sliders.md: N K^3 below some 50), or that the spring may be meant in N/m."""
-    surface, spring = scene.contacts.interface, scene.drive.spring or 0.0
-    critical, smooth = regime.critical_spring, regime.verdict == "smooth"
-    if surface is None and smooth and spring > 10.0 * max(critical, 1.0):
-        return "; spring is in units of N_c<k>; in N/m of a surface, or with [contacts.interface]"
-    if surface is None or surface.contact_density is None or scene.units != SI:
-        return ""
-    said = f"; K* = {written(critical * scene.scale.spring, scene.scale.spring_unit, digits=4)}"
-    if scene.area is None:
-        return said
-    held = surface.contact_density * scene.area
-    if smooth and held * spring**3 < 50.0:
-        said += f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
-        if not scene.contacts.held_in_time:
-            said += f"; run [eq] contacts = {held:.0f}"
     return said
 
 

@@ -1,0 +1,130 @@
+"""The comparison of scenes as lines of text."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from toolkit.judge.compare import SHOWN, SPRINGS, Verdict, common_unit
+from toolkit.judge.describe import RESAMPLES
+from toolkit.scene.interfaces import Number, with_error
+from toolkit.scene.scale import SHARED, guarded
+from toolkit.verdict.answers import Quantity
+from toolkit.verdict.table import in_columns, row
+
+# of a number: a larger error stands beside it
+_KNOWN = 1e-3
+_HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,EQ at the peak,ME there,max |z|"
+
+
+def table(verdicts: Sequence[Verdict]) -> list[str]:
+    """The comparison as lines of text: where readings disagree on stick-slip, and whose order is not decided; each
+    number to a digit beyond that which the widest of its uncertainties leaves, and below it how far it goes over the
+    readings; then notes, and run times."""
+    heads, unit, names = _HEADS.split(","), common_unit(verdicts), list(SHOWN)
+    if unit != SHARED:
+        heads.insert(heads.index("EQ at the peak"), f"K* ({unit})")
+        names.append(SPRINGS[unit])
+    rows, notes, times = [["", "scene", *heads]], dict[str, list[str]](), list[str]()
+    for rank, verdict in enumerate(verdicts, start=1):
+        own, reach = [*verdict.conditions, *verdict.cautions], list[str]()
+        cells, many = [str(rank), verdict.name], len(verdict.readings)
+        for name in names:
+            value, over = _cells([one.numbers[name] for one in verdict.readings])
+            cells.append(value)
+            reach.append(over)
+        times.append(f"{verdict.name} {verdict.found.run_time:.2g} s")
+        if (seen := verdict.evidence) is not None:
+            worst, expected = seen["worst_deviation"], seen["expected"]
+            cells.append(with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6))
+            cells.append("" if expected is None else f"{expected:.5f}")
+            cells.append("" if worst is None else f"{worst:.1f}")
+            times[-1] += f" and EQ {seen['run_time']:.2g} s"
+            if seen["not_compared"] is not None:
+                own.append(f"EQ and ME not compared: {seen['not_compared']}")
+        if verdict.found.sampled:
+            own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
+        for why in dict.fromkeys(verdict.left_out.values()):
+            names_of = [name for name, its in verdict.left_out.items() if its == why]
+            own.append(f"left out: {'; '.join(names_of)}: {why}")
+        rows.append(cells)
+        if many > 1:
+            rows.append(["", f"over {many} readings", *reach])
+            names_of = sorted(one.name for one in verdict.readings)
+            what = "contact model/threshold law and step of the points"
+            own.append(f"the {many} readings, {what}, are {'; '.join(names_of)}")
+        for note in own:
+            notes.setdefault(note, []).append(verdict.name)
+    said = [f"{', '.join(whose)}: {note}" for note, whose in notes.items()]
+    started = {one.name: one.result.asked.contacts.start for one in verdicts}
+    if any(start != started[verdicts[0].name] for start in started.values()):
+        names = [name for name, start in started.items() if start is not None]
+        hint = "K* and F_s/F_k depend on it; compare scenes of one start"
+        said.append(
+            f"starts differ, and contacts of {', '.join(names)} do not start relaxed: {hint}"
+        )
+    if unit == "N/m³":
+        said.append(
+            "ranked by K* per nominal area (N/m³); give each drive.area, and K* is ranked in N/m of these areas"
+        )
+    head, *lines = in_columns(rows, ">")
+    first = [*disagreements(verdicts), *undecided_order(verdicts)]
+    said.append(f"run times: {', '.join(times)}")
+    return [*first, head, "-" * len(head), *lines, *said]
+
+
+def _cells(each: Sequence[Number]) -> tuple[str, str]:
+    """A number by the scene's own reading, with its error where that is seen, and its range over all readings."""
+    own, known = each[0], [Quantity(one.value, one.error or 0.0) for one in each]
+    _, value, _, reach = row("", known, [1.0] * len(each), "")
+    if known[0].error > _KNOWN * abs(own.value):
+        value = with_error(own.value, known[0].error, 4)
+    return {"inf": "infinite", "not known": ""}.get(value, value), reach
+
+
+def disagreements(verdicts: Sequence[Verdict]) -> list[str]:
+    """A sentence for each scene whose readings disagree on stick-slip of its machine."""
+    said = list[str]()
+    for verdict in verdicts:
+        slip = [one.name for one in verdict.readings if one.softer]
+        if 0 < len(slip) < len(verdict.readings) and verdict.own.softer is not None:
+            own = "slips" if verdict.own.softer else "does not slip"
+            said.append(
+                f"{verdict.name}: readings disagree on stick-slip: on its spring a slider slips by {len(slip)} of "
+                f"{len(verdict.readings)} readings; by its own, {verdict.own.name}, it {own}"
+            )
+    return said
+
+
+def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
+    """A sentence for scenes whose K* reach over one another, as far as readings and errors go: their rank tells
+    nothing. Infinite ones are ranked by F_s/F_k."""
+    unit, said, told = common_unit(verdicts), list[str](), set[str]()
+    ends = {one.name: _reach(one, unit) for one in verdicts}
+    for name, (low, high) in ends.items():
+        alike = [name]
+        for other, (lower, higher) in list(ends.items())[list(ends).index(name) + 1 :]:
+            if max(low, lower) <= min(high, higher) < np.inf:
+                low, high = max(low, lower), min(high, higher)
+                alike.append(other)
+        if len(alike) == 1 or told.issuperset(alike):
+            continue
+        told |= {*alike}
+        reaches = dict[str, list[str]]()
+        for one in alike:
+            span = " to ".join(guarded(end, unit, np.ptp(ends[one])) for end in ends[one])
+            reaches.setdefault(span, []).append(one)
+        each = "; ".join(f"{span} for {', '.join(whose)}" for span, whose in reaches.items())
+        if len(reaches) == 1:
+            each = f"{next(iter(reaches))} for each"
+        many = f"{', '.join(alike[:-1])} and {alike[-1]}"
+        said.append(f"order undecided between {many}: over readings and errors K* is {each}")
+    return said
+
+
+def _reach(verdict: Verdict, unit: str) -> tuple[float, float]:
+    """From where to where K* goes over the readings, with its errors, two of those that are standard errors."""
+    many, ends = (2.0 if verdict.found.sampled else 1.0), list[float]()
+    for one in (reading.spring(unit) for reading in verdict.readings):
+        off = many * (one.error or 0.0) if np.isfinite(one.value) else 0.0
+        ends += [max(one.value - off, 0.0), one.value + off]
+    return min(ends), max(ends)
