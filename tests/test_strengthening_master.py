@@ -368,6 +368,12 @@ REFUSED = {
         lambda: master.steady_state(Contacts(strengthening(stats.pareto(1.5), 0.1, 1.0))),
         r"<x_s\^2> is infinite",
     ),
+    "heat on a path that turns, to a tolerance that takes minutes": (
+        lambda: master.solve(
+            Contacts(strengthening(PC, 0.03, TAU), thermal=EYRING), [1.0, 0.2], velocity=1e-3
+        ),
+        r"tolerance = 1e-08: must be at least 1e-05 with heat where .* or give wall_time",
+    ),
     "Q along several legs": (
         lambda: master.solve(
             EXACT.replace(thresholds=strengthening(PC, 0.1, 1.0)), [1.0, 0.5]

@@ -42,6 +42,9 @@ COEFFICIENT_LIMIT, LIMIT_OF_BAND = 1e-6, 1e-7
 # Of the tolerance: such coefficients on a path that is asked for to above 1e-4, with A at half of the nodes; and the
 # largest. Larger ones make tables rough, and cost 100 times the look-ups (measured).
 OF_TOLERANCE, LOOSEST = 1e-3, 1e-6
+# The finest tolerance with heat on a path of several legs of contacts whose thresholds do not begin at 0: a turn takes
+# 30 to 60 s to it, and minutes to a tenth of it (measured).
+FINEST = 1e-5
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
 WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 250
@@ -82,6 +85,11 @@ class GrowingLife(ChangingLife):
     ) -> GrowingLife:
         """See ChangingLife."""
         life = cls(contacts, float(motion.times[-1]))
+        slow = contacts.thermal is not None and not life._growing.begins_at_0
+        if slow and not motion.one_leg and tolerance < FINEST and until == np.inf:
+            way = "on a path that turns, rests or changes its speed, as less takes minutes"
+            hint = f"must be at least {FINEST:g} with heat where thresholds grow, {way}"
+            refuse("tolerance", tolerance, f"{hint}; or give wall_time")
         # with looser limits tables of grains are rough, and never fine enough
         limit = min(OF_TOLERANCE * tolerance, LOOSEST)
         if limit > life._limit and not life._growing.begins_at_0:
