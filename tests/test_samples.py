@@ -38,6 +38,14 @@ def test_forces_and_springs_are_near_those_of_the_law_drawn_from() -> None:
     assert abs(springs[1] - springs[0]) < 0.025 and forces[1] == pytest.approx(forces[0], rel=0.01)
 
 
+@pytest.mark.parametrize("values", [[1.0, 1.3, 0.7], [0.7, 1.0, 1.31]])
+def test_a_few_values_are_one_peak_and_not_one_each(values: list[float]) -> None:
+    """A peak at each of three values is the likeliest density, and K* of such laws takes minutes."""
+    law = origins.from_samples(values)
+    between = law.pdf(np.linspace(min(values), max(values), 101))
+    assert between.min() > 0.3 * between.max() and np.std(values) < law.std() < 2.0 * np.std(values)
+
+
 def test_how_it_begins_and_ends() -> None:
     """A power where the samples show one, a finite value at 0, or an edge; no weight beyond edges."""
     power = origins.from_samples(draws("weibull 2.5", 100_000))
