@@ -185,7 +185,7 @@ def regime(
         shares = found.shares[np.isfinite(found.shares)]
         largest = float(shares.max(initial=0.0))
         if shares.size:
-            reason += f"; up to {100.0 * largest:.2g}% of the contacts break in a slip"
+            reason += f"; up to {100.0 * largest:.3g}% of the contacts break in a slip"
         if verdict == "stick-slip" and shares.size == count and largest < SLIP_SHARE:
             verdict = "undecided"
             renewed = ", although a reset renews all" if drive.slip == "reset" else ""
