@@ -1,58 +1,81 @@
-"""A slider that a spring pulls forward, in equal steps of time: the plainest form of master/soft/in_time."""
+"""A slider that a spring pulls along any path, in equal steps of time: the plainest form of master/soft/in_time."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
-from origins import Contacts
+from origins import Thermal, Thresholds
 
 CELLS = 200  # of thresholds
 
 
-def pulled(
-    contacts: Contacts, spring: float, velocity: float, end: float, steps: int
-) -> np.ndarray:
-    """F/(N_c<k>) after each step up to the time `end`, from relaxed contacts, where nothing slips; second order.
+class Pulled(NamedTuple):
+    """What is pulled, and by which spring (K/(N_c<k>)): thresholds at the age a are fresh ones times growth(a)."""
 
-    Contacts have heat, or a delay of a whole number of steps, or both. Each cohort is born in the middle of its step.
-    """
-    law, step = contacts.thresholds, end / steps
-    wait = round(contacts.waiting_time / step)
+    law: Thresholds
+    spring: float
+    thermal: Thermal | None = None
+    delay: float = 0.0  # a whole number of steps
+    growth: Callable[[np.ndarray], np.ndarray] = np.ones_like
+    start: float = 0.0  # stretch of all contacts at t = 0, and their age
+    age: float = 0.0
+
+
+def pulled(of: Pulled, times: list[float], places: list[float], steps: int) -> np.ndarray:
+    """F/(N_c<k>) after each step of a drive that begins at balance and goes straight from place to place, where nothing
+    slips; second order. All times are ends of steps. Each cohort is born relaxed in the middle of its step."""
+    law, step = of.law, times[-1] / steps
+    wait = round(of.delay / step)
     edges = np.linspace(0.0, law.isf(1e-12), CELLS + 1)
-    beyond, threshold = law.sf(edges), 0.5 * (edges[1:] + edges[:-1])
-    # of each cohort, the start first: X at birth, share of all contacts, and the integral of their rates until now
-    birthplace, share, integral = np.zeros(1), np.ones(1), np.zeros((1, CELLS))
-    now, out = 0.0, 0.0
+    beyond, fresh = law.sf(edges), 0.5 * (edges[1:] + edges[:-1])
+    # of each cohort, the start first: X and t at birth, the largest fresh threshold whose contacts have broken, the
+    # share of all contacts, and the integral of their rates until now
+    birthplace, born_at = np.array([-of.start]), np.array([-of.age])
+    least = np.abs([of.start]) / of.growth(np.array([of.age]))
+    share, integral = 1.0 / law.sf(least), np.zeros((1, CELLS))
+    now, position, out = 0.0, 0.0, 0.0
     forces, breaks = list[float](), list[float]()
 
     def after_step(x: float) -> tuple[np.ndarray, ...]:
         """The cohorts, and a new one, after a step to X = x; and each one's survival."""
-        places = np.append(birthplace, 0.5 * (now + x))
+        born_x = np.append(birthplace, 0.5 * (position + x))
+        born_t = np.append(born_at, now + 0.5 * step)
+        met = np.abs(x - born_x) / of.growth(now + step - born_t)
+        met = np.maximum(np.append(least, 0.0), met)
         integrals = np.vstack([integral, np.zeros(CELLS)])
-        if contacts.thermal is not None:
-            halfway = 0.5 * (np.append(now - birthplace, 0.0) + x - places)
+        if of.thermal is not None:
+            begin = np.append(position - birthplace, 0.0)
+            halfway = np.abs(0.5 * (begin + x - born_x))
             duration = np.append(np.full(share.size, step), 0.5 * step)
-            rate = contacts.thermal.rates.rate(halfway[:, None], threshold, 1.0)
+            threshold = fresh * of.growth(now + step - born_t - 0.5 * duration)[:, None]
+            rate = of.thermal.rates.rate(halfway[:, None], threshold, 1.0)
             integrals = integrals + rate * duration[:, None]
-        unmet = law.sf(x - places)[:, None]
+        unmet = law.sf(met)[:, None]
         weight = np.maximum(np.minimum(unmet, beyond[:-1]) - beyond[1:], 0.0)
         survival = (weight * np.exp(-integrals)).sum(axis=1)
         if wait:  # what broke a delay ago is born
             born = breaks[-wait] if len(breaks) >= wait else 0.0
         else:  # as many as make all contacts hold
             born = (1.0 - share @ survival[:-1]) / survival[-1]
-        return places, np.append(share, born), integrals, survival
+        return born_x, born_t, met, np.append(share, born), integrals, survival
 
-    def imbalance(x: float) -> float:
-        places, shares, _, survival = after_step(x)
-        return spring * (drive - x) - shares @ (survival * (x - places))
+    balance = of.start / of.spring
+    drive = balance + np.interp(step * np.arange(1, steps + 1), times, places)
+    # near the drive's speed, as nothing slips
+    furthest = 2.0 * float(np.abs(np.diff(places) / np.diff(times)).max()) * step
+    for n, load in enumerate(of.spring * drive, 1):
 
-    for n in range(1, steps + 1):
-        drive = velocity * n * step
-        x = float(brentq(imbalance, now, drive, xtol=1e-13))
-        birthplace, share, integral, survival = after_step(x)
+        def imbalance(x: float, load: float = load) -> float:
+            born_x, _, _, shares, _, survival = after_step(x)
+            return load - of.spring * x - shares @ (survival * (x - born_x))
+
+        x = float(brentq(imbalance, position - furthest, position + furthest, xtol=1e-13))
+        birthplace, born_at, least, share, integral, survival = after_step(x)
         breaks.append(1.0 - share @ survival - out + share[-1])
-        now, out = x, 1.0 - share @ survival
-        forces.append(spring * (drive - x))
+        now, position, out = n * step, x, 1.0 - share @ survival
+        forces.append(load - of.spring * x)
     return np.array(forces)

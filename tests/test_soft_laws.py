@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from plain_in_time import pulled
 from rate_laws import Tilted
 from scipy import stats
 from solving import held_to_claim
@@ -206,19 +205,6 @@ def pull(
         if lost > LARGE * count:
             slips.append((drive - 0.5 * step, loads[-1]))
     return Pulled(*slips[0], np.interp(path, drives, loads))
-
-
-def test_with_heat_the_force_is_that_of_plain_steps_for_three_mean_thresholds() -> None:
-    """Nothing slips on this spring; the plain steps' errors fall as their square, so that two sizes give the limit."""
-    contacts, spring = Contacts(WIDE, thermal=SOFT), 2.0
-    solved = master.solve(contacts, [1.0, 2.0, 3.0], 1e-3, spring=spring)
-    assert solved.success, solved.message
-    assert not solved.slips.drive.size
-    coarse, fine = (
-        pulled(contacts, spring, 1.0, 3.0, 3 * steps)[steps - 1 :: steps] for steps in (16, 32)
-    )
-    limit = fine + (fine - coarse) / 3.0
-    assert np.abs(solved.force - limit).max() < 1e-5 < solved.force_error < 1e-3
 
 
 def test_slips_and_forces_are_those_of_contacts_one_by_one() -> None:
