@@ -123,7 +123,7 @@ HEAD = """# Code map: where things stand
 | where is | in |
 |---|---|
 {questions}
-Which tests hold a folder is said at the end of its `__init__.py`:
+Which tests hold a folder, and in it a delay, is said at the end of its `__init__.py`:
 
 | folder | tests |
 |---|---|

@@ -29,6 +29,15 @@ def test_the_page_is_what_the_docstrings_say() -> None:
     assert PAGE.read_text(encoding="utf-8") == page(), "run python tests/code_map.py"
 
 
+def test_the_tests_that_the_page_names_are_there() -> None:
+    texts = {
+        file.name: file.read_text(encoding="utf-8") for file in Path(__file__).parent.glob("*.py")
+    }
+    there = {*texts, *re.findall(r"^def (test_\w+)", "\n".join(texts.values()), re.MULTILINE)}
+    named = set(re.findall(r"test_\w+(?:\.py)?", page()))
+    assert len(named) > 10 and named - there == set()
+
+
 def test_the_files_that_run_are_named() -> None:
     """master.solve lists the files of master in which a function runs for the README's scene, in the order in which
     they begin, and no others."""

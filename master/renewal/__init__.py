@@ -23,5 +23,6 @@ The docstring of `master.solve` lists the files in the order in which they begin
 
 Tests: tests/test_solve.py, test_turning.py, test_panel_edges.py and test_orders_panels.py; for errors
 test_force_error.py, test_unseen_errors.py and test_faults_name_themselves.py. A plain twin: `paper/renewal.py`, held
-beside it by test_explicit.py.
+beside it by test_explicit.py. A delay: test_births_on_panels_of_many_widths_with_jumps_and_a_delay in closed form,
+test_one_value_with_a_delay_is_a_sawtooth_with_gaps; turns: test_an_exact_threshold_met_just_as_the_path_turns_breaks.
 """

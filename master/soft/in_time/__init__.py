@@ -31,6 +31,7 @@ Then the memories: `memory.py` (what a memory is, and thresholds that stay), `th
 the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where
 they age; and `idle_heat.py`, for heat too weak for steps to see. A plain twin: `tests/plain_in_time.py`.
 
-Tests: tests/test_plain_in_time.py for parts by themselves and each memory, in seconds; test_soft_laws.py and
-test_any_spring.py for slips.
+Tests: tests/test_plain_in_time.py for parts by themselves, each memory and the plain twin, in seconds;
+test_soft_laws.py and test_any_spring.py for slips. A delay: test_births_follow_from_the_breaks_one_delay_before, the
+plain twin; slips: test_contacts_that_break_in_a_slip_wait_out_their_delay.
 """

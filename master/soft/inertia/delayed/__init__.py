@@ -25,5 +25,6 @@ In reading order: `slider.py`, `body.py` and `drive_path.py`, `panels.py`, `pane
 `fast_sliding.py`, `swinging.py`; and `foretold.py`, which tells of too many panels before the work. How the number of
 contacts is conserved says `past_breaks.py`.
 
-Tests: tests/test_mass_delay_master.py, parts by themselves first; and test_mass_agreement.py beside the ensemble.
+Tests: tests/test_mass_delay_master.py, parts by themselves first, test_births_are_the_breaks_one_delay_before among
+them; and test_mass_agreement.py beside the ensemble.
 """
