@@ -168,6 +168,18 @@ def test_cells_of_thresholds_lose_those_that_a_jump_meets_and_those_that_heat_br
     assert held[0] == pytest.approx(exact, abs=1e-7) and exact < 0.999
 
 
+def test_thresholds_age_along_a_step_on_which_the_stretch_changes_its_sign() -> None:
+    """Far above |x| they move towards the final law's mean as e^(-D t/std²), on both parts of the step."""
+    final, diffusion, duration = gaussian(1.2, 0.1), 0.01, 0.1
+    contacts = Contacts(gaussian(1.0, 0.05), ageing=Ageing(final, diffusion))
+    cells = Cells(contacts, resolution=2, fastest=1.0)
+    begin, end = np.array([-0.1, 0.1, 0.2]), np.array([0.2, -0.2, 0.1])
+    weights = cells.stepped(cells.fresh(begin), begin, end, duration)
+    means = weights @ (0.5 * (cells.edges[1:] + cells.edges[:-1])) + np.abs(end)
+    mean = 1.2 - 0.2 * np.exp(-diffusion * duration / 0.1**2)
+    np.testing.assert_allclose(means, mean, rtol=1e-4)
+
+
 @pytest.mark.parametrize("spring", [1e-3, 0.3, 1.0])
 def test_a_slip_begins_where_the_load_is_largest(spring: float) -> None:
     """Broken contacts stay out: F = X S(X), and the load F + K X is largest where F' = -K."""

@@ -109,27 +109,30 @@ class Cells:
 
     def stepped(self, weights: Array, begin: Array, end: Array, duration: float) -> Array:
         """Weights after one step from the stretches `begin` straight to `end`, arrays (n,)."""
-        # cut the step where |x| turns at 0
-        turns = begin * end < 0.0
-        share = np.where(turns, begin / np.where(turns, begin - end, 1.0), 1.0)
-        lowest, furthest = np.where(turns, 0.0, np.abs(end)), np.abs(end)
-        weights = self._moved(weights, np.abs(begin), lowest, duration * share)
-        if turns.any():
-            rest = lowest[turns], furthest[turns], duration * (1.0 - share[turns])
-            weights[turns] = self._moved(weights[turns], *rest)
+        # where x changes its sign |x| falls to 0, in the first part of the step, and rises in the rest of it
+        crosses = begin * end < 0.0
+        first_part = np.where(crosses, begin / np.where(crosses, begin - end, 1.0), 1.0)
+        first_end = np.where(crosses, 0.0, np.abs(end))
+        weights = self._moved(weights, np.abs(begin), first_end, duration * first_part)
+        if crosses.any():
+            rest = duration * (1.0 - first_part[crosses])
+            at_0, end_of_rest = first_end[crosses], np.abs(end[crosses])
+            weights[crosses] = self._moved(weights[crosses], at_0, end_of_rest, rest)
         return weights
 
     def _moved(self, weights: Array, begin: Array, end: Array, durations: Array) -> Array:
         """Weights after |x| has moved from `begin` to `end` >= 0 within these times, arrays (n,)."""
         if not durations.any():
             return self._shifted(weights, end - begin)
-        # of the equation at the head, all times the duration, at both stages of the step; level: |x| there
+        # The terms of the equation at the head, each times the duration, at both stages of Radau's step, along the
+        # first axis: `flow` is D U' + d|x|/dt at the lower faces of cells, `spread` D, `breaking` h. `level` is |x|.
         rise, times = (end - begin)[:, None], durations * np.ones((2, 1))
         level = begin + rise[:, 0] * self._kernel.STAGES[:, None]
         flow = self._drift(level[:, :, None] + self.edges[:-1]) * times[:, :, None] + rise
         # at least a cell wide: a thinner edge of the density need not be resolved
         spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(rise[:, 0]))
-        # what leaves a cell through its lower face enters the next, but for what breaks as the rate changes in a cell
+        # Fluxes per density at a lower face: what leaves the cell enters the cell below. With heat the tilt of each
+        # cell (see `_early`) is counted with the flux that leaves it, and with that which enters it from above.
         leaving = entering = flow
         breaking = np.zeros(flow.shape)
         if self._thermal is not None:
@@ -140,8 +143,9 @@ class Cells:
         return np.asarray(self._kernel.step(weights, *given, self._face_density, self._face_slope))
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
-        """Rates of breaking in the cells, and the weights of the densities at faces due to the rate's slope. On a cell
-        of width w the mean of h u is that of h times that of u plus (w²/12) h' u'; w u' is u's difference at faces."""
+        """Of each cell the rate of breaking, and its tilt due to the rate's slope, both times the duration: heat takes
+        rate · weight + tilt · (u at the upper face - u at the lower) from a cell. For on a cell of the width w the mean
+        of h u is that of h times that of u plus (w²/12) h' u', and w h' and w u' are differences between its faces."""
         thermal = self._thermal
         assert thermal is not None
         ends = level[:, :, None] + self.edges

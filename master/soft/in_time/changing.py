@@ -2,9 +2,9 @@
 
 Of contacts that age every group carries the density of its thresholds, on the cells of master.soft.in_time.cells.
 
-Where thresholds grow each contact keeps its quantile for life. Of those that formed together the fraction
-e^-(H - H_0) has not reached its threshold yet, H being the largest hazard of their law at their stretch and age so far
-(master.survival.growing). With heat they also break earlier, see Memory: here the cells are those of the quantile.
+Where thresholds grow each contact keeps its quantile for life. The fraction e^-H has not reached its threshold yet, H
+being the largest hazard of their law at their stretch and age so far (master.survival.growing). With heat they also
+break earlier, see threshold_cells.py: here the cells are those of the quantile.
 """
 
 from collections.abc import Callable
@@ -26,8 +26,8 @@ from master.survival.growing import GrowingLife
 from origins import Ageing, Contacts, GrowingThresholds, InputError
 from origins.thresholds.law import Array
 
-# Columns of a group's record: largest hazard, hazard at birth, time since pinning, and from there A.
-LARGEST_HAZARD, BIRTH_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(4)
+# Columns of a group's record: largest hazard so far, time since pinning, and from there A.
+LARGEST_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(3)
 # Births change over this many of the narrowest widths of the laws.
 WIDTHS_OF_BIRTHS = 2.0
 # First step of a hold: of contacts that age in times in which thresholds spread by the narrowest width, of growing ones
@@ -71,7 +71,7 @@ class AgeingMemory(Memory):
 
 
 class GrowingMemory(Memory):
-    """Keeps the largest hazard, that at birth, the time since pinning, and with heat A."""
+    """Keeps the largest hazard, the time since pinning, and with heat A."""
 
     error = 1e-13
 
@@ -102,12 +102,12 @@ class GrowingMemory(Memory):
     def start(self, stretch: Array) -> Array:
         record = np.zeros((stretch.size, self.width))
         record[:, PINNED_FOR] = self._growing.start_pinned_for
-        hazard = self._growing.hazard_at(stretch, record[:, PINNED_FOR])
-        record[:, LARGEST_HAZARD] = record[:, BIRTH_HAZARD] = hazard
+        record[:, LARGEST_HAZARD] = self._growing.hazard_at(stretch, record[:, PINNED_FOR])
         return record
 
     def fresh(self, stretch: Array, speed: float) -> Array:
-        """See Memory; contacts that are stretched faster than their thresholds grow never hold."""
+        """See Memory; contacts form relaxed, so that their hazard and age are 0. Those that are stretched faster than
+        their thresholds grow never hold."""
         record = np.zeros((stretch.size, self.width))
         record[:, LARGEST_HAZARD] = self._growing.lost_hazard(speed)
         return record
@@ -120,33 +120,26 @@ class GrowingMemory(Memory):
         out[:, LARGEST_HAZARD] = np.maximum(out[:, LARGEST_HAZARD], hazard)
         if self._hot and leg.duration:
             middle = record[:, PINNED_FOR, None] + 0.5 * leg.duration
-            limit = self._thresholds(record[:, BIRTH_HAZARD], middle)
+            threshold = self._growing.threshold_at(self._hazards, middle)
+            # thresholds of those that hold are beyond the largest |x| of this move: since earlier ones they have grown
             moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
-            out[:, RATE_INTEGRAL:] += self._cells.rate_integral(leg._replace(largest=moved), limit)
+            leg = leg._replace(largest=moved)
+            out[:, RATE_INTEGRAL:] += self._cells.rate_integral(leg, threshold)
         return out
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
-        passed = np.maximum(record[:, LARGEST_HAZARD] - record[:, BIRTH_HAZARD], 0.0)
-        held = np.exp(-passed)
+        hazard = record[:, LARGEST_HAZARD]
+        unmet = np.exp(-hazard)
         if not self._hot:
-            return np.stack([held, stretch * held])
-        return self._cells.survival_and_force(
-            record[:, RATE_INTEGRAL:], stretch, self._edge_of(passed), held
-        )
+            return np.stack([unmet, stretch * unmet])
+        least = self._edge_of(hazard)
+        return self._cells.survival_and_force(record[:, RATE_INTEGRAL:], stretch, least, unmet)
 
-    def _thresholds(self, birth_hazard: Array, pinned_for: Array) -> Array:
-        """Thresholds at the edges of cells, (n, k), of groups with these hazards at birth (n,) and ages (n, 1)."""
-        out = np.empty((birth_hazard.size, self._hazards.size))
-        for hazard in np.unique(birth_hazard):  # one for all births
-            same = birth_hazard == hazard
-            out[same] = self._growing.threshold_at(hazard + self._hazards, pinned_for[same])
-        return out
-
-    def _edge_of(self, passed: Array) -> Array:
-        """Where these hazards beyond that at birth lie among the edges of cells."""
+    def _edge_of(self, hazard: Array) -> Array:
+        """Where these hazards lie among the edges of cells."""
         if self._growing.begins_at_0:
-            return np.sqrt(passed)
-        return self._growing.threshold_at(passed, self._growing.start_pinned_for)
+            return np.sqrt(hazard)
+        return self._growing.threshold_at(hazard, self._growing.start_pinned_for)
 
 
 # The memory of contacts whose thresholds change, by the class of the law: made of the contacts, how often steps are

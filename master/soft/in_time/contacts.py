@@ -119,7 +119,8 @@ class ContactsInSteps:
         held = groups.survival_and_force(self.memory)
         self.holding, self.force = (held @ groups.weight).tolist()
         self.are_new, self._of_start = False, start.stretch.size
-        self.groups = groups.and_born(self.memory, self._at_birth, 0.0, 0.0)
+        # the cohort at the begin of the first step, whose size tells the slider's speed
+        self.groups = groups.and_born(self.memory, self._at_birth, 0.0, speed=0.0)
         self.past_breaks = BreaksInSteps(self.delay, self.now)
         self.past_breaks.repeat_bend(self.now)  # before there were no breaks
         self._births = self._births_in_cohorts = self._left_out = 0.0
@@ -153,7 +154,7 @@ class ContactsInSteps:
         return Trial(travel, now, groups, held, force, holding, breaks, self._births + new)
 
     def take(self, trial: Trial) -> None:
-        """Take the step; StoppedError where there are too many."""
+        """Take the step, whose groups become those of the contacts; StoppedError where there are too many steps."""
         groups, held = trial.groups, trial.survival_and_force
         self.are_new = False
         self.steps += 1
@@ -239,7 +240,8 @@ class ContactsInSteps:
         """Let all contacts that broke together one delay ago form now, as a cohort of their own."""
         fraction = self.past_breaks.due(self.now)
         if fraction > 0.0:
-            self.groups = self.groups.and_born(self.memory, self._at_birth, fraction, 0.0)
+            # what those lose that pin on a moving slider, the first, short step of the next section tells
+            self.groups = self.groups.and_born(self.memory, self._at_birth, fraction, speed=0.0)
             new = self.groups.pick(self._newest)
             holding, force = (new.survival_and_force(self.memory) @ new.weight).tolist()
             self.holding, self.force = self.holding + holding, self.force + force

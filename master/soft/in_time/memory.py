@@ -88,8 +88,11 @@ class Memory:
         raise NotImplementedError
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
-        """Survival and force, the mean of k x/<k> over all (lengths), shape (2, n). Both are multiplied by the
-        survival at birth; `largest` is the largest |x| so far."""
+        """Survival and force, the mean of k x/<k> over all (lengths), shape (2, n), of all thresholds: of contacts
+        born stretched this is the survival at birth times theirs, by which the weights of Groups are divided.
+
+        largest : the largest |x| so far
+        """
         raise NotImplementedError
 
 
@@ -100,6 +103,7 @@ class ThresholdMemory(Memory):
         """Choose the cells of thresholds, and over what births and steps change."""
         law = self._law = contacts.thresholds
         self._hot = contacts.thermal is not None
+        # whether survival and force are sums over cells of thresholds
         self._is_summed = self._hot or contacts.stiffness != "independent"
         self.exact = bool(law.atoms[0].size)
         self.starts = warm_nodes(halvings) if self._hot else cold_nodes(halvings)

@@ -35,7 +35,8 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     more one of them leads to the end, X = X_T; without a delay this is a reset.
     """
     contacts.past_breaks.begin_section()
-    contacts.take(contacts.trial(_way_to_balance(contacts, steps), contacts.now, True))
+    way = _way_to_balance(contacts, steps)
+    contacts.take(contacts.trial(way, contacts.now, without_births=True))
     if not (contacts.holding or contacts.delay):
         return contacts.relax()
     contacts.past_breaks.repeat_jump(contacts.now)
@@ -71,10 +72,8 @@ def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> No
     """
     step, small = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
     begin = contacts.position
-    travelled, forces = (
-        list[float](),
-        list[float](),
-    )  # since the begin, and F, at the end of each step
+    # the way since the begin, and F, at the end of each step
+    travelled, forces = list[float](), list[float]()
 
     def imbalance(travel: float) -> float:
         return steps.imbalance(contacts.trial(travel, contacts.now))

@@ -68,7 +68,7 @@ class ThresholdCells:
         """Survival and force of the fraction `unmet`, whose thresholds lie beyond `least`, from A at the edges."""
         edges, every = self.edges, np.arange(least.size)
         weight = np.maximum(np.minimum(unmet[:, None], self.beyond[:-1]) - self.beyond[1:], 0.0)
-        # of the cell in which the least threshold lies, only the part beyond it counts
+        # of the cell in which the least threshold lies only the part beyond it counts; two edges follow, for _log_at
         cut = np.clip(np.searchsorted(edges, least, "right") - 1, 0, edges.size - 3)
         low = np.clip(least, edges[cut], edges[cut + 1])
         if self._hot:
