@@ -132,7 +132,8 @@ class ContactsInSteps:
 
             held_before + survival (J - J_0) + B - J = 1,        J = slope B + rest,
 
-        and is solved for B. In a step that takes no time no delay ends, so that nothing is born.
+        and is solved for B. In a step that takes no time no delay ends, so that nothing is born; nor in one so fast
+        that contacts break as they form, which otherwise would be without end.
         """
         stop_after(self._until)  # the search for a step may need hundreds of trials
         duration = now - self.now
@@ -144,11 +145,14 @@ class ContactsInSteps:
         # of those born in this step, per contact born: survival and force at its end
         survival, force_of_new = (held[:, self._last_two] @ self._per_birth).tolist()
         births = BirthsUpTo(0.0, self._births)
-        if not (without_births or (self.delay and now == self.now)):
+        none_forms = now == self.now if self.delay else survival <= 0.0
+        if not (without_births or none_forms):
             births = self.past_breaks.births_up_to(now, self.now)
         lost = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - held_before + survival * self._births + lost * births.rest
-        breaks /= 1.0 - lost * births.slope
+        breaks /= (
+            1.0 - births.slope
+        ) + survival * births.slope  # 1 - lost slope, also where hardly any holds
         new = births.slope * breaks + births.rest - self._births
         force, holding = force_before + force_of_new * new, held_before + survival * new
         return Trial(travel, now, groups, held, force, holding, breaks, self._births + new)
