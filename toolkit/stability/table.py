@@ -20,7 +20,7 @@ VERDICTS: dict[
     "refused": "#999999",
     "wrong": "#D55E00",
 }
-_WIDE = 46  # letters of a case's name in a line
+_WIDE = 54  # letters of a case's name in a line
 
 
 def extreme_cases() -> list[Case | Question]:
@@ -61,7 +61,7 @@ def line(row: Row) -> str:
         f"{value:8.1e}" if np.isfinite(value) else f"{'-':>8}" for value in (row.error, row.claim)
     ]
     against = row.road if row.verdict != "refused" else row.said
-    head = f"  {row.case:{_WIDE}}{row.solver:14}{row.verdict:20}{'  '.join(numbers)}"
+    head = f"  {row.case:{_WIDE}}{row.solver:19}{row.verdict:20}{'  '.join(numbers)}"
     return f"{head}{row.run_time:9.2g} s  {against}"
 
 
