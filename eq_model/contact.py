@@ -101,8 +101,9 @@ RATES: dict[type, CompiledRates] = {}
 ROWS: dict[type, Callable[..., Any]] = {}
 # break_of(law, contact, drive, counts): the break of a contact
 break_of = by_law(BREAKS.__getitem__)
-# aged_threshold(law, contact, drive, instant): its threshold at a later instant; below 0 if `break_of` counts it itself
-aged_threshold = by_law(AGED.__getitem__)
+# aged_threshold(law, contact, drive, instant): its threshold at a later instant; below 0 if `break_of` counts it
+# itself, or if nothing tells it, so that the engine refuses histograms
+aged_threshold = by_law(lambda law: AGED.get(law, lambda law, contact, drive, instant: -1.0))
 log_rate = by_law(lambda law: RATES[law].log_rate)
 passed = by_law(lambda law: RATES[law].passed)
 reached = by_law(lambda law: RATES[law].reached)

@@ -41,7 +41,7 @@ class Engine:
                 f'contacts.{name}: closure = "paper" is an approximation of the master equation, which single contacts '
                 'do not know; use closure = "exact"'
             )
-        from eq_model.contact import Work
+        from eq_model.contact import AGED, Work
         from eq_model.draws.births import births_of, exposures
         from eq_model.laws.settings import law_of
         from eq_model.row_breaks import Forward
@@ -62,6 +62,11 @@ class Engine:
         self.blocks = blocks._replace(each=min(slow, blocks.each, BLOCK))
         # the points of histograms, in the order of the clock
         self._points = points = chosen_points(histograms, drive.path.size)
+        if points.size and type(law) not in AGED:
+            instead = "leave them out, see docs/extending.md"
+            raise InputError(
+                f"histograms: the kernel of {', '.join(contacts.laws)} has no line of AGED; {instead}"
+            )
         self._order = np.argsort(in_units.bin_of_point[points], kind="stable")
         furthest = float(reach.span[points].max(initial=0.0)) + reach.furthest
         self._edges = make_edges(furthest, reach.largest, reach.typical)
@@ -102,8 +107,10 @@ class Engine:
         """Follow a block of contacts to the drive's end; -1 only compiles."""
         from eq_model.draws.births import make_scratch
         from eq_model.draws.streams import make_stream
-        from eq_model.lanes import follow
+        from eq_model.lanes import follow, follow_anew
 
+        if not type(self._law).__module__.startswith("eq_model."):
+            follow = follow_anew
         count, measured = self.blocks.size(block), self.blocks.is_measured(block)
         counts = np.zeros((self._points.size, 2, BINS), np.uint32)
         work = self._work._replace(stream=make_stream(self._seed, max(block, 0)), measured=measured)

@@ -216,3 +216,7 @@ def follow(law, work, scratch, count, sums, counts):  # type: ignore[no-untyped-
         for i in range(LANES):
             least = min(least, lanes.number[i])
     return breaks
+
+
+# As `follow`, and never kept on disk, where nothing tells that a kernel that is not in this package has changed.
+follow_anew = compiled(follow.py_func, cache=False)

@@ -410,8 +410,16 @@ def test_the_ensemble_takes_the_laws_of_the_page():
     exact, found = names["rested_by_master"], names["rested_by_ensemble"]
     error = np.hypot(found.force_standard_error, exact.force_error)
     assert (np.abs(found.force - exact.force) < 5.0 * error).all()
-    for of_all_points in (names["z"], names["z_weakened"]):
+    for of_all_points in (names["z"], names["z_weakened"], names["z_damaged"]):
         assert (np.abs(of_all_points) < 5.0).all()
+    damaged = names["damaged"]
+    for ask, says in (
+        (lambda: eq_model.simulate(damaged, [1.0], histograms=[0]), "damage has no line of AGED"),
+        (lambda: master.solve(damaged, [1.0, 0.0]), "use eq_model.simulate"),
+    ):
+        with pytest.raises(InputError, match=says) as refused:
+            ask()
+        assert "\n" not in str(refused.value)
 
 
 def test_what_slides_and_slips_follows_from_the_life_alone(page):

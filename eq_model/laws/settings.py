@@ -20,14 +20,13 @@ from origins.errors import refuse
 from origins.laws.compiled import CompiledRates, called
 from origins.laws.timed_law import ChangingThresholds
 
-# The file of eq_model/laws with the kernel of each law by which thresholds change, imported where it is needed. It
-# stands there as compiled code is kept on disk for the version of these files. It has `make`, `often` and SECONDS, and
-# enters functions for numba by the class of its settings in contact.BREAKS and contact.AGED, or, where thresholds grow,
-# both by growing.GROWTHS; docs/extending.md says what each gets and returns. Growing thresholds of any other class,
-# those derived from a class of the table included, have the kernel OWN, and ordered ones ORDERED, which call methods of
-# the law.
+# The kernel of each law by which thresholds change: a file of eq_model/laws, imported where it is needed, or of a law
+# of one's own any object with the same names. It has `make`, `often` and SECONDS; its functions for numba are entered
+# by the class of its settings in contact.BREAKS and contact.AGED, or, where thresholds grow, both by growing.GROWTHS;
+# docs/extending.md says what each gets and returns. Growing thresholds of any other class, those derived from a class
+# of the table included, have the kernel OWN, and ordered ones ORDERED, which call methods of the law.
 OWN, ORDERED = "own", "ordered"
-KERNELS: dict[type, str] = {
+KERNELS: dict[type, Any] = {
     Ageing: "diffusing",
     GrainContact: "grains",
     Strengthening: "strengthening",
@@ -35,13 +34,13 @@ KERNELS: dict[type, str] = {
 
 
 def kernel_of(law: ChangingThresholds) -> Any:
-    """The module of KERNELS for a law. Raises InputError for one that has none."""
-    own = ORDERED if isinstance(law, OrderedThresholds) else ""
-    name = KERNELS.get(type(law), OWN if isinstance(law, GrowingThresholds) else own)
-    if not name:
+    """The kernel of a law. Raises InputError for one that has none."""
+    own = ORDERED if isinstance(law, OrderedThresholds) else None
+    found = KERNELS.get(type(law), OWN if isinstance(law, GrowingThresholds) else own)
+    if found is None:
         hint = "use master.solve, or state birth_threshold, see origins.OrderedThresholds"
         refuse(f"contacts.{law.law}", law, f"has no kernel in eq_model; {hint}")
-    return import_module(f"eq_model.laws.{name}")
+    return import_module(f"eq_model.laws.{found}") if isinstance(found, str) else found
 
 
 def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
