@@ -774,3 +774,22 @@ def test_the_commands_own_limit_of_time_is_named_as_such() -> None:
         late = within(time.monotonic() - 1.0, scene, "this reading")
         with pytest.raises(InputError, match=words), late:
             time.sleep(1.0)
+
+
+@pytest.mark.parametrize("damping", [1.0, 10.0, 60.0])
+def test_a_mass_is_followed_until_its_swing_has_died_away(damping: float) -> None:
+    """Sliding at F_k the spring bears F_k + γv in the end; a path of a few loadings is shorter than one period."""
+    contacts = Contacts(gaussian(1.0, 0.2))
+    steady = master.steady_state(contacts, velocity=1.0)
+    known = Known(0.75, steady.force, 1e-9, 1.0, 4.0)
+    machine = Machine(spring=2.0, mass=50.0, damping=damping, velocity=1.0)
+    found = follow(machine, contacts, "mass", known, 60.0)
+    assert found.kind == "smooth" and found.error < 0.02
+    assert found.before == pytest.approx(steady.force + damping, abs=found.error)
+
+
+def test_a_mass_whose_slips_take_as_long_as_its_rests_is_not_told_by_a_slip_rule() -> None:
+    contacts = Contacts(gaussian(1.0, 0.2))
+    for mass, kind in ((1e-4, "stick-slip"), (50.0, "undecided")):
+        machine = Machine(spring=0.3, mass=mass, damping=1.0, velocity=1.0)
+        assert follow_other_delay(machine, contacts, None, 60.0).kind == kind

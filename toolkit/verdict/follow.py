@@ -14,9 +14,11 @@ from toolkit.verdict.machine import (
     Behaviour,
     Known,
     Machine,
+    half_a_swing,
     known_of,
     last_of,
     not_followed,
+    settling_way,
     with_slips,
 )
 
@@ -35,6 +37,11 @@ FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
 # lengths of memory, beyond that of ln(1/K), after which what is left of F - F_k is rounding, e^-30; and the largest
 # spring, in N_c<k>, of which this is told: its slider has moved by K of its drive's way when it slips
 FORGOTTEN, SOFTEST = 30.0, 1e-3
+# of a period, the way of the drive during a slip of a mass, up to which slips count as taking no time
+SHORT_SLIP = 0.1
+# part of the path, its last fifth, along which the force of smooth sliding with mass is looked at for what still swings
+SETTLED_IN = 5
+SWINGING = "the slider still swings about its balance at the path's end"
 
 
 def follow(
@@ -99,8 +106,8 @@ def follow_other_delay(
     machine: Machine, contacts: Contacts, number: float | None, wall_time: float
 ) -> Behaviour:
     """What a slider with mass would do with the other extreme of the contacts' delay, without heat: without a delay of
-    theirs those that form again only once a slip is over, else those that form again at once. As slip rules tell of
-    both, its mass does not matter.
+    theirs those that form again only once a slip is over, else those that form again at once. Slip rules tell of both,
+    as long as a slip of the mass takes little of the time until the next one; else, "undecided".
 
     number : of contacts on the area; wall_time : s
     """
@@ -112,7 +119,11 @@ def follow_other_delay(
     found = master.propensity(other, velocity=machine.velocity, tolerance=ROUGHLY)
     known = known_of(other, steady, found, number)
     rule = "instant" if contacts.waiting_time else "reform-after"
-    return follow(light, other, rule, known, wall_time)
+    told = follow(light, other, rule, known, wall_time)
+    way_in_slip = machine.velocity * half_a_swing(machine)
+    if told.period is not None and way_in_slip > SHORT_SLIP * told.period:
+        return not_followed(rule, "a slip of this mass takes as long as the time between slips")
+    return told
 
 
 def _without_heat(found: Behaviour, change: float) -> Behaviour:
@@ -125,13 +136,18 @@ def _by_distribution(
     machine: Machine, contacts: Contacts, rule: str, lengths: list[float], until: float
 ) -> Behaviour:
     """What the master equation says along paths of these lengths, one after the other until one decides, by then, in s
-    of the monotonic clock."""
+    of the monotonic clock. A slider with mass is not called smooth before its swing has died away."""
     import master
 
     begin = contacts.start.mean() / machine.spring
     tolerance = TOLERANCE_IN_TIME if contacts.in_time else TOLERANCE
-    found = not_followed(rule, NO_TIME)
+    found, swings = not_followed(rule, NO_TIME), False
+    settled = settling_way(machine, contacts.mean_threshold)
+    if lengths[-1] < settled < np.inf:
+        lengths = [*lengths, settled]
     for length in lengths:
+        if swings and length < settled:
+            continue
         path = begin + np.linspace(0.0, length, POINTS)
         if (left := until - time.monotonic()) <= 0.0:
             break
@@ -146,6 +162,13 @@ def _by_distribution(
                 why = why.partition("; ")[0]
             return not_followed(rule, why or str(error))
         found = replace(_behaviour(rule, solved), cut=solved.path.size < path.size)
+        swings = found.kind == "smooth" and length < settled
+        if swings:
+            found = replace(found, kind="undecided", message=SWINGING)
+        elif settled and found.kind == "smooth":
+            # what is left of the swing, as the force is told from the path's end
+            left = float(np.ptp(solved.force[-POINTS // SETTLED_IN :])) / contacts.mean_threshold
+            found = replace(found, error=found.error + left)
         if found.kind != "undecided" or not solved.success:
             break
     return found

@@ -14,6 +14,9 @@ from toolkit.scene.tables import DriveTable
 from toolkit.verdict.budget import MORE_TIME
 
 RULES = ("reset", "reform-after", "instant")
+# swing of the spring's force, in mean thresholds, that may be left where sliding is called smooth; and after how many
+# time constants one has died away, e^-10
+SWINGS, SETTLING = 0.01, 10.0
 NO_TIME = f"no time was left: {MORE_TIME}"
 # why nothing is told of a slider, and of a reading other than the scene's own
 NO_FORCES = (
@@ -42,6 +45,24 @@ class Machine:
 def half_a_swing(machine: Machine) -> float:
     """π (M/K)^(1/2), the time of a slip in which no contact holds; 0 without a mass."""
     return float(np.pi * np.sqrt((machine.mass or 0.0) / machine.spring))
+
+
+def settling_way(machine: Machine, unit: float) -> float:
+    """The drive's way in which the swing of a mass that slides on at F_k dies away: SETTLING time constants of
+    M X'' + γ X' + K X = 0, inf without damping; 0 where a swing of a speed like the drive's changes the spring's
+    force by less than SWINGS of the mean threshold `unit`."""
+    if machine.mass is None:
+        return 0.0
+    swing = machine.velocity * (np.sqrt(machine.mass * machine.spring) + machine.damping)
+    if swing < SWINGS * unit:
+        return 0.0
+    if not machine.damping:
+        return float(np.inf)
+    # of the slower root; beyond critical damping that is about K/γ, else both have the real part γ/2M
+    beyond = max(machine.damping**2 - 4.0 * machine.mass * machine.spring, 0.0)
+    slower = 2.0 * machine.spring / (machine.damping + np.sqrt(beyond))
+    time = 1.0 / min(slower, 0.5 * machine.damping / machine.mass)
+    return float(SETTLING * time * machine.velocity)
 
 
 def machine_of(table: DriveTable, contacts: Contacts) -> Machine | None:

@@ -31,6 +31,7 @@ from toolkit.verdict.table import (
 
 # of a force: a larger error of it is told beside it
 KNOWN = 1e-3
+WORTH_TELLING = 0.01  # of the force of smooth sliding, what the damping bears
 
 
 def page(verdict: Verdict) -> list[str]:
@@ -86,7 +87,8 @@ def turned(verdict: Verdict) -> list[str]:
     if not own.contacts.waiting_time:
         whose = f"only once a slip is over, which takes some {slip},"
     return [
-        f"contacts that form again {whose} would make it {_behaved(verdict, own, other.kind, [other])}"
+        f"contacts that form again {whose} would make it {_behaved(verdict, own, other.kind, [other])}, "
+        "as a slider without mass tells"
     ]
 
 
@@ -218,6 +220,19 @@ def _without_delay(answer: Answer, slider: Behaviour) -> str:
     return " if contacts re-form at once (no delay is given)"
 
 
+def _of_damping(answer: Answer, slider: Behaviour) -> str:
+    """What of the spring's force the damping bears, γv, where a smooth slider tells it; F_k is the contacts' alone."""
+    machine = answer.machine
+    if machine is None or slider.rule != "mass":
+        return ""
+    damping = machine.damping if slider.damping is None else slider.damping
+    borne = damping * machine.velocity
+    if borne < WORTH_TELLING * abs(slider.before):
+        return ""
+    scale = answer.scale
+    return f" ({written(borne * scale.force, scale.force_unit)} of it borne by the damping)"
+
+
 def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behaviour]) -> str:
     """One kind of behaviour with its numbers."""
     scale, last, share = answer.scale, alike[0], share_of(verdict)
@@ -240,7 +255,7 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     off = f" ± {written(error, scale.force_unit, digits=1)}" * (error > KNOWN * top)
     low = reach([one.after * scale.force for one in alike], scale.force_unit)
     if kind == "smooth":
-        return f"smooth at {low}{off}{_without_delay(answer, last)}"
+        return f"smooth at {low}{off}{_of_damping(answer, last)}{_without_delay(answer, last)}"
     high = reach([one.before * scale.force for one in alike], scale.force_unit) + off
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
