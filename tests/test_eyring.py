@@ -81,7 +81,7 @@ def test_a_scene_takes_the_width_from_numbers_of_the_material(tmp_path: Any) -> 
         ({"activation_volume": None}, r"thermal\.activation_volume: is missing; beside kelvin, "),
         ({"activation_volume": 2.76}, r"activation_volume = 2\.76: makes .* is it in m³\?"),
         ({"kelvin": -3.0}, r"thermal\.kelvin = -3\.0: must be above zero"),
-        ({"shear_strength": "5e7"}, r"shear_strength = '5e7': must be a number, in Pa"),
+        ({"shear_strength": "5e7"}, r"shear_strength = '5e7': must be a number alone, in Pa"),
         ({"width": 0.03}, r"thermal\.width = 0\.03: stands beside kelvin, shear_strength"),
         ({"law": "soft", "temperature": 0.1}, r"thermal\.\w+ = .*: is unknown; the law \"soft\""),
     ):
