@@ -121,9 +121,6 @@ class GrowingMemory(Memory):
         if self._hot and leg.duration:
             middle = record[:, PINNED_FOR, None] + 0.5 * leg.duration
             threshold = self._growing.threshold_at(self._hazards, middle)
-            # thresholds of those that hold are beyond the largest |x| of this move: since earlier ones they have grown
-            moved = np.maximum(np.abs(leg.begin), np.abs(leg.end))
-            leg = leg._replace(largest=moved)
             out[:, RATE_INTEGRAL:] += self._cells.rate_integral(leg, threshold)
         return out
 

@@ -30,7 +30,8 @@ FLAT = 1e-4
 class Leg(NamedTuple):
     """A straight move of contacts at one speed.
 
-    begin, end, largest : arrays of shape (n,), stretches (lengths), and the largest |x| after it
+    begin, end : stretches, arrays of shape (n,) (lengths)
+    largest : the largest |x| of the whole life after it, shape (n,) (lengths)
     duration : time
     """
 
@@ -59,7 +60,10 @@ class ThresholdCells:
         speed, duration = float(travel[0]) / leg.duration, np.full((count, 1), leg.duration)
         legs = Legs(np.stack([np.zeros(count), travel], axis=-1), duration, np.array([speed]))
         integrated = IntegratedRate(self._contacts, leg.begin, legs)
-        above = np.maximum(thresholds, leg.largest[:, None])
+        # Thresholds that |x| passes on this leg are met, and their A is never read again. Lifted to |x| they stay where
+        # rates are defined.
+        passed = np.maximum(np.abs(leg.begin), np.abs(leg.end))
+        above = np.maximum(thresholds, passed[:, None])
         return np.asarray(np.exp(integrated.log(np.arange(count), above)))
 
     def survival_and_force(
