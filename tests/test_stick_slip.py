@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import scipy.stats
@@ -70,6 +72,24 @@ def test_a_start_of_many_bins_has_its_slope_in_a_second() -> None:
     slopes = np.gradient(master.solve(contacts, x, 1e-5, wall_time=60.0).force, x)
     assert found.success and found.critical_spring_error < 1e-3
     assert found.critical_spring == pytest.approx(-slopes.min(), abs=3e-3)
+
+
+def test_thresholds_of_a_histogram_are_a_mixture_of_rectangles() -> None:
+    """The same law by scipy and by a family of ours; with bins of one weight it is one rectangle, whose K* is 7/8."""
+    edges = np.linspace(0.5, 1.5, 11)
+    drawn = np.diff(origins.gaussian(1.0, 0.2).cdf(edges))
+    drawn /= drawn.sum()
+    histogram = scipy.stats.rv_histogram((drawn, edges), density=False)
+    bins = [origins.rectangular(low, high) for low, high in pairwise(edges)]
+    rectangles = origins.mixture(bins, drawn)
+    x = np.linspace(0.0, 3.0, 13)
+    one, other = (master.solve(Contacts(law), x, 1e-8) for law in (histogram, rectangles))
+    assert one.success and other.success
+    assert np.abs(one.force - other.force).max() <= one.force_error + other.force_error
+    one, other = (master.propensity(Contacts(law), 1e-6) for law in (histogram, rectangles))
+    assert one.success and one.critical_spring == pytest.approx(other.critical_spring, rel=2e-6)
+    even = scipy.stats.rv_histogram((np.ones(10), edges), density=False)
+    assert master.propensity(Contacts(even), 1e-6).critical_spring == pytest.approx(0.875, rel=1e-6)
 
 
 def test_a_start_of_200_bins_is_a_sum_over_them() -> None:
