@@ -11,6 +11,7 @@ import numpy as np
 from origins.brief import brief
 from origins.thresholds.law import Array
 from toolkit.scene.scale import Scale
+from toolkit.scene.tables import FIXED_UNITS, LENGTHS
 
 # columns of a sweep of smooth sliding over speeds, temperatures, rates of ageing or delays, those that it has
 SMOOTH: tuple[str, ...] = ("velocity", "force", "force_error", "holding", "holding_error")
@@ -74,13 +75,9 @@ class SweepRecord:
 def key_units(along: Iterable[str], scale: Scale) -> dict[str, str]:
     """Units of keys of a scene that are swept as numbers, where they are known; by the last word of a key."""
     length, time = scale.length_unit, scale.time_unit
-    known = dict.fromkeys(("mean", "std", "to", "value", "lower", "upper"), length)
-    known |= {
-        "temperature": f"{length}²",
-        "rate": f"{length}²/{time}",
-        "velocity": scale.speed_unit,
-    }
-    known |= {"delay": time, "time": time, "kelvin": "K", "pressure": "Pa", "area": "m²"}
+    known = FIXED_UNITS | dict.fromkeys(LENGTHS, length) | dict.fromkeys(("delay", "time"), time)
+    known |= {"temperature": f"{length}²", "rate": f"{length}²/{time}"}
+    known |= {"velocity": scale.speed_unit}
     return {key: known.get(key.rpartition(".")[2], "") for key in along}
 
 

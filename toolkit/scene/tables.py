@@ -114,12 +114,15 @@ _TABLES = {"": SceneTable, "contacts": ContactsTable, "drive": DriveTable, "eq":
 _TABLES |= {"master": MasterTable, "sweep": SweepTable, "verdict": VerdictTable}
 _COUNTS = ("points", "contacts", "replicas", "seed", "samples", "threads")
 
-# the units of numbers that are often written with one: of keys by their last name
+# the units of numbers, of keys by their last name: those of every scene, and lengths, whose unit is that of the scene
 _PASCALS = "pressure contact_modulus shear_modulus hardness shear_strength force_coefficient"
-_LENGTHS = "to from mean std value lower upper scale centre lattice_constant"
-_UNITS = dict.fromkeys(_PASCALS.split(), "Pa") | {"kelvin": "K", "wall_time": "s"}
-_UNITS |= dict.fromkeys(_LENGTHS.split(), "the scene's unit of length, m of a surface")
-_UNITS |= {"area": "m²", "patch_area": "m²", "mean_stiffness": "N/m", "contact_density": "1/m²"}
+FIXED_UNITS = dict.fromkeys(_PASCALS.split(), "Pa") | {"kelvin": "K", "wall_time": "s"}
+FIXED_UNITS |= {"area": "m²", "patch_area": "m²"}
+FIXED_UNITS |= {"mean_stiffness": "N/m", "contact_density": "1/m²"}
+_OF_LENGTH = "to from mean std value lower upper scale centre lattice_constant"
+LENGTHS = _OF_LENGTH.split()
+# how a message names them to somebody who wrote a unit
+_UNITS = FIXED_UNITS | dict.fromkeys(LENGTHS, "the scene's unit of length, m of a surface")
 _UNITS |= {"time": "s where speeds are in m/s", "velocity": "m/s where lengths are in m"}
 
 
