@@ -14,8 +14,9 @@ from numpy.polynomial import legendre
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.quadrature import gauss
 
-# how many more samples than parameters there are: with as many, each of 3 or 4 samples would be a peak of its own
-_FREE = 0.9
+# By how many the samples exceed the effective parameters, at least: a fit with a parameter for each of 3 or 4 samples
+# makes each of them a narrow peak of its own. A straight line, of one parameter, is taken in any case.
+_SPARE_SAMPLES, _OF_A_LINE = 0.9, 1.1
 _EDGE = 3.0  # gain in log-likelihood that an edge, or a density diverging at 0, needs beyond a parameter's cost
 
 
@@ -142,7 +143,7 @@ class LogPolynomial(Thresholds):
             likelihood = size * (state.value + 0.5 * float(start @ penalty @ start))
             score = likelihood - cost * count * size / max(size - count - 1.0, 1.0)
             score -= _EDGE * (form.power and start[-1] < 0.0)
-            if count > max(size - _FREE, 1.1):
+            if count > max(size - _SPARE_SAMPLES, _OF_A_LINE):
                 score = -np.inf
             # refused: a tail that begins to fall as x^-0.75 or slower, by e over 4/3 of the last sample
             if form.open_above and -(self._above @ start) * self._last < 0.75:

@@ -150,9 +150,8 @@ class ContactsInSteps:
             births = self.past_breaks.births_up_to(now, self.now)
         lost = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - held_before + survival * self._births + lost * births.rest
-        breaks /= (
-            1.0 - births.slope
-        ) + survival * births.slope  # 1 - lost slope, also where hardly any holds
+        # 1 - lost slope, in a form that keeps its digits where hardly any of those born hold
+        breaks /= (1.0 - births.slope) + survival * births.slope
         new = births.slope * breaks + births.rest - self._births
         force, holding = force_before + force_of_new * new, held_before + survival * new
         return Trial(travel, now, groups, held, force, holding, breaks, self._births + new)
