@@ -12,6 +12,7 @@ the drawn ones of `mesofriction precision --coverage` are, by toolkit.stability.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 from functools import cache
@@ -40,12 +41,19 @@ FINER = 0.05  # of what these claim, for a reference where the older version has
 FINEST = 1e-11  # tolerance of a reference: at times of 1e5 their rounding alone makes 1e-12
 MISSED = 0.01  # of the scenes may be off by more than they claim
 NEAR = 30.0  # times the true error, or round-off: half of the claims are no larger
+# Scenes whose answer by the older version is off by more than it claims, so that no answer could agree with both: 458
+# by 5.6e-9 where it claims 2.9e-10, as a rigid slider led along the same X(t) shows; 747 by 1.1e-6 where it claims
+# 3.2e-11, see test_the_older_answer_of_a_first_slip_is_off.
+OLDER_IS_OFF = ("458", "747")
 
 
 @cache
 def scenes() -> dict[str, Given]:
     """Ordinary ones are named by numbers, far ones `far` and a number."""
-    return load(Path(__file__).parent / "oracle" / "promised.npz")
+    found = load(Path(__file__).parent / "oracle" / "promised.npz")
+    for name in OLDER_IS_OFF:
+        found[name] = dataclasses.replace(found[name], success=False)
+    return found
 
 
 def question(asked: Given) -> Question:
@@ -82,6 +90,19 @@ def question(asked: Given) -> Question:
         return Truth(np.append(values, finer.force / mean), errors, "ee6a1b9; tighter tolerance")
 
     return Question(asked.kind, asked.call[:60], "master", ask, truth)
+
+
+def test_the_older_answer_of_a_first_slip_is_off() -> None:
+    """Contacts hold up to x_0, where thresholds begin; there their force falls faster than the spring's, all slip and
+    are reset: before that, and after it until contacts break again, F = (X_T - X_T0) K/(1 + K) in units of N_c <k>."""
+    asked = scenes()["747"]
+    contacts, path, tolerance, drive = evaluated(asked.call, force=lambda *a, **drive: (*a, drive))
+    spring, drive_at = drive["spring"], np.array(path)
+    slip_at = contacts.thresholds.breakpoints[0] * (1.0 + 1.0 / spring)
+    exact = (drive_at - np.where(drive_at < slip_at, 0.0, slip_at)) * spring / (1.0 + spring)
+    found = master.solve(contacts, path, tolerance, **drive)
+    assert np.abs(found.force - exact).max() < found.force_error < 1e-9
+    assert np.abs(asked.values * contacts.mean_threshold - exact).max() > 1e-6
 
 
 def test_force_error_is_the_promise_it_is_said_to_be() -> None:
