@@ -194,7 +194,7 @@ def march_of(
         life = copy(life)
         life.bends = np.union1d(life.bends, layers[layers > THIN_LAYER * life.bends])
     stretch = min(longest_stretch(contacts, motion, life), most)
-    budget = ErrorBudget.divide(tolerance, life, round_off(motion, mean), stretch / mean)
+    budget = ErrorBudget.divide(tolerance, life, round_off(motion, mean), stretch, mean)
     births = Births(life, reforming, motion, contacts.waiting_time, budget.births, until)
     plan = edges(births, contacts.start, budget.panels)
     if plan.too_many_jumps:

@@ -185,6 +185,6 @@ def _held(march: March, leg: int, t: float) -> float:
     legs, now = motion.leg(panels.middle_of_births(march.births.delay)), int(motion.leg(t))
     panels = replace(panels, breaks=panels.breaks * (legs == leg)[:, None])
     past, x = Past(replace(march.births, until=np.inf)), np.array([[t - motion.times[now]]])
-    past.enter(now, panels)
+    earlier = past.at(now, panels, x, [])
     own = march.births_on_leg(x[0], now, panels.pick(slice(past.first_panel, None)))
-    return float(past.at(x, [])[0, 0, 0] + own[0, 0])
+    return float(earlier[0, 0, 0] + own[0, 0])

@@ -35,17 +35,18 @@ class ErrorBudget:
     | left out | contacts of earlier legs (`Past.left_out`) | 3e-6 of a panel's for each leg, on top | adds up |
 
     All but round-off are shares of the contacts, and that is in mean thresholds: an error of the number of contacts
-    that hold counts as one of the force by the longest stretch that a contact can have. Errors of panels are not
-    summed along the path: conservation fixes the number on each anew. The start is one of the survivals, and has no
-    part of its own. Where survivals are sums, panels get 1 - FOR_SUMS = 0.8 of the rest, as errors of these are
-    known later.
+    that hold counts as one of the force by stretch/mean, the longest stretch that a contact can have over the mean
+    threshold. Errors of panels are not summed along the path: conservation fixes the number on each anew. The start
+    is one of the survivals, and has no part of its own. Where survivals are sums, panels get 1 - FOR_SUMS = 0.8 of
+    the rest, as errors of these are known later.
 
-    The last two are asked of each piece of a sum over births, and of each leg. With heat both are COARSER = 30
+    "On top" is outside of the tolerance: round-off, survivals and panels may use up all of it, and births and left
+    out are added. Nothing is set aside for them because both are asked of each piece of a sum, and of each leg, and
+    how many there will be nobody knows beforehand; and because they are little. With heat both are COARSER = 30
     times as much, 0.09 and 9e-5 of a panel's (past.py), as a survival takes long; with ageing the second is, and
-    pieces have one length. They have no part of their own: panels may use up theirs, and what births add then
-    exceeds the sum. It is little. On 32 random paths of three to five legs the estimated error of all births was at
-    most 1.5e-3 of a panel's part without heat (median 1e-7), and 0.06 of it with heat (median 5e-3). The error that
-    counts is in force_error, and where the sum is above the tolerance, `success` is False.
+    pieces have one length. On 32 random paths of three to five legs the estimated error of all births was at most
+    1.5e-3 of a panel's part without heat (median 1e-7), and 0.06 of it with heat (median 5e-3). What they come to is
+    in force_error, and where that is above the tolerance, `success` is False.
 
     These errors see what numbers do, and no fault of bookkeeping: a survival, a birth or a panel that is counted twice
     or not at all conserves the number as well, unless it jumps. So that panels leave no gap is checked as they are
@@ -72,15 +73,15 @@ class ErrorBudget:
 
     @classmethod
     def divide(
-        cls, tolerance: float, life: Life, round_off: float, per_number: float
+        cls, tolerance: float, life: Life, round_off: float, stretch: float, mean: float
     ) -> "ErrorBudget":
-        """Divide a tolerance of the force, in mean thresholds; per_number: the force, in mean thresholds, of a number
-        1 of contacts, the longest stretch. A tolerance looser than LOOSEST counts as that."""
+        """Divide a tolerance of the force, which is in mean thresholds, as round_off is; stretch, mean : the longest
+        stretch and the mean threshold (lengths). A tolerance looser than LOOSEST counts as that."""
         tolerance = min(tolerance, LOOSEST)
-        known = round_off + life.error * per_number
+        known = round_off + life.error * stretch / mean
         part = max(tolerance - known, LEAST_FOR_PANELS * tolerance)
         if not life.quick:
             part *= 1.0 - FOR_SUMS
         smallest = SMALLEST_TOLERANCE if life.quick else SMALLEST_OF_SUMS
-        panels = max(part / per_number, smallest)
+        panels = max(part * mean / stretch, smallest)
         return cls(panels, max(FOR_BIRTHS * panels, SMALLEST_FOR_BIRTHS), life.error, round_off)

@@ -174,15 +174,8 @@ class March:
         change = float(np.ptp(solved.force[-len(rates) :]))
         return bool(alike and change < ALIKE * self.tolerance * self.stretch)
 
-    def _enter(self, leg: int) -> None:
-        """Let the past see all contacts from this leg, if it sees them from another one: births on legs before become
-        earlier ones, and some that hardly hold are left out for good. Called before each sum over known births."""
-        if leg != self._past.leg:
-            self._past.enter(leg, self.solved)
-
     def _run(self, leg: int, begin_leg: float, width: float, count: int) -> Run:
         """Solve panels of one width, the first of which begins at `begin_leg`."""
-        self._enter(leg)
         self.births.work += WORK_OF_PANEL * count
         alike = self._count_alike(width, leg)
         of_panel = self.present.panel_sums(float(self.motion.speeds[leg]), width, alike + count)
@@ -203,12 +196,10 @@ class March:
     def known_at(self, t: Array) -> Array:
         """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
         leg = self.motion.leg_of_all(t)
-        self._enter(leg)
         return self.known_on(leg, t - self.motion.times[leg])
 
     def known_on(self, leg: int, grid_leg: Array, alike: int = 0) -> Array:
-        """Number and force of all contacts whose births are known, at later times on a leg that the past has entered;
-        (2, *grid_leg.shape).
+        """Number and force of all contacts whose births are known, at later times on a leg; (2, *grid_leg.shape).
 
         grid_leg : times in rows
         alike : the last panels, so many, are left out: they have the width of the panels to be solved, and solve_run
@@ -219,7 +210,8 @@ class March:
         solved, delay = self.solved, self.births.delay
         # a start that is as births at t = 0 on this leg is in their table
         in_table = leg == 0 and self._as_births
-        both = self._past.at(grid_leg, self.lumps[1:] if in_table else self.lumps)
+        lumps = self.lumps[1:] if in_table else self.lumps
+        both = self._past.at(leg, solved, grid_leg, lumps)
         if in_table:
             both += self.present.look_up(float(self.motion.speeds[leg]), grid_leg)
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
@@ -250,7 +242,6 @@ class March:
         if not t > 0.0 or not len(self.life.atoms):
             return
         leg = int(self.motion.leg(t))
-        self._enter(leg)
         edge_leg = t - self.motion.times[leg]
         beside = 0.5 * min(self.solved.width[-1], end - t)
         # Number is asked for in rows of times on one panel each, and has the limit from its row's side at an edge. So

@@ -12,8 +12,11 @@ panels ends in its clock (`leg` alone is an index):
 - `_birth_leg`: since the beginning of the leg on which a contact is born (SolvedPanels.births_begin), as are all
   times of strands of ageing contacts.
 
-Past.enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
+Past._enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
 the second.
+
+`Past.at` is all that is called. It sees that the leg it is asked for is another than before, and then first leaves out
+legs by what held when it was last asked for (`_leave_out`), and makes the sums of the others anew (`_enter`).
 """
 
 from collections.abc import Sequence
@@ -43,24 +46,25 @@ LEFT_OUT, LEAST_LEFT_OUT = 1e-3, 1e-18
 class Past:
     """All contacts that were not born on the present leg, as that leg sees them.
 
-    leg, first_panel : the present leg, and the first panel whose births are on it
+    first_panel : the first panel whose births are on the leg that `at` was last asked for
     worst_sum : estimate from above of the error of the number by the sums over births, the largest so far
     left_out : share of all contacts that held when their leg was left out, the sum over all legs so far
     survival_error : the largest error of a survival so far, as the life returned it
 
+    _leg : the present leg, that `at` was last asked for; -1 before
     _earlier : births on earlier legs, None where there are none; for contacts that age `_strands` in its place
-    _held : by earlier leg, the share that was born on it and held when `at` was last called on this leg; empty before
+    _held : by earlier leg, the share that was born on it and held at the last time that `at` was asked for
     _legs_left_out : earlier legs that are left out for good
     """
 
     def __init__(self, births: Births) -> None:
-        """Before the first leg: `enter` is called before anything is asked for."""
+        """Before the first leg."""
         self._births = births
         self._motion_leg, self._leg_begins_path = births.motion, 0.0
         closed = births.life.pair_work == 1 and not births.life.has_strands
         self._accuracy = births.accuracy * (1.0 if closed else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
-        self.leg, self.first_panel = -1, 0
+        self._leg, self.first_panel = -1, 0
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
         self._legs_left_out, self._held = set[int](), dict[int, float]()
@@ -79,35 +83,52 @@ class Past:
         self.survival_error, self.worst_sum = other.survival_error, other.worst_sum
         self.left_out = other.left_out
 
-    def enter(self, leg: int, panels: SolvedPanels) -> None:
-        """Begin leg `leg`: births on panels before it are earlier ones; those on panels from `first_panel` on, one
-        delay late, fall on it. `panels`: all that are solved.
+    def at(self, leg: int, solved: SolvedPanels, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
+        """Number and force, on a leg, of births on the legs before, and of all lumps, shape (2, rows, columns).
 
-        Legs are left out of whose births hardly any held when `at` was last called, on the leg before. That may have
+        solved : all panels so far; those on legs before are earlier births, which do not change while the leg is asked
+            for again
+        grid_leg : times in rows, each within one panel of the leg
+        """
+        if leg != self._leg:
+            self._leave_out()
+            self._enter(leg, solved)
+        found = self._from_few_times(grid_leg, lumps) or self._summed(grid_leg, lumps)
+        self.worst_sum = max(self.worst_sum, found.error)
+        self.survival_error = max(self.survival_error, found.survival_error)
+        self._held = found.held or {}
+        return found.both
+
+    def _leave_out(self) -> None:
+        """Leave out legs of whose births hardly any held when `at` was last called, on the leg before. That may have
         been at any of its times, as a proposal that was rejected asks, too: a survival only falls, so that more of them
-        held then than on this leg."""
-        births, path, before = self._births, self._births.motion, self.leg
-        self.leg, self._leg_begins_path = leg, float(path.times[leg])
-        self._motion_leg = path.counted_from(leg)
+        held then than on the leg to come."""
+        for each, held in self._held.items():
+            if held <= self._left_out_below:
+                self._legs_left_out.add(each)
+                self.left_out += abs(held)
+        self._held = {}
+
+    def _enter(self, leg: int, panels: SolvedPanels) -> None:
+        """Begin a leg: births on panels before it are earlier ones; those on panels from `first_panel` on, one delay
+        late, fall on it. `panels`: all that are solved."""
+        births, motion_path, before = self._births, self._births.motion, self._leg
+        self._leg, self._leg_begins_path = leg, float(motion_path.times[leg])
+        self._motion_leg = motion_path.counted_from(leg)
         middle_path = panels.middle_of_births(births.delay)
         self.first_panel = int(np.searchsorted(middle_path, self._leg_begins_path))
         panels = panels.pick(slice(self.first_panel))
         # The leg of each panel's births is that of their middle; but not one before that of their begin, as the middle
         # of the narrowest panels is rounded to their begin: a knot, where it belongs to the leg that ends there.
-        leg_of_begin = np.searchsorted(path.times, panels.begin + births.delay, "right") - 1
-        legs = np.maximum(path.leg(middle_path[: self.first_panel]), leg_of_begin)
-        begin_birth_leg = panels.births_begin(path.times[legs], births.delay)
+        of_begin = np.searchsorted(motion_path.times, panels.begin + births.delay, "right") - 1
+        legs = np.maximum(motion_path.leg(middle_path[: self.first_panel]), of_begin)
+        begin_birth_leg = panels.births_begin(motion_path.times[legs], births.delay)
         if self._strands is not None:
             new = range(max(before, 0), leg)
             self.left_out += self._strands.follow(
                 self._motion_leg, new, panels, begin_birth_leg, legs
             )
             return
-        for each, held in self._held.items():
-            if held <= self._left_out_below:
-                self._legs_left_out.add(each)
-                self.left_out += abs(held)
-        self._held = {}
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
         self._earlier = None
         if counted.size:
@@ -116,20 +137,9 @@ class Past:
                 births, self._motion_leg, leg, counted, born_leg, self._accuracy
             )
 
-    def at(self, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
-        """Number and force of births on the legs before, and of all lumps, shape (2, rows, columns).
-
-        grid_leg : times in rows, each within one panel of the leg
-        """
-        found = self._from_few_times(grid_leg, lumps) or self._summed(grid_leg, lumps)
-        self.worst_sum = max(self.worst_sum, found.error)
-        self.survival_error = max(self.survival_error, found.survival_error)
-        self._held = found.held or {}
-        return found.both
-
     def _from_few_times(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums | None:
         """As `_summed`, interpolated between few of the times; None where that is not tried, or not accurate."""
-        speed = abs(float(self._motion_leg.speeds[self.leg]))
+        speed = abs(float(self._motion_leg.speeds[self._leg]))
         if self._earlier is None or not self._few.are_tried(grid_leg, speed):
             return None
         summed = self._summed(grid_leg[:, FewTimes.ASKED], lumps)
@@ -155,7 +165,7 @@ class Past:
     def _beside_jumps(self, grid_leg: Array) -> Array:
         """The times of a grid, later than the leg's beginning, which belongs to the leg before. Where the births of a
         hold may meet an exact threshold as a panel ends, all at once, they lie a little inside it."""
-        if self._births.life.atoms.size and not self._motion_leg.speeds[: self.leg].all():
+        if self._births.life.atoms.size and not self._motion_leg.speeds[: self._leg].all():
             first, last = grid_leg.min(axis=1, keepdims=True), grid_leg.max(axis=1, keepdims=True)
             inside = INSIDE * (last - first)
             grid_leg = np.clip(grid_leg, first + inside, last - inside)
