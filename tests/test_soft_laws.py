@@ -311,15 +311,6 @@ def test_a_first_slip_that_leaves_contacts_as_they_began_decides_and_a_longer_pa
     assert np.ptp((long.slips.force_before - long.slips.force_after)[1:]) < 1e-2
 
 
-def test_on_the_softest_spring_contacts_re_form_a_delay_after_the_slip() -> None:
-    """Until then the slider goes with its drive, so that each slip is later by one delay more."""
-    exact = master.solve(Contacts(WIDE), FAR, 1e-8, spring=SOFTEST).slips.drive
-    brief = Contacts(WIDE, delay=Delay(0.3))
-    solved = master.solve(brief, FAR, 1e-4, spring=SOFTEST, slip="reform-after")
-    assert solved.success, solved.message
-    assert np.abs(solved.slips.drive - exact - [0.0, 0.3]).max() <= solved.slips.drive_error
-
-
 def test_a_slip_of_hundreds_of_thresholds_ends_at_the_force_of_steady_sliding() -> None:
     """Contacts that re-form at once are then distributed as under a rigid slider: F_k = <x_s²>/(2 <x_s>)."""
     law, path = gaussian(1.0, 0.4), np.array([300.0, 648.0])
