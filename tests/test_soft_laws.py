@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -153,8 +154,8 @@ def test_a_path_may_end_just_before_a_slip() -> None:
     held_to_claim(cool, [begin - 1e-4], 1e-3, exact, spring=1.0)
 
 
-LARGE = 0.05  # of all contacts, which an avalanche at a standing drive breaks: a slip
-REPEATS, COUNT = 6, 1_500
+LARGE = 0.2  # of all contacts, which an avalanche at a standing drive breaks: a slip
+REPEATS, COUNT, STEPS = 10, 4_000, 500
 
 
 class Pulled(NamedTuple):
@@ -166,26 +167,28 @@ class Pulled(NamedTuple):
 
 
 def pull(
-    contacts: Contacts, path: np.ndarray, velocity: float, spring: float, count: int, seed: int
+    contacts: Contacts, time: np.ndarray, path: np.ndarray, spring: float, count: int, seed: int
 ) -> Pulled:
-    """Force at drive positions `path`, in 300 steps of the drive; broken contacts are back at once.
+    """Force as the drive, from 0 at t = 0 straight from point to point, is at `path`, in STEPS equal steps of time;
+    broken contacts are back at once.
 
     Within a step the drive moves on, and contacts break at their own rates or where their
     thresholds meet them; then the slider follows with the drive standing until nothing more breaks.
     """
     generator = np.random.default_rng(seed)
-    step = path[-1] / 300
+    times = np.linspace(0.0, time[-1], STEPS + 1)
+    drives = np.interp(times, np.append(0.0, time), np.append(0.0, path))
     x, limit = np.zeros(count), contacts.thresholds.isf(1.0 - generator.random(count))
-    place, slips, loads, drives = 0.0, list[tuple[float, float]](), [0.0], [0.0]
+    place, slips, loads = 0.0, list[tuple[float, float]](), [0.0]
 
     def renewed(broken: np.ndarray, stretch: np.ndarray) -> None:
         x[broken] = stretch
         limit[broken] = contacts.thresholds.isf(1.0 - generator.random(broken.sum()))
 
-    for drive in step * np.arange(1, 301):
-        travel = spring * step / (spring + 1.0)
+    for before, drive in pairwise(drives):
+        travel = spring * (drive - before) / (spring + 1.0)
         middle = np.minimum(np.abs(x + 0.5 * travel), limit)
-        spent = step / velocity * contacts.thermal.rate(middle, limit)
+        spent = times[1] * contacts.thermal.rate(middle, limit)
         x += travel
         place += travel
         broken = (np.abs(x) >= limit) | (generator.random(count) < -np.expm1(-spent))
@@ -196,23 +199,29 @@ def pull(
             place += travel
             broken = np.abs(x) >= limit
             # the rest of the way they are there again
-            renewed(broken, (x - limit)[broken])
+            renewed(broken, (np.sign(x) * (np.abs(x) - limit))[broken])
             lost += broken.sum()
             if not broken.any():
                 break
         loads.append(spring * (drive - place))
-        drives.append(drive)
         if lost > LARGE * count:
-            slips.append((drive - 0.5 * step, loads[-1]))
-    return Pulled(*slips[0], np.interp(path, drives, loads))
+            # it began on the step; since then F rises as that of a stuck slider
+            half = 0.5 * (drive - before)
+            slips.append((before + half, loads[-1] - spring * half / (spring + 1.0)))
+    return Pulled(*slips[0], np.interp(time, times, loads))
 
 
 def test_slips_and_forces_are_those_of_contacts_one_by_one() -> None:
-    contacts, spring, path = Contacts(WIDE, thermal=SOFT), 0.4, np.linspace(0.32, 3.2, 10)
-    solved = master.solve(contacts, path, 1e-2, spring=spring, slip="instant")
+    """Forward through a slip, back until contacts break the other way, a rest in which heat breaks some, forward."""
+    contacts, spring = Contacts(WIDE, thermal=SOFT), 0.4
+    path = np.append(np.linspace(0.32, 3.2, 10), [2.4, 1.6, 0.8, 0.0, -0.6, -0.6, -0.6, -0.2, 0.4])
+    # at the speed 1, and two rests of 2 one after the other
+    ways = np.abs(np.diff(path, prepend=0.0))
+    time = np.cumsum(np.where(ways > 0.0, ways, 2.0))
+    solved = master.solve(contacts, path, 1e-2, time=time, spring=spring, slip="instant")
     assert solved.success, solved.message
     assert solved.slips.drive.size
-    runs = [pull(contacts, path, 1.0, spring, COUNT, seed) for seed in range(REPEATS)]
+    runs = [pull(contacts, time, path, spring, COUNT, seed) for seed in range(REPEATS)]
     first, after, force = (np.array(part) for part in zip(*runs, strict=True))
     spread = [one.std(axis=0, ddof=1) / REPEATS**0.5 for one in (first, after, force)]
     # finite ensembles slip late
@@ -220,10 +229,11 @@ def test_slips_and_forces_are_those_of_contacts_one_by_one() -> None:
     own, slip = solved.force_error * contacts.mean_threshold, solved.slips
     assert abs(first.mean() - slip.drive[0]) < 4.0 * spread[0] + late + own / spring
     assert abs(after.mean() - slip.force_after[0]) < 4.0 * spread[1] + spring * late + own
-    # of the points beside a slip some runs are before it, some after
-    far = np.abs(path[:, None] - slip.drive).min(axis=1) > 0.16
+    # of the points beside a slip, forward, some runs are before it, some after
+    beside = np.abs(path[:, None] - slip.drive).min(axis=1) < 0.16
+    far = ~beside | (time > 3.2)
     z = (force.mean(axis=0) - solved.force) / (spread[2] + own + 0.25 * spring * late)
-    assert far.sum() >= 7 and np.abs(z[far]).max() < 5.0, z
+    assert far.sum() >= 16 and np.abs(z[far]).max() < 5.0, z
 
 
 def test_contacts_that_break_in_a_slip_wait_out_their_delay() -> None:
