@@ -473,6 +473,11 @@ WRONG: list[tuple[str, Any, str]] = [
     ),
     ("eq.contacts", 2.5, "eq.contacts = 2.5: expected a whole number"),
     (
+        "contacts.thermal",
+        {"law": "soft", "kelvin": 300.0},
+        "contacts.thermal.kelvin = 300.0: write temperature = { kelvin",
+    ),
+    (
         "contacts.thermal.temperature",
         {"kelvin": 300.0},
         "contacts.thermal.temperature.kelvin = 300.0: needs",

@@ -182,6 +182,8 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
     """The table with its `temperature` as k_BT/<k>, a length squared, where it is given as { kelvin = 300.0 }: for
     contacts whose stiffness in N/m is known by their interface `surface`. Raises InputError for others, and for a
     number that can only be meant in joules."""
+    if where == "contacts.thermal" and "kelvin" in table and table.get("law") != "eyring":
+        refuse(f"{where}.kelvin", table["kelvin"], "write temperature = { kelvin = ... }")
     given, where = table.get("temperature"), f"{where}.temperature"
     if isinstance(given, int | float) and surface is not None:  # whole numbers of TOML, too
         joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
