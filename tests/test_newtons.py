@@ -33,6 +33,12 @@ def test_newtons_and_pascals_of_a_result_and_of_its_interface() -> None:
     assert found.newtons(force, area=2.0)[-1] == pytest.approx(2.0 * mu * 1e6, rel=1e-6)
     numbers = numbers_of(found)
     assert numbers["last_force"].unit == "N"
+    kept = json.loads(Path("out", "summary.json").read_text())["numbers"]
+    assert kept["last_force"] == {
+        "value": found.newtons(force)[-1],
+        "error": found.newtons(found.master.force_error * found.mean_threshold),
+        "unit": "N",
+    }
     assert numbers["last_force_over_load"].value == pytest.approx(mu, rel=1e-6)
     # a spring of as many N/m as the scale says is one of N_c<k>
     assert found.newtons(1.0) == pytest.approx(found.scale.spring, rel=1e-15)
