@@ -42,24 +42,33 @@ def contradiction(result: Result) -> str:
     return ""
 
 
-def of_so_many(scene: Scene, regime: Any) -> str:
-    """What to add to the reason of a soft slider's regime: K* in N/m, that the nominal area holds too few contacts for
-    smooth sliding (docs/sliders.md: N K^3 below some 50), or that the spring may be meant in N/m."""
+def with_units(scene: Scene, regime: Any) -> str:
+    """The reason of a soft slider's regime, after the machine's spring and K* in N/m where the surface knows them."""
+    reason, surface = f"{regime.reason}{_of_so_many(scene, regime)}", scene.contacts.interface
+    if surface is None or surface.contact_density is None or scene.units != SI:
+        return reason
+    spring, critical = (
+        written(own * scene.scale.spring, scene.scale.spring_unit, digits=4)
+        for own in (scene.drive.spring or 0.0, regime.critical_spring)
+    )
+    return f"K = {spring}, K* = {critical}; {reason}"
+
+
+def _of_so_many(scene: Scene, regime: Any) -> str:
+    """What to add to the reason of a soft slider's regime: that the nominal area holds too few contacts for smooth
+    sliding (docs/sliders.md: N K^3 below some 50), or that the spring may be meant in N/m."""
     surface, spring = scene.contacts.interface, scene.drive.spring or 0.0
     critical, smooth = regime.critical_spring, regime.verdict == "smooth"
     if surface is None and smooth and spring > 10.0 * max(critical, 1.0):
         return "; spring is in units of N_c<k>; in N/m of a surface, or with [contacts.interface]"
-    if surface is None or surface.contact_density is None or scene.units != SI:
+    known = surface is not None and surface.contact_density is not None and scene.units == SI
+    if not known or scene.area is None:
         return ""
-    said = f"; K* = {written(critical * scene.scale.spring, scene.scale.spring_unit, digits=4)}"
-    if scene.area is None:
-        return said
     held = surface.contact_density * scene.area
-    if smooth and held * spring**3 < 50.0:
-        said += f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
-        if not scene.contacts.held_in_time:
-            said += _how_to_follow(scene, held)
-    return said
+    if not smooth or held * spring**3 >= 50.0:
+        return ""
+    said = f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
+    return said if scene.contacts.held_in_time else said + _how_to_follow(scene, held)
 
 
 def _how_to_follow(scene: Scene, held: float) -> str:

@@ -18,7 +18,7 @@ from toolkit.processes.ranks import cores_of
 from toolkit.processes.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.results.points import SMOOTH, SweepRecord
 from toolkit.results.records import SolvedRecord, record_of
-from toolkit.results.verdicts import of_so_many
+from toolkit.results.verdicts import with_units
 from toolkit.running.checkpoint import Checkpoint
 from toolkit.scene import laws
 from toolkit.scene.scene import Scene
@@ -116,8 +116,8 @@ def solve_master(
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
     found = record_of(solved)
     if found.regime is not None:
-        reason = f"{found.regime.reason}{of_so_many(scene, found.regime)}"
-        found = replace(found, regime=replace(found.regime, reason=reason))
+        told = replace(found.regime, reason=with_units(scene, found.regime))
+        found = replace(found, regime=told)
     # without a tolerance an error that is hardly visible in a picture will do
     as_asked = scene.tolerance_given or found.success or found.path.size != scene.path.size
     if as_asked or not found.force_error <= 1e-3:
