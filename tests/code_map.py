@@ -1,6 +1,6 @@
 """docs/code-map.md: for each equation of the paper the place in the code where it stands.
 
-    python tests/code_map.py            # writes the page anew
+    python tests/code_map.py            # writes the page anew, but for its section on wrong numbers
 
 A function or class says that an equation stands in it by the first lines of its docstring, up to
 the first empty one: "... (paper, Eq. Q5a)" or "... (paper, Eqs. GW3 and GW4; more)". Numbers are
@@ -123,7 +123,7 @@ HEAD = """# Code map: where things stand
 | where is | in |
 |---|---|
 {questions}
-Which tests hold a folder, and in it a delay, is said at the end of its `__init__.py`:
+{by hand}Which tests hold a folder, and in it a delay, is said at the end of its `__init__.py`:
 
 | folder | tests |
 |---|---|
@@ -213,7 +213,11 @@ def page() -> str:
         where = ", ".join(found[label]) if label in found else NOWHERE.get(label, "?")
         rows.append(f"| {number} | {label} | {where} |\n")
     head = HEAD.replace("{questions}", answers()).replace("{tests}", tests_of_folders())
-    return head + "".join(rows)
+    # the section on wrong numbers is written by hand, in the page
+    by_hand = re.search(
+        r"^## Where to look.*?(?=^Which tests hold)", PAGE.read_text("utf-8"), re.M | re.S
+    )
+    return head.replace("{by hand}", by_hand[0] if by_hand else "") + "".join(rows)
 
 
 if __name__ == "__main__":

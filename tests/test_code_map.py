@@ -7,7 +7,7 @@ from pathlib import Path
 from types import FrameType
 
 import numpy as np
-from code_map import LABELS, NOWHERE, PAGE, SEVERAL, page, places
+from code_map import LABELS, NOWHERE, PAGE, ROOT, SEVERAL, page, places
 
 import master
 import origins
@@ -36,6 +36,16 @@ def test_the_tests_that_the_page_names_are_there() -> None:
     there = {*texts, *re.findall(r"^def (test_\w+)", "\n".join(texts.values()), re.MULTILINE)}
     named = set(re.findall(r"test_\w+(?:\.py)?", page()))
     assert len(named) > 10 and named - there == set()
+
+
+def test_the_rows_on_wrong_numbers_name_files_that_are_there() -> None:
+    """Of master, those to open first; and plain twins."""
+    section = (
+        page().split("## Where to look when a number is wrong")[1].split("Which tests hold")[0]
+    )
+    files = re.findall(r"`([\w/]+\.py)`", section)
+    missing = [f for f in files if not any((ROOT / up / f).is_file() for up in ("", "master"))]
+    assert len(files) > 20 and missing == []
 
 
 def test_the_files_that_run_are_named() -> None:

@@ -23,11 +23,10 @@ WEAK = 0.1
 # Spring, in N_c <k>, on which hardly any contact holds on after a slip. On stiffer ones, under "reform-after", it
 # depends on where a slip begins which contacts break in it, and a bound on the force does not bound that.
 NONE_HOLDS_ON = 0.03
-# Fraction of the contacts that heat breaks before their stretch is near the threshold, in tolerances, which is allowed
-# for beside those that it breaks near there.
-EARLY = 1e-3
-# The same where heat is not left out, as a number.
-WHOLE_EARLY = 1e-6
+# Heat may break each contact anywhere near its threshold; farther from it, at most this fraction of the contacts, which
+# is `early` of largest_effect. It adds to the effect, and a smaller one makes "near" wider. Where the effect is to be
+# far below the tolerance, it is this part of that; where the effect itself is told, this small number.
+EARLY_OF_TOLERANCE, EARLY_OF_CONTACTS = 1e-3, 1e-6
 # Thresholds and distances to them at which rates are compared; the distances are a tenth apart.
 THRESHOLDS, DISTANCES = 4000, np.geomspace(1.0, 1e-12, 300)
 # Most contacts that are weaker than the first threshold, or stronger than the last.
@@ -69,10 +68,10 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
 
     repeats = repeats_of_effect(contacts, drive)
     idle = Idle(contacts.replace(thermal=None), 0.0, repeats)
-    idle = idle._replace(effect=largest_effect(contacts, duration, EARLY * tolerance))
+    idle = idle._replace(effect=largest_effect(contacts, duration, EARLY_OF_TOLERANCE * tolerance))
     if idle.error < IDLE * tolerance and missed_by_cells(USUAL_HALVINGS):
         return idle._replace(message="heat is left out: it changes the force by at most")
-    idle = idle._replace(effect=largest_effect(contacts, duration, WHOLE_EARLY))
+    idle = idle._replace(effect=largest_effect(contacts, duration, EARLY_OF_CONTACTS))
     # without heat such contacts are followed without steps
     stepless = not {"delay", "reforming"}.intersection(contacts.laws)
     if drive.slip == "reform-after":
@@ -86,7 +85,7 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
 def without_weak_heat(contacts: Contacts, drive: Drive, duration: float) -> Idle:
     """The contacts without heat, where it changes the force by less than WEAK, for a slider that is followed at T = 0
     only; else as they are, with its effect."""
-    effect = largest_effect(contacts, duration, WHOLE_EARLY)
+    effect = largest_effect(contacts, duration, EARLY_OF_CONTACTS)
     idle = Idle(contacts, effect, repeats_of_effect(contacts, drive))
     if not idle.error < WEAK:
         return idle
@@ -98,7 +97,7 @@ def unresolved_heat(contacts: Contacts, memory: Memory, drive: Drive, duration: 
     """The error of the force (mean thresholds) due to heat that the memory's cells do not resolve, 0 where they do."""
     if memory.resolves_heat:
         return 0.0
-    effect = largest_effect(contacts, duration, WHOLE_EARLY)
+    effect = largest_effect(contacts, duration, EARLY_OF_CONTACTS)
     return WRONG_EFFECT * effect * repeats_of_effect(contacts, drive)
 
 

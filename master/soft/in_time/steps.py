@@ -177,7 +177,11 @@ class Steps:
         return self.sign * trial.travel / self.length
 
     def longest(self) -> float:
-        """Twice the size of a step to the section's end if the slider moves as far as the drive; inf in a hold."""
+        """The largest size that is of use for the next step; inf in a hold.
+
+        No step takes time beyond the section's end: what a size has left there would be travel without balance. A step
+        to the end on which the slider moves as far as the drive has half of this; the factor of 2 leaves room for one
+        on which it moves farther, as before a slip."""
         now, end = self.contacts.now, self.section_end
         travel = float(np.abs(np.diff(self._drive.at(np.array([now, end])))[0]))
         time_steps = self._count.steps(end) - self._count.steps(now)
