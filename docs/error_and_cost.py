@@ -1,8 +1,8 @@
-"""The tables of docs/error-and-cost.md, and README's: python docs/error_and_cost.py [--errors] [SCENE ...]
+"""The tables of docs/error-and-cost.md, and README's: python docs/error_and_cost.py [--errors | --costs] [SCENE ...]
 
 Runs `mesofriction precision` and `mesofriction cost` of all shipped scenes, or of those that are named, whose
-rows alone are then made anew. All take some ten minutes on two cores; start-up times ask for an idle machine, and with
-`--errors` only the first table, of CPU times, is made.
+rows alone are then made anew; with `--errors` or `--costs` of one table alone. All take some ten minutes on two cores.
+All times are CPU times, which hang little on what else the machine does.
 """
 
 import json
@@ -22,7 +22,7 @@ PAGE = Path(__file__).with_name("error-and-cost.md")
 README = Path(__file__).parents[1] / "README.md"
 COMMAND = [sys.executable, "-P", "-m", "toolkit.command"]
 ERRORS = "| scene | true error, run time: master at 1e-3 | finest | ensemble, largest | cheapest |"
-COSTS = "| scene | start-up | run | memory | builds | imports, of files | leaves out |"
+COSTS = "| scene | start-up | run | memory | builds | imports, % of files | leaves out |"
 
 
 def precision_of(scene: str) -> dict[str, Any] | str:
@@ -68,9 +68,11 @@ def cost_row(scene: str) -> str:
     """A line of the second table."""
     found = cost(scene)
     start, _, run = found["stages"]
-    files = ", ".join(f"{room} {some}/{every}" for room, (some, every) in found["rooms"].items())
+    shares = {room: 100.0 * some / every for room, (some, every) in found["rooms"].items()}
+    files = ", ".join(f"{room} {share:.0f}" for room, share in shares.items())
     left = ", ".join([*found["no_solvers"], *found["no_laws"], *found["no_packages"]])
-    cells = [f"{start['seconds']:.2f} s", f"{run['seconds']:.2g} s", f"{run['memory']:.0f} MB"]
+    times = [f"{start['cpu_seconds']:.2f} s", f"{run['cpu_seconds']:.2g} s"]
+    cells = [*times, f"{run['memory']:.0f} MB"]
     return f"| {scene} | {' | '.join([*cells, ', '.join(found['builds']), files, left])} |"
 
 
@@ -90,14 +92,14 @@ def with_rows(text: str, name: str, head: str, rows: list[str]) -> str:
 
 def main(names: list[str]) -> None:
     """Write the rows of these scenes, or of all, into the page, and the page's rows of README's scenes into README."""
-    errors_alone = "--errors" in names
-    scenes = [name for name in names if name != "--errors"] or shipped_scenes()
+    scenes = [name for name in names if not name.startswith("--")] or shipped_scenes()
     with ThreadPoolExecutor(2) as pool:
-        pairs = zip(scenes, pool.map(precision_of, scenes), strict=True)
+        measured = [] if "--costs" in names else scenes
+        pairs = zip(measured, pool.map(precision_of, measured), strict=True)
         errors = {scene: error_row(scene, found) for scene, found in pairs}
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = used.ru_utime + used.ru_stime
-    costs = {} if errors_alone else {scene: cost_row(scene) for scene in scenes}
+    costs = {} if "--errors" in names else {scene: cost_row(scene) for scene in scenes}
     page = PAGE.read_text(encoding="utf-8")
     for name, head, made in (("errors", ERRORS, errors), ("costs", COSTS, costs)):
         made = rows_of(page, name) | made
@@ -106,7 +108,7 @@ def main(names: list[str]) -> None:
     readme, made = README.read_text(encoding="utf-8"), rows_of(page, "errors")
     shown = [made[scene] for scene in rows_of(readme, "errors")]
     README.write_text(with_rows(readme, "errors", ERRORS, shown), encoding="utf-8")
-    print(f"precision of {len(scenes)} scenes: {seconds:.0f} CPU-seconds", file=sys.stderr)
+    print(f"precision of {len(errors)} scenes: {seconds:.0f} CPU-seconds", file=sys.stderr)
 
 
 if __name__ == "__main__":

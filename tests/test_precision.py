@@ -205,13 +205,41 @@ def test_precision_of_a_sweep_is_that_of_a_path_at_its_speed(capsys: Any, monkey
     assert found["points"][0]["error"] == pytest.approx(np.abs(rough - fine).max(), rel=1e-9)
 
 
-def test_tables_of_errors_and_costs_are_what_their_script_makes() -> None:
-    """Each shipped scene has its rows, README's are some of them, and heads and rows have as many cells as the script
-    writes."""
+def made() -> tuple[Any, str]:
+    """The script that makes the tables of docs/error-and-cost.md, and the page."""
     spec: Any = importlib.util.spec_from_file_location("made", DOCS / "error_and_cost.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    page = (DOCS / "error-and-cost.md").read_text(encoding="utf-8")
+    return script, (DOCS / "error-and-cost.md").read_text(encoding="utf-8")
+
+
+SOME = ["stick-slip", "ageing-springs", "eyring", "tribometer", "thermal-soft", "samples"]
+
+
+@pytest.mark.parametrize(
+    "scene", ["gaussian", *(pytest.param(scene, marks=pytest.mark.slow) for scene in SOME)]
+)
+def test_the_table_of_costs_is_up_to_date(scene: str) -> None:
+    """What a scene builds and leaves out is what the page says, and the shares of files within ten percent; else
+    `python docs/error_and_cost.py --costs` makes it anew."""
+    script, page = made()
+    says, now = (
+        row.strip("| ").split(" | ")
+        for row in (script.rows_of(page, "costs")[scene], script.cost_row(scene))
+    )
+    assert says[4] == now[4]
+    here, there = ([float(share.split()[1]) for share in row[5].split(", ")] for row in (says, now))
+    assert len(here) == 4 and here == pytest.approx(there, abs=10.0)
+    assert [share > 0.0 for share in here] == [share > 0.0 for share in there]
+    missing = set(says[6].split(", ")) - set(now[6].split(", "))
+    assert set(now[6].split(", ")) <= set(says[6].split(", "))
+    assert not [name for name in missing if importlib.util.find_spec(name)]  # an extra left out
+
+
+def test_tables_of_errors_and_costs_are_what_their_script_makes() -> None:
+    """Each shipped scene has its rows, README's are some of them, and heads and rows have as many cells as the script
+    writes."""
+    script, page = made()
     readme = (DOCS.parent / "README.md").read_text(encoding="utf-8")
     errors, costs = (script.rows_of(page, name) for name in ("errors", "costs"))
     assert list(errors) == list(costs) == shipped_scenes()
@@ -227,9 +255,9 @@ def test_tables_of_errors_and_costs_are_what_their_script_makes() -> None:
     few = script.rows_of(readme, "errors")
     assert len(few) > 4 and few.items() <= errors.items()
     point = {"method": "master", "setting": 1e-3, "error": 2e-8, "run_time": 0.02}
-    made = {"points": [point, point | {"setting": 1e-9, "error": None}], "reference_error": 3e-12}
+    found = {"points": [point, point | {"setting": 1e-9, "error": None}], "reference_error": 3e-12}
     row = "| mine | 2e-08, 0.02 s | < 3e-12, 0.02 s |  | master at every error |"
-    assert script.error_row("mine", made | {"notes": []}) == row
+    assert script.error_row("mine", found | {"notes": []}) == row
     assert script.error_row("mine", "mesofriction: no").count(" | ") == row.count(" | ")
 
 
@@ -258,6 +286,7 @@ def test_cost_tells_what_a_scene_imports_and_leaves_out(capsys: Any) -> None:
     packages = {name for stage in found["stages"] for name in stage["packages"]}
     assert found["rooms"]["eq_model"][0] == 0 < found["rooms"]["master"][0]
     assert "numpy" in packages and not {"numba", "matplotlib", "h5py", "mpi4py"} & packages
+    assert all(stage["cpu_seconds"] >= 0.0 for stage in found["stages"])
     assert found["no_solvers"] == ["[eq]"] and set(found["runs"]) == {"master"}
     assert {"numba", "matplotlib"} <= set(found["no_packages"])
     assert "delay" not in found["no_laws"] and {"thermal", "ageing"} <= set(found["no_laws"])

@@ -2,6 +2,7 @@
 scene left out. `python -m toolkit.running.cost SCENE CHANGES` is that process; it prints a Cost as JSON."""
 
 import json
+import os
 import re
 import resource
 import subprocess
@@ -23,9 +24,10 @@ Cost = dict[str, Any]
 def cost(scene: str, changes: Mapping[str, Any] | None = None) -> Cost:
     """Run the scene once in a process of its own, writing nothing.
 
-    Returns `title`; `stages`, each with its `name`, `seconds`, peak `memory` in MB at its end, and the third-party
-    `packages` that it imported; `rooms`, of each the numbers of its files that were imported and of all; what it
-    `builds` and `runs`, the latter by its run time in s; and, left out, `no_laws`, `no_solvers`, `no_packages`.
+    Returns `title`; `stages`, each with its `name`, `seconds` on the clock, `cpu_seconds` with those of its worker
+    processes, peak `memory` in MB at its end, and the third-party `packages` that it imported; `rooms`, of each the
+    numbers of its files that were imported and of all; what it `builds` and `runs`, the latter by its run time in s;
+    and, left out, `no_laws`, `no_solvers`, `no_packages`.
     Raises InputError as a run does.
     """
     from origins.errors import InputError
@@ -62,16 +64,17 @@ def _measured(scene: str, changes: Mapping[str, Any]) -> Cost:
     known = {match[0].lower() for line in wanted if (match := re.match(r"[\w.-]+", line))}
     # modules of the distributions that are asked for; such as mpich have none
     wanted_by = {name: of[0] for name, of in homes.items() if of[0].lower() in known}
-    began = time.perf_counter()
+    began, used = time.perf_counter(), sum(os.times()[:4])
 
     def done(name: str) -> None:
-        nonlocal began
+        nonlocal began, used
         stage: dict[str, Any] = {"name": name, "seconds": time.perf_counter() - began}
+        stage["cpu_seconds"] = sum(os.times()[:4]) - used
         stage["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / _IN_MB
         there = {of for name, of in wanted_by.items() if name in sys.modules}
         stages.append(stage | {"packages": sorted(there - seen)})
         seen.update(there)
-        began = time.perf_counter()
+        began, used = time.perf_counter(), sum(os.times()[:4])
 
     import_module("toolkit.commands")  # as `mesofriction run` does
     from toolkit.running.runner import solve
