@@ -81,7 +81,8 @@ def test_si_units_of_a_surface_and_the_ensemble() -> None:
     )
     asked = {"contacts": {"thresholds": ROUGH}, "drive": drive | {"spring": "1 N/m"}}
     springs = sweep | {"critical_spring": True}
-    own: Any = toolkit.run(asked | {"sweep": springs}, folder="out").sweep
+    result = toolkit.run(asked | {"sweep": springs}, folder="out")
+    own: Any = result.sweep
     with Path("out/sweep.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     for head, name in (
@@ -90,6 +91,8 @@ def test_si_units_of_a_surface_and_the_ensemble() -> None:
     ):
         assert [float(row[head]) for row in rows] == pytest.approx(list(own[name]), rel=1e-14)
         assert not any(name in head for head in rows[0])
+        html = result._repr_html_()
+        assert f"<th>{head}</th>" in html and f"<td>{own[name][-1]:.4g}</td>" in html
     assert found.units["kinetic_force_newtons"] == "N" and (found["eq_last_force"] > 0.0).all()
 
 

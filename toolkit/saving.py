@@ -11,7 +11,6 @@ from toolkit.results.files import (
     another,
     earlier,
     summary,
-    units_of,
     write_json,
     write_result,
 )
@@ -70,12 +69,8 @@ def save(result: Result, folder: str | os.PathLike[str], formats: Sequence[str] 
         from toolkit.pictures.thresholds import save_barriers
 
         writers |= pictures("barriers", partial(save_barriers, islands), formats)
-    if (sweep := result.sweep) is not None:
-        units = units_of(result, short=True) | {"force_error": "<x_s>"}
-        units = units if sweep.smooth else sweep.units
-        writers["sweep.csv"] = partial(
-            write_sweep, sweep, units, result.scale, result.mean_threshold
-        )
+    if result.sweep is not None:
+        writers["sweep.csv"] = partial(write_sweep, result)
     gone = [*earlier(folder).get("tables", []), *stale(["picture", "barriers"], writers)]
     if another(folder, result.name, result.text) is not None:
         gone += ["thresholds.json", "thresholds.png", "barriers.png"]

@@ -14,7 +14,7 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
-from toolkit.results.kinds import QUANTITIES, is_coupled, is_heavy
+from toolkit.results.kinds import is_coupled, is_heavy, units_of
 from toolkit.results.numbers import numbers_of
 from toolkit.results.points import fill_sweep, read_sweep
 from toolkit.results.records import (
@@ -160,18 +160,6 @@ def write_json(content: dict[str, Any], path: Path) -> None:
 
     text = json.dumps(speakable(content), indent=2, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")
-
-
-def units_of(result: Result, short: bool = False) -> dict[str, str]:
-    """Units of arrays by name, forces being F/(N_c<k>); a scene's own unit of length is written in full unless
-    `short`."""
-    unit = "length" if short and not result.thresholds.in_metres else result.thresholds.unit
-    clock = "s" if result.thresholds.in_metres else "time"
-    square = f"({unit})^2"
-    own = {"length": unit, "force": unit, "time": clock, "speed": f"{unit} / {clock}"}
-    own |= {"inverse length": f"1 / {unit}", "energy": square, "temperature": square, "kelvin": "K"}
-    own |= {"rate": f"{square} / {clock}"}
-    return {name: own[quantity] for name, quantity in QUANTITIES.items() if quantity in own}
 
 
 def write_result(result: Result, path: Path) -> None:

@@ -1,11 +1,17 @@
 """A result as a table in a notebook."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from html import escape
+from math import isnan
 from typing import Any
 
+from origins.thresholds.law import Array
 from toolkit.results.numbers import numbers_of
+from toolkit.results.points import by_head
 from toolkit.scene.scale import with_uncertainty
+
+# Points of a sweep that are shown: sweep.csv has all.
+_MOST_POINTS = 20
 
 _NAMED = {
     "last_force": "force at the end",
@@ -24,7 +30,8 @@ _NAMED = {
 
 
 def as_html(result: Any) -> str:
-    """Title, the most important numbers with their errors in the units of its scale, and notes, of a Result."""
+    """Title, the most important numbers with their errors in the units of its scale, and notes, of a Result; and the
+    points of a sweep."""
     rows = []
     if result.master is not None and result.master.regime is not None:
         rows.append(("verdict", result.master.regime.verdict))
@@ -35,7 +42,28 @@ def as_html(result: Any) -> str:
         if (answer := getattr(result, name)) is not None:
             told = "as asked" if answer.success else f"not as asked: {answer.message}"
             rows.append((name, f"{told}, run time {answer.run_time:.2g} s"))
-    return as_table(result.title or result.name, rows, result.notes)
+    said = as_table(result.title or result.name, rows, result.notes)
+    return said if result.sweep is None else said + _points(by_head(result))
+
+
+def _points(columns: Mapping[str, Array]) -> str:
+    """A table of the first points of a sweep."""
+    heads = "".join(f"<th>{escape(name)}</th>" for name in columns)
+    rows = list(zip(*(own.tolist() for own in columns.values()), strict=True))
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(_shown(value))}</td>" for value in row) + "</tr>"
+        for row in rows[:_MOST_POINTS]
+    )
+    more = len(rows) - _MOST_POINTS
+    below = f"<p>and {more} points more, in sweep.csv</p>" if more > 0 else ""
+    return f"<table><tr>{heads}</tr>{body}</table>{below}"
+
+
+def _shown(value: Any) -> str:
+    """A number to four digits, text as it is, and nothing where a point has no such number."""
+    if not isinstance(value, float):
+        return str(value)
+    return "" if isnan(value) else f"{value:.4g}"
 
 
 def as_table(caption: str, rows: Iterable[tuple[str, str]], notes: Iterable[str] = ()) -> str:

@@ -33,3 +33,15 @@ def is_coupled(eq: object) -> bool:
 def is_heavy(eq: object) -> bool:
     """Whether an ensemble's answer is that of contacts on a slider with mass, whose slips take time."""
     return hasattr(eq, "energy")
+
+
+def units_of(result: Any, short: bool = False) -> dict[str, str]:
+    """Units of arrays by name, forces being F/(N_c<k>); a scene's own unit of length is written in full unless
+    `short`."""
+    unit = "length" if short and not result.thresholds.in_metres else result.thresholds.unit
+    clock = "s" if result.thresholds.in_metres else "time"
+    square = f"({unit})^2"
+    own = {"length": unit, "force": unit, "time": clock, "speed": f"{unit} / {clock}"}
+    own |= {"inverse length": f"1 / {unit}", "energy": square, "temperature": square, "kelvin": "K"}
+    own |= {"rate": f"{square} / {clock}"}
+    return {name: own[quantity] for name, quantity in QUANTITIES.items() if quantity in own}

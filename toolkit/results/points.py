@@ -10,6 +10,7 @@ import numpy as np
 
 from origins.brief import brief
 from origins.thresholds.law import Array
+from toolkit.results.kinds import units_of
 from toolkit.scene.scale import Scale
 from toolkit.scene.tables import FIXED_UNITS, LENGTHS
 
@@ -92,17 +93,21 @@ def force_factors(record: SweepRecord, scale: Scale) -> Array:
     return out
 
 
-def write_sweep(
-    record: SweepRecord, units: Mapping[str, str], scale: Scale, mean_threshold: float, path: Path
-) -> None:
-    """A line for each point, a column for each of the record's, its unit in brackets, with all digits; forces and
-    springs in the unit of the scale."""
+def by_head(result: Any) -> dict[str, Array]:
+    """The columns of a Result's sweep, shape (points,), by name and unit in brackets; forces and springs in the unit of
+    its scale."""
+    record, scale = result.sweep, result.scale
+    units = record.units
+    if record.smooth:
+        units = units_of(result, short=True) | {"force_error": "<x_s>"}
     keys = [key for key in record.along if record[key].dtype.kind != "U"]
     units = key_units(keys, scale) | {name: unit for name, unit in units.items() if unit}
     columns = {name: own.ravel() for name, own in record.columns.items()}
     if scale.force_unit in ("N", "Pa"):
         factors = force_factors(record, scale)
-        errors = mean_threshold if record.smooth else 1.0  # of smooth sliding they are in <x_s>
+        errors = (
+            result.mean_threshold if record.smooth else 1.0
+        )  # of smooth sliding they are in <x_s>
         for name, own in columns.items():
             if name in ("critical_spring", "critical_spring_error"):
                 columns[name], units[name] = factors * own, scale.spring_unit
@@ -112,10 +117,17 @@ def write_sweep(
         for twin in ("kinetic_force_newtons", "kinetic_stress", "critical_spring_newtons"):
             if units.get(twin) in (scale.force_unit, scale.spring_unit):
                 del columns[twin]
-    heads = [f"{name} [{units[name]}]" if units.get(name) else name for name in columns]
+    return {
+        f"{name} [{units[name]}]" if units.get(name) else name: own for name, own in columns.items()
+    }
+
+
+def write_sweep(result: Any, path: Path) -> None:
+    """A line for each point of a Result's sweep, a column for each of `by_head`, with all digits."""
+    columns = by_head(result)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(heads)
+        writer.writerow(columns)
         writer.writerows(zip(*(own.tolist() for own in columns.values()), strict=True))
 
 

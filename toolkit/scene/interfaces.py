@@ -102,7 +102,7 @@ def remarks(law: Thresholds) -> list[str]:
                 f"{gaps:.1%} of the scan's points are missing: a slope counts where the point and its next neighbours "
                 "on both axes are there; filling gaps gives other slopes, several times as large where gaps are many"
             )
-    return said
+    return sorted(said, key=lambda one: "?" not in one)  # whether the input is meant comes first
 
 
 def doubts(contacts: Contacts) -> list[str]:
