@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 from origins import Thermal, Thresholds
 
 CELLS = 200  # of thresholds
+NEAR = 4.0  # travel in a step, in that of the drive, beyond which a slip has begun
 
 
 class Pulled(NamedTuple):
@@ -26,8 +27,9 @@ class Pulled(NamedTuple):
 
 
 def pulled(of: Pulled, times: list[float], places: list[float], steps: int) -> np.ndarray:
-    """F/(N_c<k>) after each step of a drive that begins at balance and goes straight from place to place, where nothing
-    slips; second order. All times are ends of steps. Each cohort is born relaxed in the middle of its step."""
+    """F/(N_c<k>) after each step of a drive that begins at balance and goes straight from place to place; second order
+    where nothing slips. Where no X near the last one is a balance all contacts are replaced, as under "reset", at the
+    end of the step. All times are ends of steps. Each cohort is born relaxed in the middle of its step."""
     law, step = of.law, times[-1] / steps
     wait = round(of.delay / step)
     edges = np.linspace(0.0, law.isf(1e-12), CELLS + 1)
@@ -65,14 +67,21 @@ def pulled(of: Pulled, times: list[float], places: list[float], steps: int) -> n
 
     balance = of.start / of.spring
     drive = balance + np.interp(step * np.arange(1, steps + 1), times, places)
-    # near the drive's speed, as nothing slips
-    furthest = 2.0 * float(np.abs(np.diff(places) / np.diff(times)).max()) * step
+    # farther than the slider goes in a step, unless it slips
+    furthest = NEAR * float(np.abs(np.diff(places) / np.diff(times)).max()) * step
     for n, load in enumerate(of.spring * drive, 1):
 
         def imbalance(x: float, load: float = load) -> float:
             born_x, _, _, shares, _, survival = after_step(x)
             return load - of.spring * x - shares @ (survival * (x - born_x))
 
+        if imbalance(position + furthest) > 0.0:
+            now, position, out = n * step, float(drive[n - 1]), 0.0
+            birthplace, born_at, least = np.array([position]), np.array([now]), np.zeros(1)
+            share, integral = np.ones(1), np.zeros((1, CELLS))
+            forces.append(0.0)
+            breaks.append(0.0)
+            continue
         x = float(brentq(imbalance, position - furthest, position + furthest, xtol=1e-13))
         birthplace, born_at, least, share, integral, survival = after_step(x)
         breaks.append(1.0 - share @ survival - out + share[-1])
