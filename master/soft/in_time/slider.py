@@ -12,9 +12,10 @@ from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Steps
 from origins.drive import Drive
 
-# A slip after which F is at most this part of what it was is a large one: the drive then loads the spring anew, so that
-# the time up to the next one tells of those to come.
-LARGE = 0.9
+# A slip in which F falls by this part of the largest force at a slip so far is a large one: the drive then loads the
+# spring anew, so that the time up to the next one tells of those to come. Few contacts that come back after a delay
+# slip soon and by little.
+LARGE = 0.1
 # Least size of a step before the end of a section, in steps: rounding of times would make it 0.
 SHORTEST = 1e-6
 
@@ -129,7 +130,8 @@ class Slider:
     def _foresee_steps(self, end: float) -> None:
         """StoppedError where as many steps for each slip as the last one took would be too many up to this time."""
         contacts, two = self.contacts, self.slips[-2:]
-        large = [slip for slip in two if slip.force_after < LARGE * slip.force_before]
+        least = LARGE * max((slip.force_before for slip in self.slips), default=0.0)
+        large = [slip for slip in two if slip.force_before - slip.force_after > least]
         if len(large) < 2 or two[-1].time < contacts.now:
             return
         began = two[0].time
