@@ -9,6 +9,7 @@ from solving import oscillator
 import eq_model
 import master
 import origins
+from master.soft.inertia.foretold import refuse_long_ringing
 from origins import InputError
 
 WIDE = origins.Contacts(origins.gaussian(1.0, 0.2))
@@ -60,6 +61,21 @@ def test_on_a_soft_spring_the_drop_is_twice_that_to_kinetic_friction() -> None:
     assert found.slips.drop[0] / (2.0 * (static - kinetic)) == pytest.approx(1.0, abs=0.02)
     half = np.pi * (mass / spring) ** 0.5
     assert found.slips.duration[0] / half == pytest.approx(1.0, abs=0.02)
+
+
+def test_on_a_soft_spring_light_damping_takes_little_of_the_drop_in_both_solvers() -> None:
+    """With γ = 1e-2 (K M)^(1/2), ζ = 0.005, the drop is (F_s - F_k) (1 + e^(-πζ)): by 0.8 % below 2 (F_s - F_k)."""
+    spring, mass = 1e-3, 1e-2
+    machine = {"spring": spring, "mass": mass, "damping": 1e-2 * (spring * mass) ** 0.5}
+    kinetic, closed = master.steady_state(WIDE).force, 0.5 * (1.0 + np.exp(-0.005 * np.pi))
+    for slips in (
+        master.solve(WIDE, [712.0], 1e-4, **machine).slips,
+        eq_model.simulate(WIDE, [720.0], n_contacts=4000, n_replicas=4, seed=1, **machine).slips,
+    ):
+        falls = slips.drop / (2.0 * (slips.force_before - kinetic))
+        np.testing.assert_allclose(falls, closed, atol=2e-3)
+        half = np.pi * (mass / spring) ** 0.5
+        np.testing.assert_allclose(slips.duration / half, 1.0, atol=0.01)
 
 
 @pytest.mark.parametrize("contacts", [WIDE, STRETCHED], ids=["wide", "stretched"])
@@ -176,3 +192,15 @@ def test_endless_ringing_says_so() -> None:
     )
     assert not found.success and ("rings" in found.message or "wall_time" in found.message)
     assert found.path.size < 17 and np.isfinite(found.force).all()
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-19])
+def test_a_billion_oscillations_after_a_slip_are_refused_before_the_work(damping: float) -> None:
+    """Of 2π (M/(1 + K))^(1/2) each; a path that ends before the slip, and one whose ringing fades, are followed."""
+    light = {"spring": 1e-3, "mass": 1e-16, "damping": damping}
+    told = r"^mass = 1e-16: after a slip the slider rings 8\.9e\+09 times, .*give a damping \(.*2e-10\)"
+    with pytest.raises(InputError, match=told):
+        master.solve(WIDE, [500.0, 1600.0], 1e-3, **light)
+    assert master.solve(WIDE, [500.0], 1e-3, **light).success
+    fades = origins.Drive([500.0, 1600.0], **(light | {"damping": 2e-10}))
+    refuse_long_ringing(WIDE, fades)

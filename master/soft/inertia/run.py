@@ -9,6 +9,7 @@ from master.outcome import StoppedError
 from master.soft.in_time.refining import AT_BALANCE
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.slider import DelayedSlider
+from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
 from master.soft.moves import ColdContacts
@@ -21,8 +22,6 @@ from origins.thresholds.law import Array
 
 # Part of a run's tolerance that each panel of F may take; and the least, a share of the contacts: round-off.
 OF_PANELS, LEAST_OF_PANELS = 0.01, 1e-13
-# A damping that lets no slider ring for long, in critical ones: so much the message of one that rings tells.
-ENOUGH_DAMPING = 0.01
 
 
 @dataclass(frozen=True)
@@ -86,11 +85,7 @@ class Run:
         except StoppedError as why:
             self.stopped = str(why)
             if self.stopped == RINGS:
-                critical = 2.0 * (float(drive.mass or 0.0) * (1.0 + spring)) ** 0.5
-                hundredth = ENOUGH_DAMPING * critical
-                self.stopped += (
-                    f" (a hundredth of the critical one of a slider that sticks is {hundredth:.3g})"
-                )
+                self.stopped += f" ({enough_damping(drive)})"
         self.nodes = slider.nodes
         solved = np.isfinite(self.record.place)
         count = solved.size if solved.all() else int(np.argmin(solved))
