@@ -14,12 +14,12 @@ from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Collocation, Machine, Missed, Solved, State
 from master.soft.inertia.delayed.drive_path import DrivePath
 from master.soft.inertia.delayed.fast_sliding import FastSliding
+from master.soft.inertia.delayed.foretold import slip_time
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, PLACES, TimePanel
 from master.soft.inertia.delayed.panel_births import PanelBirths
 from master.soft.inertia.delayed.panels import Part
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.survival import Survival
-from master.soft.inertia.foretold import slip_time
 
 WIDE, ELASTIC = origins.gaussian(1.0, 0.2), origins.gw_elastic(1.0)
 

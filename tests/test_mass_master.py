@@ -9,7 +9,7 @@ from solving import oscillator
 import eq_model
 import master
 import origins
-from master.soft.inertia.foretold import refuse_long_ringing
+from master.soft.inertia.delayed.foretold import refuse_long_ringing
 from origins import InputError
 
 WIDE = origins.Contacts(origins.gaussian(1.0, 0.2))

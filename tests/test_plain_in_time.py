@@ -356,7 +356,7 @@ def test_after_a_reset_sections_end_where_births_bend_and_the_next_stick_repeats
     contacts = Contacts(WIDE, thermal=HEAT, delay=Delay(delay))
     cohorts = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
     motion = Motion(np.array([0.0, end]), np.array([0.0, end]))
-    slider = Slider(cohorts, Drive(np.array([end]), spring=spring, slip="reset"), motion, 1e-3)
+    slider = Slider(cohorts, Drive(np.array([end]), spring=spring, slip="reset"), motion, 2, 1e-3)
     slider.run()
     first, second = slider.slips
     assert (second.time, second.load) == pytest.approx((2.0 * first.time, 2.0 * first.load))

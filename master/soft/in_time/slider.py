@@ -6,7 +6,7 @@ import numpy as np
 
 from master.motion import Motion
 from master.outcome import StoppedError
-from master.soft.in_time.contacts import ContactsInSteps
+from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Steps
@@ -44,15 +44,22 @@ class Slider:
 
     motion : of the drive; None where it does not move
     sections : nodes of each smooth section
+    needed : halvings without which the tolerance is not met
     least_drop : change of F (a length) below which a slip is not listed, but counted as an error of F: after a slip the
         few contacts that come back first hold a soft spring for a moment and slip, as often as steps happen to fall
     slips : in order
     """
 
     def __init__(
-        self, contacts: ContactsInSteps, drive: Drive, motion: Motion | None, least_drop: float
+        self,
+        contacts: ContactsInSteps,
+        drive: Drive,
+        motion: Motion | None,
+        needed: int,
+        least_drop: float,
     ) -> None:
         self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
+        self._finer = max(needed - contacts.halvings, 0)
         self._rule, self._spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
         self.sections = list[list[Node]]()
@@ -136,11 +143,11 @@ class Slider:
             return
         began = two[0].time
         count = sum(len(section) - 1 for section in self.sections if section[0].time >= began)
-        period, left = contacts.now - began, contacts.most_steps - contacts.steps
-        last = contacts.now + period * left / count
+        most = MOST_STEPS * 0.5**self._finer
+        last = contacts.now + (contacts.now - began) * (most - contacts.steps) / count
         if last < end:
-            told = f"a slip takes {count} steps, and the {contacts.most_steps:.0f}"
-            raise StoppedError(f"{told} that are taken on lead to a time of some {last:.3g} only")
+            told = f"a slip takes {count} steps, and the {most:.0f} that are taken on at this tolerance"
+            raise StoppedError(f"{told} lead to a time of some {last:.3g} only")
 
     def _drive(self) -> float:
         """Where the drive is now (a length)."""

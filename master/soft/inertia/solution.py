@@ -12,7 +12,7 @@ from master.outcome import Progress
 from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
-from master.soft.inertia.foretold import refuse_long_ringing, refuse_short_delay
+from master.soft.inertia.delayed.foretold import refuse_long_ringing, refuse_short_delay
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
 from master.soft.inertia.run import OF_PANELS, Run

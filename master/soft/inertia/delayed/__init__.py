@@ -22,8 +22,8 @@ slider with tighter tolerances, too, and compares (`master/soft/inertia/solution
 
 In reading order: `slider.py`, `body.py` and `drive_path.py`, `panels.py`, `panel_search.py` and `width_control.py`,
 `collocation.py` and `panel.py`, `cohorts.py` and `survival.py`, `past_breaks.py` and `panel_births.py`,
-`fast_sliding.py`, `swinging.py`. How the number of contacts is conserved says `past_breaks.py`. Where too many panels
-are foreseen before the work, `master/soft/inertia/foretold.py` refuses the path.
+`fast_sliding.py`, `swinging.py`; and `foretold.py`, which refuses what would take too many panels, or oscillations
+without a delay, before the work. How the number of contacts is conserved says `past_breaks.py`.
 
 Tests: tests/test_mass_delay_master.py, parts by themselves first, test_births_are_the_breaks_one_delay_before among
 them; and test_mass_agreement.py beside the ensemble.

@@ -10,11 +10,11 @@ from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.body import DelayedBody
 from master.soft.inertia.delayed.drive_path import DrivePath
+from master.soft.inertia.delayed.foretold import slip_time
 from master.soft.inertia.delayed.panel import NODES
 from master.soft.inertia.delayed.panel_search import MOST_PANELS
 from master.soft.inertia.delayed.panels import OnPanels
 from master.soft.inertia.delayed.swinging import SwingEnd, Swinging
-from master.soft.inertia.foretold import slip_time
 from master.soft.inertia.record import Record
 from origins import Contacts
 from origins.drive import Drive
