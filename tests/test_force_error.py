@@ -30,8 +30,12 @@ import origins
 from toolkit.command import main
 from toolkit.judge.closed_form import closed_form
 from toolkit.stability.case import SIGMAS, Answer, Question, Row, Truth
+from toolkit.stability.cohorts import by_cohorts
 from toolkit.stability.coverage import coverage, told
+from toolkit.stability.drawn import KINDS, drawn
+from toolkit.stability.renewal import by_renewal
 from toolkit.stability.table import answered
+from toolkit.stability.truths import gaussian
 
 CASES, ALL = int(os.environ.get("FORCE_ERROR_CASES", "13")), 1000
 FIRST = int(os.environ.get("FORCE_ERROR_FIRST", "0"))
@@ -136,6 +140,33 @@ def test_far_corners_keep_it_where_they_are_answered() -> None:
     assert not found.overruns, told(rows)
 
 
+def test_cohorts_agree_with_closed_forms_and_the_renewal_equation() -> None:
+    """Within the error that they claim: from a start with a width, with a delay, and with heat."""
+    path = np.linspace(0.0, 3.0, 17)
+    spread = origins.Contacts(origins.gaussian(1.0, 0.1), origins.gaussian_start(0.05, 0.05))
+    wait = origins.Contacts(origins.lubricated(1.0), 0.1, delay=origins.Delay(30.0 * 3.0 / 256.0))
+    warm = origins.Contacts(origins.gaussian(1.0, 0.1), thermal=origins.Thermal("stiff", 0.05, 2.0))
+    for contacts in (spread, wait, warm):
+        exact = (gaussian if contacts is spread else by_renewal)(contacts, path)
+        found = by_cohorts(contacts, path, 1.0 * path)
+        assert np.abs(found.values - exact.values).max() < found.error + exact.error < 2e-3
+    with pytest.raises(origins.InputError):
+        by_cohorts(origins.Contacts(origins.gaussian(1.0, 0.1), stiffness="linked"), path)
+
+
+def test_a_fault_of_both_answers_of_the_master_equation_is_seen(monkeypatch: Any) -> None:
+    """A delay that is too long at every tolerance: the cohorts contradict the finer answer, and are the truth."""
+    solve, number = master.solve, list(KINDS).index("delay in time")
+
+    def wrong(contacts: Any, *arguments: Any, **named: Any) -> Any:
+        late = origins.Delay(1.01 * contacts.delay.time)
+        return solve(contacts.replace(delay=late), *arguments, **named)
+
+    monkeypatch.setattr(master, "solve", wrong)
+    row, *_ = answered(drawn(1, number))
+    assert row.verdict == "wrong" and row.road.startswith("cohorts") and row.error > 1e-4
+
+
 def test_drawn_cases_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Twenty of them, held against other roads, the ensemble beside; the whole 1,000 take minutes."""
     words = [
@@ -156,8 +187,9 @@ def test_drawn_cases_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert len((tmp_path / "out" / "coverage.csv").read_text().splitlines()) == 1 + len(
         kept["rows"]
     )
-    roads = [row["road"] for row in kept["rows"] if row["solver"] == "master"]
-    assert sum("tighter" not in road for road in roads) >= 9
+    roads = [(row["road"], row["group"]) for row in kept["rows"] if row["solver"] == "master"]
+    assert sum("tighter" not in road for road, _ in roads) >= 9
+    assert {kind for road, kind in roads if road.endswith("tighter tolerance")} == {"ageing"}
     assert "errors within 3 standard errors; 99.7 ± " in page
 
 

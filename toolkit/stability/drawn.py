@@ -1,7 +1,8 @@
 """Ordinary cases drawn at random over laws, starts and drives, each with the best second road to its answer."""
 
+import contextlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,12 +14,14 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array, Thresholds
 from toolkit.stability import truths
-from toolkit.stability.case import LONGEST, Case, Truth
+from toolkit.stability.case import LONGEST, ROUND_OFF, Case, Truth
+from toolkit.stability.cohorts import by_cohorts
 from toolkit.stability.renewal import COARSEST, by_renewal
 
 _POINTS = 33  # of a path
 _FINER, _FINER_IN_TIME = 1e-2, 0.1  # of the tolerance, for the master equation as its own reference
 _NEAR = 1e-11  # mean thresholds: a truth as good as that is taken, whatever the tolerance
+_UNKNOWN = Truth(0.0, np.inf, "")
 _UNITS = (-9.0, 3.0)  # decades of a mean threshold, such as nanometres in m
 
 
@@ -198,24 +201,45 @@ def _case(
     tolerance: float,
     drive: Mapping[str, Any] | None = None,
 ) -> Case:
-    """The case, whose truth is found once: by the road where that is good enough, else by `finer`."""
+    """The case, whose truth is found once: by the road where that is good enough, else by `finer` where the road bears
+    it out; where it does not, the road is the truth, so that a fault of both answers of the master equation is seen."""
     kept, drive = list[Truth](), drive or {}
+    roads = [road] if road else []
+    if "spring" not in drive:
+        roads.append(partial(by_cohorts, time=drive.get("time")))
 
     def exact(contacts: Contacts, path: Array) -> Truth:
         if not kept:
-            try:
-                truth = None if road is None else road(contacts, path)
-            except InputError:
-                truth = None
-            good = truth is not None and np.min(truth.error) <= max(1e-3 * tolerance, _NEAR)
-            kept.append(truth if truth and good else finer(contacts, path, tolerance, drive))
+            truth = next(_taken(roads, contacts, path), _UNKNOWN)
+            if np.min(truth.error) > max(1e-3 * tolerance, _NEAR):
+                truth = _borne_out(finer(contacts, path, tolerance, drive), truth)
+            kept.append(truth)
         return kept[0]
 
     return Case(kind, name, lambda: contacts, path, exact, drive, tolerance, n_contacts=0)
 
 
+def _taken(
+    roads: Sequence[Callable[[Contacts, Array], Truth]], contacts: Contacts, path: Array
+) -> Iterator[Truth]:
+    """What those roads say that take the contacts."""
+    for road in roads:
+        with contextlib.suppress(InputError):
+            yield road(contacts, path)
+
+
+def _borne_out(fine: Truth, beside: Truth) -> Truth:
+    """The finer of two truths, unless they contradict each other, or it is unknown somewhere: then the other one."""
+    if not np.isfinite(beside.error).all():
+        return fine
+    apart = np.abs(fine.values - beside.values) - fine.error - beside.error
+    if not np.isfinite(fine.error).all() or (apart > ROUND_OFF).any():
+        return beside
+    return Truth(fine.values, fine.error, f"{fine.road}, beside {beside.road}")
+
+
 def finer(contacts: Contacts, path: Array, tolerance: float, drive: Mapping[str, Any]) -> Truth:
-    """The master equation at a tighter tolerance: no road of its own, for which the ensemble stands in."""
+    """The master equation at a tighter tolerance: no road of its own."""
     import master
 
     tighter = tolerance * (_FINER_IN_TIME if "time" in drive else _FINER)

@@ -95,13 +95,13 @@ def _lives(
         passed = _passed(heat, stretch, limit) - _passed(heat, first, limit)
         alive = share * np.exp(-passed / velocity)
         at_limit = np.exp(-(_passed(heat, x, x) - _passed(heat, first, x)) / velocity)
-        rate = _rate(heat, stretch, limit) / velocity
+        rate = rate_of(heat, stretch, limit) / velocity
     breaks = law.pdf(first + way) / all_of_them * at_limit + (alive * rate).sum(axis=1)
     borne = alive * (limit / contacts.mean_threshold if linked else 1.0)
     return breaks, x * borne.sum(axis=1)
 
 
-def _rate(heat: Thermal, x: Array, limit: Array) -> Array:
+def rate_of(heat: Thermal, x: Array, limit: Array) -> Array:
     """h of contacts with <k>, by the formulas of origins.Thermal."""
     s = np.maximum(1.0 - x / limit, 0.0)
     if heat.law == "eyring":
