@@ -229,7 +229,7 @@ def breaks_until(march: March, t: Array) -> Array:
     before = np.append(0.0, np.cumsum(march.solved.breaks[:-1, -1]))
     out = _read(march, before[:, None] + march.solved.breaks, np.maximum(t, 0.0))
     for lump in march.lumps[1:]:
-        out = out + lump.weight * (t >= lump.time - march.births.delay)
+        out = out + lump.weight * (t >= lump.birth - march.births.delay)
     return np.where(t < 0.0, 0.0, out)
 
 
@@ -252,7 +252,7 @@ def _read(march: March, values: Array, t: Array) -> Array:
 def _begin_at_jumps(march: March, rounded: Array) -> npt.NDArray[np.bool_]:
     """Which panels begin within `rounded` (a time each) of a jump of the number of breaks or of the force, which is
     where contacts break together, and where they form again one delay later."""
-    born = np.array([lump.time for lump in march.lumps[1:]])
+    born = np.array([lump.birth for lump in march.lumps[1:]])
     jumps = np.sort(np.concatenate([born, born - march.births.delay, [np.inf]]))
     begin = march.solved.begin
     after = jumps[np.searchsorted(jumps, begin - rounded)]

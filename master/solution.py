@@ -167,8 +167,8 @@ def _deltas(march: March, t: float) -> dict[float, float]:
     motion, law = march.motion, march.births.law
     at, found = np.full((1, 1), t), dict[float, float]()
     for lump in march.lumps:
-        if lump.time <= t and lump.law.is_single:
-            history = motion.history(at, np.full((1, 1), lump.time))
+        if lump.birth <= t and lump.law.is_single:
+            history = motion.history(at, np.full((1, 1), lump.birth))
             stretch = float(lump.law.mean() + history.now[0, 0])
             held = float(march.life.survival_and_force(lump.law, history).survival[0, 0])
             found[stretch] = found.get(stretch, 0.0) + lump.weight * held

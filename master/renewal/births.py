@@ -91,10 +91,11 @@ class Sums(NamedTuple):
 
 
 class Lump(NamedTuple):
-    """Contacts that were born at one instant, or hold at t = 0 (paper, Eqs. Q7b and Q6e): time of the
-    birth, weight (share of all contacts) and law of the stretches at birth."""
+    """Contacts that are born at one instant, or hold at t = 0 (paper, Eqs. Q7b and Q6e): time of the
+    birth, weight (share of all contacts) and law of the stretches at birth. Of contacts that break
+    together the birth is one delay after the break: until then they count as out, see lumps.py."""
 
-    time: float
+    birth: float
     weight: float
     law: Start
 

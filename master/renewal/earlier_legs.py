@@ -123,7 +123,9 @@ class EarlierLegs:
         polynomials are theirs."""
         series = fitted.series[:, which]
         weights = self._born_leg.legendre_weights(pieces, series.shape[-1])
-        # left out: coefficients n + k, about |c_n| fall^k, times births of that degree, taken as those of n - k
+        # Left out are the coefficients c of degrees n + k, about |c_n| fall^k, with n the first that is left out; each
+        # is multiplied by the births' weight of its degree. Weights are known below n only: that of n + k is taken as
+        # large as that of n - 1 - k, which is no smaller as a rule: those of smooth births fall with the degree.
         fading = fitted.fall[which, None] ** np.arange(series.shape[-1])[::-1]
         missed = fitted.left_out[which] * (np.abs(weights) * fading).sum(axis=1)
         return (series * weights).sum(axis=-1), missed
@@ -133,8 +135,9 @@ class EarlierLegs:
         none holds."""
         motion_leg, law, legs = self._motion_leg, self._births.law, self._legs
         # arrays of shape (targets, legs, ends of pieces)
-        ends = motion_leg.times[legs], motion_leg.times[legs + 1]
-        first, last = np.clip(ends, *self._born_leg.ends[[0, -1]])[:, None, :, None]
+        begin_of_births, end_of_births = self._born_leg.ends[[0, -1]]
+        first = np.clip(motion_leg.times[legs], begin_of_births, end_of_births)[None, :, None]
+        last = np.clip(motion_leg.times[legs + 1], begin_of_births, end_of_births)[None, :, None]
         cuts = [np.broadcast_to(end, (t_leg.size, legs.size, 1)) for end in (first, last)]
         if law.is_single:
             cuts.append(np.clip(self._bends(t_leg, law.mean()), first, last))

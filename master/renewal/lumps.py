@@ -43,7 +43,7 @@ def sums_of_lumps(
         alike = [lump for lump in lumps if lump.law is law]
         weight = np.array([lump.weight for lump in alike])
         # (lumps, 1), against rows (rows,)
-        birth_leg = np.array([[lump.time - leg_begins_path] for lump in alike])
+        birth_leg = np.array([[lump.birth - leg_begins_path] for lump in alike])
         amid = (panel_begin < birth_leg) & (birth_leg < panel_end)
         unborn = (birth_leg > middle) & ~amid
         both[0] += (weight @ unborn)[:, None]

@@ -6,8 +6,9 @@ With B(t) the breaks per contact since t = 0, at every t
 
 where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums
 over lumps: the contacts that hold at t = 0, and sets of contacts that break at one instant because
-they reach one exact threshold together. On a panel B is a polynomial; its values at the Radau nodes
-follow from conservation there, given all panels before. A panel that does not resolve B is narrowed.
+they reach one exact threshold together, and are born again together one delay later. On a panel B
+is a polynomial; its values at the Radau nodes follow from conservation there, given all panels
+before. A panel that does not resolve B is narrowed.
 """
 
 from collections.abc import Iterator
@@ -77,6 +78,7 @@ class March:
         self.present, self._past = Present(births), Past(births)
         self.widths, self.steady_since = PanelWidth(self.life.quick), np.inf
         self.unfinished, self.fault = False, ""
+        self._continues_leg = False  # whether panels of its first leg are there already, see `cut`
         self.jump = Jump(0.0, 0, 0.0)
 
         # whether the start is told by the table of births of the first leg: G_0(t) = E(t, 0)
@@ -117,7 +119,7 @@ class March:
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            goes_on = before < 0 and self.widths.widest < np.inf
+            goes_on = before < 0 and self._continues_leg
             new_leg = leg != before and not goes_on
             before, leg_begins = leg, float(self.motion.times[leg])
             yield from self._segment(leg, begin - leg_begins, end - leg_begins, new_leg)
@@ -166,7 +168,7 @@ class March:
         the longest life (renewal equation); where these agree to the tolerance, so do all that follow."""
         memory, speed = MEMORIES * self._memory(0), self.motion.speeds[0]
         solved, now = self.solved, self.solved.end
-        after_last_lump, ahead = now - self.lumps[-1].time, self.edges[-1] - now
+        after_last_lump, ahead = now - self.lumps[-1].birth, self.edges[-1] - now
         if not speed or after_last_lump < memory or ahead < MEMORIES_AHEAD * memory:
             return False
         rates = solved.rates_from(now - memory)
@@ -207,7 +209,7 @@ class March:
 
         Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
-        solved, delay = self.solved, self.births.delay
+        solved = self.solved
         # a start that is as births at t = 0 on this leg is in their table
         in_table = leg == 0 and self._as_births
         lumps = self.lumps[1:] if in_table else self.lumps
@@ -219,13 +221,20 @@ class March:
         t = float(self.motion.times[leg]) + t_leg
         oldest = float(t.min()) - self._memory(leg)
         first, end = panel_at(solved.begin, oldest), solved.count - alike
+        # of these panels those from `first_panel` on have births on this leg; Past has those of the others
         born_on_leg = solved.pick(slice(max(first, self._past.first_panel), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
-        if delay > 0.0 and first < end:
-            panels = solved.pick(slice(first, end))
-            of_breaks = still_out(t, delay, panels.begin[:, None], panels.width[:, None])
-            both[0] += np.einsum("ptn,pn->t", of_breaks, panels.breaks).reshape(grid_leg.shape)
+        # but breaks of all of them may be out, on whatever leg
+        if self.births.delay > 0.0 and first < end:
+            out = self._out(t, solved.pick(slice(first, end)))
+            both[0] += out.reshape(grid_leg.shape)
         return both
+
+    def _out(self, t: Array, panels: SolvedPanels) -> Array:
+        """Number of contacts that broke on these panels and are still out at times t, shape (n,)."""
+        begin, width = panels.begin[:, None], panels.width[:, None]
+        of_breaks = still_out(t, self.births.delay, begin, width)
+        return np.asarray(np.einsum("ptn,pn->t", of_breaks, panels.breaks))
 
     def births_on_leg(self, t_leg: Array, leg: int, panels: SolvedPanels) -> Array:
         """Number and force of births on a leg, at times on it, shape (2, n). `panels`: those of the breaks, of any
@@ -253,6 +262,7 @@ class March:
         at_edge_before, at_edge_after = number[0, 1], number[1, 0]
         broken = float(at_edge_before - at_edge_after)
         if broken > LEAST_LUMP:
+            # broken at t, they are out until they are born one delay later
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
 
     def cut(self, t: float, births: Births) -> "March":
@@ -263,12 +273,13 @@ class March:
         # the contacts, and the errors with which they are known
         other.solved = self.solved.up_to(t, SAME_BEGIN * self.guess)
         # the start, the first lump, it has made; contacts that break together at t it finds again as it runs
-        other.lumps += [lump for lump in self.lumps[1:] if lump.time < t]
+        other.lumps += [lump for lump in self.lumps[1:] if lump.birth < t]
         other._past.count_errors_of(self._past)
         other.jump = self.jump
         # work that is done: tables of survivals, which no motion changes, the width that panels have, and its count
         other.present = self.present.counted_on(births)
         other.widths.widest = min(self.widths.widest, self.guess)
+        other._continues_leg = True
         births.work = self.births.work
         return other
 

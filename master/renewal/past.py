@@ -7,7 +7,7 @@ leg (strand_births.py). Past adds both up, and forgets legs of whose births hard
 Three clocks meet here, in earlier_legs.py and in lumps.py. The name of a time there, of a motion or of births on
 panels ends in its clock (`leg` alone is an index):
 
-- `_path`: since the beginning of the path, the clock of the march: births.motion, SolvedPanels.begin, Lump.time;
+- `_path`: since the beginning of the path, the clock of the march: births.motion, SolvedPanels.begin, Lump.birth;
 - `_leg`: since the beginning of the present leg, to keep digits: here sums are taken;
 - `_birth_leg`: since the beginning of the leg on which a contact is born (SolvedPanels.births_begin), as are all
   times of strands of ageing contacts.
@@ -23,6 +23,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from master.renewal.births import INSIDE, TINY, Births, Lump, Sums
 from master.renewal.earlier_legs import EarlierLegs
@@ -117,25 +118,30 @@ class Past:
         self._motion_leg = motion_path.counted_from(leg)
         middle_path = panels.middle_of_births(births.delay)
         self.first_panel = int(np.searchsorted(middle_path, self._leg_begins_path))
-        panels = panels.pick(slice(self.first_panel))
-        # The leg of each panel's births is that of their middle; but not one before that of their begin, as the middle
-        # of the narrowest panels is rounded to their begin: a knot, where it belongs to the leg that ends there.
-        of_begin = np.searchsorted(motion_path.times, panels.begin + births.delay, "right") - 1
-        legs = np.maximum(motion_path.leg(middle_path[: self.first_panel]), of_begin)
-        begin_birth_leg = panels.births_begin(motion_path.times[legs], births.delay)
+        earlier = panels.pick(slice(self.first_panel))
+        legs = self._legs_of_births(earlier)
+        begin_birth_leg = earlier.births_begin(motion_path.times[legs], births.delay)
         if self._strands is not None:
             new = range(max(before, 0), leg)
             self.left_out += self._strands.follow(
-                self._motion_leg, new, panels, begin_birth_leg, legs
+                self._motion_leg, new, earlier, begin_birth_leg, legs
             )
             return
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
         self._earlier = None
         if counted.size:
-            born_leg = panels.births(self._motion_leg.times[legs] + begin_birth_leg)
+            born_leg = earlier.births(self._motion_leg.times[legs] + begin_birth_leg)
             self._earlier = EarlierLegs(
                 births, self._motion_leg, leg, counted, born_leg, self._accuracy
             )
+
+    def _legs_of_births(self, panels: SolvedPanels) -> npt.NDArray[np.intp]:
+        """The leg of each panel's births, one delay after its breaks: that of their middle; but not one before that of
+        their begin, as the middle of the narrowest panels is rounded to their begin: a knot, where it belongs to the
+        leg that ends there."""
+        motion_path, delay = self._births.motion, self._births.delay
+        of_begin = np.searchsorted(motion_path.times, panels.begin + delay, "right") - 1
+        return np.maximum(motion_path.leg(panels.middle_of_births(delay)), of_begin)
 
     def _from_few_times(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums | None:
         """As `_summed`, interpolated between few of the times; None where that is not tried, or not accurate."""
@@ -160,6 +166,7 @@ class Past:
         of_earlier = earlier.sums(self._beside_jumps(grid_leg).ravel())
         both = of_lumps.both + of_earlier.both.reshape(of_lumps.both.shape)
         survival_error = max(of_lumps.survival_error, of_earlier.survival_error)
+        # a sum over lumps is no quadrature: it has no error but that of survivals
         return of_earlier._replace(both=both, survival_error=survival_error)
 
     def _beside_jumps(self, grid_leg: Array) -> Array:

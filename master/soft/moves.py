@@ -210,7 +210,7 @@ class Move:
         solved, own_panels = march.solved, slice(self._first, None)
         begin, width = solved.begin[own_panels] - loaded.end, solved.width[own_panels]
         force, missed = solved.force[own_panels], solved.error[own_panels]
-        times = [one.time for one in march.lumps if one.time > loaded.end and one.weight > DROPS]
+        times = [one.birth for one in march.lumps if one.birth > loaded.end and one.weight > DROPS]
         rounding = ROUNDING * (self.contacts.unit + begin) + march.unseen_error * largest
         unknown = loaded.error + self.contacts.unknown
         error = unknown + np.maximum.accumulate(missed) * largest + rounding
@@ -229,7 +229,7 @@ class Move:
         march, largest = self._march, self.contacts.life.largest_stretch
         life = ONE_LIFE * march.present.straight(float(self.direction)).longest
         memory = max(life, 2.0 * largest)
-        undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].time)
+        undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].birth)
         if undisturbed < memory:
             return None
         rates = march.solved.rates_from(march.solved.end - memory)
@@ -247,7 +247,7 @@ class Move:
         """
         march, contacts = self._march, self.contacts
         memory = TWO_LIVES * contacts.life.largest_stretch
-        undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].time)
+        undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].birth)
         if undisturbed < DECOHERES * memory:
             return None
         first = panel_at(march.solved.begin, march.solved.end - memory)

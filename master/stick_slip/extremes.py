@@ -140,7 +140,7 @@ def _steepest_and_highest(march: March, cycle: Cycle) -> tuple[Largest, Largest]
     rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
     force = force._replace(error=force.error + rounding)
     if len(march.lumps) > 1:
-        return Largest(np.inf, 0.0, march.lumps[1].time * cycle.velocity), force
+        return Largest(np.inf, 0.0, march.lumps[1].birth * cycle.velocity), force
     wide = width > min(NARROW * cycle.typical, 0.5 * width.max())
     slopes = legendre.legder(series[wide].T).T * (-2.0 / width[wide, None])
     errors = 2.0 * polynomials.DEGREE**2 * errors / width + shifted / cycle.resolution_length

@@ -77,6 +77,7 @@ class Slider:
         self._search = SlipBegins(self._steps)
         for leg, last in enumerate(motion.times[1:].tolist()):
             contacts.past_breaks.repeat_bend(float(motion.times[leg]))
+            # first_of_new: the section at whose begin all contacts were new; None once anything else came between
             self._stick, first_of_new = [], None
             while True:
                 if contacts.are_new:
@@ -159,7 +160,13 @@ class Slider:
         return Node(size, state.now, state.force, state.holding, state.position)
 
     def _slip(self, drive: float) -> None:
-        """Let the slider slip while the drive holds at this position."""
+        """Let the slider slip while the drive holds at this position, by its rule:
+
+        rule            without a delay                    with a delay
+        "reset"         all contacts are new               the same, those that are out, too
+        "reform-after"  without births                     without births
+        "instant"       broken contacts form again in it   without births: a slip takes no time, a delay does
+        """
         contacts, force = self.contacts, self.contacts.force
         if self._rule == "reset":
             contacts.relax()

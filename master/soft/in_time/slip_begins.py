@@ -24,7 +24,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from master.soft.in_time.contacts import Trial
-from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Root, Steps, TriedStep
+from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Root, Steps
 
 
 class OnsetControl(NamedTuple):
@@ -71,8 +71,8 @@ class SlipBegins:
         # the fraction of its size that the last step took in steps of time, unknown yet
         self._last_time_fraction = np.nan
 
-    def _tried(self, size: float) -> Root:
-        """The balanced step of this size, whose slope begins the next search."""
+    def _solve(self, size: float) -> Root:
+        """Solve for the balanced step of this size, and keep its slope: the next search begins with it."""
         root = self._steps.step(size, self._guess)
         self._guess = self._guess._replace(slope=root.slope)
         return root
@@ -86,11 +86,11 @@ class SlipBegins:
 
     def up_to_slip(self, size: float) -> tuple[Trial, bool]:
         """The balanced step of this size, or that up to a slip that begins within it; and whether one does."""
-        steps, asked = self._steps, self._tried(size)
+        steps, asked = self._steps, self._solve(size)
         step = asked.step
         if step.trial.now > steps.contacts.now:  # it may have been cut at the section's end
             size = min(size, steps.size(step.trial))
-        longest = self._longest_to_slip(step, size)
+        longest = self._longest_to_slip(asked, size)
         if longest is None:
             self._foresee(step.time_steps / size, size)
             return self._chosen(asked), False
@@ -102,27 +102,28 @@ class SlipBegins:
         # at the section's end, a slip may still be to come
         return trial, trial.now < steps.section_end
 
-    def _longest_to_slip(self, step: TriedStep, size: float) -> float | None:
+    def _longest_to_slip(self, root: Root, size: float) -> float | None:
         """The longest step that may lead to a slip, where one begins on this step, which has this size, or just beyond;
         else None. On the three conditions at the head of this file, in that order."""
-        if step.time_steps <= 0.0:  # no balance
+        step = root.step
+        if not step.has_balance:
             return size
         if self._steps.contacts.jumps:
             # F falls at once at a jump: there is no fold, but a step beyond takes less time than this one, whose time
             # is its size less its travel, also if it was cut
             beyond = ONSET.beyond_jump * size
             time_steps = size - self._steps.travelled(step.trial)
-            return beyond if self._tried(beyond).step.time_steps < time_steps else None
-        return size if self._is_fold_within(step, size) else None
+            return beyond if self._solve(beyond).step.time_steps < time_steps else None
+        return size if self._is_fold_within(root, size) else None
 
-    def _is_fold_within(self, step: TriedStep, size: float) -> bool:
+    def _is_fold_within(self, root: Root, size: float) -> bool:
         """Whether a fold lies before the end of this step, which has this size."""
         # far from a slip the slider follows the drive, and this part of the size is time
-        if step.time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
+        time_steps = root.step.time_steps
+        if time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
         # imbalances increase with time: where none is left, the balanced step takes this time or more
-        slope = self._guess.slope
-        before = self._steps.tried(ONSET.before_fold * size, step.time_steps, slope)
+        before = self._steps.tried(ONSET.before_fold * size, time_steps, root.slope)
         return before.imbalance <= 0.0
 
     def _foresee(self, time_fraction: float, size: float) -> None:
@@ -142,11 +143,11 @@ class SlipBegins:
     def _latest(self, size: float, longest: float) -> Root:
         """The step that takes the most time: that up to a fold or a kink of τ."""
         found = minimize_scalar(
-            lambda at: -self._tried(at).step.time_steps,
+            lambda at: -self._solve(at).step.time_steps,
             bounds=(0.0, longest),
             options={"xatol": ONSET.onset * size},
         )
-        return self._tried(float(found.x))
+        return self._solve(float(found.x))
 
     def _last_before_exact(self, size: float, longest: float) -> Root | None:
         """The longest step after which there still is a balance, before exact thresholds break, by bisection; None
@@ -154,9 +155,10 @@ class SlipBegins:
         low, high = 0.0, longest
         while high - low > ONSET.last_jump * size:
             middle = 0.5 * (low + high)
-            time_steps = self._tried(middle).step.time_steps
-            if time_steps > 0.0:
-                low, self._guess = middle, self._guess._replace(time_fraction=time_steps / middle)
+            step = self._solve(middle).step
+            if step.has_balance:
+                low, fraction = middle, step.time_steps / middle
+                self._guess = self._guess._replace(time_fraction=fraction)
             else:
                 high = middle
-        return self._tried(low) if low else None
+        return self._solve(low) if low else None

@@ -79,6 +79,11 @@ class TriedStep(NamedTuple):
     trial: Trial
     imbalance: float
 
+    @property
+    def has_balance(self) -> bool:
+        """Of a balanced step, whether there is a balance from now on; else the slider slips at once."""
+        return self.time_steps > 0.0
+
 
 class Root(NamedTuple):
     """What a search for a balanced step found.
