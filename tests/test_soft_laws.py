@@ -154,6 +154,31 @@ def test_a_path_may_end_just_before_a_slip() -> None:
     held_to_claim(cool, [begin - 1e-4], 1e-3, exact, spring=1.0)
 
 
+def test_a_slip_that_is_too_small_to_be_listed_is_in_the_error() -> None:
+    """At the jump of P_c, X = 0.8, all break at once, and the slider goes with its drive for the delay. On so soft a
+    spring few contacts that rounding breaks before may hold it meanwhile: the next slip is early by the delay."""
+    spring, delay = 1e-5, 3.0
+    contacts, first = Contacts(origins.rectangular(0.8, 0.9), delay=Delay(delay)), 0.8 + 0.8e5
+    path = [2.02 * first + delay]
+    found = master.solve(contacts, path, 1e-4, spring=spring, slip="reform-after")
+    assert found.success, found.message
+    off = np.abs(found.slips.drive - [first, 2.0 * first + delay])
+    assert off.max() <= found.slips.drive_error < 3.0 * delay
+
+
+def test_behind_a_slip_the_error_is_told_by_all_points_but_those_beside_it() -> None:
+    """The places of slips are known a hundred times better than F is while contacts come back from their delay."""
+    contacts, path = Contacts(gaussian(1.0, 0.1), delay=Delay(0.2)), np.linspace(0.0, 5.0, 101)
+    rough, fine = (
+        master.solve(contacts, path, tolerance, spring=0.3, slip="reform-after")
+        for tolerance in (3e-2, 3e-6)
+    )
+    assert rough.slips.drive.size == fine.slips.drive.size == 1
+    told = np.abs(path - fine.slips.drive) > 2.0 * rough.slips.drive_error
+    off = np.abs(rough.force - fine.force)[told].max()
+    assert 20.0 * fine.force_error < off <= rough.force_error < 1e-3
+
+
 LARGE = 0.2  # of all contacts, which an avalanche at a standing drive breaks: a slip
 REPEATS, COUNT, STEPS = 10, 4_000, 500
 

@@ -230,7 +230,10 @@ class ContactsInSteps:
 
     def _note_unresolved(self, groups: Groups, held: Array) -> None:
         """Bound the force of contacts born in steps of which it is unknown how many hold: half of what the forces of
-        first and last births differ by, for the geometric mean of the births in both cohorts."""
+        first and last births differ by, for the geometric mean of the births in both cohorts.
+
+        Half of the births count as the first, half as the last. If the force changes one way from first to last, the
+        mean over the step lies between the two, and so is off by half of their difference at most."""
         count = self._at_birth.stretch.size
         survival, force = held[:, self._of_start :]
         born = np.abs(groups.weight[self._of_start :])

@@ -2,9 +2,9 @@
 
 Errors of the answers fall about as the square of the step, faster with ageing, more slowly where thresholds grow
 or births jump; all are extrapolated as if by the square. The error estimate is three times, with ageing once, the last
-change of the extrapolated or of the plain answers, whichever is smaller, plus the error of the contacts' memory and
-rounding, or what the steps do not resolve if that is larger. The error of the force, and of the load K X_T at slips, is
-claimed.
+change of the extrapolated or of the plain answers, whichever is smaller, plus the error of the contacts' memory,
+rounding, and what the steps do not resolve, which no change shows. The error of the force, and of the load K X_T at
+slips, is claimed.
 
 Where smooth sliding gets unstable its first slips are small, and finer steps may have one more or one less. Of all
 three sliders as many of the largest slips are compared, and the largest drop of the others is added to the changes.
@@ -72,8 +72,7 @@ def extrapolated(
     rounding = ROUNDING * (1.0 + cohorts.steps) * (1.0 + stiff)
     duration = 0.0 if last.motion is None else float(last.motion.times[-1])
     cold_skin = unresolved_heat(contacts, cohorts.memory, drive, duration)
-    error = limit.error + cohorts.memory.error + rounding + cold_skin
-    error = max(error, cohorts.unresolved / unit)
+    error = limit.error + cohorts.memory.error + rounding + cold_skin + cohorts.unresolved / unit
     return Followed(
         balance=balance,
         force=limit.answer.force[: asked.size] * unit,
