@@ -29,7 +29,7 @@ class Slips(NamedTuple):
 
 
 def tribometer(delay: float, contacts: int = 2000) -> Slips:
-    """Slips of the scene tribometer-smooth with another delay, those of above a twentieth of a mean threshold."""
+    """Slips of the scene tribometer-smooth with another delay, those of above a fifth of a mean threshold."""
     tables = tomllib.loads((SHIPPED / "tribometer-smooth.toml").read_text())
     tables["contacts"]["delay"]["time"] = delay
     tables["eq"] |= {"contacts": contacts, "replicas": 1}

@@ -11,7 +11,7 @@ from toolkit.scene.scale import written
 
 _UNEVEN = 20.0  # legs whose durations differ by more are drawn equally wide
 # legs that are named; part of the axis that a letter of a name needs; ticks at ends of legs
-_MOST_LEGS, _LETTER, _TICKS = 12, 0.011, 6
+_MOST_LEGS, _LETTER, _TICKS = 12, 0.011, 8
 
 
 class Leg(NamedTuple):
