@@ -60,6 +60,23 @@ def test_newtons_that_are_not_known_are_refused() -> None:
         toolkit.load_scene(scene(units="N"))
 
 
+def test_a_sweep_over_the_pressure_gives_each_point_its_own_newtons() -> None:
+    """One factor for all of them would tell 8 times too much at a tenth of the pressure."""
+    sweep = {"contacts.thresholds.pressure": [1e5, 1e6]}
+    surface = {"master": None, "drive": DRIVE}
+    result = toolkit.run(scene(ROUGH, sweep=sweep, **surface))
+    for call in (result.newtons, result.per_area):
+        with pytest.raises(InputError, match=r"the sweep changes contacts\.thresholds\.pressure"):
+            call(result.sweep["kinetic_force"])
+    wide = toolkit.run(scene(ROUGH, sweep={"drive.area": [1e-6, 1e-4]}, **surface))
+    shared = wide.sweep["kinetic_force"]
+    with pytest.raises(InputError, match=r"the sweep changes drive\.area"):
+        wide.newtons(shared)
+    np.testing.assert_allclose(wide.per_area(shared), wide.sweep["kinetic_stress"], rtol=1e-6)
+    speeds = toolkit.run(scene(ROUGH, sweep={"velocity": [1e-6, 1e-5]}, **surface))
+    assert speeds.newtons(speeds.sweep.force).shape == (2,)
+
+
 def test_the_report_is_in_newtons_or_pascals_or_in_units_of_n_c_k(capsys: Any) -> None:
     bare = {key: DRIVE[key] for key in ("to", "points")}
     for tables, unit in (
@@ -132,6 +149,9 @@ def test_a_dataset_has_all_arrays_with_their_units() -> None:
     swept = toolkit.run(scene(ROUGH, drive=DRIVE, sweep=sweep)).to_xarray()
     assert swept.sweep_critical_spring.units == "N/m" and swept.sweep_velocity.units == "m/s"
     assert swept.sweep_force.units == "N"
+    sweep = {"contacts.thresholds.pressure": [1e5, 1e6]}
+    pressures = toolkit.run(scene(ROUGH, drive=None, master=None, sweep=sweep))
+    assert pressures.to_xarray()["sweep_contacts.thresholds.pressure"].units == "Pa"
 
 
 def test_pictures_are_written_in_other_formats_too_and_old_ones_go(capsys: Any) -> None:

@@ -278,6 +278,14 @@ def test_springs_of_a_sweep_have_error_bars_and_units() -> None:
     np.testing.assert_allclose(0.5 * (high + low), result.newtons(own.critical_spring))
 
 
+def test_a_sweep_over_thresholds_has_logarithmic_axes_and_says_whose_thresholds_are_drawn() -> None:
+    sweep = {"contacts.thresholds.pressure": [1e4, 1e5, 1e6], "critical_spring": True}
+    figure = toolkit.plot(toolkit.run(scene(ROUGH, drive=None, master=None, sweep=sweep)))
+    force, density, springs = figure.axes
+    assert density.get_title() == "thresholds, without the sweep"
+    assert force.get_xscale() == force.get_yscale() == springs.get_yscale() == "log"
+
+
 def test_a_picture_has_the_figure_with_its_axes(tmp_path: Path) -> None:
     import matplotlib
 

@@ -241,6 +241,9 @@ def draw_run(result: Result, figure: Any) -> Any:
     places = figure.subplot_mosaic(rows, width_ratios=[2.2, 1], height_ratios=heights)
     (plot_force if result.curves else plot_points)(places["F"], result)
     plot_density(places["P"], result.thresholds)
+    along = () if result.sweep is None else result.sweep.along
+    if any(key.startswith("contacts.thresholds") for key in along):
+        places["P"].set_title("thresholds, without the sweep")
     for draw in (*swept, *below):
         draw(places[draw.__name__], result)
     for draw, above in zip(below, ["F", *(draw.__name__ for draw in below)], strict=False):

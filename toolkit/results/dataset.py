@@ -7,6 +7,7 @@ import numpy as np
 
 from origins.errors import InputError
 from toolkit.results.kinds import QUANTITIES
+from toolkit.results.points import key_units
 
 _LEFT_OUT = {"path", "slips", "energy", "regime", "histograms", "avalanches", "breaks_per_rank"}
 
@@ -78,8 +79,9 @@ def _of_answer(result: Any, prefix: str, answer: Any, size: int) -> dict[str, An
 def _of_sweep(result: Any, sweep: Any) -> dict[str, Any]:
     """The arrays of a sweep along what it sweeps, of one over keys of the scene along its points."""
     if not sweep.smooth:
+        units = sweep.units | key_units(sweep.along, result.scale)
         return {
-            f"sweep_{name}": ("sweep_point", values, {"units": sweep.units.get(name) or "1"})
+            f"sweep_{name}": ("sweep_point", values, {"units": units.get(name) or "1"})
             for name, values in sweep.columns.items()
         }
     along = tuple(f"sweep_{name}_values" for name in sweep.along)

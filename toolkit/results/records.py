@@ -177,7 +177,9 @@ class Result:
 
     def per_area(self, shared: npt.ArrayLike) -> Array:
         """Forces of this result, F/(N_c<k>) in m, as shear stresses in Pa, or springs K/(N_c<k>) in N/m³; shape as
-        given. Raises InputError where the thresholds are not those of a surface."""
+        given. Raises InputError where the thresholds are not those of a surface, or where a sweep gives each point its
+        own N_c<k>."""
+        self._refuse_swept("per_area", "contacts.thresholds", "contacts.interface")
         if self.interface is None or "contact_density" not in self.interface:
             hint = "needs <k> and the number of contacts, which a rough surface knows, or [contacts.interface] states"
             raise InputError(f"per_area: {hint}; forces are F/(N_c<k>)")
@@ -190,10 +192,19 @@ class Result:
         shared, result : of any one shape; `area` left out: the scene's drive.area. Raises InputError without one, and
         as `per_area` does.
         """
-        area = self._area if area is None else area
+        if area is None:
+            self._refuse_swept("newtons", "drive.area")
+            area = self._area
         if self.interface is not None and area is None:
             refuse("area", area, "is missing: the scene has no drive.area; give one in m²")
         return self.per_area(shared) * (1.0 if area is None else positive("area", area))
+
+    def _refuse_swept(self, name: str, *tables: str) -> None:
+        """Refuse one factor for all forces where a sweep changes it from point to point."""
+        for key in () if self.sweep is None else self.sweep.along:
+            if key.startswith(tables):
+                hint = "N_c<k> of each point is its own; sweep.columns has newtons and pascals"
+                raise InputError(f"{name}: the sweep changes {key}; {hint}")
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset of all arrays with their units, of a surface in SI units. Raises InputError where xarray is
