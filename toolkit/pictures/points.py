@@ -22,7 +22,7 @@ _LINES = 8  # as can be distinguished
 _MARKED = 30  # points of a line; with more, some carry a mark
 # of the largest value: a change of no account, which is not to fill the axis
 _FLAT = 0.01
-_DECADES = 30.0  # largest over smallest value from which an axis is logarithmic
+_LOG_FROM = 30.0  # largest over smallest value from which an axis is logarithmic
 _SYMBOLS = {"velocity": "speed $v$", "temperature": r"temperature $k_BT/\langle k\rangle$"}
 _SYMBOLS |= {"kelvin": "temperature $T$", "rate": "rate of ageing", "delay": r"delay $\tau$"}
 # columns of F_k, where they stand alone
@@ -58,17 +58,16 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
             style |= dict.fromkeys(("markevery", "errorevery"), max(rows.size // _MARKED, 1))
             axes.errorbar(x[rows], value[rows], error[rows], **style)
             number += 1
-    if x.min() > 0.0 and x.max() > _DECADES * x.min():
+    if x.min() > 0.0 and x.max() > _LOG_FROM * x.min():
         axes.set_xscale("log")
     name_axis(axes.xaxis, _SYMBOLS.get(first, first), unit or units.get(first, ""))
     name_axis(axes.yaxis, *_axis_of(name, columns, result))
     value, _ = _with_error(result, name)
-    if np.nanmin(value) > 0.0 and np.nanmax(value) > _DECADES * np.nanmin(value):
+    least, most = np.nanmin(value), np.nanmax(value)
+    if least > 0.0 and most > _LOG_FROM * least:
         axes.set_yscale("log")
-    elif name == "critical_spring" or np.nanmax(value) - np.nanmin(value) < _FLAT * np.nanmax(
-        value
-    ):
-        axes.set_ylim(0.0, 1.15 * max(axes.get_ylim()[1], np.nanmax(value)))
+    elif name == "critical_spring" or most - least < _FLAT * most:
+        axes.set_ylim(0.0, 1.15 * max(axes.get_ylim()[1], most))
     if others or len(columns) > 1:
         legend_above(axes)
     return axes

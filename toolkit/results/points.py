@@ -105,9 +105,8 @@ def by_head(result: Any) -> dict[str, Array]:
     columns = {name: own.ravel() for name, own in record.columns.items()}
     if scale.force_unit in ("N", "Pa"):
         factors = force_factors(record, scale)
-        errors = (
-            result.mean_threshold if record.smooth else 1.0
-        )  # of smooth sliding they are in <x_s>
+        # of smooth sliding errors are in <x_s>
+        errors = result.mean_threshold if record.smooth else 1.0
         for name, own in columns.items():
             if name in ("critical_spring", "critical_spring_error"):
                 columns[name], units[name] = factors * own, scale.spring_unit

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.results.kinds import is_coupled
 from toolkit.results.records import Result
-from toolkit.scene.scale import SI, written
+from toolkit.scene.scale import SHARED, written
 from toolkit.scene.scene import Scene
 
 # breaks of a slider that take some minutes, with a mass half an hour; the shortest way of a slider, in mean thresholds,
@@ -44,11 +44,11 @@ def contradiction(result: Result) -> str:
 
 def with_units(scene: Scene, regime: Any) -> str:
     """The reason of a soft slider's regime, after the machine's spring and K* in N/m where the surface knows them."""
-    reason, surface = f"{regime.reason}{_of_so_many(scene, regime)}", scene.contacts.interface
-    if surface is None or surface.contact_density is None or scene.units != SI:
+    reason, scale = f"{regime.reason}{_of_so_many(scene, regime)}", scene.scale
+    if scale.spring_unit == SHARED:
         return reason
     spring, critical = (
-        written(own * scene.scale.spring, scene.scale.spring_unit, digits=4)
+        written(own * scale.spring, scale.spring_unit, digits=4)
         for own in (scene.drive.spring or 0.0, regime.critical_spring)
     )
     return f"K = {spring}, K* = {critical}; {reason}"
@@ -57,15 +57,12 @@ def with_units(scene: Scene, regime: Any) -> str:
 def _of_so_many(scene: Scene, regime: Any) -> str:
     """What to add to the reason of a soft slider's regime: that the nominal area holds too few contacts for smooth
     sliding (docs/sliders.md: N K^3 below some 50), or that the spring may be meant in N/m."""
-    surface, spring = scene.contacts.interface, scene.drive.spring or 0.0
+    spring, scale = scene.drive.spring or 0.0, scene.scale
     critical, smooth = regime.critical_spring, regime.verdict == "smooth"
-    if surface is None and smooth and spring > 10.0 * max(critical, 1.0):
+    if scene.contacts.interface is None and smooth and spring > 10.0 * max(critical, 1.0):
         return "; spring is in units of N_c<k>; in N/m of a surface, or with [contacts.interface]"
-    known = surface is not None and surface.contact_density is not None and scene.units == SI
-    if not known or scene.area is None:
-        return ""
-    held = surface.contact_density * scene.area
-    if not smooth or held * spring**3 >= 50.0:
+    held = scale.contacts
+    if scale.spring_unit == SHARED or held is None or not smooth or held * spring**3 >= 50.0:
         return ""
     said = f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
     return said if scene.contacts.held_in_time else said + _how_to_follow(scene, held)
