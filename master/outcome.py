@@ -35,11 +35,14 @@ def unheard(error: float) -> None:
     """The default progress callback: do nothing."""
 
 
-def outcome(contacts: Contacts, error: float, tolerance: float, reason: str) -> tuple[bool, str]:
+def outcome(
+    contacts: Contacts, error: float, tolerance: float, reason: str, what: str = ""
+) -> tuple[bool, str]:
     """Success and message of a solution; error and tolerance are in mean thresholds, and `reason`
-    says why the tolerance was missed, where it was."""
+    says why the tolerance was missed, where it was. `what` : whose error it is, if not the force's,
+    as " of holding"."""
     success = bool(error <= tolerance)
-    within = f"error estimate {error:.1e} is within the tolerance {tolerance:.1e}"
+    within = f"error estimate {error:.1e}{what} is within the tolerance {tolerance:.1e}"
     message = within if success else reason
     start, thresholds = contacts.cut_weight, contacts.thresholds.cut_weight
     if start > 0.0:

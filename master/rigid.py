@@ -234,7 +234,8 @@ def breaks_until(march: March, t: Array) -> Array:
 
 
 def _read(march: March, values: Array, t: Array) -> Array:
-    """Values at times t, shape (n,), from those at the panels' beginnings and nodes; at a jump the value after it."""
+    """Values at times t, shape (n,), from those at the panels' beginnings and nodes. A time at which one panel
+    ends and the next begins is read on the next: at a jump that is the value after it, at a turn the later leg."""
     begin, begin_leg, width = march.solved.begin, march.solved.begin_leg, march.solved.width
     knots = march.motion.times
     # at a jump, a time that rounding puts just before it is read after it; elsewhere values are continuous

@@ -142,14 +142,27 @@ SLOW = {"heat": pytest.mark.slow}
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=SLOW.get(name, ())) for name in LEFT_TO_THE_ENSEMBLE]
 )
-def test_the_ensemble_takes_what_is_refused(name: str) -> None:
-    """On a stiff spring the master equation follows the densities of thresholds, in cells."""
+def test_cells_of_thresholds_on_a_stiff_spring_agree_with_the_ensemble(name: str) -> None:
+    """Laws without a first passage: a rigid slider is refused in master, and left to the ensemble; on a spring the
+    densities of thresholds are followed in cells."""
     contacts, path = LEFT_TO_THE_ENSEMBLE[name], np.array([0.3, 0.5, 0.7])
     drawn = eq_model.simulate(contacts, path, n_contacts=20_000, seed=2)
     sprung = master.solve(contacts, path * (1.0 + 1e-6), 3e-3, spring=1e6)
     apart = np.abs(np.interp(path, sprung.position, sprung.force) - drawn.force)
     assert (apart < 4.0 * drawn.force_standard_error + drawn.step_error + 3e-3).all()
     assert (drawn.force_error == drawn.force_standard_error + drawn.step_error).all()
+
+
+def test_the_drift_to_any_final_law_is_that_to_a_normal_one_where_it_is_normal() -> None:
+    """Of a normal law the drift D U' is known; a mixture of that law with itself takes the road of any final law."""
+    final, time = origins.gaussian(1.2, 0.05), np.array([1.0, 2.0])
+    one, other = (
+        master.solve(
+            Contacts(YOUNG, ageing=Ageing(law, 0.01)), 0.5 * time, 3e-2, time=time, spring=1e4
+        )
+        for law in (final, origins.mixture([final, final], [0.5, 0.5]))
+    )
+    np.testing.assert_allclose(other.force, one.force, rtol=1e-9)
 
 
 def test_contacts_hold_beyond_every_fresh_threshold_as_these_spread() -> None:

@@ -69,7 +69,8 @@ class Straight:
         """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest = life, born, longest
         self.survival_error = self.error = life.error
-        self._speed, self._per_time = speed, speed if steady else 1.0  # dX/dt; lags per time
+        # dX/dt with its sign, which the force has from it; and the lag per time, a distance over a time if steady
+        self._speed, self._per_time = speed, speed if steady else 1.0
         self.scale, self._until = life.largest_stretch, until
         at_bends = self._lags_at(np.append(life.bends, life.largest_stretch))
         self._last = float(at_bends.max(initial=0.0)) or np.inf  # the lag of the last breaks

@@ -117,10 +117,10 @@ class Followed(NamedTuple):
             return False, fault
         if solved == drive.path.size:
             error = self.largest_error
-            what = "holding" if self.holding_error > self.error else "the force"
-            above = f"error estimate {error:.1e} of {what} is above the tolerance {tolerance:.1e}"
+            what = " of holding" if self.holding_error > self.error else ""
+            above = f"error estimate {error:.1e}{what} is above the tolerance {tolerance:.1e}"
             reason = self.stopped_because or f"{above}; shorten the path or loosen the tolerance"
-            return outcome(contacts, error, tolerance, reason)
+            return outcome(contacts, error, tolerance, reason, what)
         last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
         return False, f"{self.stopped_because}: the path is cut at {last}"
 
