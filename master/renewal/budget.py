@@ -55,7 +55,7 @@ class ErrorBudget:
 
     The error is inf where the sum of panels, survivals and births is above 0.1 (RESOLVED in master/rigid.py). A
     tolerance below that of rounded positions is raised to it (`finest` there), and force_error stays above what was
-    asked for. A march that ends early, as breaks are steady, adds ALIKE = 0.25 of a panel's part to its last panel,
+    asked for. A march that ends early, as breaks are steady, adds AGREE = 0.25 of a panel's part to its last panel,
     for the changes that it does not follow (master/renewal/march.py).
 
     panels : largest error of a panel, a share of the contacts: that of the number of breaks, plus that of the force

@@ -159,9 +159,9 @@ class EarlierLegs:
         far = self._life.largest_stretch
         count = min(int(np.ceil(far / (SEEN_WITHIN * self._life.resolution_length))), MOST_CUTS)
         distance = np.linspace(0.0, far, count + 1)[1:]
-        speed = np.abs(self._motion_leg.speeds[self._legs, None])
-        rests = np.full((speed.size, count), np.inf)  # births in a hold are not cut
-        before_last = np.divide(distance, speed, out=rests, where=speed > 0.0)
+        abs_speed = np.abs(self._motion_leg.speeds[self._legs, None])
+        rests = np.full((abs_speed.size, count), np.inf)  # births in a hold are not cut
+        before_last = np.divide(distance, abs_speed, out=rests, where=abs_speed > 0.0)
         return np.maximum(last - before_last, first)
 
     def _bends(self, t_leg: Array, born: float) -> Array:

@@ -26,8 +26,8 @@ SMOOTHER = 1e-2
 MOST_EDGES, MOST_JUMPS = 400, 4000
 # Largest jump of the breaks, in tolerances of their number, that may be left to the panels' own errors.
 LEFT_TO_PANELS = 1e3
-# Thresholds are alike where the least is above this part of the largest.
-ALIKE = 0.9
+# A law of thresholds or of stretches at birth is narrow where its width is below this part of the largest threshold.
+NARROW = 0.1
 # Two edges nearer than this share of the time since their leg began, and ROUNDED of all the time, count as equal, and a
 # point nearer than this before an edge counts as after it: times are rounded.
 SAME_TIME, ROUNDED = 1e-12, 2e-15
@@ -91,10 +91,12 @@ class _Kinks:
         fastest = float(np.abs(self.motion.speeds).max())
         resolution = self.life.resolution_length / fastest if fastest else 0.0
         self._rounded = SAME_TIME * resolution
-        # contacts born alike break together where thresholds are alike, to a tenth: without edges there panels miss a
-        # narrow peak of breaks
+        # contacts born at one stretch break nearly together where the law of thresholds is narrow: without edges at its
+        # ends panels miss a narrow peak of breaks
         near, far = self.life.safe_stretch, self.life.largest_stretch
-        self._bends = np.union1d(self.life.bends, [near, far] if near > ALIKE * far else [])
+        self._bends = np.union1d(
+            self.life.bends, [near, far] if near > (1.0 - NARROW) * far else []
+        )
         # contacts that have moved by more before `continued_from`, a thousandth for rounding, hold no more
         self._farthest = 1.001 * max([far, *self._bends])
         self._place = float(self.motion.at(np.array(continued_from)))
@@ -128,7 +130,7 @@ class _Kinks:
         if birth < self.continued_from and gone > self._farthest + max(map(abs, law.span)):
             return
         # the ends of a narrow law are like a jump
-        is_narrow = np.ptp(law.span) < (1.0 - ALIKE) * self.life.largest_stretch
+        is_narrow = np.ptp(law.span) < NARROW * self.life.largest_stretch
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
                 if time > self.continued_from + self.close(time):

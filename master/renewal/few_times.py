@@ -40,9 +40,9 @@ class FewTimes:
         never = life.quick or life.has_strands or life.atoms.size
         self._longest = 0.0 if never else np.inf
 
-    def are_tried(self, grid_leg: Array, speed: float) -> bool:
+    def are_tried(self, grid_leg: Array, abs_speed: float) -> bool:
         """Whether the rows of a grid of times may be interpolated."""
-        travel = self._travel(grid_leg, speed)
+        travel = self._travel(grid_leg, abs_speed)
         return grid_leg.shape[1] == TARGETS.size and 0.0 < travel < self._longest
 
     def interpolated(self, sums: Array) -> tuple[Array, float]:
@@ -54,10 +54,10 @@ class FewTimes:
         # between the two it may be MARGIN times as far off
         return both, MARGIN * float(max(number, force / self._unit))
 
-    def take_narrower(self, grid_leg: Array, speed: float) -> None:
+    def take_narrower(self, grid_leg: Array, abs_speed: float) -> None:
         """It failed on the panels of this grid."""
-        self._longest = self.NARROWER * self._travel(grid_leg, speed)
+        self._longest = self.NARROWER * self._travel(grid_leg, abs_speed)
 
-    def _travel(self, grid_leg: Array, speed: float) -> float:
+    def _travel(self, grid_leg: Array, abs_speed: float) -> float:
         """The slider's travel on a panel."""
-        return float(np.ptp(grid_leg[0])) * speed
+        return float(np.ptp(grid_leg[0])) * abs_speed

@@ -40,10 +40,10 @@ def sums_of_lumps(
     inside = INSIDE * np.ptp(grid_leg, axis=1)
     panel_begin, panel_end = grid_leg.min(axis=1) + inside, grid_leg.max(axis=1) - inside
     for law in dict.fromkeys(lump.law for lump in lumps):
-        alike = [lump for lump in lumps if lump.law is law]
-        weight = np.array([lump.weight for lump in alike])
+        of_law = [lump for lump in lumps if lump.law is law]
+        weight = np.array([lump.weight for lump in of_law])
         # (lumps, 1), against rows (rows,)
-        birth_leg = np.array([[lump.birth - leg_begins_path] for lump in alike])
+        birth_leg = np.array([[lump.birth - leg_begins_path] for lump in of_law])
         amid = (panel_begin < birth_leg) & (birth_leg < panel_end)
         unborn = (birth_leg > middle) & ~amid
         both[0] += (weight @ unborn)[:, None]

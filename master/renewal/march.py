@@ -26,10 +26,10 @@ from master.survival.life import NO_SURVIVAL
 from origins.start import Start
 from origins.thresholds.law import Array
 
-# Breaks count as steady where their rates agree over MEMORIES times the longest life, a tenth more than one against the
-# rounding of times, to ALIKE of the tolerance: the changes that may follow are added to the error, and panels keep most
-# of the tolerance. A march ends early only where MEMORIES_AHEAD longest lives lie ahead: to test it costs a few panels.
-MEMORIES, ALIKE, MEMORIES_AHEAD = 1.1, 0.25, 8.0
+# Breaks count as steady where their rates agree over CYCLES longest cycles, a tenth more than one against the rounding
+# of times, to AGREE of the tolerance: the changes that may follow are added to the error, and panels keep most of the
+# tolerance. A march ends early only where CYCLES_AHEAD longest cycles lie ahead: to test it costs a few panels.
+CYCLES, AGREE, CYCLES_AHEAD = 1.1, 0.25, 8.0
 # About the work of solving a panel, in pieces of integrals over births.
 WORK_OF_PANEL = 100
 # Width of the last panel without births, in that of the first guess.
@@ -81,9 +81,9 @@ class March:
         self._continues_leg = False  # whether panels of its first leg are there already, see `cut`
         self.jump = Jump(0.0, 0, 0.0)
 
-        # whether the start is told by the table of births of the first leg: G_0(t) = E(t, 0)
-        alike = start.is_single and start.span == births.law.span
-        self._as_births = alike and self.life.start_as_births
+        # whether all contacts of the start are as if born at t = 0: G_0(t) = E(t, 0), in the table of the first leg
+        same_stretch = start.is_single and start.span == births.law.span
+        self._start_is_birth = same_stretch and self.life.start_as_births
 
     @property
     def survival_error(self) -> float:
@@ -103,7 +103,7 @@ class March:
                 if self.motion.one_leg and self._steady():
                     # later changes are at most those that `_steady` allows, an error; going on would cost digits
                     self.steady_since = self.solved.end - 0.5 * self.solved.width[-1]
-                    self.solved.error[-1] += ALIKE * self.tolerance
+                    self.solved.error[-1] += AGREE * self.tolerance
                     break
         except StoppedError as why:
             self.unfinished = True
@@ -115,23 +115,23 @@ class March:
 
         A march that goes on after `cut` does not begin its leg here, and keeps the width of its panels.
         """
-        before = -1
+        leg_before = -1  # of the edge before; there is none yet
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            goes_on = before < 0 and self._continues_leg
-            new_leg = leg != before and not goes_on
-            before, leg_begins = leg, float(self.motion.times[leg])
+            goes_on = leg_before < 0 and self._continues_leg
+            new_leg = leg != leg_before and not goes_on
+            leg_before, leg_begins = leg, float(self.motion.times[leg])
             yield from self._segment(leg, begin - leg_begins, end - leg_begins, new_leg)
 
     def _segment(self, leg: int, now_leg: float, edge_leg: float, new_leg: bool) -> Iterator[None]:
         """Solve from one edge to the next, yielding after each good run. Times whose name ends in `_leg` are counted
         from the beginning of the leg, all others here from that of the path."""
         leg_begins = float(self.motion.times[leg])
-        first = self._duration(self.guess, leg)
-        most = self._duration(self.life.largest_stretch, leg)
+        guess = self._duration(self.guess, leg)
+        whole_life = self._duration(self.life.largest_stretch, leg)
         tolerance, widths = self.tolerance, self.widths
-        widths.begin(edge_leg - now_leg, first, most, tolerance, new_leg)
+        widths.begin(edge_leg - now_leg, guess, whole_life, tolerance, new_leg)
         while not widths.reached(edge_leg - now_leg):
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
@@ -156,62 +156,65 @@ class March:
 
     def _duration(self, length: float, leg: int) -> float:
         """The time that the slider takes for a length; inf in a hold."""
-        speed = abs(float(self.motion.speeds[leg]))
-        return length / speed if speed else np.inf
+        abs_speed = abs(float(self.motion.speeds[leg]))
+        return length / abs_speed if abs_speed else np.inf
 
-    def _memory(self, leg: int) -> float:
+    def _longest_cycle(self, leg: int) -> float:
         """The longest time from a break to the next one of the same contact."""
         return self.present.straight(float(self.motion.speeds[leg])).longest + self.births.delay
 
     def _steady(self) -> bool:
-        """Whether breaks have been steady for longer than any life. Each rate of breaks is a mean of those before, to
-        the longest life (renewal equation); where these agree to the tolerance, so do all that follow."""
-        memory, speed = MEMORIES * self._memory(0), self.motion.speeds[0]
+        """Whether breaks have been steady for longer than any cycle. Each rate of breaks is a mean of those at most a
+        longest cycle before (renewal equation); where these agree to the tolerance, so do all that follow."""
+        cycles, speed = CYCLES * self._longest_cycle(0), self.motion.speeds[0]
         solved, now = self.solved, self.solved.end
         after_last_lump, ahead = now - self.lumps[-1].birth, self.edges[-1] - now
-        if not speed or after_last_lump < memory or ahead < MEMORIES_AHEAD * memory:
+        if not speed or after_last_lump < cycles or ahead < CYCLES_AHEAD * cycles:
             return False
-        rates = solved.rates_from(now - memory)
-        alike = np.ptp(rates) < ALIKE * self.tolerance * rates.mean()
+        rates = solved.rates_from(now - cycles)
+        rates_agree = np.ptp(rates) < AGREE * self.tolerance * rates.mean()
         change = float(np.ptp(solved.force[-len(rates) :]))
-        return bool(alike and change < ALIKE * self.tolerance * self.stretch)
+        return bool(rates_agree and change < AGREE * self.tolerance * self.stretch)
 
     def _run(self, leg: int, begin_leg: float, width: float, count: int) -> Run:
         """Solve panels of one width, the first of which begins at `begin_leg`."""
         self.births.work += WORK_OF_PANEL * count
-        alike = self._count_alike(width, leg)
-        of_panel = self.present.panel_sums(float(self.motion.speeds[leg]), width, alike + count)
+        speed, same_width = float(self.motion.speeds[leg]), self._count_same_width(width, leg)
+        of_panel = self.present.panel_sums(speed, width, same_width + count)
         targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
-        known = self.known_on(leg, targets_leg, alike)
-        earlier = self.solved.breaks[self.solved.count - alike :]
+        known = self.known_on(leg, targets_leg, same_width)
+        earlier = self.solved.breaks[self.solved.count - same_width :]
         return solve_run(of_panel, known, earlier, self.stretch)
 
-    def _count_alike(self, width: float, leg: int) -> int:
+    def _count_same_width(self, width: float, leg: int) -> int:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
-        survival depends on the lag alone. Panels from so long ago that none holds are left out."""
-        # A birth holds no longer than the memory, and a panel's last births come one width after its first: panels
+        survival depends on the lag alone. Panels from so long ago that none holds are left out.
+
+        Fewer would cost time only, as `known_on` integrates the others. One more would be wrong: on another width
+        PanelSums do not hold, which may not show; and of a leg before Past has the births: they would count twice."""
+        # A panel's last births come one width after its first, and none of them holds after a longest cycle: panels
         # that begin before `oldest`, a second width on the safe side of rounding, add nothing.
-        oldest = self.solved.end - self._memory(leg) - 2.0 * width
+        oldest = self.solved.end - self._longest_cycle(leg) - 2.0 * width
         leg_begins = float(self.motion.times[leg]) - SAME_BEGIN * width
-        return self.solved.count_alike(width, max(oldest, leg_begins))
+        return self.solved.count_same_width(width, max(oldest, leg_begins))
 
     def known_at(self, t: Array) -> Array:
         """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
         leg = self.motion.leg_of_all(t)
         return self.known_on(leg, t - self.motion.times[leg])
 
-    def known_on(self, leg: int, grid_leg: Array, alike: int = 0) -> Array:
+    def known_on(self, leg: int, grid_leg: Array, same_width: int = 0) -> Array:
         """Number and force of all contacts whose births are known, at later times on a leg; (2, *grid_leg.shape).
 
         grid_leg : times in rows
-        alike : the last panels, so many, are left out: they have the width of the panels to be solved, and solve_run
-            adds them by PanelSums
+        same_width : the last panels, so many, are left out: they have the width of the panels to be solved, and
+            solve_run adds them by PanelSums
 
         Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
         solved = self.solved
         # a start that is as births at t = 0 on this leg is in their table
-        in_table = leg == 0 and self._as_births
+        in_table = leg == 0 and self._start_is_birth
         lumps = self.lumps[1:] if in_table else self.lumps
         both = self._past.at(leg, solved, grid_leg, lumps)
         if in_table:
@@ -219,8 +222,8 @@ class March:
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         t_leg = grid_leg.ravel()
         t = float(self.motion.times[leg]) + t_leg
-        oldest = float(t.min()) - self._memory(leg)
-        first, end = panel_at(solved.begin, oldest), solved.count - alike
+        oldest = float(t.min()) - self._longest_cycle(leg)
+        first, end = panel_at(solved.begin, oldest), solved.count - same_width
         # of these panels those from `first_panel` on have births on this leg; Past has those of the others
         born_on_leg = solved.pick(slice(max(first, self._past.first_panel), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)

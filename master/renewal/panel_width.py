@@ -22,7 +22,7 @@ WIDE, WIDE_AT = 6.0, 1e-8
 class WidthRules:
     """The numbers of the controller; none changes what a panel's error means, only how many panels are tried.
 
-    of_hold : in a hold, part of the distance to its first edge that the first panel takes: contacts break by heat at
+    of_hold : in a hold, part of the time to its first edge that the first panel takes: contacts break by heat at
         rates that no length tells
     first_run, longest_run : panels solved together at an edge, and at most. A run costs one evaluation of earlier
         births; later panels are lost where an early one is bad, so that runs grow by `run_growth` as they are good
@@ -42,7 +42,7 @@ class WidthRules:
         hardly any contact breaks
     calm : part of the tolerance below which breaks on a panel are hardly any: polynomials of all widths fit them
     fills : part of the widest width that panels must have to tell whether it may grow; they are narrower where few
-        of them fill the distance to the edge
+        of them fill the time to the edge
     least_quick, least : narrowest width, in that of the first guess: beside a point that no panel resolves halving
         stops there; heat breaks contacts at rates of all sizes, of which the fastest need the narrowest panels
     least_of_time : narrowest width, in the time since the leg began, of which it keeps three digits
@@ -91,9 +91,9 @@ class PanelWidth:
 
     widest : largest width of the next panels, inf before the first, kept from edge to edge; `narrow` and `widen` change
         it
-    length : from edge to edge, a time
-    first, most : width of the first guess, and the largest that is of use: that of a whole life. Both are lengths
-        divided by the speed, and so inf in a hold, where only the distance to the edge bounds a width
+    duration : from edge to edge
+    guess, whole_life : width of the first guess, and the largest that is of use. Both are lengths divided by the speed,
+        and so inf in a hold, where only the time to the edge bounds a width
     tolerance : largest error of a good panel; quick : whether a look-up gives the survival (Life.quick)
     """
 
@@ -102,32 +102,32 @@ class PanelWidth:
         self.widest, self.rules, self._quick = np.inf, rules, quick
 
     def begin(
-        self, length: float, first: float, most: float, tolerance: float, new_leg: bool
+        self, duration: float, guess: float, whole_life: float, tolerance: float, new_leg: bool
     ) -> None:
         """Begin at an edge, with panels as wide as those before it; on a new leg, which has another speed, with those
         of the first guess."""
         rules = self.rules
         if new_leg:
-            self.widest = first if first < np.inf else rules.of_hold * length
-        self.length, self.tolerance = length, tolerance
-        self._first, self._most = first, most
-        self._narrowest = min(first, length) * (rules.least_quick if self._quick else rules.least)
+            self.widest = guess if guess < np.inf else rules.of_hold * duration
+        self.duration, self.tolerance = duration, tolerance
+        self._guess, self._whole_life = guess, whole_life
+        self._narrowest = min(guess, duration) * (rules.least_quick if self._quick else rules.least)
         self._width, self._run = 0.0, rules.first_run
         self._good_panels = 0  # in a row, with errors that let panels widen
         self._bad_width = self._bad_error = 0.0  # of the last attempt, 0 if that was good
 
-    def reached(self, left: float) -> bool:
-        """Whether the distance `left` to the edge is 0 but for rounding."""
-        return left <= self.rules.same * min(self.widest, self.length)
+    def reached(self, remaining: float) -> bool:
+        """Whether the `remaining` time to the edge is 0 but for rounding."""
+        return remaining <= self.rules.same * min(self.widest, self.duration)
 
-    def propose(self, left: float) -> Proposal:
-        """Equal panels that fill the distance `left` to the edge, none wider than the widest, and how many to solve
+    def propose(self, remaining: float) -> Proposal:
+        """Equal panels that fill the `remaining` time to the edge, none wider than the widest, and how many to solve
         now."""
         rules = self.rules
-        to_edge = max(1, int(np.ceil(left / self.widest * (1.0 - rules.same))))
+        to_edge = max(1, int(np.ceil(remaining / self.widest * (1.0 - rules.same))))
         # the same width, to the last bit, finds its sums again
-        if abs(left / to_edge - self._width) > rules.same * self._width:
-            self._width = left / to_edge
+        if abs(remaining / to_edge - self._width) > rules.same * self._width:
+            self._width = remaining / to_edge
         return Proposal(self._width, min(self._run, to_edge), to_edge)
 
     def too_narrow(self, t: float) -> bool:
@@ -156,7 +156,7 @@ class PanelWidth:
         rules, width, largest = self.rules, proposal.width, float(errors.max())
         self._bad_error = 0.0
         calm = broken < rules.calm * self.tolerance
-        narrow = width <= 0.5 * self._first
+        narrow = width <= 0.5 * self._guess
         # where contacts break at rates of all sizes, and behind a point that no polynomial resolves, wider panels soon
         # suffice
         soon = calm or narrow or not self._quick
@@ -170,7 +170,7 @@ class PanelWidth:
         if not (unresolved or (easy and width > rules.fills * self.widest)):
             return
         factor = rules.far_widening if largest < rules.far_below * spare else rules.widening
-        self.widest = min((rules.calm_widening if calm else factor) * width, self._most)
+        self.widest = min((rules.calm_widening if calm else factor) * width, self._whole_life)
         self._run = 1 if soon else max(1, self._run // 4)
         self._good_panels = 0
 

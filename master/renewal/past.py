@@ -145,13 +145,13 @@ class Past:
 
     def _from_few_times(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums | None:
         """As `_summed`, interpolated between few of the times; None where that is not tried, or not accurate."""
-        speed = abs(float(self._motion_leg.speeds[self._leg]))
-        if self._earlier is None or not self._few.are_tried(grid_leg, speed):
+        abs_speed = abs(float(self._motion_leg.speeds[self._leg]))
+        if self._earlier is None or not self._few.are_tried(grid_leg, abs_speed):
             return None
         summed = self._summed(grid_leg[:, FewTimes.ASKED], lumps)
         both, interpolation_error = self._few.interpolated(summed.both)
         if interpolation_error > self._accuracy:
-            self._few.take_narrower(grid_leg, speed)
+            self._few.take_narrower(grid_leg, abs_speed)
             return None
         return summed._replace(both=both, error=summed.error + interpolation_error)
 

@@ -62,7 +62,7 @@ class Present:
         return other
 
     def straight(self, speed: float) -> Straight:
-        """Survival and force of contacts born on a leg of this speed."""
+        """Survival and force of contacts born on a leg of this speed, of either sign; see Straight."""
         if speed not in self._table:
             births, life, motion = self._births, self._births.life, self._births.motion
             most = life.largest_stretch + max(abs(end) for end in births.law.span)

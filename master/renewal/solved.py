@@ -113,7 +113,7 @@ class SolvedPanels:
         nodes = polynomials.gauss(polynomials.PANEL_NODES).nodes
         return np.asarray(slopes @ polynomials.legendre_values(nodes).T)
 
-    def count_alike(self, width: float, earliest: float) -> int:
+    def count_same_width(self, width: float, earliest: float) -> int:
         """How many of the last panels have this width, to the last bit, and begin at `earliest` or later."""
         first = int(np.searchsorted(self.begin, earliest))
         other = np.flatnonzero(self.width[first:] != width)

@@ -38,9 +38,11 @@ class _Ladder(NamedTuple):
 
 
 class Straight:
-    """E and K over the lag since birth, a time or the slider's travel, at the speed dX/dt of either sign, or 0.
+    """E and K over the lag since birth, a time or the slider's travel.
 
     born : law of the stretches at birth
+    speed : dX/dt, with its sign, or 0: K has the sign of x, and contacts born at r < 0 are relaxed first where it is
+        above 0. Where only its size counts it is written `abs_speed`, as in all of master/renewal
     longest : the longest lag; the table ends there or where no contact holds, if `steady` where hardly any does
     accuracy : last coefficients of E, and of K over `scale`, below which a panel of the table is not halved
     steady : whether lags are distances instead of times
@@ -69,7 +71,7 @@ class Straight:
         """Find the lags between which E and K are smooth, and tabulate both."""
         self.life, self.born, self.longest = life, born, longest
         self.survival_error = self.error = life.error
-        # dX/dt with its sign, which the force has from it; and the lag per time, a distance over a time if steady
+        # the lag per time: 1, or a distance over a time if steady, where the slider moves forward
         self._speed, self._per_time = speed, speed if steady else 1.0
         self.scale, self._until = life.largest_stretch, until
         at_bends = self._lags_at(np.append(life.bends, life.largest_stretch))
@@ -126,13 +128,13 @@ class Straight:
 
     def _lags_at(self, marks: Array) -> Array:
         """Lags at which contacts reach the lengths |x| of the marks; none where the slider rests."""
-        sign, speed, born = np.sign(self._speed), abs(self._speed), self.born
+        sign, abs_speed, born = np.sign(self._speed), abs(self._speed), self.born
         ends = np.unique(sign * np.array([*born.span, *born.breakpoints]))
         # a contact born at r < 0 comes back to its largest |x| after a distance of -2 r
         distances = np.append(np.subtract.outer(marks, ends), -2.0 * ends)
-        if not speed:
+        if not abs_speed:
             return np.empty(0)
-        return np.unique(distances[distances > 0.0]) * (self._per_time / speed)
+        return np.unique(distances[distances > 0.0]) * (self._per_time / abs_speed)
 
     def _ladder(self, longest: float, steady: bool) -> _Ladder:
         """Lags from where nearly all contacts hold to where hardly any do, or to the longest."""

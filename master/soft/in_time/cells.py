@@ -214,13 +214,15 @@ def _drift(ageing: Ageing, width: float, far: float) -> Callable[[Array], Array]
     furthest = float(np.log(far / width))
     # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power
     at = np.linspace(min(-furthest, float(np.log(POWER_BELOW))), furthest, NODES)
-    logs = [final.logpdf(width * np.exp(at + k * STEP)) for k in (-2, -1, 1, 2)]
-    # -d ln P_cf/d ln x_s, by differences of fourth order
-    slope = (8.0 * logs[1] - logs[0] - 8.0 * logs[2] + logs[3]) / (12.0 * STEP)
+    # d ln P_cf/d ln x_s = -x_s U' by the central difference of five points, of fourth order in STEP; the middle one has
+    # the weight 0
+    weights = np.array([1, -8, 8, -1]) / 12.0
+    logs = np.array([final.logpdf(width * np.exp(at + k * STEP)) for k in (-2, -1, 1, 2)])
+    slope = weights @ logs / STEP
     if not np.isfinite(slope).all():
         fault = "the final law has no finite density where thresholds age to"
         raise InputError(f"ageing: {fault}; use a law without gaps, such as gaussian")
-    spline = CubicSpline(at, ageing.rate * slope)
+    spline = CubicSpline(at, -ageing.rate * slope)
 
     def drift(threshold: Array) -> Array:
         log = np.clip(np.log(np.maximum(threshold, SMALLEST) / width), at[0], at[-1])

@@ -132,8 +132,12 @@ class ContactsInSteps:
 
             held_before + survival (J - J_0) + B - J = 1,        J = slope B + rest,
 
-        and is solved for B. In a step that takes no time no delay ends, so that nothing is born; nor in one so fast
-        that contacts break as they form, which otherwise would be without end.
+        with `survival` that of those born in the step; so that, with lost = 1 - survival,
+
+            B (1 - lost slope) = 1 - held_before + survival J_0 + lost rest.
+
+        In a step that takes no time no delay ends, so that nothing is born; nor in one so fast that contacts break as
+        they form, which otherwise would be without end.
         """
         stop_after(self._until)  # the search for a step may need hundreds of trials
         duration = now - self.now

@@ -97,11 +97,13 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
     answers = [_answer(one, times) for one in sliders]
     force = np.array([one.force for one in answers])
     holding = np.array([one.holding for one in answers])
-    alike = _alike([one.slips for one in answers])
-    slips = np.array([one.slips[:, some] for one, some in zip(answers, alike.which, strict=True)])
+    compared = _compared([one.slips for one in answers])
+    slips = np.array(
+        [one.slips[:, some] for one, some in zip(answers, compared.which, strict=True)]
+    )
     instants = [
         np.array([slip.time for slip in one.slips])[some]
-        for one, some in zip(sliders, alike.which, strict=True)
+        for one, some in zip(sliders, compared.which, strict=True)
     ]
     # at times between two sliders' slips F changes by its drop, which is no error; K X_T says how far F is off
     beside = np.any([_beside(times, *pair) for pair in pairwise(instants)], axis=0)
@@ -118,19 +120,19 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
         holding[2] + REST_OF_CHANGE * (holding[2] - holding[1]),
         answers[2].slips.copy(),
     )
-    limit.slips[:, alike.which[2]] += REST_OF_CHANGE * (slips[2] - slips[1])
+    limit.slips[:, compared.which[2]] += REST_OF_CHANGE * (slips[2] - slips[1])
     if beside.any():  # read F as long before or after the slip as it is from the extrapolated slip
         later = REST_OF_CHANGE * (instants[2] - instants[1])
         nearest = np.abs(times[beside, None] - instants[2] - later).argmin(axis=1)
         there = _answer(sliders[2], times[beside] - later[nearest])
         limit.force[beside], limit.holding[beside] = there.force, there.holding
-    error += safety * alike.left_over
+    error += safety * compared.left_over
     if slip_undecided(sliders):
         error = max(error, float(np.abs(limit.force).max()))
     return Limit(limit, error, holding_error)
 
 
-class AlikeSlips(NamedTuple):
+class ComparedSlips(NamedTuple):
     """The slips of some sliders that are compared.
 
     which : indices of the largest slips of each slider, in order, as many as all of them have
@@ -141,7 +143,7 @@ class AlikeSlips(NamedTuple):
     left_over: float
 
 
-def _alike(slips: list[Array]) -> AlikeSlips:
+def _compared(slips: list[Array]) -> ComparedSlips:
     """Which slips of each slider are compared, from K X_T, F before and F after, shape (3, slips)."""
     drops = [np.abs(before - after) for _, before, after in slips]
     fewest = min(drop.size for drop in drops)
@@ -150,7 +152,7 @@ def _alike(slips: list[Array]) -> AlikeSlips:
         by_size = np.argsort(-drop, kind="stable")
         which.append(np.sort(by_size[:fewest]))
         left_over = max(left_over, float(drop[by_size[fewest:]].max(initial=0.0)))
-    return AlikeSlips(which, left_over)
+    return ComparedSlips(which, left_over)
 
 
 def _changes(three: Array) -> Array:

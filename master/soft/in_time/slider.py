@@ -88,7 +88,7 @@ class Slider:
                 self._steps.begin(leg, end)
                 if self._slide(end):
                     self._slip(self._drive())
-                    self._foresee_steps(last)
+                    self._stop_if_too_many_steps(last)
                     if first_of_new is not None and contacts.are_new:
                         self._stick = self.sections[first_of_new:]
                     first_of_new = None  # what comes depends on this slip, unless it left all new
@@ -135,7 +135,7 @@ class Slider:
         self._list_slip(known[-1][-1].force)
         return True
 
-    def _foresee_steps(self, end: float) -> None:
+    def _stop_if_too_many_steps(self, end: float) -> None:
         """StoppedError where as many steps for each slip as the last one took would be too many up to this time."""
         contacts, two = self.contacts, self.slips[-2:]
         least = LARGE * max((slip.force_before for slip in self.slips), default=0.0)

@@ -8,12 +8,15 @@
 
 A balanced step of the size s takes τ(s) steps of time, and the rest, s - τ(s), is its travel. τ rises from τ(0) = 0 as
 long as the slider needs the drive to move on; where τ is the largest it needs no more, and slips. This lies within a
-step of the size s, or just beyond, on one of three conditions (`SlipBegins._longest_to_slip`):
+step of the size s, or just beyond, on one of three conditions (`SlipBegins._has_slip`):
 
 - no balance: τ(s) <= 0, the spring pulls more than contacts bear from now on;
 - where P_c jumps, F falls beyond: τ(1.01 s) < τ(s). τ has a kink there, and no fold before it;
 - elsewhere a fold within, τ' = 0 before s: τ(0.99 s) >= τ(s), so that the last 0.01 s is all travel, and takes no time
   or less.
+
+τ(0.99 s) need not be solved for. With I(s, τ) the imbalance at the end of a step of the size s of which τ is time,
+I(s, τ(s)) = 0; and I rises with τ. Hence τ(0.99 s) >= τ(s) if and only if I(0.99 s, τ(s)) <= 0: one trial tells.
 
 Before contacts at an exact threshold break, the last balance is taken where it comes later than the largest τ found.
 """
@@ -90,10 +93,10 @@ class SlipBegins:
         step = asked.step
         if step.trial.now > steps.contacts.now:  # it may have been cut at the section's end
             size = min(size, steps.size(step.trial))
-        longest = self._longest_to_slip(asked, size)
-        if longest is None:
+        if not self._has_slip(asked, size):
             self._foresee(step.time_steps / size, size)
             return self._chosen(asked), False
+        longest = self._search_up_to(asked, size)
         latest = self._latest(size, longest)
         last = self._last_before_exact(size, longest) if steps.contacts.memory.exact else None
         if last is not None and last.step.trial.now > latest.step.trial.now:
@@ -102,29 +105,34 @@ class SlipBegins:
         # at the section's end, a slip may still be to come
         return trial, trial.now < steps.section_end
 
-    def _longest_to_slip(self, root: Root, size: float) -> float | None:
-        """The longest step that may lead to a slip, where one begins on this step, which has this size, or just beyond;
-        else None. On the three conditions at the head of this file, in that order."""
-        step = root.step
-        if not step.has_balance:
-            return size
+    def _has_slip(self, root: Root, size: float) -> bool:
+        """Whether a slip begins on this step, which has this size, or just beyond: on the three conditions at the head
+        of this file, in that order."""
+        if not root.step.has_balance:
+            return True
         if self._steps.contacts.jumps:
-            # F falls at once at a jump: there is no fold, but a step beyond takes less time than this one, whose time
-            # is its size less its travel, also if it was cut
-            beyond = ONSET.beyond_jump * size
-            time_steps = size - self._steps.travelled(step.trial)
-            return beyond if self._solve(beyond).step.time_steps < time_steps else None
-        return size if self._is_fold_within(root, size) else None
+            return self._falls_beyond(root, size)
+        return self._has_fold(root, size)
 
-    def _is_fold_within(self, root: Root, size: float) -> bool:
-        """Whether a fold lies before the end of this step, which has this size."""
+    def _falls_beyond(self, root: Root, size: float) -> bool:
+        """Whether a longer step takes less time, τ(1.01 s) < τ(s), as F falls at once where P_c jumps."""
+        # the time of this step is its size less its travel, also if it was cut
+        time_steps = size - self._steps.travelled(root.step.trial)
+        return self._solve(ONSET.beyond_jump * size).step.time_steps < time_steps
+
+    def _has_fold(self, root: Root, size: float) -> bool:
+        """Whether a fold lies before the end of this step: τ(0.99 s) >= τ(s), or I(0.99 s, τ(s)) <= 0."""
         # far from a slip the slider follows the drive, and this part of the size is time
         time_steps = root.step.time_steps
         if time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
-        # imbalances increase with time: where none is left, the balanced step takes this time or more
         before = self._steps.tried(ONSET.before_fold * size, time_steps, root.slope)
         return before.imbalance <= 0.0
+
+    def _search_up_to(self, root: Root, size: float) -> float:
+        """The longest step that may lead to the slip on this one: where F falls beyond a jump, a longer one."""
+        falls_beyond = root.step.has_balance and self._steps.contacts.jumps
+        return ONSET.beyond_jump * size if falls_beyond else size
 
     def _foresee(self, time_fraction: float, size: float) -> None:
         """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.

@@ -36,15 +36,15 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     with one they stay out for it, and births repeat the jump of the breaks a delay later.
     """
     contacts.past_breaks.begin_section()
-    way = _way_to_balance(contacts, steps)
-    contacts.take(contacts.trial(way, contacts.now, without_births=True))
+    travel = _travel_to_balance(contacts, steps)
+    contacts.take(contacts.trial(travel, contacts.now, without_births=True))
     if not (contacts.holding or contacts.delay):
         return contacts.relax()
     contacts.past_breaks.repeat_jump(contacts.now)
     contacts.form_due()
 
 
-def _way_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
+def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
     """The travel to the first balance of a slip without births (a length, of either sign)."""
     shortest = SHORTEST_STEP * contacts.memory.scales.length
 
@@ -97,10 +97,10 @@ def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> No
         low = 0.0
         travelled.append(abs(contacts.position - begin))
         forces.append(contacts.force)
-        # the way to the end if F stays what it is
-        left = imbalance(0.0) / steps.spring
-        if left > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
-            contacts.slide_steadily(steps.sign * left, STEADY * contacts.unit)
+        # the travel to the end if F stays what it is
+        to_end = imbalance(0.0) / steps.spring
+        if to_end > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
+            contacts.slide_steadily(steps.sign * to_end, STEADY * contacts.unit)
             return
     if imbalance(low) > 0.0:
         low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
