@@ -66,10 +66,13 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
     def missed_by_cells(halvings: int) -> bool:
         return not ThresholdMemory(contacts, halvings).resolves_heat
 
+    # asked first, as it takes least: heat that the usual cells resolve is resolved by the finer ones, too
+    if contacts.changing is not None or not missed_by_cells(USUAL_HALVINGS):
+        return Idle(contacts)
     repeats = repeats_of_effect(contacts, drive)
     idle = Idle(contacts.replace(thermal=None), 0.0, repeats)
     idle = idle._replace(effect=largest_effect(contacts, duration, EARLY_OF_TOLERANCE * tolerance))
-    if idle.error < IDLE * tolerance and missed_by_cells(USUAL_HALVINGS):
+    if idle.error < IDLE * tolerance:
         return idle._replace(message="heat is left out: it changes the force by at most")
     idle = idle._replace(effect=largest_effect(contacts, duration, EARLY_OF_CONTACTS))
     # without heat such contacts are followed without steps
