@@ -11,7 +11,9 @@ from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
 
 import toolkit
 from origins.errors import InputError
+from toolkit.judge.describe import describe, onset_in_words
 from toolkit.results.numbers import in_words, numbers_of
+from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import of_surface, with_uncertainty, written
 
 AREA = 1e-6
@@ -229,6 +231,13 @@ def test_samples_of_a_file_have_a_unit() -> None:
     bare = toolkit.load_scene(scene(table)).contacts.mean_threshold
     law = table | {"unit": "nm"}
     assert toolkit.load_scene(scene(law)).contacts.mean_threshold == pytest.approx(1e-9 * bare)
+    units = [toolkit.load_scene(scene(one)).scale.length_unit for one in (table, law)]
+    assert units == ["length", "m"]
+    results = [toolkit.run(scene(one)) for one in (table, law)]
+    assert [one.thresholds.in_metres for one in results] == [False, True]
+    assert [one.scale.force_unit for one in results] == ["N_c<k> length", "N_c<k> m"]
+    numbers = describe(toolkit.load_scene(scene(law)).contacts).numbers
+    assert numbers["mean"].unit == numbers["kinetic_force"].unit == "m"
     forces = {"kind": "from-samples", "f_s": [2.0, 3.0, 4.5], "unit": "nN", "stiffness": 5.0}
     assert 4e-10 < toolkit.load_scene(scene(forces)).contacts.mean_threshold < 9e-10
     with pytest.raises(InputError, match="unit = 'furlong': must be"):
@@ -236,3 +245,9 @@ def test_samples_of_a_file_have_a_unit() -> None:
     del law["column"]
     with pytest.raises(InputError, match='holds 2 columns; say which has x_s, as column = "x_s"'):
         toolkit.load_scene(scene(law))
+
+
+def test_a_power_that_few_samples_leave_open_is_told_from_where_to_where() -> None:
+    told = [onset_in_words(Number(0.0, error, ""), 8) for error in (0.0, 0.04, 12.3, np.inf)]
+    assert told == ["0", "0 ± 0.04", "0 to 12", "0, error not known"]
+    assert onset_in_words(Number(3.0, 2.0, ""), 8) == "1 to 5"

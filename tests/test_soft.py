@@ -314,6 +314,27 @@ def test_a_path_without_slips_says_how_far_to_drive_and_the_first_slip_decides(s
     assert after.slips.drive[0] > far / 3.0
 
 
+def test_a_path_that_ends_in_small_slips_after_the_large_one_is_stick_slip():
+    """Two contacts in five break together before the others, and the slider moves on by a twentieth of a threshold;
+    when all are out they begin anew. The drops of the last three slips shrink; sliders of the ensemble slip alike."""
+    law = origins.Contacts(
+        origins.mixture([origins.gaussian(0.05, 0.002), origins.gaussian(1.0, 0.05)], [0.4, 0.6])
+    )
+    path = np.linspace(0.0, 100.0, 101)
+    found = solved(law, path, 0.01, "reform-after", 1e-6)
+    assert found.success and found.regime.verdict == "stick-slip"
+    slips, (large,) = found.slips, found.slips.main
+    assert 0 < large < slips.drive.size - 1 and found.period is None
+    asked = {"n_contacts": 20_000, "n_replicas": 4, "spring": 0.01, "slip": "reform-after"}
+    each = eq_model.simulate(law, path, seed=1, **asked).slips
+    of_all = each.drop > 0.5
+    late = 20_000 ** (-2 / 3)
+    assert of_all.sum() == 4
+    assert abs(each.force_before[of_all].mean() - slips.force_before[large]) < 3.0 * late
+    longer = solved(law, np.linspace(0.0, 200.0, 101), 0.01, "reform-after", 1e-6)
+    assert longer.period == pytest.approx(slips.drive[large], abs=2e-6)
+
+
 def test_resets_by_few_weak_contacts_are_no_stick_slip_of_the_slider():
     """2 % of the contacts are weak and alike: as soon as they break, a reset renews all."""
     law = origins.mixture([origins.gaussian(0.1, 0.0003), origins.gaussian(1.0, 0.3)], [0.02, 0.98])

@@ -486,6 +486,22 @@ def test_a_structure_of_ase_has_a_verdict(capsys: Any, kind: str) -> None:
         assert one["period"] == pytest.approx(one["before"] / 50.0, rel=0.02)
 
 
+def test_the_ensembles_slips_of_a_narrow_peak_between_those_of_all_are_no_slips() -> None:
+    """Two contacts in five break together at 0.05, and the spring hardly shortens: the slips that are told are those of
+    all contacts, with the master equation's force, and a period that the spring needs for it."""
+    law = Contacts(mixture([gaussian(0.05, 0.002), gaussian(1.0, 0.05)], [0.4, 0.6]))
+    soft = replace(SOFT, spring=0.01)
+    solved: Any = master.solve(law, [0.0, 88.0], 1e-6, spring=0.01, slip="reform-after")
+    (exact,) = solved.slips.force_before[solved.slips.main]
+    known = Known(exact, 0.487, 1e-9, 5.37, 1.0)
+    told = follow(soft, law, "reform-after", known, wall_time=0.0)
+    finite = follow_finite(soft, law, 2e4, told, exact, seconds=1e3)
+    assert told.kind == finite.kind == "stick-slip" and told.slips == 6
+    for one in (told, finite):
+        assert one.before == pytest.approx(exact, abs=0.02) and one.after == 0.0
+        assert one.period == pytest.approx(one.before / 0.01 + one.before, rel=0.02)
+
+
 def test_more_contacts_give_the_numbers_of_fewer_sliders() -> None:
     """A thousand contacts slip too early by some N^(-2/3), and their claim covers it; 50,000 are nearer."""
     few = follow(SOFT, WIDE, "reset", rigid(WIDE), wall_time=0.0)
@@ -581,6 +597,15 @@ def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
         found = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
         assert found.startswith("smooth at 0.5")
         assert found.endswith(" if contacts re-form at once (no delay is given)") is told
+
+
+def test_an_error_that_is_told_leaves_the_force_no_more_digits() -> None:
+    number, own = answers.Quantity(0.5437, 1e-9), replace(infinite("smooth", 0), error=0.01)
+    contacts, own = Contacts(gaussian(1.0, 0.3)), replace(own, before=0.5437, after=0.5437)
+    scale = scale_of(contacts, None)
+    answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
+    found = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+    assert found.startswith("smooth at 0.54 N_c<k> length ± 0.01 N_c<k> length")
 
 
 def test_the_critical_spring_of_smoothed_islands_is_no_number(monkeypatch: Any) -> None:

@@ -67,8 +67,8 @@ class Slips:
 
 
 def largest_of_late(drops: Array) -> float:
-    """The largest of the last third of these drops, 0 for none: large and small slips may alternate."""
-    return float(drops[-(drops.size // 3) :].max(initial=0.0))
+    """The largest of the later half of these drops, 0 for none: as many small ones may precede it as follow it."""
+    return float(drops[drops.size // 2 if drops.size > 2 else 0 :].max(initial=0.0))
 
 
 def slips_of(rows: Array, spring: float, error: float) -> Slips:
@@ -207,8 +207,9 @@ def _by_slips(
     counted = f"{slipped} up to the end of the path"
     if drive.slip == "reset" and count > 1:
         return "stick-slip", f"{counted}, and a reset leaves contacts that slip again"
-    if _first_slip_repeats(contacts, drive, found):
-        return "stick-slip", f"{counted}, and after the first all contacts begin again as at first"
+    if (anew := _begins_anew(contacts, drive, found)).size:
+        which = f"slip {anew[0] + 1}" if anew[0] else "the first"
+        return "stick-slip", f"{counted}, and after {which} all contacts begin again as at first"
     silent = abs(float(drive.path[-1] - slips.drive[-1]))
     first = (spring + 1.0) / spring * _oldest_threshold(contacts, drive, found)
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
@@ -222,21 +223,22 @@ def _by_slips(
     if trend is not None and trend < -STEADY:
         return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
     # the largest of the last third beside that of the last two thirds
-    late, longer = largest_of_late(drops), float(drops[count // 3 :].max())
+    late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
     if trend is not None or late >= (1.0 - STEADY) * longer:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
 
 
-def _first_slip_repeats(contacts: Contacts, drive: Drive, found: Followed) -> bool:
-    """Whether the first slip leaves contacts as they were at the start: relaxed ones, on a drive that goes forward at
-    one speed, after a reset, or after a slip in which none forms again and none holds on."""
+def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[np.int64]:
+    """Indices of the slips that leave contacts as at the start: relaxed, on a drive that goes forward at one speed, and
+    in a slip none forms again and none holds on. With a delay the first alone may: later, some are out already."""
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
     out = drive.slip != "instant" or contacts.delay is not None
-    held = abs(float(found.slips.force_after[0])) / contacts.mean_threshold
+    told = found.slips.force_after[: 1 if contacts.delay else None]
+    held = np.abs(told) / contacts.mean_threshold
     steadily = drive.forward and (drive.time is None or not contacts.in_time)
     alike = relaxed and steadily and not contacts.older_at_start
-    return alike and out and held <= min(found.error, NONE_HOLDS)
+    return np.flatnonzero((held <= min(found.error, NONE_HOLDS)) & (alike and out))
 
 
 def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> float:
@@ -276,11 +278,8 @@ def _lacking(
         told = f", but one may come until the slider has gone on by {far:.3g}"
         # the slider is behind its drive by F/K: once F is largest, it goes as far as the drive
         ahead = max(latest + far, float(abs(drive.path[-1])) + far - slid)
-        return (
-            f"{told}; drive to X_T = {ahead:.3g}"
-            if drive.forward and ahead > 0.0
-            else f"{told}; lengthen the path"
-        )
+        forward = drive.forward and ahead > 0.0
+        return f"{told}; {f'drive to X_T = {ahead:.3g}' if forward else 'lengthen the path'}"
     force = np.abs(found.force)
     # 0.1 of the rise of F over the last step of the path if the slider sticks: less may be rounding, or errors
     rise = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])

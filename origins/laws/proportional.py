@@ -67,7 +67,8 @@ class ProportionalGrowth(GrowingThresholds):
         if self.age == 0.0 or not self.grows:
             return self.fresh
         law = Powered(self.fresh, straight(float(self.factor(self.start_pinned_for)), 1.0))
-        law.interface, law.cut_weight = self.interface, self.fresh.cut_weight
+        law.interface, law.in_metres = self.interface, self.fresh.in_metres
+        law.cut_weight = self.fresh.cut_weight
         return law
 
     @cached_property

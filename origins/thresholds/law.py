@@ -62,6 +62,7 @@ class Thresholds:
         or where nothing continuous begins there.
     onset_power_error : its error: 0 where the family defines it, else that of the fit.
     interface : Interface, load, contact density, stiffness and friction in SI units, where the law is a surface's.
+    in_metres : whether its lengths are metres without that, as of samples whose unit is given.
     domains : DomainSamples, barriers, angles and sizes of the islands, where the law is that of rotated domains.
     cut_weight : weight of a given distribution at or below x = 0 that was cut off; the rest is normalised.
     """
@@ -69,6 +70,7 @@ class Thresholds:
     onset_power: float = np.inf
     onset_power_error: float = 0.0
     interface: Any = None
+    in_metres: bool = False
     domains: Any = None
     cut_weight: float = 0.0
     _support: tuple[float, float] = (0.0, np.inf)

@@ -13,7 +13,7 @@ from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
 from toolkit.running.resampled import of_resampled
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite, with_error
-from toolkit.scene.scale import SHARED, Scale
+from toolkit.scene.scale import SHARED, Scale, length_unit_of
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
 # numbers in units of N_c<k>
@@ -92,7 +92,7 @@ def in_units_of(scale: Scale, numbers: Mapping[str, Number]) -> dict[str, Number
 
 def _of_law(law: Thresholds) -> dict[str, Number]:
     """Moments, ends, quantiles and the onset of P_c."""
-    unit, spread = "m" if law.interface is not None else "length", law.std()
+    unit, spread = length_unit_of(law), law.std()
     # relative error of moments and quantiles: 6e-11 is the largest seen, of a tail as x^-4.5
     numerical = 1e-10
     values = {"mean": law.mean(), "standard_deviation": spread}
@@ -163,9 +163,21 @@ def conditions(contacts: Contacts, velocity: float) -> list[str]:
     laws = [str(own) for own in timed if own is not None]
     if contacts.stiffness == "linked":
         laws.append("linked stiffness")
-    unit = "length per time" if contacts.interface is None else "m/s"
+    unit = "m/s" if length_unit_of(contacts.thresholds) == "m" else "length per time"
     where = ", ".join([f"v = {velocity:.4g} {unit}", *laws])
     return [f"with laws: F_k, K*, F_s/F_k and X* at {where}; all else is P_c alone"] if laws else []
+
+
+def onset_in_words(number: Number, digits: int) -> str:
+    """The onset power m, to so many digits; of few samples, which leave more than one power open, from where to where
+    it may lie."""
+    value, error = number.value, number.error or 0.0
+    if np.isfinite(value) and error == np.inf:
+        return f"{value:g}, error not known"
+    if not (np.isfinite(value) and error >= 1.0):
+        return with_error(value, error, digits)
+    # samples are fitted with a finite density at 0, m = 0, or with a power above it
+    return f"{max(value - error, min(value, 0.0)):.2g} to {value + error:.2g}"
 
 
 def table_of(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...]) -> list[str]:
@@ -178,9 +190,11 @@ def table_of(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...])
     for name, number in found.numbers.items():
         if name in hidden:
             continue
-        value = with_error(number.value, number.error or 0.0, 8).replace(
-            " ± inf", ", error not known"
-        )
+        if name == "onset_power":
+            value = onset_in_words(number, 8)
+        else:
+            value = with_error(number.value, number.error or 0.0, 8)
+            value = value.replace(" ± inf", ", error not known")
         row = f"  {name.replace('_', ' '):{width}}{value} {number.unit}".rstrip()
         out.append(f"{row}  ({labels[name]})" if laws and name in labels else row)
     out += [f"  {note}" for note in found.notes]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.judge.compare import SHOWN, SPRINGS, Verdict, common_unit
-from toolkit.judge.describe import RESAMPLES
+from toolkit.judge.describe import RESAMPLES, onset_in_words
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.scale import SHARED, guarded
 from toolkit.verdict.answers import Quantity
@@ -30,6 +30,8 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         cells, many = [str(rank), verdict.name], len(verdict.readings)
         for name in names:
             value, over = _cells([one.numbers[name] for one in verdict.readings])
+            if name == "onset_power" and value:
+                value = onset_in_words(verdict.own.numbers[name], 4)
             cells.append(value)
             reach.append(over)
         times.append(f"{verdict.name} {verdict.found.run_time:.2g} s")

@@ -18,7 +18,7 @@ from toolkit.results.kinds import ENERGIES
 from toolkit.results.points import SweepRecord
 from toolkit.scene.drive import has_path, make_drive
 from toolkit.scene.interfaces import Number
-from toolkit.scene.scale import Scale, of_surface
+from toolkit.scene.scale import Scale, length_unit_of, of_surface, without_stiffness
 from toolkit.scene.tables import SceneTable, read_table
 
 OWN_UNIT = "length unit of the thresholds"
@@ -166,7 +166,7 @@ class Result:
         """The units of forces F/(N_c<k>) and springs K/(N_c<k>): N and N/m of a surface with drive.area, Pa and N/m³
         without it, N_c<k> of other thresholds and of a scene with units = "N_c<k>"."""
         if self.interface is None:
-            return Scale()
+            return without_stiffness(self.thresholds.in_metres)
         known = {name: number.value for name, number in self.interface.items()}
         density, pressure = known.get("contact_density"), known.get("pressure")
         return of_surface(density, known["mean_stiffness"], pressure, self._area, self.asked.units)
@@ -233,5 +233,6 @@ def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
     edges = np.unique([0.0, *panel_edges(thresholds, upper), *jumps, upper])
     within = np.linspace(edges[:-1], edges[1:], _PER_PANEL).ravel()
     x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
-    unit = "m" if thresholds.interface is not None else OWN_UNIT
+    known = length_unit_of(thresholds)
+    unit = known if known == "m" else OWN_UNIT
     return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights, unit)

@@ -43,7 +43,7 @@ def _sliding(scene: Scene, springs: bool) -> dict[str, Column]:
     import master
 
     contacts, surface = scene.contacts, scene.contacts.interface
-    unit = "length" if surface is None else "m"
+    unit = scene.scale.length_unit
     steady = master.steady_state(contacts, velocity=scene.sliding)
     error = steady.force_error * contacts.mean_threshold
     found = {"mean_threshold": Column(contacts.mean_threshold, unit)}
@@ -78,10 +78,7 @@ def _by_master(scene: Scene) -> dict[str, Column]:
     """The force along the drive, and of a slider on a spring its regime and its slips."""
     tolerance: Any = scene.master
     solved = solve_master(scene, tolerance.tolerance)
-    unit, mean = (
-        ("length" if scene.contacts.interface is None else "m"),
-        scene.contacts.mean_threshold,
-    )
+    unit, mean = scene.scale.length_unit, scene.contacts.mean_threshold
     found = {"largest_force": Column(float(solved.force.max()), unit)}
     found["last_force"] = Column(float(solved.force[-1]), unit)
     found["force_error"] = Column(solved.force_error * mean, unit)
@@ -101,7 +98,7 @@ def _by_ensemble(scene: Scene) -> dict[str, Column]:
     how much the spring's force swings over the last quarter of the path's points."""
     asked: Any = scene.eq
     found: Any = follow(make_ensemble(scene, asked, None))
-    unit = "length" if scene.contacts.interface is None else "m"
+    unit = scene.scale.length_unit
     columns = {"eq_last_force": Column(float(found.force[-1]), unit)}
     columns["eq_last_force_error"] = Column(float(found.force_standard_error[-1]), unit)
     if is_coupled(found):

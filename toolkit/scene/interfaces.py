@@ -13,6 +13,7 @@ from origins.roughness.stated import InSI
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
+from toolkit.scene.scale import length_unit_of
 from toolkit.scene.scene import Scene
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
@@ -132,7 +133,7 @@ def foreseen(scene: Scene) -> list[str]:
     ):  # a soft spring is stretched by some <x_s>/K before its slider moves
         reach /= 1.0 + 1.0 / scene.drive.spring
     if reach > 1e6 or 0.0 < reach < 1e-2:  # probably a mistake
-        unit = "" if surface is None else " m"
+        unit = " m" if length_unit_of(law) == "m" else ""
         said.append(f"the drive goes {reach:.1g} times <x_s> = {mean:.3g}{unit}: in that unit?")
     if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:
         swept = {} if scene.sweep is None else scene.sweep.at

@@ -62,7 +62,9 @@ def from_samples(
         name = "x_s" if given["x_s"] is not None else "f_s"
         values = finite_array(name, given[name])
         given[name] = values * in_si(unit, METRES if name == "x_s" else NEWTONS)
-    return origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
+    law = origins.from_samples(**given, coefficient=coefficient, stiffness=stiffness)
+    law.in_metres = unit is not None
+    return law
 
 
 def _place(key: str, column: int | str | None, lines: list[str]) -> int | None:

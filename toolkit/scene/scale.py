@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.thresholds.law import Thresholds
 
 # SI prefixes by powers of ten, as far as friction needs them
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
@@ -20,7 +21,7 @@ class Scale:
     force : factor of forces; force_unit : its unit, "N" with an area, "Pa" (per area) for a surface without one, else
         "N_c<k> length" (of a surface "N_c<k> m")
     spring : factor of springs; spring_unit : "N/m", "N/m³" (per area) or "N_c<k>"
-    length_unit, time_unit : "m" and "s" for a surface, else "length" and "time"
+    length_unit, time_unit : "m" and "s" for a surface, and of samples whose unit is given, else "length" and "time"
     load : the normal force in the unit of forces; None where there is none
     contacts : N_c on the area; None without one
     """
@@ -44,10 +45,23 @@ def scale_of(contacts: Contacts, area: float | None, units: str = SI) -> Scale:
     """The units of these contacts on a nominal `area` in m² (None: not known); `units` as a scene has it."""
     surface = contacts.interface
     if surface is None:
-        return Scale()
+        return without_stiffness(contacts.thresholds.in_metres)
     return of_surface(
         surface.contact_density, surface.mean_stiffness, surface.pressure, area, units
     )
+
+
+def length_unit_of(thresholds: Thresholds) -> str:
+    """Of the lengths of a law: "m" of a surface's, with a stated interface, or of samples in a unit; else "length"."""
+    known = thresholds.interface is not None or thresholds.in_metres
+    return "m" if known else "length"
+
+
+def without_stiffness(in_metres: bool) -> Scale:
+    """The units of contacts whose <k> is not known: metres and seconds, or units of their own."""
+    if not in_metres:
+        return Scale()
+    return Scale(force_unit="N_c<k> m", length_unit="m", time_unit="s")
 
 
 def of_surface(
@@ -60,7 +74,7 @@ def of_surface(
     """The units of a surface with so many contacts per area (1/m²), <k> (N/m) under a nominal pressure (Pa); a density
     or a pressure of None is not known."""
     if density is None:
-        return Scale(force_unit="N_c<k> m", length_unit="m", time_unit="s")
+        return without_stiffness(in_metres=True)
     together = density * stiffness  # N/m for each m²
     if units == SHARED:
         load = None if pressure is None else pressure / together

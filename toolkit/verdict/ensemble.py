@@ -1,12 +1,14 @@
 """Sliders of the ensemble: where the master equation takes no such slider, or not in time."""
 
 import time
+from dataclasses import fields, replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.drive import SLIP_SHARE
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
@@ -103,8 +105,9 @@ def follow_by_contacts(
         )
     except InputError as refused:
         return not_followed(rule, str(refused))
-    slips, unit = found.slips, contacts.mean_threshold
     drive, force = trace_of(found, 0)
+    found = replace(found, slips=main_slips(found.slips))
+    slips, unit = found.slips, contacts.mean_threshold
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
     slipped = common > 1
     before, scatter = slips.mean("force_before", common - 1) if slipped else (force[-1], np.inf)
@@ -113,7 +116,10 @@ def follow_by_contacts(
     error = scatter if slipped else float(found.force_standard_error[-1])
     number = found.contacts // SLIDERS
     if slipped and number < (known.contacts or np.inf):
-        few = found if number <= FEW else sliders(machine, contacts, rule, path, FEW, SHORT)
+        few = found
+        if number > FEW:
+            few = sliders(machine, contacts, rule, path, FEW, SHORT)
+            few = replace(few, slips=main_slips(few.slips))
         error += _too_early(found, few, unit)
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
@@ -137,6 +143,20 @@ def follow_by_contacts(
         drive=drive,
         force=force,
     )
+
+
+def main_slips(slips: Any) -> Any:
+    """The slips of an ensemble, numbered anew, but those that lower the force by less than SLIP_SHARE of their slider's
+    largest of late: a narrow peak of P_c may slip alone between slips of all contacts."""
+    kept, number = np.zeros(slips.drop.size, bool), np.zeros(slips.drop.size, int)
+    for replica in np.unique(slips.replica):
+        own = np.flatnonzero(slips.replica == replica)
+        drops = slips.drop[own]
+        late = drops[drops.size // 2 if drops.size > 2 else 0 :]
+        kept[own] = drops >= SLIP_SHARE * late.max()
+        number[own] = np.cumsum(kept[own]) - 1
+    columns = {each.name: getattr(slips, each.name)[kept] for each in fields(slips)}
+    return replace(slips, **columns | {"number": number[kept]})
 
 
 def told_by(number: int) -> str:

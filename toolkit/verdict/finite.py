@@ -14,6 +14,7 @@ from toolkit.verdict.ensemble import (
     ROUNDING,
     SLIDERS,
     has_slid,
+    main_slips,
     sliders,
     told_by,
     trace_of,
@@ -107,6 +108,9 @@ def follow_finite(
         found = sliders(machine, contacts, rule, path, min(held, most), seconds)
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
+    drive, force = trace_of(found, 0)
+    if slips:
+        found = replace(found, slips=main_slips(found.slips))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, held, "unknown", message=NOT_SLID)
@@ -126,7 +130,6 @@ def follow_finite(
         if kind != infinite.kind:
             message = f"{held:,} take too long, and {followed:,} do something else than infinitely many: {kind}"
             return Finite(rule, held, "unknown", message=message)
-    drive, force = trace_of(found, 0)
     mean = float(counts.mean())
     slips, period = found.slips, None
     if last:

@@ -243,20 +243,26 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     if top > 0.0:
         share = max(share, error / top)
 
-    def reach(values: Sequence[float], unit: str) -> str:
-        """One value, or the smallest and the largest where they differ as written."""
-        ends = [guarded(value, unit, share * abs(value)) for value in (min(values), max(values))]
-        return " to ".join(dict.fromkeys(ends))
+    def reach(values: Sequence[float], unit: str, told: float = 0.0) -> str:
+        """One value, or the smallest and the largest where they differ as written; to the digit of an error that is
+        `told` beside it."""
+        ends = (min(values), max(values))
+        if told:
+            said = [written(value, unit, told, digits=4) for value in ends]
+        else:
+            said = [guarded(value, unit, share * abs(value)) for value in ends]
+        return " to ".join(dict.fromkeys(said))
 
     if kind == "undecided" and not last.slips:
         first = answer.behaviours[0]
         why = f" ({in_units(last.message, scale)})" * (last.message == first.message)
         return f"not decided{why}"
-    off = f" ± {written(error, scale.force_unit, digits=1)}" * (error > KNOWN * top)
-    low = reach([one.after * scale.force for one in alike], scale.force_unit)
+    told = error if error > KNOWN * top else 0.0
+    off = f" ± {written(error, scale.force_unit, digits=1)}" * bool(told)
+    low = reach([one.after * scale.force for one in alike], scale.force_unit, told)
     if kind == "smooth":
         return f"smooth at {low}{off}{_of_damping(answer, last)}{_without_delay(answer, last)}"
-    high = reach([one.before * scale.force for one in alike], scale.force_unit) + off
+    high = reach([one.before * scale.force for one in alike], scale.force_unit, told) + off
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
         what = "whether it goes on is not known"
