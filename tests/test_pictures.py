@@ -380,3 +380,36 @@ def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:
         assert label in springs.get_xlabel()
         (bar,) = springs.patches
         assert springs.get_xlim()[0] < bar.get_width() < springs.get_xlim()[1]
+
+
+def test_ticks_of_a_logarithmic_axis_are_in_the_unit_of_its_label() -> None:
+    """K* and F_k of three areas go over four decades: each tick times its prefix is where the tick stands. The panels
+    share one legend, with the last words of the keys."""
+    table = {"kind": "gaussian", "mean": 1e-8, "std": 2e-9}
+    stated = {"mean_stiffness": 10.0, "contact_density": 1e12}
+    areas = [1e-8, 1e-6, 1e-4]
+    sweep: dict[str, Any] = {"drive.area": areas, "contacts.thresholds.std": [1e-9, 2e-9]}
+    contacts = {"thresholds": table, "interface": stated}
+    sweep["critical_spring"] = True
+    result = toolkit.run({"contacts": contacts, "sweep": sweep, "drive": {"area": 1e-6}})
+    figure = drawn(draw_run(result, Figure(layout="constrained")))
+    seen = {axes.get_ylabel().split(" $")[0]: axes for axes in figure.axes}
+    for name, column in (
+        ("force", "kinetic_force_newtons"),
+        ("critical spring", "critical_spring_newtons"),
+    ):
+        axes, factor = seen[name], {"mN": 1e-3, "N": 1.0, "kN/m": 1e3, "MN/m": 1e6}
+        assert axes.get_yscale() == "log"
+        unit = axes.get_ylabel().partition("(")[2].rstrip(")")
+        low, high = axes.get_ylim()
+        values = result.sweep[column]
+        assert low < values.min() and values.max() < high
+        labels = [text.get_text() for text in axes.get_yticklabels()]
+        ticks = zip(axes.get_yticks(), labels, strict=True)
+        told = [(y, float(text)) for y, text in ticks if text and low < y < high]
+        assert len(told) > 2
+        for place, number in told:
+            assert number * factor[unit] == pytest.approx(place, rel=1e-9) and number < 1e4
+    assert seen["critical spring"].get_legend() is None
+    names = [text.get_text() for text in seen["force"].get_legend().get_texts()]
+    assert names == ["std = 1.00 nm", "std = 2.00 nm"]

@@ -74,14 +74,16 @@ def name_axis(axis: Any, name: str, unit: str) -> None:
 
 
 def _power(low: float, high: float, log: bool, inverse: bool, seconds: bool) -> int:
-    """The power of ten of the prefix for an axis with these ends: of the middle of a logarithmic one; where that spans
-    so many decades that ticks are powers of ten, of the upper end, without a large prefix."""
+    """The power of ten of the prefix for an axis with these ends: of the middle of a logarithmic one, or the next, so
+    that no tick is 10000; where that spans so many decades that ticks are powers of ten, of the upper end, without a
+    large prefix."""
     wide = log and high / low > 10.0**_MOST_DECADES
     size = np.sqrt(low * high) if log and not wide else max(abs(low), abs(high))
     size = min(size, 1.0) if wide else size
     if not (np.isfinite(size) and size > 0.0):
         return 0
     power = int(3 * np.floor((np.log10(size) + 1e-9) / 3))
+    power += 3 * (not wide and high >= 10.0 ** (power + 4))
     least, most = (-9, 15) if inverse else (-15, 0 if seconds else 12)  # 1/Gm to 1/fm
     return int(np.clip(power, least, most))
 

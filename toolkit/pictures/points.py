@@ -19,6 +19,7 @@ from toolkit.results.records import Result
 from toolkit.scene.scale import PREFIXED, written
 
 _LINES = 8  # as can be distinguished
+_LETTERS = 98  # of a legend above the panel, which is wider than others
 _MARKED = 30  # points of a line; with more, some carry a mark
 # of the largest value: a change of no account, which is not to fill the axis
 _FLAT = 0.01
@@ -44,8 +45,11 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
         if others:  # whose lines are many: one column
             columns = dict([*slips.items()][:1])
     each = {key: sweep[key].ravel() for key in others}
+    short = _short(others)
     lines = [
-        ", ".join(f"{key} = {_told(own[row], units.get(key, ''))}" for key, own in each.items())
+        ", ".join(
+            f"{short[key]} = {_told(own[row], units.get(key, ''))}" for key, own in each.items()
+        )
         for row in range(x.size)
     ]
     names, number = list(dict.fromkeys(lines)), 0
@@ -61,16 +65,24 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     if x.min() > 0.0 and x.max() > _LOG_FROM * x.min():
         axes.set_xscale("log")
     name_axis(axes.xaxis, _SYMBOLS.get(first, first), unit or units.get(first, ""))
-    name_axis(axes.yaxis, *_axis_of(name, columns, result))
     value, _ = _with_error(result, name)
     least, most = np.nanmin(value), np.nanmax(value)
     if least > 0.0 and most > _LOG_FROM * least:
         axes.set_yscale("log")
     elif name == "critical_spring" or most - least < _FLAT * most:
         axes.set_ylim(0.0, 1.15 * max(axes.get_ylim()[1], most))
-    if others or len(columns) > 1:
-        legend_above(axes)
+    # last, as a scale that is set anew has ticks of its own, without the prefix of the unit
+    name_axis(axes.yaxis, *_axis_of(name, columns, result))
+    # the panels below that of the forces have the same lines
+    if len(columns) > 1 or (others and name in ("force", "kinetic_force")):
+        legend_above(axes, letters=_LETTERS)
     return axes
+
+
+def _short(keys: list[str]) -> dict[str, str]:
+    """The last words of the keys, such as "area" of "drive.area", where these tell them apart; else the keys."""
+    last = {key: key.rpartition(".")[2] for key in keys}
+    return last if len({*last.values()}) == len(last) else {key: key for key in keys}
 
 
 def _told(value: Any, unit: str) -> str:
