@@ -286,25 +286,37 @@ def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force_through_
     assert np.abs(limit - solved.force).max() < min(solved.force_error, 5e-5) + OF_TWIN
 
 
-@pytest.mark.parametrize("law", ["soft", "stiff"])
+# what the twin takes on a spring on which it slips, and the same contacts
+SLIPPING = {
+    "heat": (Pulled(WIDE, 0.3, HEAT), CASES["heat"]),
+    "stiff heat": (
+        Pulled(WIDE, 0.3, Thermal("stiff", 0.1)),
+        Contacts(WIDE, thermal=Thermal("stiff", 0.1)),
+    ),
+    "growth, heat": (
+        Pulled(WIDE, 0.3, HEAT, growth=growth),
+        Contacts(strengthening(WIDE, 0.2, 1.0), thermal=HEAT),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SLIPPING)
 def test_with_heat_a_slip_comes_where_the_twin_loses_balance_and_new_contacts_follow(
-    law: Any,
+    name: str,
 ) -> None:
     """The twin slips at the end of a step, and tells a slip within two of them."""
-    spring, end, steps = 0.3, 4.5, 450
-    thermal = Thermal(law, 0.1)
-    forces = pulled(Pulled(WIDE, spring, thermal), [0.0, end], [0.0, end], steps)
+    plain, contacts = SLIPPING[name]
+    end, steps = 4.5, 450
+    forces = pulled(plain, [0.0, end], [0.0, end], steps)
     drive = np.linspace(0.0, end, 46)[1:]
-    solved = master.solve(
-        Contacts(WIDE, thermal=thermal), drive, 1e-3, velocity=VELOCITY, spring=spring
-    )
+    solved = master.solve(contacts, drive, 1e-3, velocity=VELOCITY, spring=plain.spring)
     assert solved.success, solved.message
     slip, two = float(solved.slips.drive[0]), 2.0 * end / steps
     assert solved.slips.drive.size == 1
     assert abs(end / steps * (1 + np.argmin(np.diff(forces, prepend=0.0))) - slip) <= two
     off = np.abs(forces[9::10] - solved.force)
     assert off[drive < slip - two].max() < solved.force_error + 2e-4
-    assert off[drive > slip + two].max() < spring / (1.0 + spring) * two
+    assert off[drive > slip + two].max() < plain.spring / (1.0 + plain.spring) * two
 
 
 # contacts by what their memory keeps, with its file

@@ -39,6 +39,9 @@ COARSER_CELLS = 1
 # Largest root of the hazard at an edge: the survival there is 2e-14. Cells on the coarsest steps; they are halved with
 # every second one.
 LARGEST_ROOT, COARSEST_CELLS = 5.6, 48
+# With heat F + K X is flat within some hundredths of <x_s> before a slip, so that its place hangs on where steps end.
+# Steps of half the way there tell it to 1e-3 two halvings earlier than even steps; those of a quarter do not.
+NEARING_OF_HOT_GROWTH = 0.5
 
 
 class AgeingMemory(Memory):
@@ -47,7 +50,8 @@ class AgeingMemory(Memory):
     fastest : speed at which an edge of the density is resolved
     """
 
-    error, finer_before_slips, safety = 0.0, True, 1.0
+    # Steps become finer within four of the coarsest before a slip; each has a larger error than those of other laws.
+    error, balance, nearing, safety = 0.0, 1e-7, 0.25, 1.0
 
     def __init__(self, contacts: Contacts, halvings: int, fastest: float) -> None:
         ageing = contacts.ageing
@@ -82,6 +86,7 @@ class GrowingMemory(Memory):
         if refusal := GrowingLife.why_not(contacts):
             raise InputError(refusal)
         self._growing, self._hot, self.starts = growing, hot, warm_nodes(halvings)
+        self.nearing = NEARING_OF_HOT_GROWTH if hot else np.inf
         self.largest_stretch, rate = growing.at_start.support()[1], scales.rate
         if growing.begins_at_0:
             # edges are roots of hazards, as small thresholds are proportional to these

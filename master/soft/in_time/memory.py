@@ -60,15 +60,16 @@ class Memory:
     width : numbers in the record of a group
     scales : what steps have to resolve
     starts : most nodes for a start with a width; they differ from halving to halving, so that their error shows
-    finer_before_slips : whether steps become finer towards a slip
+    balance : accuracy of a step's balance, in sizes of steps: far below the error of a step
+    nearing : steps are at most this part of the way to where a slip is foreseen; inf where they need not become finer
     safety : times the last change in the error estimate, see `refining`: changes of the answers fall irregularly
         where births jump or P_c bends, and by a half where thresholds grow
     exact : whether there are exact thresholds
     resolves_heat : whether ln A is known at the next two edges above |x|, from which it is extrapolated
     """
 
-    error, safety = 1e-15, 3.0
-    finer_before_slips, exact, resolves_heat = False, False, True
+    error, balance, safety = 1e-15, 1e-9, 3.0
+    nearing, exact, resolves_heat = np.inf, False, True
     largest_stretch: float
     width: int
     scales: Scales

@@ -38,8 +38,8 @@ class OnsetControl(NamedTuple):
     beyond_jump : factor on the size of the step that looks beyond a jump of P_c, where F falls at once.
     far_from_slip : steps of time, in those of a slider that is stuck to the drive, above which no slip is near.
     before_fold : factor on the size of the step that tells on which side of a fold a step ends.
-    nearing, least_shrink : steps of contacts that age are at most this part of the way to where a slip is foreseen, but
-        not below this factor on their size, as a slip that is foreseen may not come.
+    least_shrink : steps that become finer towards a slip are not below this factor on their size, as a slip that is
+        foreseen may not come.
     """
 
     onset: float = 1e-9
@@ -47,7 +47,6 @@ class OnsetControl(NamedTuple):
     beyond_jump: float = 1.01
     far_from_slip: float = 0.3
     before_fold: float = 0.99
-    nearing: float = 0.25
     least_shrink: float = 0.03
 
 
@@ -137,15 +136,16 @@ class SlipBegins:
     def _foresee(self, time_fraction: float, size: float) -> None:
         """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.
 
-        Steps become finer within four of the coarsest before a slip of contacts that age: their thresholds cross |x|
-        step by step, and the slip would depend on where those steps end.
+        Steps become finer near a slip of contacts whose thresholds change in time, see `Memory.nearing`: thresholds
+        cross |x| step by step, and the slip would depend on where those steps end.
         """
         change = float(np.nan_to_num(time_fraction - self._last_time_fraction))
         self._last_time_fraction = time_fraction
         self._guess = self._guess._replace(time_fraction=time_fraction + change)
         self.shrink = 1.0
-        if self._steps.contacts.memory.finer_before_slips and change < 0.0:
-            to_slip = ONSET.nearing * time_fraction * size / -change
+        nearing = self._steps.contacts.memory.nearing
+        if change < 0.0 and np.isfinite(nearing):
+            to_slip = nearing * time_fraction * size / -change
             self.shrink = min(max(to_slip, ONSET.least_shrink), 1.0)
 
     def _latest(self, size: float, longest: float) -> Root:

@@ -25,8 +25,6 @@ class StepControl(NamedTuple):
         square of the steps, and three halvings from here are some 1e-3.
     drive_weight : steps of time in which the slider, stuck to the drive, travels by one step. Below 1 as the slider's
         travel matters more, above 0 as something must count while contacts creep under a slider that hardly moves.
-    balance, balance_of_ageing : accuracy of a step's balance, in sizes: far below the errors of a step, which are
-        larger where thresholds age.
     per_e_fold_of_hold, per_e_fold_of_move : steps of time in which the time since the begin of a section grows by a
         factor e. While the drive holds they are all there is; while it moves they stand beside the steps of its
         travel, and need resolve the first changes only.
@@ -36,8 +34,6 @@ class StepControl(NamedTuple):
 
     coarsest: float = 0.5
     drive_weight: float = 0.25
-    balance: float = 1e-9
-    balance_of_ageing: float = 1e-7
     per_e_fold_of_hold: float = 2.0
     per_e_fold_of_move: float = 0.4
     time_fractions: tuple[float, ...] = (
@@ -153,8 +149,6 @@ class Steps:
         self.contacts, self.spring, self._drive = contacts, spring, drive
         self.length = CONTROL.coarsest * contacts.memory.scales.length
         self.sign = 1.0
-        ageing = contacts.memory.finer_before_slips
-        self._accuracy = CONTROL.balance_of_ageing if ageing else CONTROL.balance
         slope = (1.0 + spring) * (1.0 + 1.0 / CONTROL.drive_weight) * self.length
         self.first_guess = Guess(FIRST_FRACTION, slope)
 
@@ -212,7 +206,7 @@ class Steps:
         with the steps of time, and its root is the balance. Where the root is below 0 there is no balance from now on,
         see TriedStep.
         """
-        slope, accuracy = guess.slope, self._accuracy * size
+        slope, accuracy = guess.slope, self.contacts.memory.balance * size
 
         def tried(time_steps: float) -> TriedStep:
             return self.tried(size, time_steps, slope)
