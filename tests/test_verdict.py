@@ -19,7 +19,7 @@ from tests.scenes import CONSTANTS, GAUSSIAN, ROUGH, said, write
 from toolkit.processes.signals import TimeIsUp
 from toolkit.running.solvers import within
 from toolkit.scene.interfaces import of_islands, of_samples, of_smoothing
-from toolkit.scene.scale import guarded, scale_of, written
+from toolkit.scene.scale import Scale, guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers, judge
 from toolkit.verdict.budget import Budget
@@ -29,6 +29,7 @@ from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow, follow_other_delay
 from toolkit.verdict.machine import NO_FORCES, NO_TIME, Behaviour, Known, Machine, not_followed
 from toolkit.verdict.picture import draw_verdict
+from toolkit.verdict.table import in_units
 from toolkit.verdict.words import disagreeing, page, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
@@ -436,6 +437,21 @@ def test_without_time_a_slider_that_forgets_its_start_slides_at_the_kinetic_forc
     for machine, contacts in ((SOFT, exact), (near, WIDE)):
         other = follow(machine, contacts, "instant", rigid(WIDE), wall_time=0.0)
         assert other.kind == "undecided" and other.message == NO_TIME
+
+
+def test_a_refused_slider_is_told_without_a_path_to_give_and_with_units(monkeypatch: Any) -> None:
+    why = "contacts form too often in a slip that lasts some 2.3"
+
+    def refused(*arguments: Any, **named: Any) -> None:
+        raise InputError(f"delay = 1: {why}; take eq_model.simulate, or end the path before 0.4")
+
+    monkeypatch.setattr(master, "solve", refused)
+    heavy = replace(SOFT, mass=1.0, damping=0.1)
+    found = follow(heavy, WIDE, "mass", Known(0.8, 0.5, 0.0, 3.0, 1.0), wall_time=10.0)
+    assert found.kind == "undecided" and found.message == why
+    metres = Scale(length_unit="m", time_unit="s")
+    assert in_units(why, metres) == why + "0 s" and in_units(why, Scale()) == why
+    assert in_units("cut at X_T = 4e-05, no more", metres) == "cut at X_T = 40.0 µm, no more"
 
 
 @pytest.mark.parametrize("rule", ["reset", "reform-after"])

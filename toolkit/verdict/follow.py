@@ -158,7 +158,8 @@ def _by_distribution(
         except InputError as error:
             # without the key and its value, which is in the solver's units, not in the user's
             key, _, why = str(error).partition(": ")
-            if key.startswith("path"):  # nor what path to give instead: it is the verdict's own
+            # nor what path to give instead: it is the verdict's own
+            if key.startswith("path") or "end the path" in why:
                 why = why.partition("; ")[0]
             return not_followed(rule, why or str(error))
         found = replace(_behaviour(rule, solved), cut=solved.path.size < path.size)

@@ -234,11 +234,11 @@ def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
 
 
 def in_units(message: str, scale: Scale) -> str:
-    """A solver's message with the positions of the drive in the unit of length of the verdict."""
-
-    def told(found: re.Match[str]) -> str:
-        return f"X_T = {written(float(found[1]), scale.length_unit)}"
-
+    """A solver's message with the positions of the drive, and how long a slip lasts, in the units of the verdict."""
     if scale.length_unit != "m":
         return message
-    return re.sub(r"X_T = (\d[\d.]*(?:e[+-]?\d+)?)", told, message)
+    for before, unit in (("X_T = ", scale.length_unit), ("lasts some ", scale.time_unit)):
+        for number in re.findall(rf"{before}(\d[\d.]*(?:e[+-]?\d+)?)", message):
+            told = written(float(number), unit)
+            message = message.replace(f"{before}{number}", f"{before}{told}")
+    return message
