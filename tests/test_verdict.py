@@ -308,6 +308,16 @@ def test_samples_have_a_sampling_error_near_that_of_their_mean(capsys: Any) -> N
     assert 0.4 * expected < kinetic["sampling"] < 2.5 * expected and "±" in page
 
 
+def test_the_sampling_error_of_contacts_that_wait_is_that_of_their_force() -> None:
+    """F_k of a long delay is <x_s²>/2 over the way in it: other samples scatter it by some 2 (std/mean) N^(-1/2)."""
+    x_s = np.random.default_rng(5).uniform(0.5, 1.5, 60).tolist()
+    contacts = {"thresholds": {"kind": "from-samples", "x_s": x_s}, "delay": {"time": 1e4}}
+    found = judge.verdict(load_scene({"contacts": contacts, "wall_time": 1e3}, solved=False))
+    kinetic = found.own.kinetic
+    assert kinetic.value == pytest.approx(np.mean(np.square(x_s)) / 2e4, rel=0.01)
+    assert kinetic.sampling is not None and 0.03 < kinetic.sampling / kinetic.value < 0.15
+
+
 def test_digits_are_those_that_the_uncertainty_leaves() -> None:
     assert written(0.254779, "N", 0.01) == "250 mN"
     # one digit more where the uncertainty is told elsewhere: heat of 0.03 % is not a step from 250 to 260 mN

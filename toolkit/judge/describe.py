@@ -11,7 +11,7 @@ from origins.errors import InputError
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
-from toolkit.running.resampled import of_resampled
+from toolkit.running.resampled import like, of_resampled
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite, with_error
 from toolkit.scene.scale import SHARED, Scale, length_unit_of
 
@@ -61,7 +61,7 @@ def describe(
         if isinstance(law, ContinuousMixture) and sampled_parts(law):
             notes.append("sampling errors are missing: its laws may all be of the same samples")
         elif sampled := bool(sampled_parts(law)):
-            _add_sampling_errors(contacts, numbers, progress)
+            _add_sampling_errors(contacts, velocity, numbers, progress)
     if law.interface is not None:
         numbers |= of_interface(law.interface)
         pressure, kinetic = law.interface.pressure, numbers.get("kinetic_force")
@@ -111,7 +111,10 @@ def _of_law(law: Thresholds) -> dict[str, Number]:
 
 
 def _add_sampling_errors(
-    contacts: Contacts, numbers: dict[str, Number], progress: Callable[[int, int], None] | None
+    contacts: Contacts,
+    velocity: float,
+    numbers: dict[str, Number],
+    progress: Callable[[int, int], None] | None,
 ) -> None:
     """Add to the errors one standard error of what other samples would have given, bias of the smoothing included.
 
@@ -121,7 +124,7 @@ def _add_sampling_errors(
 
     def numbers_of(law: Thresholds) -> dict[str, Number]:
         found = _of_law(law)
-        _slide(Contacts(law, start=contacts.start), 1.0, found, tolerance=1e-4)
+        _slide(like(contacts, law), velocity, found, tolerance=1e-4)
         return found
 
     law = contacts.thresholds

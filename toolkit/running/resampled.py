@@ -6,11 +6,18 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
+from origins.contacts import Contacts
 from origins.samples.from_samples import bootstrap_law
 from origins.thresholds.law import Thresholds
 from toolkit.processes.ranks import cores_of
 
 T = TypeVar("T")
+
+
+def like(contacts: Contacts, law: Thresholds) -> Contacts:
+    """Contacts of a resampled law with the start, delay and stiffness of these. Heat and age, which cost far more time,
+    are left out: the scatter between laws is then that of P_c alone."""
+    return Contacts(law, start=contacts.start, delay=contacts.delay, stiffness=contacts.stiffness)
 
 
 def of_resampled(

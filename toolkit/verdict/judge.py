@@ -13,7 +13,7 @@ from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from toolkit.processes.signals import TimeIsUp
-from toolkit.running.resampled import of_resampled
+from toolkit.running.resampled import like, of_resampled
 from toolkit.running.solvers import within
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import Scene
@@ -210,7 +210,7 @@ def _with_sampling(
     import master
 
     def row(law: Thresholds) -> list[float]:
-        other = Contacts(law, start=contacts.start)
+        other = like(contacts, law)
         kinetic = master.steady_state(other, velocity=velocity).force
         found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
         return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]

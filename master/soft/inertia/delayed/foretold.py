@@ -96,6 +96,7 @@ def refuse_short_delay(contacts: Contacts, drive: Drive) -> None:
     lasts = min(slip_time(mass, drive.damping, spring), left)
     panels = min(OF_A_VOLLEY * lasts / delay, speed * left / unit)
     if panels > MOST_PANELS:
-        fault = f"contacts break and form too often in a slip that lasts some {lasts:.2g}, on about {panels:.0e} panels of time"
+        fault = f"contacts break and form too often in a slip that lasts some {lasts:.2g}"
+        fault += f", on about {panels:.0e} panels of time"
         hint = f"take eq_model.simulate, end the path before {latest:.4g}, or leave the mass out and give a slip rule"
         refuse("delay", delay, f"{fault}, of which at most {MOST_PANELS:,} are followed; {hint}")
