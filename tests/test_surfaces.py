@@ -86,13 +86,15 @@ def test_summits_against_sums_over_heights(
 
     def beyond(d: np.ndarray) -> np.ndarray:
         """Share of all summits that are pressed down by more than d."""
-        return ndtr(-z - d / std) if height_law == "gaussian" else np.exp(-z - d / std)
+        return ndtr(-z - d / std) if height_law == "gaussian" else np.exp(-1.0 - z - d / std)
 
     step = std / max(z, 1.0) if height_law == "gaussian" else std
     edges = [0.0, step, 8 * step, 60 * step, *([limit] if limit < 60 * step else [])]
     d, weights = root_rule(*edges)
+    # from the summits' mean plane: exponential heights begin at -1, so that their mean is 0
     h = z + d / std
-    density = np.exp(-0.5 * h * h) / np.sqrt(2 * np.pi) if height_law == "gaussian" else np.exp(-h)
+    gauss, exponential = np.exp(-0.5 * h * h) / np.sqrt(2 * np.pi), np.exp(-1.0 - h)
+    density = gauss if height_law == "gaussian" else exponential
     often = MOMENTS.summit_density * weights * density / std
     assert_sums(found, law, pressure, often, *bears(d))
     for at in (0.05 * std, 0.3 * std, std, 0.1 * limit, 0.9 * limit, 1.1 * limit, 7 * limit):

@@ -22,9 +22,9 @@ REGIMES = ("elastic", "plastic", "mixed")
 class Summits:
     """The summits that a surface's moments imply, and the load in N of one as a law of its compression in m.
 
-    z, in sigma_h, is the height of the flat above the summits' mean plane. Exponential heights have mean and standard
-    deviation sigma_h, and begin at the plane h = 0. Raises InputError for other names, and for a regime that needs the
-    hardness where the material has none.
+    z, in sigma_h, is the height of the flat above the summits' mean plane. Exponential heights have the standard
+    deviation sigma_h, and begin at sigma_h below that plane, at their lower end. Raises InputError for other names, and
+    for a regime that needs the hardness where the material has none.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Summits:
 
     def contact_density(self, z: float) -> float:
         """Contacts per nominal area in 1/m²."""
-        touching = scipy.special.ndtr(-z) if self.heights == "gaussian" else np.exp(-z)
+        touching = scipy.special.ndtr(-z) if self.heights == "gaussian" else np.exp(-1.0 - z)
         return float(self.density * touching)
 
     def area_fraction(self, z: float) -> float:
@@ -79,11 +79,11 @@ class Summits:
 
     def check(self, z: float, name: str, value: float, remedy: str) -> None:
         """InputError where the contacts, which must be far apart, would cover the whole surface, and for a flat below
-        h = 0 under exponential heights, which begin there."""
+        the lowest summit of exponential heights."""
         other = f'{remedy}, or take the thresholds of model = "persson"'
-        if self.heights == "exponential" and z < 0.0:
-            most = f"{self.pressure(0.0):.3g} Pa, where every summit touches"
-            refuse(name, value, f"exponential heights begin at 0 and bear at most {most}; {other}")
+        if self.heights == "exponential" and z < -1.0:
+            most = f"{self.pressure(-1.0):.3g} Pa, where every summit touches"
+            refuse(name, value, f"summits of exponential heights bear at most {most}; {other}")
         if (covered := self.area_fraction(z)) >= 1.0 or z <= -1e6:
             hint = f"summits would cover {covered:.3g} of the surface, not far apart: {other}"
             refuse(name, value, f"{hint}; are heights and pixel size in metres, moduli in Pa?")
@@ -117,8 +117,8 @@ def pressure_of_separation(
 ) -> float:
     """Nominal pressure in Pa that holds the flat at `separation`, in m above the summits' mean plane.
 
-    moments, material, regime, height_law : as in from_moments. Raises InputError as it does, for a flat below h = 0
-    under exponential heights, and for one so high that the pressure underflows.
+    moments, material, regime, height_law : as in from_moments. Raises InputError as it does, for a flat below
+    the lowest summit of exponential heights, and for one so high that the pressure underflows.
     """
     summits = Summits(moments, material, regime, height_law)
     z = finite("separation", separation) / summits.std
