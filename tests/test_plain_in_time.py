@@ -319,6 +319,22 @@ def test_with_heat_a_slip_comes_where_the_twin_loses_balance_and_new_contacts_fo
     assert off[drive > slip + two].max() < plain.spring / (1.0 + plain.spring) * two
 
 
+def test_sticks_repeat_on_a_leg_that_begins_late_as_those_of_cold_contacts_do() -> None:
+    """Heat of 1e-25 a unit of time breaks nothing, and the cold slider takes another solver. The drive slows down to a
+    half at t = 9, so that later sticks are repeated from a begin that is not t = 0."""
+    drive = np.linspace(0.0, 24.0, 9)
+    time = np.append(np.linspace(0.0, 9.0, 4), 9.0 + 2.0 * np.linspace(1.0, 5.0, 5))
+    cold, warm = (
+        master.solve(
+            Contacts(WIDE, thermal=thermal), drive, 1e-3, time=time, spring=0.4, slip="reset"
+        )
+        for thermal in (None, Thermal("soft", 0.1, 1e-25))
+    )
+    assert warm.success, warm.message
+    assert warm.slips.drive.size == cold.slips.drive.size == 9
+    assert np.abs(warm.force - cold.force).max() < warm.force_error
+
+
 # contacts by what their memory keeps, with its file
 MEMORIES = {
     "breaks alone (breaks.py)": Contacts(WIDE, delay=Delay(0.25)),
