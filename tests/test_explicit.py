@@ -16,6 +16,7 @@ from master.paper import renewal
 from master.paper.explicit import explicit
 from master.paper.renewal import renewal_force
 from master.renewal import budget, past
+from master.survival.make import life_of
 from origins.thresholds.scipy_laws import as_thresholds
 
 PATH = np.linspace(0.0, 5.0, 501)
@@ -88,3 +89,14 @@ def test_the_page_shows_the_error_budget_as_it_is():
         f"panels get {1.0 - budget.FOR_SUMS:g} of the rest",
     ):
         assert said in page, said
+
+
+def test_the_page_divides_the_tolerance_of_the_readme_s_scene_as_solve_does():
+    law, start = origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, 0.025)
+    contacts, path = origins.Contacts(law, start), np.linspace(0.0, 5.0, 501)
+    round_off, stretch = 6.0e-14, law.isf(1e-18)
+    divided = budget.ErrorBudget.divide(1e-8, life_of(contacts), round_off, 1.438, 1.0)
+    assert f"{divided.panels:.1e}".replace("e-09", "e-9") == "7.0e-9" and "a panel 7.0e-9" in PAGE
+    assert stretch == pytest.approx(1.438, abs=1e-3) and "stretch of 1.438" in PAGE
+    claimed = master.solve(contacts, path, 1e-8).force_error
+    assert 2e-12 < claimed < 9e-12 and "force_error is 4.5e-12" in PAGE

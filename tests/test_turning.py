@@ -13,6 +13,9 @@ from solving import held_to_claim, through
 import master
 import origins
 from master.paper.explicit import explicit_loop
+from master.renewal.few_times import FewTimes
+from master.renewal.present import TARGETS
+from master.survival.make import life_of
 from origins import Contacts, Thermal, gaussian
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]
@@ -134,3 +137,13 @@ def test_a_first_leg_of_no_time_to_speak_of_is_followed() -> None:
     warm = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
     quick, slower = (master.solve(warm, [1.0, 2.0], time=[t, 1.0]).force for t in (1e-20, 1e-12))
     assert np.abs(quick - slower).max() < 1e-9 and abs(quick[0] - 0.57969) < 1e-5
+
+
+@pytest.mark.parametrize("power", [3, 4, 6])
+def test_sums_at_few_times_tell_how_far_the_cubic_through_them_is_off(power: int) -> None:
+    """Number and force that go as powers of the time on a panel, at all its times and at six of them."""
+    few = FewTimes(life_of(Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))))
+    true = np.array([TARGETS**power, -0.1 * TARGETS**power])[:, None, :]
+    both, error = few.interpolated(true[..., list(FewTimes.ASKED)])
+    off = float(np.abs(both - true).max())
+    assert off < 1e-15 if power == 3 else 1e-3 < off <= error < 10.0 * off

@@ -5,8 +5,8 @@ are the breaks, one delay later. One step, of `March`:
 
 1. `PanelWidth` proposes the width of the next panels, and how many.
 2. `March.known_on` adds up, at the nodes of these panels, the number and force of all contacts whose births are known:
-   `Present`, those born on the present leg, whose survival depends on the lag since birth alone; `Past`, all others;
-   and those that are out.
+   `Present`, those born on the present leg, whose survival depends on the lag since birth alone; `Past`, all others,
+   where survivals take long at a few of the nodes only (`FewTimes`); and those that are out.
 3. `solve_run` finds the breaks at the nodes for which number and own births add up to 1, and from them the force.
    Between the nodes the sum differs from 1: that is the error of the panel.
 4. Panels within the tolerance are kept; the first that is not ends the run, and the next ones are narrower.

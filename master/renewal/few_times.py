@@ -47,10 +47,11 @@ class FewTimes:
 
     def interpolated(self, sums: Array) -> tuple[Array, float]:
         """Number and force at all TARGETS from those at the ASKED ones, and the error of the number by that: a smooth
-        interpolant hides it from the panels."""
-        summed, checked = np.split(sums, [len(self.SUMMED)], axis=2)
-        both = summed @ self.TO_ALL
-        number, force = np.abs(both[..., list(self.CHECKED)] - checked).max(axis=(1, 2))
+        interpolant hides it from the panels, so that nothing else shows it."""
+        at_summed, at_checked = np.split(sums, [len(self.SUMMED)], axis=2)
+        both = at_summed @ self.TO_ALL
+        # at SUMMED the cubic is exact
+        number, force = np.abs(both[..., list(self.CHECKED)] - at_checked).max(axis=(1, 2))
         # between the two it may be MARGIN times as far off
         return both, MARGIN * float(max(number, force / self._unit))
 

@@ -35,7 +35,8 @@ from origins.thresholds.law import Array
 if TYPE_CHECKING:
     from master.renewal.strand_births import Strands
 
-# Factor on the accuracy where a survival is a sum or followed by strands: so exact a sum over births would take long.
+# Factor on the accuracy where a survival is a sum or followed by strands: so exact a sum over births would take long
+# (an eighth longer with heat of 0.1 <x_s>² on two turns).
 # Where it is closed, as that of growing thresholds without heat, sums so coarse make the number rough, and panels are
 # halved until all work is used up.
 COARSER = 30.0
@@ -144,7 +145,8 @@ class Past:
         return np.maximum(motion_path.leg(panels.middle_of_births(delay)), of_begin)
 
     def _from_few_times(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums | None:
-        """As `_summed`, interpolated between few of the times; None where that is not tried, or not accurate."""
+        """As `_summed`, interpolated between few of the times; None where that is not tried, or not accurate. Errors of
+        the interpolation are smooth, so that no panel shows them: its own estimate alone does."""
         abs_speed = abs(float(self._motion_leg.speeds[self._leg]))
         if self._earlier is None or not self._few.are_tried(grid_leg, abs_speed):
             return None

@@ -21,13 +21,18 @@ SHORTEST = 1e-6
 
 
 class Node(NamedTuple):
-    """The end of a step: the sizes of its section's steps so far, summed up (see Steps), and the state."""
+    """The end of a step: its size, the sum of the sizes of its section's steps so far (see Steps), and the state; time
+    and position are counted from the beginning of the path, not of the section."""
 
     size: float
     time: float
     force: float
     holding: float
     position: float
+
+    def shifted(self, time: float, position: float) -> "Node":
+        """The same state, later by this time and farther by this way."""
+        return self._replace(time=self.time + time, position=self.position + position)
 
 
 class Slip(NamedTuple):
@@ -120,15 +125,9 @@ class Slider:
         if not known or known[-1][-1].time + contacts.now - known[0][0].time >= end:
             return False
         begin, here = known[0][0], self._node(0.0)
+        later, farther = here.time - begin.time, here.position - begin.position
         for section in known:
-            again = [
-                node._replace(
-                    time=here.time + (node.time - begin.time),
-                    position=here.position + (node.position - begin.position),
-                )
-                for node in section
-            ]
-            self.sections.append(again)
+            self.sections.append([node.shifted(later, farther) for node in section])
         steps = sum(len(section) - 1 for section in known)
         contacts.repeat(steps, self.sections[-1][-1].time)
         contacts.position = self._drive() - contacts.force / self._spring
