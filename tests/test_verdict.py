@@ -204,6 +204,19 @@ def test_the_ensemble_takes_over_where_the_master_equation_does_not_end(
     assert "rings after a slip" in page and "F_s of a rigid slider at " in page
 
 
+def test_slips_on_the_way_to_sliding_are_not_called_stick_slip() -> None:
+    """Contacts that re-form at once slip many times before they slide: on a longer way no slip follows, so that where
+    infinitely many are not decided the slips of a short way tell nothing."""
+    machine = Machine(spring=0.1, mass=None, damping=0.0, velocity=1.0)
+    contacts = Contacts(gaussian(1.0, 0.1))
+    asked = replace(infinite("undecided", 2), rule="instant")
+    found = follow_finite(machine, contacts, 1e5, asked, 0.8, 60.0)
+    assert found.kind == "unknown" and "perhaps only until they slide" in found.message
+    way = np.linspace(0.0, 100.0, 401)
+    longer = eq_model.simulate(contacts, way, spring=0.1, slip="instant", n_contacts=100_000)
+    assert longer.slips.drive.size > 8 and longer.slips.drive.max() < 30.0
+
+
 def test_sliders_that_would_take_too_long_are_not_followed() -> None:
     """A pilot of a twentieth of the contacts tells their time, and no time is left."""
     machine, contacts = (

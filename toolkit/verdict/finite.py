@@ -39,7 +39,7 @@ class Finite:
     contacts : of each slider; fewer than there are where these take too long, see `message`
     kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
         where none does, on a way of some 40 mean thresholds, "now and then" between; "unknown" where they were not
-        followed, for the reason in `message`
+        followed, or slip where nobody knows how often infinitely many do, for the reason in `message`
     before, after : mean spring force before and after a slip, F/(N_c <k>) (lengths), with standard errors: of the last
         slip that all sliders have had, or of the first where some have had none
     slips : number of slips of a slider, mean
@@ -114,6 +114,11 @@ def follow_finite(
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, held, "unknown", message=NOT_SLID)
+    # contacts that re-form at once forget their start in many slips, as F falls from static to kinetic
+    if flowing and infinite.kind == "undecided" and counts.any():
+        few = found.contacts // SLIDERS
+        why = f"{few:,} slip, perhaps only until they slide: what infinitely many do is not known"
+        return Finite(rule, held, "unknown", message=why)
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
