@@ -16,7 +16,8 @@ FADES = 10.0
 # Thresholds at which the steepest fall of F is looked for.
 QUANTILES = 2000
 # Panels between two volleys of contacts that form and break together, one delay apart: 2 to 90 were seen on 12 paths,
-# so that the forecast is an estimate, and no bound.
+# so that the forecast is an estimate, and no bound. Of five refused paths, the two that seemed to need the fewest
+# panels were followed: both met the most that are followed before their end.
 OF_A_VOLLEY = 20.0
 # A swing is slow from so many times the delay and the passing of a threshold on; and swings have grown after so many
 # times M over the fall of F_k.
