@@ -197,7 +197,7 @@ class Interface(InSI):
         local, tops = self.material.local_friction or np.inf, moments.summit_radius
         plastic, by_hertz = self.plastic_fraction or 0.0, self.hertz_plastic_fraction or 0.0
         modulus, load = self.material.contact_modulus, self.pressure
-        uneven = np.sqrt(np.divide(max(moments.m2_axes), min(moments.m2_axes)))
+        uneven = moments.unevenness
         # without a scan, or without patches, there are no cautions about their size
         pixel, size = moments.pixel_size or (0.0, 0.0), moments.size or (0.0, np.inf)
         point, scan = pixel[0] * pixel[1], size[0] * size[1] or np.inf
@@ -221,7 +221,8 @@ class Interface(InSI):
             f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan": patch > scan,
             f"contacts cover {covered:.0%} of the surface: {alone}": covered > 0.1,
             f"rms slope is {slope:.2g}: are heights and pixel size in one unit?": slope > 0.5,
-            f"slopes of the two axes differ by a factor {uneven:.2g}: not isotropic": uneven > 1.5,
+            f"slopes along and across its ridges differ by a factor {uneven:.2g}: not isotropic": uneven
+            > 1.5,
             f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic": too_plastic,
             f"{by_hertz:.1%} would be plastic by Hertz' theory, and all are taken as such": too_elastic,
             f"contacts stretch by {in_metres(reach)}, above their radius {in_metres(radius)}": reach

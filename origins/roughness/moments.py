@@ -23,6 +23,7 @@ class SpectralMoments:
 
     m0 : mean square height about the trend, m².
     m2_axes, m4_axes : mean square slope and curvature (1/m²) of profiles along both axes.
+    m2_cross : mean product of the slopes along both axes, which is not 0 where ridges lie along a diagonal.
     step, pixel_size : pixels between the neighbours that were differenced, and their distances (m) along both axes.
     size : lengths of the scan along both axes, m; where there was no scan all three are None.
     missing_fraction, used_fraction : of the points, those missing; of the curvature stencils, those without such.
@@ -38,11 +39,19 @@ class SpectralMoments:
     used_fraction: float = 1.0
     size: tuple[float, float] | None = None
     zero_fraction: float = 0.0
+    m2_cross: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.bandwidth > _BANDWIDTH_LIMIT:
             hint = "a Gaussian surface has at least 1.5; remove less trend or use a larger scan"
             raise InputError(f"heights: alpha = m0 m4/m2² is {self.bandwidth:.4g}, and {hint}")
+
+    @property
+    def unevenness(self) -> float:
+        """Root mean square slope along the steepest direction, over that across it; 1 where slopes are isotropic."""
+        (along, across), cross = self.m2_axes, self.m2_cross
+        least, most = np.linalg.eigvalsh([[along, cross], [cross, across]])
+        return float(np.sqrt(most / max(least, np.finfo(float).tiny)))
 
     @property
     def m2(self) -> float:
@@ -126,9 +135,10 @@ def spectral_moments(
     # what is beyond the ends of a scan is missing, too
     wide = h if periodic else np.pad(h, (0, step), constant_values=np.nan)
     behind, ahead = (np.stack([np.roll(wide, by, axis) for axis in (0, 1)]) for by in (step, -step))
-    both = (ahead - wide, ahead - 2.0 * wide + behind)
+    # slopes between neighbours; and about a point, at which alone those along both axes may be multiplied
+    differences = (ahead - wide, ahead - 2.0 * wide + behind, 0.5 * (ahead - behind))
     # a point counts only where both axes have a difference
-    slopes, curvatures = (d[:, np.isfinite(d).all(axis=0)] for d in both)
+    slopes, curvatures, centred = (d[:, np.isfinite(d).all(axis=0)] for d in differences)
     missing = float(np.isnan(h).mean())
     used = curvatures.shape[1] / math.prod(n if periodic else n - 2 * step for n in shape)
     if used < 0.5:
@@ -137,6 +147,7 @@ def spectral_moments(
     dx, dy = surface.pixel_size
     apart, size = (step * dx, step * dy), (shape[0] * dx, shape[1] * dy)
     m2 = ((slopes**2).mean(axis=1) / np.square(apart)).tolist()
+    cross = float(centred.prod(axis=0).mean()) / (apart[0] * apart[1])
     m4 = ((curvatures**2).mean(axis=1) / np.square(apart) ** 2).tolist()
     m0, slope = float(np.nanmean(h**2)), math.sqrt(sum(m2))
     if slope > _STEEPEST:
@@ -145,7 +156,9 @@ def spectral_moments(
             f"heights: their rms slope is {slope:.3g}, that of surfaces below 1: {hint}"
         )
     zeros = _filled_zeros(surface.heights)
-    return SpectralMoments(m0, tuple(m2), tuple(m4), step, apart, missing, used, size, zeros)
+    return SpectralMoments(
+        m0, tuple(m2), tuple(m4), step, apart, missing, used, size, zeros, m2_cross=cross
+    )
 
 
 def _why_so_steep(heights: npt.NDArray[np.float64]) -> str:
