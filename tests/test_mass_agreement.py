@@ -72,6 +72,8 @@ def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float, f
         eq_model.simulate(**asked(law, **numbers), n_contacts=n, n_replicas=many, seed=1).slips
         for n, many in zip(SIZES.tolist(), replicas.tolist(), strict=True)
     ]
+    # so many contacts slip as often as infinitely many
+    assert np.bincount(drawn[-1].replica).tolist() == replicas[-1] * [count]
     means = np.array(
         [[[one.mean(name, k) for name in SLIPS] for k in range(count)] for one in drawn]
     )
