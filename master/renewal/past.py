@@ -113,7 +113,7 @@ class Past:
 
     def _enter(self, leg: int, panels: SolvedPanels) -> None:
         """Begin a leg: births on panels before it are earlier ones; those on panels from `first_panel` on, one delay
-        late, fall on it. `panels`: all that are solved."""
+        late, fall on it. `panels`: all that are solved. Its begin is set first, as panels are told by it."""
         births, motion_path, before = self._births, self._births.motion, self._leg
         self._leg, self._leg_begins_path = leg, float(motion_path.times[leg])
         self._motion_leg = motion_path.counted_from(leg)

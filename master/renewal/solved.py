@@ -54,7 +54,8 @@ class SolvedPanels:
         return float(self.begin[-1] + self.width[-1]) if self.count else 0.0
 
     def append(self, begin: float, begin_leg: float, width: float, run: Run, good: int) -> None:
-        """Add the first `good` panels of a run that begins at `begin`, or `begin_leg` on the clock of its leg.
+        """Add the first `good` panels of a run that begins at `begin` on the clock of the path, which is `begin_leg` on
+        that of its leg; on the first leg both are the same.
 
         Raises FaultError where that is not the end of the panels so far: each of them conserves the number by itself,
         and no residual would tell of breaks that are left out in between, or counted twice.

@@ -168,7 +168,7 @@ class Slider:
         """
         contacts, force = self.contacts, self.contacts.force
         if self._rule == "reset":
-            contacts.relax()
+            contacts.relax()  # first, as the slider stops where the spring balances the new contacts
             contacts.position = drive - contacts.force / self._spring
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)
