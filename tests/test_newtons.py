@@ -92,6 +92,25 @@ def test_the_report_is_in_newtons_or_pascals_or_in_units_of_n_c_k(capsys: Any) -
     assert not in_words(toolkit.run(scene(GAUSSIAN)))[1:]
 
 
+def test_the_last_slip_of_an_ensemble_alone_is_one_of_all_its_contacts() -> None:
+    """30 % of the contacts break at 0.3 and re-form there: F falls from 0.3 to at least 0.21, where no spring holds
+    it, and by 1.3e-3 on this one; all contacts break near 0.73. The path ends after a slip of the 30 % alone."""
+    narrow = {"kind": "identical", "value": 0.3}
+    wide = {"kind": "gaussian", "mean": 1.0, "std": 0.05}
+    result = toolkit.run(
+        scene(
+            {"kind": "mixture", "components": [narrow, wide], "weights": [0.3, 0.7]},
+            drive={"to": 220.0, "points": 100, "spring": 1e-2, "slip": "reform-after"},
+            master=None,
+            eq={"contacts": 20_000, "replicas": 2},
+        )
+    )
+    assert result.eq.slips.drop[-1] < 2e-3
+    found = numbers_of(result)
+    assert found["before_slip"].value == pytest.approx(0.73, abs=0.005)
+    assert found["after_slip"].value < 1e-3
+
+
 def test_the_table_of_thresholds_is_in_the_same_units(capsys: Any) -> None:
     for tables, unit, shared in (
         ({"drive": DRIVE}, ["N", "N/m"], False),

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.results.kinds import is_coupled, is_known
+from toolkit.results.slips import main_slips
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import with_uncertainty, written
 
@@ -61,11 +62,12 @@ def _of_curve(force: Any, error: Any, scale: Any) -> dict[str, Number]:
 
 
 def _of_slips(eq: Any, scale: Any) -> dict[str, Number]:
-    """The last slip that every replica has, or the first one, mean over the replicas."""
-    last = int(max(np.bincount(eq.slips.replica, minlength=len(eq.forces)).min() - 1, 0))
+    """The last main slip that every replica has, or the first one, mean over the replicas."""
+    slips = main_slips(eq.slips)
+    last = int(max(np.bincount(slips.replica, minlength=len(eq.forces)).min() - 1, 0))
     found = dict[str, Number]()
     for name, own in (("before_slip", "force_before"), ("after_slip", "force_after")):
-        value, off = eq.slips.mean(own, last)
+        value, off = slips.mean(own, last)
         found[name] = Number(value * scale.force, off * scale.force, scale.force_unit)
     return found
 

@@ -8,13 +8,13 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
+from toolkit.results.slips import main_slips
 from toolkit.verdict.ensemble import (
     FEW,
     NOT_SLID,
     ROUNDING,
     SLIDERS,
     has_slid,
-    main_slips,
     sliders,
     told_by,
     trace_of,
