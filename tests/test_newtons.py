@@ -257,6 +257,9 @@ def test_samples_of_a_file_have_a_unit() -> None:
     assert [one.scale.force_unit for one in results] == ["N_c<k> length", "N_c<k> m"]
     numbers = describe(toolkit.load_scene(scene(law)).contacts).numbers
     assert numbers["mean"].unit == numbers["kinetic_force"].unit == "m"
+    fixed = {"kind": "identical", "value": 4e-9}
+    mixed = scene({"kind": "mixture", "components": [law, fixed], "weights": [0.9, 0.1]})
+    assert toolkit.load_scene(mixed).scale.length_unit == "m"
     forces = {"kind": "from-samples", "f_s": [2.0, 3.0, 4.5], "unit": "nN", "stiffness": 5.0}
     assert 4e-10 < toolkit.load_scene(scene(forces)).contacts.mean_threshold < 9e-10
     with pytest.raises(InputError, match="unit = 'furlong': must be"):

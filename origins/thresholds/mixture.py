@@ -96,6 +96,10 @@ class Mixture(Thresholds):
 
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
         self.components, self.weights = tuple(components), weights
+        # all lengths of a mixture are in one unit, which one component with a known unit tells
+        self.in_metres = any(
+            part.in_metres or part.interface is not None for part in self.components
+        )
         lower, upper = zip(*(part.support() for part in self.components), strict=True)
         self._support = min(lower), max(upper)
         starting = (part for part in self.components if part.support()[0] == min(lower))
