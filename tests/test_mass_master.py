@@ -63,6 +63,19 @@ def test_on_a_soft_spring_the_drop_is_twice_that_to_kinetic_friction() -> None:
     assert found.slips.duration[0] / half == pytest.approx(1.0, abs=0.02)
 
 
+@pytest.mark.parametrize("ratio", [1.2, 1.5, 3.0])
+def test_above_critical_damping_a_slip_ends_at_the_pull_of_friction_and_damping(
+    ratio: float,
+) -> None:
+    """The slider comes down to the drive's speed v = 1 without a swing: K (X_T - X) = F_k + γ v there."""
+    spring, mass = 1e-3, 0.1
+    damping = 2.0 * ratio * (spring * mass) ** 0.5
+    end = 900.0 + 30.0 * damping / spring
+    found = master.solve(WIDE, [end], 1e-5, spring=spring, mass=mass, damping=damping)
+    borne = master.steady_state(WIDE).force + damping
+    np.testing.assert_allclose([found.force[0], found.slips.force_after[0]], borne, atol=1e-5)
+
+
 def test_on_a_soft_spring_light_damping_takes_little_of_the_drop_in_both_solvers() -> None:
     """With γ = 1e-2 (K M)^(1/2), ζ = 0.005, the drop is (F_s - F_k) (1 + e^(-πζ)): by 0.8 % below 2 (F_s - F_k)."""
     spring, mass = 1e-3, 1e-2

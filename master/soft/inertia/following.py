@@ -156,10 +156,13 @@ class Following(Body):
         return self.damping * float((half * weights * speed).sum()), on_contacts
 
     def _watch_slowly(self, stop: float, rate: float) -> None:
-        """Falls of the spring's force up to a travel: F has its extremes where the slider is as fast as its drive."""
+        """Falls of the spring's force up to a balance: F has its extremes where the slider, which lags behind the
+        balance, is as fast as its drive."""
         curve, k, limit = self.move.curve, self.spring, self._speed
-        edges = curve.begin[(curve.begin > self.y) & (curve.begin < stop)]
-        ends = np.concatenate([[self.y], edges, [stop]])
+        low = max(min(self.y, stop) - BEHIND * self.unit, 0.0)
+        first = float(curve.travel_at(np.array([self._pull(self.t)]), low, stop)[0])
+        edges = curve.begin[(curve.begin > first) & (curve.begin < stop)]
+        ends = np.concatenate([[first], edges, [stop]])
         cells = ends[:-1, None] + np.diff(ends)[:, None] * np.linspace(0.0, 1.0, WATCHED)
         places = np.unique(cells.ravel())
 
@@ -169,8 +172,12 @@ class Following(Body):
         def time_at(y: float | Array) -> Array:
             return self.t + (curve.force(y) + k * y - float(self._pull(self.t))) / rate
 
+        def travel(y: Array) -> Array:
+            return slow_motion(curve, y, rate, self.mass, self.damping).travel
+
         def at(y: float) -> Instant:
-            return self._instant(float(time_at(y)), y, y)
+            place = float(travel(np.array([y]))[0])
+            return self._instant(float(time_at(y)), place, place)
 
         speeds = rate / curve.load_slope(places)
         speeds = np.where(rise(places) < 0.0, speeds, np.minimum(speeds, limit))
@@ -178,7 +185,7 @@ class Following(Body):
         self.record.watch(
             self._watched(
                 places,
-                (places, speeds),
+                (travel(places), speeds),
                 drives,
                 at,
                 lambda k: crossing(lambda y: float(rise(y)), places[k], places[k + 1]),
