@@ -92,6 +92,23 @@ def test_thresholds_of_a_histogram_are_a_mixture_of_rectangles() -> None:
     assert master.propensity(Contacts(even), 1e-6).critical_spring == pytest.approx(0.875, rel=1e-6)
 
 
+def test_thresholds_of_200_bins_fall_most_steeply_where_the_density_says() -> None:
+    """Up to X = 1, before any contact breaks twice, F' = 1 - X P_c(X), and K* is the largest X P_c(X) - 1, at the upper
+    edge of one of the bins; E there is 1 less what has broken, so that F is a sum over the bins, too."""
+    edges = np.linspace(0.5, 1.0, 201)
+    drawn = np.diff(origins.gaussian(0.8, 0.05).cdf(edges)) * np.tile([0.7, 1.3], 100)
+    contacts = Contacts(scipy.stats.rv_histogram((drawn, edges), density=False))
+    density = drawn / drawn.sum() / np.diff(edges)
+    found = master.propensity(contacts, 1e-8)
+    assert found.success and found.critical_spring == pytest.approx(
+        (edges[1:] * density).max() - 1.0, rel=1e-7
+    )
+    solution = master.solve(contacts, edges, 1e-8)
+    fallen = np.append(0.0, np.cumsum(density * np.diff(edges**2) / 2.0))
+    assert solution.success
+    assert np.abs(solution.force - (edges - fallen)).max() <= solution.force_error
+
+
 def test_a_start_of_200_bins_is_a_sum_over_them() -> None:
     """Up to X = 0.3 none that formed at X > 0 breaks: F is the sum over the bins of what their contacts bear, and the
     integral of the fraction that has broken; F falls most steeply where its slope, by the same sums, is least."""

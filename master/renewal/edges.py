@@ -131,10 +131,13 @@ class _Kinks:
             return
         # the ends of a narrow law are like a jump
         is_narrow = np.ptp(law.span) < NARROW * self.life.largest_stretch
+        has_atoms = self.life.atoms.size > 0
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
                 if time > self.continued_from + self.close(time):
-                    yield Kink(time, size * (self.life.atom_fraction(bend, stretch) or SMOOTHER))
+                    # asked some 400 times the bins of a histogram: a survival each time is most of its cost
+                    exact = self.life.atom_fraction(bend, stretch) if has_atoms else 0.0
+                    yield Kink(time, size * (exact or SMOOTHER))
 
     def following(self, first: Sequence[Kink], least: float) -> Iterator[Kink]:
         """All kinks, in the order of time, of a size above the least: the first ones, and those that follow.
