@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from plain_in_time import Pulled, pulled
 from scipy import stats
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 import master
@@ -214,6 +215,14 @@ def test_cells_of_thresholds_lose_those_that_a_jump_meets_and_those_that_heat_br
     begin, end = np.array([0.0, 0.3, 0.3]), np.array([1.02, -1.02, 0.3])
     held = cells.stepped(cells.fresh(begin), begin, end, 0.0).sum(axis=1)
     np.testing.assert_allclose(held, [law.sf(1.02), law.sf(1.02), 1.0], atol=1e-4)
+    # what is above the level of the jump, without moving the weights; and the monotone cubics of another hand
+    fresh, rise = cells.fresh(np.array([0.0, 0.3])), np.array([1.02, 0.66])
+    moved = cells.shifted(fresh, rise)
+    np.testing.assert_allclose(cells.held_above(fresh, rise), moved.sum(axis=1), atol=1e-14)
+    for weights, by, found in zip(fresh, rise, moved, strict=True):
+        below = PchipInterpolator(cells.edges, np.append(0.0, weights.cumsum()))
+        exact = np.diff(below(np.clip(by + cells.edges, 0.0, cells.edges[-1])))
+        np.testing.assert_allclose(found, exact, atol=1e-15)
     warm = Cells(Contacts(law, ageing=spread, thermal=HEAT), resolution=-1, fastest=1.0)
     at, duration = np.array([0.4]), 0.1
     threshold = law.ppf((np.arange(20_000) + 0.5) / 20_000)

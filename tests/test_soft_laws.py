@@ -455,6 +455,23 @@ def test_new_contacts_slip_as_they_did_before(name: str) -> None:
     assert np.abs(repeated.force - anew.force).max() <= claims
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_contacts_that_age_have_decohered_after_a_long_slip(sign: float) -> None:
+    """Under "instant" all break again and again while the slider goes on by 1e5 thresholds, in no time: nothing is left
+    of their age, and F is that of fresh contacts in steady sliding, <x_s^2>/(2 <x_s>). Breaks are steady to 1e-6 after
+    some 70 thresholds; steps follow a tenth of that."""
+    path = sign * np.array([1e4, 8e5, 9e5])
+    found = master.solve(A06, path, 0.05, spring=SOFTEST, slip="instant")
+    assert found.success and found.slips.drive.size == 1, found.message
+    fresh = 0.5 * (0.5**2 + 0.05**2) / 0.5
+    assert sign * found.slips.force_after[0] == pytest.approx(fresh, abs=1e-5)
+    assert found.nodes < 2000
+    # and then they stick
+    stuck = fresh + SOFTEST * np.abs(path[-1] - found.slips.drive[0]) / (1.0 + SOFTEST)
+    assert sign * found.force[-1] == pytest.approx(stuck, rel=0.01)
+
+
 def test_slips_that_take_too_many_steps_are_refused_after_the_second() -> None:
     """Contacts that age are stronger the slower they slide: under "instant" they creep far, and slip."""
     old = Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.2), 1e-4))

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.interpolate import CubicSpline
 
 from master.survival.age.extent import highest, narrowest
 from origins import Ageing, Contacts
@@ -123,7 +123,7 @@ class Cells:
     def _moved(self, weights: Array, begin: Array, end: Array, durations: Array) -> Array:
         """Weights after |x| has moved from `begin` to `end` >= 0 within these times, arrays (n,)."""
         if not durations.any():
-            return self._shifted(weights, end - begin)
+            return self.shifted(weights, end - begin)
         # The terms of the equation at the head, each times the duration, at both stages of Radau's step, along the
         # first axis: `flow` is D U' + d|x|/dt at the lower faces of cells, `spread` D, `breaking` h. `level` is |x|.
         rise, times = (end - begin)[:, None], durations * np.ones((2, 1))
@@ -157,18 +157,13 @@ class Cells:
         mean = (at_ends[:, :, :-1] + 4.0 * at_middle + at_ends[:, :, 1:]) / 6.0
         return mean, np.diff(self.edges) * np.diff(at_ends, axis=2) / 12.0
 
-    def _shifted(self, weights: Array, rise: Array) -> Array:
-        """Weights that remain above |x| when it jumps."""
-        edges = self.edges
-        below = np.cumsum(np.insert(weights, 0, 0.0, axis=1), axis=1)
-        with np.errstate(over="ignore"):  # of slopes that nearly underflow, which count as 0
-            cubics = PchipInterpolator(edges, below, axis=1).c  # shape (4, cells, strands)
-        # each strand jumps by a way of its own, so that an interpolator cannot be asked for all at once
-        at = np.clip(rise[:, None] + edges, 0.0, edges[-1])
-        cell = np.clip(np.searchsorted(edges, at, "right") - 1, 0, edges.size - 2)
-        beyond, strand = at - edges[cell], np.arange(rise.size)[:, None]
-        cubic, square, slope, value = cubics[:, cell, strand]
-        return np.diff(((cubic * beyond + square) * beyond + slope) * beyond + value, axis=1)
+    def shifted(self, weights: Array, rise: Array) -> Array:
+        """Weights that remain above |x| when it jumps by these rises (n,), of either sign."""
+        return np.asarray(self._kernel.shifted(weights, self.edges, rise))
+
+    def held_above(self, weights: Array, level: Array) -> Array:
+        """The sums of the weights that `shifted` would leave after rises to these levels (n,), at least 0."""
+        return np.asarray(self._kernel.held_above(weights, self.edges, level))
 
 
 def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: float) -> Array:

@@ -87,3 +87,67 @@ def step(
         solve_band(band, found)
         out[i] = found[1::2]
     return out
+
+
+@compiled
+def density_at(weights: Array, edges: Array, edge: int) -> float:
+    """The density at an edge, which makes the cubics through the weights below edges monotone: the weighted harmonic
+    mean of the mean densities of both cells, 0 where one of them is (Fritsch and Butland 1984); at the first and the
+    last edge by a parabola, limited to 3 times the mean density of the cell. `weights`: of one strand, (cells,)."""
+    last = weights.size
+    inner = min(max(edge, 1), last - 1)
+    left, right = edges[inner] - edges[inner - 1], edges[inner + 1] - edges[inner]
+    before, after = weights[inner - 1] / left, weights[inner] / right
+    if edge in (0, last):
+        if edge == last:
+            left, right, before, after = right, left, after, before
+        found = ((2.0 * left + right) * before - left * after) / (left + right)
+        if found * before <= 0.0:
+            return 0.0
+        return 3.0 * before if before * after <= 0.0 and abs(found) > 3.0 * abs(before) else found
+    if before * after <= 0.0:
+        return 0.0
+    one, two = 2.0 * right + left, right + 2.0 * left
+    return (one + two) / (one / before + two / after)
+
+
+@compiled
+def weight_below(weights: Array, edges: Array, cell: int, at: float) -> float:
+    """The weight of a cell below a place in it, by the cubic; `weights`: of one strand, (cells,)."""
+    width = edges[cell + 1] - edges[cell]
+    place = (at - edges[cell]) / width
+    rest = 1.0 - place
+    slopes = density_at(weights, edges, cell) * rest - density_at(weights, edges, cell + 1) * place
+    return weights[cell] * place**2 * (3.0 - 2.0 * place) + width * place * rest * slopes
+
+
+@compiled
+def held_above(weights: Array, edges: Array, level: Array) -> Array:
+    """Sums of the weights (strands, cells) above a level in y of each strand, at least 0; shape (strands,)."""
+    out = np.zeros(level.size)
+    for i in range(level.size):
+        if level[i] < edges[-1]:
+            cell = np.searchsorted(edges, level[i], "right") - 1
+            held = weights[i, cell] - weight_below(weights[i], edges, cell, level[i])
+            out[i] = held + weights[i, cell + 1 :].sum()
+    return out
+
+
+@compiled
+def shifted(weights: Array, edges: Array, rise: Array) -> Array:
+    """Weights (strands, cells) that remain above |x| when it jumps by the rise of each strand, of either sign."""
+    strands, cells = weights.shape
+    out = np.zeros(weights.shape)
+    for i in range(strands):
+        # the weight below the cell that is reached, and below the lower edge of the one that is filled
+        cell, below, before = 0, 0.0, 0.0
+        for j in range(cells + 1):
+            at = min(max(edges[j] + rise[i], 0.0), edges[-1])
+            while cell < cells - 1 and edges[cell + 1] <= at:
+                below += weights[i, cell]
+                cell += 1
+            now = below + weight_below(weights[i], edges, cell, at)
+            if j > 0:
+                out[i, j - 1] = now - before
+            before = now
+    return out

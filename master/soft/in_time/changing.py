@@ -28,6 +28,8 @@ from origins.thresholds.law import Array
 
 # Columns of a group's record: largest hazard so far, time since pinning, and from there A.
 LARGEST_HAZARD, PINNED_FOR, RATE_INTEGRAL = range(3)
+# Last column of the record of contacts that age.
+RISEN = -1
 # Births change over this many of the narrowest widths of the laws.
 WIDTHS_OF_BIRTHS = 2.0
 # First step of a hold: of contacts that age in times in which thresholds spread by the narrowest width, of growing ones
@@ -47,6 +49,10 @@ NEARING_OF_HOT_GROWTH = 0.5
 class AgeingMemory(Memory):
     """Contacts with `ageing`, closure "exact"; the errors of cells fall by 8 with each halving, faster than others.
 
+    A record holds the weights of the cells, and as its last number by how much |x| has risen since these were moved.
+    In a slip, which takes no time, thresholds stay and |x| rises step after step: the weights are left alone until it
+    is over, and those above |x| are summed.
+
     fastest : speed at which an edge of the density is resolved
     """
 
@@ -57,20 +63,33 @@ class AgeingMemory(Memory):
         ageing = contacts.ageing
         assert ageing is not None
         self._cells = cells = Cells(contacts, halvings - COARSER_CELLS, fastest)
-        self.width = cells.edges.size - 1
+        self.width = cells.edges.size
         self.largest_stretch = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
         self.starts = warm_nodes(halvings)
         shortest = FIRST_OF_AGEING * cells.width**2 / ageing.rate
         self.scales = Scales(WIDTHS_OF_BIRTHS * cells.width, shortest, cells.heat_rate)
 
     def start(self, stretch: Array) -> Array:
-        return self._cells.fresh(stretch)
+        return np.append(self._cells.fresh(stretch), np.zeros((stretch.size, 1)), axis=1)
 
     def advance(self, record: Array, leg: Leg) -> Array:
-        return self._cells.stepped(record, leg.begin, leg.end, leg.duration)
+        out, rise = record.copy(), np.abs(leg.end) - np.abs(leg.begin)
+        # where |x| falls on the way, weights are moved at once, as what it lost before does not come back
+        moves = np.full(rise.size, leg.duration > 0.0) | (rise < 0.0) | (leg.begin * leg.end < 0.0)
+        out[~moves, RISEN] += rise[~moves]
+        if moves.any():
+            begin, end, risen = leg.begin[moves], leg.end[moves], out[moves, RISEN]
+            weights = np.ascontiguousarray(out[moves, :RISEN])
+            if risen.any():
+                weights = self._cells.shifted(weights, risen)
+            out[moves, :RISEN] = self._cells.stepped(weights, begin, end, leg.duration)
+            out[moves, RISEN] = 0.0
+        return out
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
-        held = record.sum(axis=1)
+        held, risen = record[:, :RISEN].sum(axis=1), np.flatnonzero(record[:, RISEN])
+        if risen.size:
+            held[risen] = self._cells.held_above(record[risen, :RISEN], record[risen, RISEN])
         return np.stack([held, stretch * held])
 
 

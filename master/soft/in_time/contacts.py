@@ -40,6 +40,8 @@ UNRESOLVED = 0.5
 # Rounding of the number of contacts, for each that formed: far above that of sums of thousands of steps, far below
 # what a contact lost or counted twice in one of them changes.
 LOST = 1e-9
+# Share of the contacts born in a cohort below which it does not matter in which step they are born: far below errors.
+NEGLIGIBLE = 1e-11
 
 
 class Trial(NamedTuple):
@@ -113,6 +115,13 @@ class ContactsInSteps:
         self._replace_all(self._at_birth, self.memory.fresh(self._at_birth.stretch, 0.0))
         self.are_new = True
 
+    def decohere(self, along: StretchNodes, sign: float) -> None:
+        """Replace all contacts by those with these stretches along the motion, which is of this sign, and with
+        thresholds of fresh ones that bear them."""
+        stretches = along._replace(stretch=sign * along.stretch)
+        record = self.memory.start(stretches.stretch)
+        self._replace_all(_per_survival(self.memory, stretches), record)
+
     def _replace_all(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
         groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
@@ -175,7 +184,7 @@ class ContactsInSteps:
         self.position, self.now = self.position + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
         self._note_unresolved(groups, held)
-        self.groups = self._without_dead(groups, held[0])
+        self.groups = self._without_negligible(self._without_dead(groups, held[0]))
         self._births = trial.births
 
     def _check_number(self, births: float, held: float) -> None:
@@ -207,6 +216,17 @@ class ContactsInSteps:
             )
         self._of_start = int(np.count_nonzero(alive[: self._of_start]))
         return groups.pick(alive)
+
+    def _without_negligible(self, groups: Groups) -> Groups:
+        """The groups with cohorts of next to no births added to the next younger ones. While a slider sticks, each step
+        makes one. The last two are left: births of the next step come to the last one."""
+        cohorts = groups.weight[self._of_start :].reshape(-1, self._at_birth.stretch.size)
+        negligible = np.flatnonzero(np.abs(cohorts[:-2]).sum(axis=1) < NEGLIGIBLE)
+        kept = np.ones(groups.weight.size, dtype=bool)
+        kept[self._of_start :].reshape(cohorts.shape)[negligible] = False
+        for cohort in negligible:
+            cohorts[cohort + 1] += cohorts[cohort]  # a view on the weights
+        return groups.pick(kept)
 
     def slide_steadily(self, travel: float, error: float) -> None:
         """Slide on at this instant while each break is followed by a birth and stretches stay distributed as they are;

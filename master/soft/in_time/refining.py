@@ -8,6 +8,7 @@ from master.motion import drive_motion
 from master.outcome import FaultError, Progress, StoppedError
 from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.contacts import COMPARED, MOST_STEPS, MOST_WORK, ContactsInSteps
+from master.soft.in_time.decohered import decohered
 from master.soft.in_time.extrapolation import extrapolated
 from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
 from master.soft.in_time.slider import Slider
@@ -25,12 +26,13 @@ UNLISTED = 1.0 / 3.0
 LONG_DELAY, LOADED = 30.0, 8e-3
 # Thresholds at which the first breaks are looked at.
 QUANTILES = 2000
-# The next halving takes twice the steps, each of which has twice the groups; and errors below this many times that of
-# the memory are not made smaller by it.
+# The next halving takes twice the steps, each of which has twice the groups, and where cells get finer, too, as many
+# times the work of this one as this one took of the last; and errors below this many times that of the memory are not
+# made smaller by it.
 MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
 # Contacts that age and slip under "instant": the least error that was seen of steps halved twice, in five cases of K
-# from 1e-6 to 0.1 N_c<k>; and how many times it falls with each further halving. It fell 12 and 25 times on soft
-# springs, and 430 times at K = 0.1, where slips take a tenth of the steps that are taken on: no bound, but an estimate.
+# from 1e-6 to 0.1 N_c<k>; and how many times it falls with each further halving. It fell 66 times at K = 1e-6, and 430
+# times at K = 0.1, where slips take a tenth of the steps that are taken on: no bound, but an estimate.
 LEAST_OF_AGEING, FALL_OF_AGEING = 3e-3, 25.0
 
 
@@ -89,7 +91,8 @@ def refined(
         memory = memory_of(contacts, halvings, fastest)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
         least_drop = UNLISTED * tolerance * contacts.mean_threshold
-        slider = Slider(cohorts, drive, motion, needed, least_drop)
+        after_long_slips = decohered(contacts, drive, memory.starts)
+        slider = Slider(cohorts, drive, motion, needed, least_drop, after_long_slips)
         try:
             slider.run()
         except StoppedError as why:
@@ -104,7 +107,8 @@ def refined(
         progress(found.error)
         if best is None or found.largest_error <= best.largest_error:
             best = found
-        steps, work = MORE_STEPS * cohorts.steps, MORE_WORK * cohorts.work
+        more_work = max(MORE_WORK, cohorts.work / (sliders[-2:][0].contacts.work or 1.0))
+        steps, work = MORE_STEPS * cohorts.steps, more_work * cohorts.work
         as_good_as_memory = found.largest_error < NEAR_MEMORY_ERROR * memory.error
         too_many = steps > MOST_STEPS or work > MOST_WORK
         if best.largest_error <= tolerance or as_good_as_memory or too_many:

@@ -7,6 +7,7 @@ import numpy as np
 from master.motion import Motion
 from master.outcome import StoppedError
 from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
+from master.soft.in_time.decohered import Decohered
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Steps
@@ -52,6 +53,7 @@ class Slider:
     needed : halvings without which the tolerance is not met
     least_drop : change of F (a length) below which a slip is not listed, but counted as an error of F: after a slip the
         few contacts that come back first hold a soft spring for a moment and slip, as often as steps happen to fall
+    decohered : what a long slip under "instant" leads to; None where that is not known
     slips : in order
     """
 
@@ -62,8 +64,10 @@ class Slider:
         motion: Motion | None,
         needed: int,
         least_drop: float,
+        decohered: Decohered | None = None,
     ) -> None:
         self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
+        self._decohered = decohered
         self._finer = max(needed - contacts.halvings, 0)
         self._rule, self._spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
@@ -173,7 +177,7 @@ class Slider:
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)
         else:
-            slip_with_births(contacts, self._steps, self._size)
+            slip_with_births(contacts, self._steps, self._size, self._decohered)
         self._list_slip(force)
 
     def _list_slip(self, before: float) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from master.soft.in_time.contacts import ContactsInSteps
+from master.soft.in_time.decohered import Decohered, SlipSoFar
 from master.soft.in_time.steps import Steps
 
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
@@ -64,17 +65,23 @@ def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
         low, high = high, high + steps.sign * max(pull / stiffest, shortest)
 
 
-def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> None:
+def slip_with_births(
+    contacts: ContactsInSteps, steps: Steps, size: float, decohered: Decohered | None
+) -> None:
     """Move the slider to the first balance, in steps of this size; broken contacts re-form at once. It ends
 
     - at once, as good as, where no small travel leads to a pull of the spring;
     - on the first step at whose end the spring pulls no more, once the slider is away from the balance at the begin;
-    - at K (X_T - X) = F, however far, once breaks are steady: F then stays that of sliding at infinite speed.
+    - at K (X_T - X) = F, however far, once breaks are steady: F then stays that of sliding at infinite speed;
+    - there, too, once it is sure that breaks will be steady before: some way after all contacts are `decohered`.
     """
     step, small = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
     begin = contacts.position
-    # the way since the begin, and F, at the end of each step
+    # the way since the begin, and F along the motion, at the end of each step
     travelled, forces = list[float](), list[float]()
+    # signed stretches of contacts that held at the begin are above the way by this, or more
+    least_stretch = min(float((steps.sign * contacts.groups.stretch).min()), 0.0)
+    none_left_since = decohered_since = np.inf
 
     def imbalance(travel: float) -> float:
         return steps.imbalance(contacts.trial(travel, contacts.now))
@@ -89,19 +96,33 @@ def slip_with_births(contacts: ContactsInSteps, steps: Steps, size: float) -> No
     # before, a step on which forces balance may only lead back to that
     away = abs(first) < abs(step)
     while True:
-        pull = imbalance(step)
+        trial = contacts.trial(step, contacts.now)
+        pull = steps.imbalance(trial)
         if pull <= 0.0 and away:
             break
         away |= pull > 0.0 or abs(contacts.position - begin) > small
-        contacts.take(contacts.trial(step, contacts.now))
+        contacts.take(trial)
         low = 0.0
         travelled.append(abs(contacts.position - begin))
-        forces.append(contacts.force)
+        forces.append(steps.sign * contacts.force)
         # the travel to the end if F stays what it is
-        to_end = imbalance(0.0) / steps.spring
+        to_end = pull / steps.spring
         if to_end > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
             contacts.slide_steadily(steps.sign * to_end, STEADY * contacts.unit)
             return
+        if decohered is None:
+            continue
+        if travelled[-1] - decohered_since >= decohered.way_after:
+            swing = decohered.swing(travelled, forces)
+            contacts.slide_steadily(steps.sign * to_end, swing)
+            return
+        if float((steps.sign * contacts.groups.stretch).max()) < travelled[-1] + least_stretch:
+            none_left_since = min(none_left_since, travelled[-1])
+        so_far = SlipSoFar(travelled, forces, none_left_since, pull + forces[-1])
+        if np.isinf(decohered_since) and decohered.ends(so_far):
+            # as steps are finite, F goes on to a value a little off F_k, to which steps after the slip go back anyway
+            contacts.decohere(decohered.start, steps.sign)
+            decohered_since = travelled[-1]
     if imbalance(low) > 0.0:
         low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
     contacts.take(contacts.trial(low, contacts.now))

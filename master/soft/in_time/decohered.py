@@ -1,0 +1,116 @@
+"""Decohered contacts: those to which a long slip leads under "instant", whatever they were at its begin.
+
+A slip takes no time, so that no law in time acts in it: contacts break at the thresholds they had at its begin, or at
+those they were born with, and form again at once. Once none that held at its begin is left, F is a mean of its values
+over the longest life (renewal equation) and stays within them, and F - F_k falls as e^(-y/X*) with the slider's way y.
+On a soft spring that way is a million thresholds. It need not be followed until breaks are steady, for which narrow
+laws take hundreds of thresholds: where the spring pulls the slider on as long as F stays within these values, and where
+by then nothing is left of F - F_k, stretches are distributed as in steady sliding, by S(x)/<x_s>.
+"""
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from master.numerics.averages import StretchNodes, stretch_nodes
+from master.steady.cycle import Cycle
+from master.stick_slip.roots import decoherence_length
+from master.survival.life import ColdLife
+from origins import Contacts, Drive
+from origins.start import Start
+from origins.thresholds.law import Thresholds
+
+# Survival that counts as none: what the others do to F is below the margin.
+NONE_LEFT = 1e-9
+# Margin between the spring's force and the largest force, in mean thresholds; and what may be left of F - F_k.
+MARGIN, LEFT = 1e-6, 1e-12
+# Ways, in longest lives, along which F is compared, and that the slider must have gone since none is left.
+COMPARED_ALONG, UNDISTURBED = 1.1, 2.2
+# The way of a slip behind this, in longest lives: more than those along which F is compared.
+AFTER = 1.5
+# The first mode may be hidden by this factor in the range of F (as in soft/moves.py).
+HIDDEN = 100.0
+
+
+class SlipSoFar(NamedTuple):
+    """A slip under "instant" up to now.
+
+    travelled, forces : the slider's way since the begin of the slip, and F, at the end of each step (lengths)
+    none_left_since : the way at which the last contact that held at its begin had broken; inf before
+    load : the spring's force (a length), both along the motion
+    """
+
+    travelled: list[float]
+    forces: list[float]
+    none_left_since: float
+    load: float
+
+
+class SteadyStretches(Start):
+    """The stretches of contacts in steady sliding at T = 0, of the density S(x)/<x_s>."""
+
+    def __init__(self, law: Thresholds) -> None:
+        super().__init__(
+            0.5 * law.moment(2) / law.mean(), (0.0, longest_life(law)), law.breakpoints
+        )
+        self.pdf = lambda x: np.asarray(law.sf(x)) / law.mean()
+
+
+class Decohered:
+    """What a long slip of these contacts leads to.
+
+    start : nodes for the stretches of all contacts then
+    life : the longest life, on which all but NONE_LEFT break (a length)
+    way_after : the slider's way from then on up to the end of the slip, on which F in steps gets near to its own limit
+    """
+
+    def __init__(self, contacts: Contacts, spring: float, nodes: int) -> None:
+        law = contacts.thresholds
+        self._cold, self._spring = contacts.replace(thermal=None, ageing=None), spring
+        self._unit, self.life = law.mean(), longest_life(law)
+        self.way_after = AFTER * self.life
+        self.start: StretchNodes = stretch_nodes(SteadyStretches(law), self.life, nodes)
+
+    @cached_property
+    def _length(self) -> float:
+        """X*, not too short by its error (a length); inf where F does not tend to F_k as an exponential."""
+        length, error = decoherence_length(Cycle(self._cold, ColdLife(self._cold), 1.0))
+        return length + error
+
+    def swing(self, travelled: list[float], forces: list[float]) -> float:
+        """By how much F changed along the last life (a length), by those at the ends of steps."""
+        first = np.searchsorted(travelled, travelled[-1] - COMPARED_ALONG * self.life)
+        return float(np.ptp(forces[int(first) :]))
+
+    def ends(self, slip: SlipSoFar) -> bool:
+        """Whether it is what this slip leads to."""
+        now, needed = slip.travelled[-1], UNDISTURBED * self.life
+        if now - slip.none_left_since < needed:
+            return False
+        swing = self.swing(slip.travelled, slip.forces)
+        # F was no larger than now by more than a swing, and between the ends of steps by no more than another
+        most = slip.forces[-1] + 2.0 * swing + MARGIN * self._unit
+        ahead = (slip.load - most) / self._spring
+        if ahead <= needed:
+            return False
+        return HIDDEN * swing * np.exp(-ahead / self._length) <= LEFT * self._unit
+
+
+def longest_life(law: Thresholds) -> float:
+    """The way on which all but NONE_LEFT of the contacts break (a length)."""
+    return min(float(law.support()[1]), float(law.isf(NONE_LEFT)))
+
+
+def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:
+    """What a long slip leads to under "instant", by so many nodes. None under other rules, with a delay, where
+    thresholds grow, where contacts form again stretched or break as in the closure "paper"; and for laws with exact
+    thresholds, whose order may last, or without a steady force."""
+    law, thermal = contacts.thresholds, contacts.thermal
+    paper = thermal is not None and thermal.closure == "paper"
+    stays = contacts.growing is None and contacts.reforming is None and not paper
+    if drive.slip != "instant" or contacts.delay is not None:
+        return None
+    if not stays or law.atoms[0].size or not np.isfinite(law.moment(3)):
+        return None
+    return Decohered(contacts, float(drive.spring or 0.0), nodes)
