@@ -76,6 +76,20 @@ def test_above_critical_damping_a_slip_ends_at_the_pull_of_friction_and_damping(
     np.testing.assert_allclose([found.force[0], found.slips.force_after[0]], borne, atol=1e-5)
 
 
+def test_a_light_slider_is_followed_in_any_unit_of_time() -> None:
+    """Seconds are long beside its swing: the integrator's own first step led so far ahead that F took endless work."""
+    mass, damping, path = 3.673469e-6, 5.714286e-7, np.linspace(0.0, 30.0, 41)[1:]
+    contacts = origins.Contacts(origins.gaussian(1.0, 1.2 / 7.0))
+
+    def force(unit: float) -> np.ndarray:
+        machine = {"mass": mass * unit**2, "damping": damping * unit, "velocity": 1.0 / unit}
+        found = master.solve(contacts, path, 1e-6, spring=0.01, wall_time=60.0, **machine)
+        assert found.success, found.message
+        return found.force
+
+    np.testing.assert_allclose(force(7.0 / 300.0), force(1.0), rtol=0.0, atol=2e-6)
+
+
 def test_on_a_soft_spring_light_damping_takes_little_of_the_drop_in_both_solvers() -> None:
     """With γ = 1e-2 (K M)^(1/2), ζ = 0.005, the drop is (F_s - F_k) (1 + e^(-πζ)): by 0.8 % below 2 (F_s - F_k)."""
     spring, mass = 1e-3, 1e-2

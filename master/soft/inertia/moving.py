@@ -19,6 +19,10 @@ FINE, FINEST = 1e-3, 1e-12
 POINTS = 17
 # Steps between two looks at the clock, which takes as long as a step.
 UNWATCHED = 64
+# Longest first step, in times in which the slider can swing or its damping stop it. The integrator's own guess hangs on
+# the unit of time, and where it is too long its stages lie so far ahead that F is solved there without end. A far
+# shorter one would let `moving` and `following` alternate without getting on.
+FIRST_STEP = 1.0
 # Accuracy of an instant within a step, in steps; and relative, the least that brentq takes is 4 spacings.
 INSTANT, INSTANT_RELATIVE = 1e-15, 1e-14
 
@@ -128,7 +132,10 @@ class Moving(Body):
         fine, unit = max(FINE * self.tolerance / self.unit, FINEST), self.unit
         fast = unit / np.sqrt(m / self.stiff)
         sizes = fine * np.array([unit, fast, unit**2, unit**2, unit**2])
-        return DOP853(change, 0.0, state, self._leg_end() - self.t, rtol=fine, atol=sizes)
+        solver = DOP853(change, 0.0, state, self._leg_end() - self.t, rtol=fine, atol=sizes)
+        swing = np.sqrt(m / self.stiff)
+        solver.h_abs = min(solver.h_abs, FIRST_STEP * (min(swing, m / g) if g else swing))
+        return solver
 
     def _take(self, step: Step, end: float) -> None:
         """Take a step that ends at this time: results at the asked times, falls, and the state."""
