@@ -20,10 +20,7 @@ WIDE = gaussian(1.0, 0.2)
 SOFT = Thermal("soft", 0.1)
 
 
-@pytest.mark.parametrize(
-    "rule",
-    ["reset", *(pytest.param(one, marks=pytest.mark.slow) for one in ("reform-after", "instant"))],
-)
+@pytest.mark.parametrize("rule", ["reset", "reform-after", "instant"])
 def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -> None:
     """Two roads to one answer, with turns: the one in steps of time is taken for the rate's sake."""
     back = np.concatenate([np.linspace(0.1, 4.0, 21), np.linspace(3.8, 1.0, 15), [2.0, 3.0]])

@@ -218,10 +218,12 @@ class ContactsInSteps:
         return groups.pick(alive)
 
     def _without_negligible(self, groups: Groups) -> Groups:
-        """The groups with cohorts of next to no births added to the next younger ones. While a slider sticks, each step
-        makes one. The last two are left: births of the next step come to the last one."""
+        """The groups with cohorts of next to no births added to the next younger ones, where these have next to none,
+        too: one stays between cohorts of many births, see `_note_unresolved`. While a slider sticks, each step makes
+        one. The last two are left: births of the next step come to the last one."""
         cohorts = groups.weight[self._of_start :].reshape(-1, self._at_birth.stretch.size)
-        negligible = np.flatnonzero(np.abs(cohorts[:-2]).sum(axis=1) < NEGLIGIBLE)
+        tiny = np.abs(cohorts[:-1]).sum(axis=1) < NEGLIGIBLE
+        negligible = np.flatnonzero(tiny[:-1] & tiny[1:])
         kept = np.ones(groups.weight.size, dtype=bool)
         kept[self._of_start :].reshape(cohorts.shape)[negligible] = False
         for cohort in negligible:
