@@ -95,6 +95,7 @@ class Mixture(Thresholds):
     """Sums of the components' functions, all positive, so that no accuracy is lost."""
 
     def __init__(self, components: Sequence[Thresholds], weights: Array) -> None:
+        """Take the support, onset, breakpoints and exact values together; the weights are of sum 1."""
         self.components, self.weights = tuple(components), weights
         # all lengths of a mixture are in one unit, which one component with a known unit tells
         self.in_metres = any(

@@ -21,7 +21,7 @@ from origins import Contacts, Drive
 from origins.start import Start
 from origins.thresholds.law import Thresholds
 
-# Survival that counts as none: what the others do to F is below the margin.
+# Survival that counts as none: what so few contacts add to F is below the margin.
 NONE_LEFT = 1e-9
 # Margin between the spring's force and the largest force, in mean thresholds; and what may be left of F - F_k.
 MARGIN, LEFT = 1e-6, 1e-12
@@ -58,7 +58,7 @@ class SteadyStretches(Start):
 
 
 class Decohered:
-    """What a long slip of these contacts leads to.
+    """What a long slip of these contacts leads to; asked for after each of its steps.
 
     start : nodes for the stretches of all contacts then
     life : the longest life, on which all but NONE_LEFT break (a length)
@@ -69,8 +69,12 @@ class Decohered:
         law = contacts.thresholds
         self._cold, self._spring = contacts.replace(thermal=None, ageing=None), spring
         self._unit, self.life = law.mean(), longest_life(law)
-        self.way_after = AFTER * self.life
-        self.start: StretchNodes = stretch_nodes(SteadyStretches(law), self.life, nodes)
+        self.way_after, self._nodes = AFTER * self.life, nodes
+
+    @cached_property
+    def start(self) -> StretchNodes:
+        """See the class; made for the first slip that is so long."""
+        return stretch_nodes(SteadyStretches(self._cold.thresholds), self.life, self._nodes)
 
     @cached_property
     def _length(self) -> float:
@@ -84,7 +88,7 @@ class Decohered:
         return float(np.ptp(forces[int(first) :]))
 
     def ends(self, slip: SlipSoFar) -> bool:
-        """Whether it is what this slip leads to."""
+        """Whether this slip is sure to go on until the contacts are such, by the argument at the head."""
         now, needed = slip.travelled[-1], UNDISTURBED * self.life
         if now - slip.none_left_since < needed:
             return False

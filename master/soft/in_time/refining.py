@@ -107,7 +107,8 @@ def refined(
         progress(found.error)
         if best is None or found.largest_error <= best.largest_error:
             best = found
-        more_work = max(MORE_WORK, cohorts.work / (sliders[-2:][0].contacts.work or 1.0))
+        before = sliders[-2:][0].contacts.work  # the first slider's own, as long as it is alone
+        more_work = max(MORE_WORK, cohorts.work / before if before else 0.0)
         steps, work = MORE_STEPS * cohorts.steps, more_work * cohorts.work
         as_good_as_memory = found.largest_error < NEAR_MEMORY_ERROR * memory.error
         too_many = steps > MOST_STEPS or work > MOST_WORK

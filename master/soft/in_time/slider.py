@@ -66,6 +66,7 @@ class Slider:
         least_drop: float,
         decohered: Decohered | None = None,
     ) -> None:
+        """Before the first step; `run` takes all of them."""
         self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
         self._decohered = decohered
         self._finer = max(needed - contacts.halvings, 0)

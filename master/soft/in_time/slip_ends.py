@@ -79,7 +79,7 @@ def slip_with_births(
     begin = contacts.position
     # the way since the begin, and F along the motion, at the end of each step
     travelled, forces = list[float](), list[float]()
-    # signed stretches of contacts that held at the begin are above the way by this, or more
+    # a contact that held at the begin is stretched, along the motion, by the way plus this at least
     least_stretch = min(float((steps.sign * contacts.groups.stretch).min()), 0.0)
     none_left_since = decohered_since = np.inf
 
@@ -120,7 +120,8 @@ def slip_with_births(
             none_left_since = min(none_left_since, travelled[-1])
         so_far = SlipSoFar(travelled, forces, none_left_since, pull + forces[-1])
         if np.isinf(decohered_since) and decohered.ends(so_far):
-            # as steps are finite, F goes on to a value a little off F_k, to which steps after the slip go back anyway
+            # steps of finite size have a steady force a little off F_k. The steps after the slip would seek it anew, as
+            # further small slips, so that F is let go there first.
             contacts.decohere(decohered.start, steps.sign)
             decohered_since = travelled[-1]
     if imbalance(low) > 0.0:
