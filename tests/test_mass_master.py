@@ -90,6 +90,28 @@ def test_a_light_slider_is_followed_in_any_unit_of_time() -> None:
     np.testing.assert_allclose(force(7.0 / 300.0), force(1.0), rtol=0.0, atol=2e-6)
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-8])
+def test_the_slider_of_a_machine_on_its_soft_spring_slides_at_kinetic_friction(
+    tolerance: float,
+) -> None:
+    """0.1 kg and 1 N s/m on 50 N/m, over a scan of which a mm² holds 4.5e7 N/m: a swing on the spring takes 1,000 times
+    as long as one on the contacts. After F_s it comes to rest at F_k, at any tolerance."""
+    spring, mass, damping, speed = 1.10382e-6, 2.20764e-9, 2.20764e-8, 161.4
+    found = master.solve(
+        WIDE,
+        [9e5, 1.4e6],
+        tolerance,
+        spring=spring,
+        mass=mass,
+        damping=damping,
+        velocity=speed,
+        wall_time=100.0,
+    )
+    assert found.success, found.message
+    borne = master.steady_state(WIDE).force + damping * speed
+    assert np.abs(found.force - borne).max() <= 2.0 * tolerance
+
+
 def test_on_a_soft_spring_light_damping_takes_little_of_the_drop_in_both_solvers() -> None:
     """With γ = 1e-2 (K M)^(1/2), ζ = 0.005, the drop is (F_s - F_k) (1 + e^(-πζ)): by 0.8 % below 2 (F_s - F_k)."""
     spring, mass = 1e-3, 1e-2

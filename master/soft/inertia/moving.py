@@ -19,9 +19,9 @@ FINE, FINEST = 1e-3, 1e-12
 POINTS = 17
 # Steps between two looks at the clock, which takes as long as a step.
 UNWATCHED = 64
-# Longest first step, in times in which the slider can swing or its damping stop it. The integrator's own guess hangs on
-# the unit of time, and where it is too long its stages lie so far ahead that F is solved there without end. A far
-# shorter one would let `moving` and `following` alternate without getting on.
+# Longest first step, in times (M/K)^(1/2) of a swing on the spring, as long as a slip takes. The integrator's own guess
+# hangs on the unit of time, and where it is too long its stages lie so far ahead that F is solved there without end.
+# The far shorter swing on the contacts would let `moving` and `following` alternate without getting on.
 FIRST_STEP = 1.0
 # Accuracy of an instant within a step, in steps; and relative, the least that brentq takes is 4 spacings.
 INSTANT, INSTANT_RELATIVE = 1e-15, 1e-14
@@ -133,8 +133,7 @@ class Moving(Body):
         fast = unit / np.sqrt(m / self.stiff)
         sizes = fine * np.array([unit, fast, unit**2, unit**2, unit**2])
         solver = DOP853(change, 0.0, state, self._leg_end() - self.t, rtol=fine, atol=sizes)
-        swing = np.sqrt(m / self.stiff)
-        solver.h_abs = min(solver.h_abs, FIRST_STEP * (min(swing, m / g) if g else swing))
+        solver.h_abs = min(solver.h_abs, FIRST_STEP * float(np.sqrt(m / self.spring)))
         return solver
 
     def _take(self, step: Step, end: float) -> None:
