@@ -37,9 +37,10 @@ def test_a_gap_between_panels(monkeypatch: pytest.MonkeyPatch) -> None:
     """The second run of panels begins one width too late."""
     true, runs = SolvedPanels.append, list[float]()
 
-    def late(self, begin, since, width, run, good):
+    def late(self, run, good, *, begin, begin_leg, width):
         runs.append(begin)
-        true(self, begin + width * (len(runs) == 2), since, width, run, good)
+        later = begin + width * (len(runs) == 2)
+        true(self, run, good, begin=later, begin_leg=begin_leg, width=width)
 
     monkeypatch.setattr(SolvedPanels, "append", late)
     found = master.solve(Contacts(origins.gaussian(1.0, 0.1)), [1.5, 0.5])

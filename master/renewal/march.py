@@ -136,7 +136,6 @@ class March:
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
             run = self._run(leg, now_leg, proposal.width, proposal.panels)
-
             # Beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error:
             # all of the run, since those behind a bad one, solved again at this width, would come out the same.
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(now_leg)
@@ -144,7 +143,8 @@ class March:
             if bad.size and widths.too_narrow(now_leg) and run.error[bad[0]] > self.jump.size:
                 self.jump = Jump(leg_begins + now_leg, leg, float(run.error[bad[0]]))
             good = int(bad[0]) if bad.size and not keep_all else run.error.size
-            self.solved.append(leg_begins + now_leg, now_leg, proposal.width, run, good)
+            begin = leg_begins + now_leg
+            self.solved.append(run, good, begin=begin, begin_leg=now_leg, width=proposal.width)
 
             now_leg = now_leg + good * proposal.width if good < proposal.to_edge else edge_leg
             if good < run.error.size:
@@ -290,11 +290,11 @@ class March:
         """Add panels from begin to end without births: broken contacts are born together at the end."""
         number, _ = self.known_at(np.full((1, TARGETS.size), end))
         leg_begins = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
-        nothing = np.zeros((1, polynomials.DEGREE + 1))
         # breaks at the end are looked for over half of the last panel, which has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)
-        run = Run(nothing, nothing, np.zeros(1))
+        run = Run(*np.zeros((2, 1, polynomials.DEGREE + 1)), np.zeros(1))
         for first, last in ((begin, nearly), (nearly, end)):
             if last > first:
-                self.solved.append(first, first - leg_begins, last - first, run, 1)
+                width = last - first
+                self.solved.append(run, 1, begin=first, begin_leg=first - leg_begins, width=width)
         self.lumps.append(Lump(end, 1.0 - float(number[0, 0]), self.births.law))

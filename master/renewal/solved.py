@@ -53,9 +53,9 @@ class SolvedPanels:
         """The time at which the last one ends; 0 without any."""
         return float(self.begin[-1] + self.width[-1]) if self.count else 0.0
 
-    def append(self, begin: float, begin_leg: float, width: float, run: Run, good: int) -> None:
+    def append(self, run: Run, good: int, *, begin: float, begin_leg: float, width: float) -> None:
         """Add the first `good` panels of a run that begins at `begin` on the clock of the path, which is `begin_leg` on
-        that of its leg; on the first leg both are the same.
+        that of its leg; on the first leg both are the same. Their names are asked for, as no type tells them apart.
 
         Raises FaultError where that is not the end of the panels so far: each of them conserves the number by itself,
         and no residual would tell of breaks that are left out in between, or counted twice.

@@ -67,7 +67,8 @@ class MoveWithoutBirths(Move):
         """Keep so many panels of a run, of this width, the first of which begins there."""
         motion = self._march.motion
         leg_begin = float(motion.times[motion.leg(begin + 0.5 * width)])
-        self._march.solved.append(begin, begin - leg_begin, width, run, count)
+        begin_leg = begin - leg_begin
+        self._march.solved.append(run, count, begin=begin, begin_leg=begin_leg, width=width)
 
     def _advance(self) -> bool:
         """See Move: some panels on which nothing is born, as wide as polynomials allow."""

@@ -151,8 +151,10 @@ class Slider:
         most = MOST_STEPS * 0.5**self._finer
         last = contacts.now + (contacts.now - began) * (most - contacts.steps) / count
         if last < end:
-            told = f"a slip takes {count} steps, and the {most:.0f} that are taken on at this tolerance"
-            raise StoppedError(f"{told} lead to a time of some {last:.3g} only")
+            steps = "1 step" if count == 1 else f"{count} steps"
+            told = f"a slip takes {steps}, and the {most:.0f} that are taken on at this tolerance"
+            ends = f"the last slips begin at {began:.6g} and {two[1].time:.6g}"
+            raise StoppedError(f"{told} lead to a time of some {last:.3g} only; {ends}")
 
     def _drive(self) -> float:
         """Where the drive is now (a length)."""
