@@ -53,9 +53,7 @@ class Work(NamedTuple):
     again: DrawnBirths
     exposures: QuantileTable  # logs of the integrals of rates at which contacts break
     forward: bool  # whether the law is a Forward
-    at_once: (
-        bool  # whether contacts that break form again at once, relaxed and of the same stiffness
-    )
+    at_once: bool  # whether contacts that break form again at once and relaxed
     drive: WholeDrive
     mean: float  # threshold (units) of mean stiffness
     wait: float  # a time
@@ -160,18 +158,24 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     y = -(stretch at the bin's end). The last three columns are missing where all k are 1. Ignore the last row: breaks
     beyond the path.
     """
-    j = unsigned(j)
-    y, k, square = birth - work.drive.bin_positions[j], stiffness * stiffness, work.drive.square
-    exact = real(y)
-    sums[j, 0] += sign
+    y, place = birth - work.drive.bin_positions[unsigned(j)], unsigned(j)
+    sums[place, 0] += sign
     if work.measured:
-        sums[j, 2] += sign * whole(np.floor(k * exact * exact * square + 0.5))
+        count_squares(sign, stiffness, birth, j, work, sums)
     if not work.linked:
-        sums[j, 1] += sign * y
+        sums[place, 1] += sign * y
         return
-    sums[j, 1] += sign * whole(np.floor(stiffness * exact + 0.5))
-    sums[j, 3] += sign * whole(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
-    if work.measured:
+    sums[place, 1] += sign * whole(np.floor(stiffness * real(y) + 0.5))
+    sums[place, 3] += sign * whole(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
+
+
+@inlined
+def count_squares(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyped-def]
+    """What `count_event` adds in measured blocks alone."""
+    j = unsigned(j)
+    exact, k = real(birth - work.drive.bin_positions[j]), stiffness * stiffness
+    sums[j, 2] += sign * whole(np.floor(k * exact * exact * work.drive.square + 0.5))
+    if work.linked:
         sums[j, 4] += sign * whole(np.floor(k * exact + 0.5))
         sums[j, 5] += sign * whole(np.floor(k * STIFFNESS_UNIT + 0.5))
 

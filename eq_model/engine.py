@@ -82,7 +82,7 @@ class Engine:
             *births_of(contacts, in_units.unit),
             exposures=exposures(),
             forward=forward,
-            at_once=contacts.waiting_time == 0.0 and contacts.reforming is None and not linked,
+            at_once=contacts.waiting_time == 0.0 and contacts.reforming is None,
             drive=in_units,
             mean=scale / in_units.unit,
             wait=contacts.waiting_time,

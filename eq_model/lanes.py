@@ -11,10 +11,19 @@ and cached on disk, which closures cannot be; those without tables become vector
 import numpy as np
 
 from eq_model.compiling import compiled, inlined, real, unsigned, whole
-from eq_model.contact import aged_threshold, bin_of, by_law, count_event, later, look_at
+from eq_model.contact import (
+    aged_threshold,
+    bin_of,
+    by_law,
+    count_event,
+    count_squares,
+    later,
+    look_at,
+)
 from eq_model.draws.births import draw_stretches, draw_thresholds, draw_values
 from eq_model.draws.streams import EXPOSURES, LANES
 from eq_model.row_breaks import Forward, Lanes, breaks_of, contact_of
+from eq_model.whole_drive import STIFFNESS_UNIT
 
 
 @inlined
@@ -66,6 +75,35 @@ def _count_changes(n, place, work, lanes, sums):  # type: ignore[no-untyped-def]
         sums[unsigned(bins[i]), 1] += place[i] - birth[i]
         if work.measured:
             sums[unsigned(bins[i]), 2] += square[i]
+
+
+@inlined
+def _count_linked(n, count, work, lanes, sums):  # type: ignore[no-untyped-def]
+    """Add to the sums n contacts of linked stiffness that form at once where those before them broke, less these: both
+    are in one bin, which has as many contacts as before. Contacts of the start form in the first bin."""
+    positions, many, linked = work.drive.bin_positions, work.drive.bin_ends.size, unsigned(n)
+    force, stiffness, bins = lanes.square, lanes.waiting, lanes.bins
+    for i in range(linked):
+        first = np.int32(0 if lanes.number[i] < count else many)
+        bins[i] = first if lanes.initial[i] else bins[i]
+    for i in range(linked):
+        force[i] = positions[unsigned(bins[i])]
+    for i in range(n if work.measured else 0):
+        last = 0.0 if lanes.initial[i] else lanes.stiffness[i]
+        k = real(lanes.threshold[i]) / work.mean
+        count_squares(whole(1), k, lanes.birth[i], bins[i], work, sums)
+        count_squares(whole(-1), last, lanes.last_birth[i], bins[i], work, sums)
+    for i in range(linked):
+        last = 0.0 if lanes.initial[i] else lanes.stiffness[i]
+        k, place = real(lanes.threshold[i]) / work.mean, force[i]
+        new, old = k * STIFFNESS_UNIT, last * STIFFNESS_UNIT
+        stiffness[i] = whole(np.floor(new + 0.5)) - whole(np.floor(old + 0.5))
+        new, old = k * real(lanes.birth[i] - place), last * real(lanes.last_birth[i] - place)
+        force[i] = whole(np.floor(new + 0.5)) - whole(np.floor(old + 0.5))
+        lanes.stiffness[i], lanes.last_birth[i] = k, lanes.birth[i]
+    for i in range(linked):
+        sums[unsigned(bins[i]), 1] += force[i]
+        sums[unsigned(bins[i]), 3] += stiffness[i]
 
 
 @inlined
@@ -163,6 +201,8 @@ def _row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-d
     drive, birth, broken = work.drive, lanes.birth, lanes.broken
     for i in range(unsigned(0 if work.again.relaxed else n)):
         birth[i] -= lanes.stretch[i]
+    if work.at_once and work.linked:
+        _count_linked(n, count, work, lanes, sums)
     breaks = breaks_of(law, n, work, lanes, counts)
     _bins_of(broken, n, drive, lanes.bins)
     looks = counts.shape[0] > 0
@@ -173,7 +213,7 @@ def _row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-d
     if not work.at_once:
         _count_lives(n, work, lanes, sums)
     place = form_again(law, n, work, lanes, broken, lanes.place)
-    if work.at_once:
+    if work.at_once and not work.linked:
         _count_changes(n, place, work, lanes, sums)
     _next(n, count, looks, place, work, lanes)
     return breaks
@@ -192,21 +232,20 @@ def follow(law, work, scratch, count, sums, counts):  # type: ignore[no-untyped-
         out = starting[part * LANES :]
         draw_stretches(whole(LANES), part & 3, part >> 2, stream, starts, scratch, out)
     starting = starting[: count if starts.drawn else 1]
-    if work.at_once:  # rows count no births
+    if work.at_once and work.linked:  # rows count no numbers of contacts
+        sums[0, 0] += count
+    elif work.at_once:  # rows count no births
         for stretch in starting:
             count_event(whole(1) if starts.drawn else count, 1.0, -stretch, 0, work, sums)
     # allocated in the kernel, which then knows that they do not overlap
-    m, log_amount, bins = (
-        np.zeros((17, LANES + 8), whole),
-        np.zeros(LANES),
-        np.zeros((2, LANES), np.int32),
-    )
+    m, bins = np.zeros((18, LANES + 8), whole), np.zeros((2, LANES), np.int32)
+    stiffness, log_amount = np.zeros(LANES), np.zeros(LANES)
     for i in range(LANES):
         m[0, i], m[1, i] = i, 1
         m[4, i], m[5, i] = work.drive.positions[1], work.drive.begins[1]
     early = m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10]
-    more = m[11], m[12], m[13], m[14], m[15], m[16], log_amount, bins[0], bins[1]
-    lanes = Lanes(*early, *more)
+    more = m[11], m[12], m[13], m[14], m[15], m[16], m[17]
+    lanes = Lanes(*early, *more, stiffness, log_amount, bins[0], bins[1])
     n, turn, breaks, least = min(LANES, count), whole(0), whole(0), whole(0)
     while least < count:
         for row in range(whole(4)):

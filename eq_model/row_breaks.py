@@ -43,6 +43,8 @@ class Lanes(NamedTuple):
     place: Whole  # the slider at that instant
     waiting: Whole  # some lanes, that wait for the next pass of a loop
     square: Whole  # scratch: of positions of bins, then of what is added to the sum of squares
+    last_birth: Whole  # the slider's position at which the lane's contact before was relaxed
+    stiffness: Array  # of that one, over the mean one
     log_amount: Array  # ln of the integral of the rate over the way to the break
     born_in: npt.NDArray[np.int32]  # the bin of the birth
     bins: npt.NDArray[np.int32]  # and of the break
