@@ -292,7 +292,7 @@ class March:
         leg_begins = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         # breaks at the end are looked for over half of the last panel, which has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)
-        run = Run(*np.zeros((2, 1, polynomials.DEGREE + 1)), np.zeros(1))
+        run = Run(nothing := np.zeros((1, polynomials.DEGREE + 1)), nothing, np.zeros(1))
         for first, last in ((begin, nearly), (nearly, end)):
             if last > first:
                 width = last - first
