@@ -7,7 +7,8 @@ import master
 import origins
 from master import rigid
 from master.renewal.solved import SolvedPanels
-from master.soft.regime import Followed, slips_of
+from master.soft.followed import Followed
+from master.soft.slips import slips_of
 from origins import Contacts, Drive
 
 

@@ -9,9 +9,10 @@ from master.outcome import StoppedError, stop_after
 from master.renewal.births import Births
 from master.renewal.edges import edges
 from master.soft.curve import LoadCurve, SlipBegin
+from master.soft.followed import Followed
 from master.soft.moves import ColdContacts, LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
-from master.soft.regime import Followed, slips_of
+from master.soft.slips import slips_of
 from origins import Contacts
 from origins.drive import SLIP_SHARE, Drive
 from origins.errors import refuse

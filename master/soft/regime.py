@@ -1,128 +1,26 @@
-"""What is found for a soft slider: its slips, and the regime, smooth, stick-slip or slips that die out."""
+"""The regime of a soft slider, smooth, stick-slip or slips that die out, judged by the slips that were found."""
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from master.motion import drive_motion
-from master.outcome import outcome, unconserved
+from master.soft.followed import UNRELIABLE, Followed
 from master.stick_slip.extremes import extremes
 from master.survival.make import why_no_life
 from origins import Contacts
-from origins.brief import brief
 from origins.drive import SLIP_SHARE, Drive
 from origins.thresholds.law import Array
 
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
-# Error of the force, in mean thresholds, from which on its slips are no evidence.
-UNRELIABLE = 0.1
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
 # Force, in mean thresholds, at or below which, and within its error, no contact holds on after a slip.
 NONE_HOLDS = 1e-3
-
-
-@dataclass(frozen=True)
-class Slips:
-    """Slips in the order in which they happen; arrays of shape (n,).
-
-    drive : X_T; before, after : X at the beginning and at the end; lengths.
-    force_before, force_after : F/(N_c <k>), lengths.
-    drive_error : estimate from above of the error of `drive`, a length. The error of `before` is larger, as F + K X is
-        flat where a slip begins.
-    """
-
-    drive: Array
-    before: Array
-    after: Array
-    force_before: Array
-    force_after: Array
-    drive_error: float
-
-    __repr__ = brief
-
-    @property
-    def drop(self) -> Array:
-        """Drop of the force (lengths), which is K times the slip of X."""
-        return self.force_before - self.force_after
-
-    @property
-    def main(self) -> NDArray[np.int64]:
-        """Indices, in order, of the slips that drop by SLIP_SHARE of the largest drop of late, or more.
-
-        Between slips of all contacts a few may slip alone, such as those of a narrow peak of P_c.
-        """
-        drops = np.abs(self.drop)
-        return np.flatnonzero(drops >= SLIP_SHARE * largest_of_late(drops))
-
-    @property
-    def period(self) -> float | None:
-        """Distance of X_T between the last two main slips (a length, error 2 `drive_error`); None for fewer of them."""
-        last = self.drive[self.main][-2:]
-        return abs(float(np.diff(last)[0])) if last.size > 1 else None
-
-
-def largest_of_late(drops: Array) -> float:
-    """The largest of the later half of these drops, 0 for none: as many small ones may precede it as follow it."""
-    return float(drops[drops.size // 2 if drops.size > 2 else 0 :].max(initial=0.0))
-
-
-def slips_of(rows: Array, spring: float, error: float) -> Slips:
-    """The slips with these X_T and forces before and after, shape (3, n), which the spring balances."""
-    drive, above, below = rows
-    return Slips(drive, drive - above / spring, drive - below / spring, above, below, error)
-
-
-class Followed(NamedTuple):
-    """Results for a slider as far as it was followed; lengths, and `error` in mean thresholds.
-
-    balance, nodes : see SoftSolution
-    force, holding : arrays of shape (k,), at the first k points of the path
-    error, holding_error : estimates from above, of force and load at slips, and of the share that holds
-    stopped_because : why the path was not followed to its end, or steps were not halved further
-    shares : array, the share of the contacts that break in each slip, nan where unknown; empty where none is known
-    """
-
-    balance: float
-    force: Array
-    holding: Array
-    slips: Slips
-    error: float
-    nodes: int
-    holding_error: float = 0.0
-    stopped_because: str = ""
-    shares: Array = np.empty(0)
-
-    @property
-    def largest_error(self) -> float:
-        """The error by which the solution is judged."""
-        return max(self.error, self.holding_error)
-
-    def fault(self, tolerance: float) -> str:
-        """The message of a number that is not conserved, else ""."""
-        # an error estimate so large judges nothing: the tolerance does
-        error = self.holding_error if self.holding_error < UNRELIABLE else 0.0
-        return unconserved(self.holding, tolerance, error)
-
-    def outcome(
-        self, contacts: Contacts, drive: Drive, tolerance: float, place: str
-    ) -> tuple[bool, str]:
-        """Success and message; `place` is the symbol of the path's positions."""
-        solved = self.force.size
-        if fault := self.fault(tolerance):
-            return False, fault
-        if solved == drive.path.size:
-            error = self.largest_error
-            what = " of holding" if self.holding_error > self.error else ""
-            above = f"error estimate {error:.1e}{what} is above the tolerance {tolerance:.1e}"
-            reason = self.stopped_because or f"{above}; shorten the path or loosen the tolerance"
-            return outcome(contacts, error, tolerance, reason, what)
-        last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
-        return False, f"{self.stopped_because}: the path is cut at {last}"
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,11 @@ import numpy as np
 
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
+from master.soft.followed import Followed
 from master.soft.in_time.idle_heat import Idle, without_idle_heat
 from master.soft.in_time.refining import balance_of, refined
-from master.soft.regime import Followed, Regime, Slips, regime
+from master.soft.regime import Regime, regime
+from master.soft.slips import Slips
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive

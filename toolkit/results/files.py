@@ -224,7 +224,8 @@ def _read_master(group: Any) -> SolvedRecord:
         return _read(group, SolvedRecord)
     from master.soft.inertia.run import SlipsInTime
     from master.soft.inertia.solution import Energy
-    from master.soft.regime import Regime, Slips
+    from master.soft.regime import Regime
+    from master.soft.slips import Slips
 
     heavy = "energy_drive" in group
     slips = _read(group, SlipsInTime if heavy else Slips, "slip_")

@@ -18,11 +18,12 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 from scipy.optimize.elementwise import find_root
 
+from master.soft.followed import Followed
 from master.soft.in_time.contacts import COMPARED
 from master.soft.in_time.idle_heat import unresolved_heat
 from master.soft.in_time.near_slip import slip_undecided
 from master.soft.in_time.slider import Node, Slider
-from master.soft.regime import Followed, slips_of
+from master.soft.slips import slips_of
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
 

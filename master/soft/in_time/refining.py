@@ -6,6 +6,7 @@ import numpy as np
 
 from master.motion import drive_motion
 from master.outcome import FaultError, Progress, StoppedError
+from master.soft.followed import Followed
 from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.contacts import COMPARED, MOST_STEPS, MOST_WORK, ContactsInSteps
 from master.soft.in_time.decohered import decohered
@@ -13,7 +14,6 @@ from master.soft.in_time.extrapolation import extrapolated
 from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
 from master.soft.in_time.slider import Slider
 from master.soft.in_time.steps import CONTROL
-from master.soft.regime import Followed
 from origins import Contacts, Drive
 from origins.errors import refuse
 

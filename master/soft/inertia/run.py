@@ -13,7 +13,7 @@ from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
 from master.soft.moves import ColdContacts
-from master.soft.regime import Slips
+from master.soft.slips import Slips
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from master.outcome import Progress
+from master.soft.followed import Followed
 from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
@@ -16,7 +17,6 @@ from master.soft.inertia.delayed.foretold import refuse_long_ringing, refuse_sho
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
 from master.soft.inertia.run import OF_PANELS, Run
-from master.soft.regime import Followed
 from master.soft.solution import SoftSolution, common_fields, without_heat
 from master.survival.life import ALL_ATOMS
 from origins import Contacts

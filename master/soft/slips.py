@@ -1,0 +1,61 @@
+"""Slips of a soft slider in the order in which they happen, and which of them are main ones."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from origins.brief import brief
+from origins.drive import SLIP_SHARE
+from origins.thresholds.law import Array
+
+
+@dataclass(frozen=True)
+class Slips:
+    """Slips in the order in which they happen; arrays of shape (n,).
+
+    drive : X_T; before, after : X at the beginning and at the end; lengths.
+    force_before, force_after : F/(N_c <k>), lengths.
+    drive_error : estimate from above of the error of `drive`, a length. The error of `before` is larger, as F + K X is
+        flat where a slip begins.
+    """
+
+    drive: Array
+    before: Array
+    after: Array
+    force_before: Array
+    force_after: Array
+    drive_error: float
+
+    __repr__ = brief
+
+    @property
+    def drop(self) -> Array:
+        """Drop of the force (lengths), which is K times the slip of X."""
+        return self.force_before - self.force_after
+
+    @property
+    def main(self) -> NDArray[np.int64]:
+        """Indices, in order, of the slips that drop by SLIP_SHARE of the largest drop of late, or more.
+
+        Between slips of all contacts a few may slip alone, such as those of a narrow peak of P_c.
+        """
+        drops = np.abs(self.drop)
+        return np.flatnonzero(drops >= SLIP_SHARE * largest_of_late(drops))
+
+    @property
+    def period(self) -> float | None:
+        """Distance of X_T between the last two main slips (a length, error 2 `drive_error`); None for fewer of them."""
+        last = self.drive[self.main][-2:]
+        return abs(float(np.diff(last)[0])) if last.size > 1 else None
+
+
+def largest_of_late(drops: Array) -> float:
+    """The largest of the later half of these drops, 0 for none: as many small ones may precede it as follow it."""
+    return float(drops[drops.size // 2 if drops.size > 2 else 0 :].max(initial=0.0))
+
+
+def slips_of(rows: Array, spring: float, error: float) -> Slips:
+    """The slips with these X_T and forces before and after, shape (3, n), which the spring balances."""
+    drive, above, below = rows
+    return Slips(drive, drive - above / spring, drive - below / spring, above, below, error)
