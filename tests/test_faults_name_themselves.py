@@ -1,5 +1,7 @@
 """Faults planted in the program: what is solved then fails, and its message says where to look."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ import master
 import origins
 from master import rigid
 from master.renewal.solved import SolvedPanels
-from master.soft.followed import Followed
+from master.soft.followed import ErrorPart, Followed
 from master.soft.slips import slips_of
 from origins import Contacts, Drive
 
@@ -82,7 +84,9 @@ def test_a_number_that_is_not_conserved(most: float, error: float, fault: str) -
     """More contacts hold than there are, beyond the tolerance of 1e-3 and ten times the error, but for an error that
     judges nothing."""
     holding, none = np.array([0.9, most]), slips_of(np.empty((3, 0)), 0.3, 0.0)
-    found = Followed(0.0, holding, holding, none, 1e-6, 10, holding_error=error)
+    parts = (ErrorPart("planted", 1e-6),)
+    of_holding = ErrorPart("planted", error)
+    found = Followed(0.0, holding, holding, none, 1e-6, 10, parts, of_holding=of_holding)
     contacts = Contacts(origins.gaussian(1.0, 0.1))
     success, said = found.outcome(contacts, Drive([1.0, 2.0], spring=0.3), 1e-3, "X_T")
     told = f"number is not conserved: holding {fault}"
@@ -92,3 +96,45 @@ def test_a_number_that_is_not_conserved(most: float, error: float, fault: str) -
 def test_the_largest_part_of_an_error_is_named() -> None:
     found = master.solve(Contacts(origins.gaussian(1.0, 0.2)), [1.0, 2.0, -1.0], tolerance=1e-15)
     assert not found.success and "most of it that of " in found.message
+
+
+IN_TIME = "master.soft.in_time."
+LATE = Contacts(origins.gaussian(1.0, 0.2), delay=origins.Delay(0.25))
+# a constant of the program, a value that plants an error, and what the message then says of the largest part; the drive
+# slips at X_T = 3.07771 and ends at 4.2
+PLANTED: dict[str, tuple[str, float, str]] = {
+    "memory": ("memory.ThresholdMemory.error", 0.02, "the memory of the contacts' history; loosen"),
+    "rounding": ("extrapolation.ROUNDING", 1e-4, r"rounding in \d+ steps; loosen"),
+    "small slips": ("refining.UNLISTED", 1e6, r"slips that are too small to be .*X_T = 3\.0777"),
+    "births": ("unresolved.UNKNOWN_BELOW", 1.0, "births of one step, of which many break before"),
+    "near slips": ("near_slip.NEAR", 1e12, r"a slip that may come .*X_T = 4\.2; turn or end the"),
+    "steps": ("steps.MOST_SECANTS", 1, "steps, by which the share that holds changed as they"),
+}
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_the_largest_part_of_an_error_under_a_spring_is_named(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    constant, value, told = PLANTED[name]
+    drive = {"spring": 0.3, "slip": "reform-after"}
+    monkeypatch.setattr(f"{IN_TIME}refining.MOST_STEPS", 300)  # two halvings tell it
+    sound = master.solve(LATE, np.linspace(0.0, 4.2, 9), 1e-3, **drive)
+    assert sound.success, sound.message
+    tolerance = 1e-4 if name == "births" else 1e-3
+    monkeypatch.setattr(f"{IN_TIME}{constant}", value)
+    found = master.solve(LATE, np.linspace(0.0, 4.2, 9), tolerance, **drive)
+    assert not found.success
+    assert re.search(f"above the tolerance 1.0e-0[34], most of it that of {told}", found.message)
+
+
+def test_an_error_of_which_a_part_is_unknown_says_which() -> None:
+    """And the parts at T = 0, of which the largest is the error."""
+    contacts, far = Contacts(origins.gaussian(1.0, 0.1)), np.array([5.0, 10.0])
+    found = master.solve(contacts, far, 1e-16, spring=0.3)
+    assert not found.success and "most of it that of X_T at slips; shorten the" in found.message
+    parts = ErrorPart("what is known", 0.5), ErrorPart("what is not", np.inf, "do less")
+    holding, none = np.ones(2), slips_of(np.empty((3, 0)), 0.3, 0.0)
+    unknown = Followed(0.0, holding, holding, none, np.inf, 10, parts)
+    success, said = unknown.outcome(contacts, Drive([1.0, 2.0], spring=0.3), 1e-3, "X_T")
+    assert not success and said == "no error is known without that of what is not; do less"

@@ -15,7 +15,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from master.numerics import polynomials
 from master.outcome import FaultError, StoppedError, stop_after
 from master.renewal.births import MOST_WORK, Births, Jump, Lump, panel_at, still_out
 from master.renewal.panel_width import PanelWidth
@@ -292,7 +291,7 @@ class March:
         leg_begins = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         # breaks at the end are looked for over half of the last panel, which has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)
-        run = Run(nothing := np.zeros((1, polynomials.DEGREE + 1)), nothing, np.zeros(1))
+        run = Run.of_one_panel_without_contacts()
         for first, last in ((begin, nearly), (nearly, end)):
             if last > first:
                 width = last - first

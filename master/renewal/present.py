@@ -43,6 +43,12 @@ class Run(NamedTuple):
     force: Array
     error: Array
 
+    @classmethod
+    def of_one_panel_without_contacts(cls) -> "Run":
+        """One panel on which nothing holds, so that nothing breaks or pulls."""
+        nothing = np.zeros((1, polynomials.DEGREE + 1))
+        return cls(breaks=nothing, force=nothing, error=np.zeros(1))
+
 
 class Present:
     """Sums over the births of a leg, at times on the same leg; each leg's table is made when it is first needed.

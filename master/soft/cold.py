@@ -9,7 +9,7 @@ from master.outcome import StoppedError, stop_after
 from master.renewal.births import Births
 from master.renewal.edges import edges
 from master.soft.curve import LoadCurve, SlipBegin
-from master.soft.followed import Followed
+from master.soft.followed import LOOSEN, ErrorPart, Followed
 from master.soft.moves import ColdContacts, LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
@@ -53,6 +53,8 @@ class ColdSlider:
         self.force, self.slips = list[Array](), list[Array]()
         # estimates from above of the errors of the force, and of X_T at slips (lengths)
         self.error = self.drive_error = 0.0
+        # F where a slip that was not found may have come before the drive turned or stopped (a length)
+        self.missed_slip = 0.0
         # X at which the history `_loaded` begins, and the error of that X
         self._base, self._base_error = 0.0, 0.0
         relaxed = contacts.start.span == cold.formed_again.span == (0.0, 0.0)
@@ -131,10 +133,16 @@ class ColdSlider:
         except StoppedError as why:
             stopped = str(why)
         force = np.concatenate(self.force)
-        error = max(
-            self.error,
-            self.spring * self.drive_error,
-            ROUNDED * float(np.abs(force).max(initial=0.0)),
+        rounding = ROUNDED * float(np.abs(force).max(initial=0.0))
+        parts = (
+            ErrorPart("the force along the path", self.error / unit),
+            ErrorPart("X_T at slips", self.spring * self.drive_error / unit),
+            ErrorPart(
+                "a slip that may come just before the drive turns or ends, by heat that is left out",
+                self.missed_slip / unit,
+                "turn or end the path a little elsewhere",
+            ),
+            ErrorPart("rounding", rounding / unit, LOOSEN),
         )
         return Followed(
             balance=balance,
@@ -142,9 +150,10 @@ class ColdSlider:
             holding=np.ones(force.size),
             slips=slips_of(np.reshape(self.slips, (-1, 3)).T, self.spring, self.drive_error),
             shares=np.array(self.shares),
-            error=error / unit,
+            error=max(part.size for part in parts),
             nodes=self.contacts.nodes,
             stopped_because=stopped,
+            parts=parts,
         )
 
     def _move(self, direction: int, drives: Array) -> None:
@@ -173,7 +182,7 @@ class ColdSlider:
                 self._base += direction * (at[-1] - stop)
                 self._loaded = move.stopped(stop, float(curve.error_at(at[-1]) + jump * off[-1]))
                 if self.contacts.unknown and self._may_have_slipped(move, slip, asked[-1]):
-                    self.error = max(self.error, abs(float(curve.force(at[-1]))))
+                    self.missed_slip = max(self.missed_slip, abs(float(curve.force(at[-1]))))
                 return
             drives = drives[count:]
             if self.slip == "instant":

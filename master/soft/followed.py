@@ -1,5 +1,6 @@
 """What is found for a soft slider as far as it was followed, with which error, and whether that is enough."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,24 @@ from origins.thresholds.law import Array
 
 # Error of the force, in mean thresholds, from which on its slips are no evidence.
 UNRELIABLE = 0.1
+# What makes parts of an error smaller. Shorter paths take fewer steps, of which more halvings are taken on then.
+SHORTEN = "shorten the path or loosen the tolerance"
+LOOSEN = "loosen the tolerance"
+LEAVE_HEAT = "leave out the heat or loosen the tolerance"
+
+
+class ErrorPart(NamedTuple):
+    """A part of the error of force and load at slips: what it is that of, in words, its size in mean thresholds, and
+    what the user may do to make it smaller."""
+
+    of: str
+    size: float
+    remedy: str = SHORTEN
+
+
+def total(parts: Iterable[ErrorPart]) -> float:
+    """The error that parts add up to, in mean thresholds."""
+    return sum((part.size for part in parts), 0.0)
 
 
 class Followed(NamedTuple):
@@ -19,8 +38,10 @@ class Followed(NamedTuple):
 
     balance, nodes : see SoftSolution
     force, holding : arrays of shape (k,), at the first k points of the path
-    error, holding_error : estimates from above, of force and load at slips, and of the share that holds
+    error : estimate from above of that of force and load at slips
+    parts : whose sum `error` is, or the largest at T = 0 without mass; one at least
     stopped_because : why the path was not followed to its end, or steps were not halved further
+    of_holding : estimate from above of the error of the share that holds, and what it is that of
     shares : array, the share of the contacts that break in each slip, nan where unknown; empty where none is known
     """
 
@@ -30,14 +51,34 @@ class Followed(NamedTuple):
     slips: Slips
     error: float
     nodes: int
-    holding_error: float = 0.0
+    parts: tuple[ErrorPart, ...]
     stopped_because: str = ""
+    of_holding: ErrorPart = ErrorPart("the share that holds", 0.0)
     shares: Array = np.empty(0)
+
+    @property
+    def holding_error(self) -> float:
+        """Estimate from above of the error of the share that holds."""
+        return self.of_holding.size
 
     @property
     def largest_error(self) -> float:
         """The error by which the solution is judged."""
         return max(self.error, self.holding_error)
+
+    @property
+    def _whose(self) -> str:
+        """Whose error that is, if not the force's."""
+        return " of holding" if self.holding_error > self.error else ""
+
+    def why_above(self, tolerance: float) -> str:
+        """Why the error is above the tolerance: its largest part, and what makes that smaller."""
+        above = f"error estimate {self.largest_error:.1e}{self._whose} is above the tolerance {tolerance:.1e}"
+        parts = (self.of_holding,) if self.holding_error > self.error else self.parts
+        most = max(parts, key=lambda part: part.size)
+        if np.isinf(most.size):
+            return f"no error is known without that of {most.of}; {most.remedy}"
+        return f"{above}, most of it that of {most.of}; {most.remedy}"
 
     def fault(self, tolerance: float) -> str:
         """The message of a number that is not conserved, else ""."""
@@ -53,10 +94,8 @@ class Followed(NamedTuple):
         if fault := self.fault(tolerance):
             return False, fault
         if solved == drive.path.size:
-            error = self.largest_error
-            what = " of holding" if self.holding_error > self.error else ""
-            above = f"error estimate {error:.1e}{what} is above the tolerance {tolerance:.1e}"
-            reason = self.stopped_because or f"{above}; shorten the path or loosen the tolerance"
-            return outcome(contacts, error, tolerance, reason, what)
+            why = self.why_above(tolerance)
+            reason = f"{self.stopped_because}; {why}" if self.stopped_because else why
+            return outcome(contacts, self.largest_error, tolerance, reason, self._whose)
         last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
         return False, f"{self.stopped_because}: the path is cut at {last}"

@@ -13,7 +13,7 @@ import numpy as np
 
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
-from master.soft.followed import Followed
+from master.soft.followed import LOOSEN, ErrorPart, Followed
 from master.soft.in_time.idle_heat import Idle, without_idle_heat
 from master.soft.in_time.refining import balance_of, refined
 from master.soft.regime import Regime, regime
@@ -95,7 +95,10 @@ def solve_soft(
         error = idle.error
         later = error * contacts.mean_threshold / float(drive.spring or 0.0)
         slips = replace(found.slips, drive_error=found.slips.drive_error + later)
-        found = found._replace(error=found.error + error, slips=slips)
+        left_out = ErrorPart("heat that is left out", error, LOOSEN)
+        found = found._replace(
+            error=found.error + error, slips=slips, parts=(*found.parts, left_out)
+        )
     else:
         unknown = idle.effect * contacts.mean_threshold
         found = ColdSlider(contacts, drive, tolerance, until, unknown).follow()

@@ -23,10 +23,12 @@ is solved once on a leg of the drive.
 
 Refinement (`refined`): the whole path is solved with steps, and the meshes of records, halved each time. Errors fall as
 the square of the steps: three solutions with as many slips give the limit, and an error from their changes, to which
-those of the memory, rounding and what steps cannot resolve are added (`extrapolated`).
+those of the memory, rounding and what steps cannot resolve (`Unresolved`) are added (`extrapolated`). Where that is
+above the tolerance the message names the largest of these parts (`Followed.why_above`).
 
-In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `contacts.py`, `groups.py`,
-`breaks.py`, `extrapolation.py`, and `near_slip.py`, which tells if steps leave open whether a slip comes before a turn.
+In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `decohered.py` (where a long
+slip leads to), `contacts.py`, `groups.py`, `breaks.py`, `unresolved.py`, `extrapolation.py`, and `near_slip.py`, which
+tells if steps leave open whether a slip comes before a turn.
 Then the memories: `memory.py` (what a memory is, and thresholds that stay), `threshold_cells.py` (integrals of rates at
 the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where
 they age; and `idle_heat.py`, for heat too weak for steps to see. A plain twin: `tests/plain_in_time.py`.

@@ -21,6 +21,12 @@ from master.renewal.births import reforming_law
 from master.soft.in_time.breaks import BirthsUpTo, BreaksInSteps
 from master.soft.in_time.groups import Groups
 from master.soft.in_time.memory import Memory
+from master.soft.in_time.unresolved import (
+    OF_BIRTHS,
+    OF_STEADY_SLIP,
+    Unresolved,
+    unknown_force_of_births,
+)
 from origins import Contacts
 from origins.thresholds.law import Array
 
@@ -35,8 +41,6 @@ MOST_STEPS, MOST_WORK, FIXED_WORK = 8e3, 1e9, 60
 # An error estimate needs as many sliders, each with its steps halved once more, so that the coarser ones may take only
 # a part of that.
 COMPARED = 3
-# Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
-UNRESOLVED = 0.5
 # Rounding of the number of contacts, for each that formed: far above that of sums of thousands of steps, far below
 # what a contact lost or counted twice in one of them changes.
 LOST = 1e-9
@@ -73,8 +77,7 @@ class ContactsInSteps:
     unit, jumps : mean threshold (a length), and whether P_c may jump
     largest_stiffness : k_i/<k> of the stiffest contacts
     halvings : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
-    unresolved : largest error of F (a length) that finer steps may not show: of contacts whose survival steps do not
-        resolve, of slips that are not listed, and of steps whose forces were not brought to balance
+    unresolved : errors of F that finer steps may not show; those who find one note it
 
     _births : J up to now; _births_in_cohorts : the same by the weights of all cohorts, which are to agree
     _left_out : share of all contacts in groups that were left out while they held
@@ -86,7 +89,8 @@ class ContactsInSteps:
         self.memory, self._until = memory, until
         self.delay = contacts.waiting_time
         self.halvings, self.steps, self.work = halvings, 0, 0.0
-        self.position = self.now = self.unresolved = 0.0
+        self.position = self.now = 0.0
+        self.unresolved = Unresolved()
         self.unit = contacts.mean_threshold
         self.largest_stiffness = float(contacts.relative_stiffness(memory.largest_stretch))
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
@@ -183,7 +187,11 @@ class ContactsInSteps:
         self._check_number(trial.births, float(held[0] @ groups.weight))
         self.position, self.now = self.position + trial.travel, trial.now
         self.force, self.holding = trial.force, trial.holding
-        self._note_unresolved(groups, held)
+        of_cohorts = slice(self._of_start, None)
+        unknown = unknown_force_of_births(
+            groups.weight[of_cohorts], held[:, of_cohorts], self._at_birth.stretch.size
+        )
+        self.unresolved.note(OF_BIRTHS, unknown, self.now)
         self.groups = self._without_negligible(self._without_dead(groups, held[0]))
         self._births = trial.births
 
@@ -219,8 +227,8 @@ class ContactsInSteps:
 
     def _without_negligible(self, groups: Groups) -> Groups:
         """The groups with cohorts of next to no births added to the next younger ones, where these have next to none,
-        too: one stays between cohorts of many births, see `_note_unresolved`. While a slider sticks, each step makes
-        one. The last two are left: births of the next step come to the last one."""
+        too: one stays between cohorts of many births, as unknown_force_of_births compares neighbours. While a slider
+        sticks, each step makes one. The last two are left: births of the next step come to the last one."""
         cohorts = groups.weight[self._of_start :].reshape(-1, self._at_birth.stretch.size)
         tiny = np.abs(cohorts[:-1]).sum(axis=1) < NEGLIGIBLE
         negligible = np.flatnonzero(tiny[:-1] & tiny[1:])
@@ -234,7 +242,7 @@ class ContactsInSteps:
         """Slide on at this instant while each break is followed by a birth and stretches stay distributed as they are;
         `error` bounds what F changes on the way (a length)."""
         self.position += travel
-        self.unresolved = max(self.unresolved, error)
+        self.unresolved.note(OF_STEADY_SLIP, error, self.now)
 
     @property
     def most_steps(self) -> float:
@@ -253,20 +261,6 @@ class ContactsInSteps:
         if self.steps > self.most_steps or self.work > MOST_WORK * part**2:
             done = f"{self.steps - 1} steps led to a time of {self.now:.4g} only"
             raise StoppedError(f"{done}, and more are not taken on")
-
-    def _note_unresolved(self, groups: Groups, held: Array) -> None:
-        """Bound the force of contacts born in steps of which it is unknown how many hold: half of what the forces of
-        first and last births differ by, for the geometric mean of the births in both cohorts.
-
-        Half of the births count as the first, half as the last. If the force changes one way from first to last, the
-        mean over the step lies between the two, and so is off by half of their difference at most."""
-        count = self._at_birth.stretch.size
-        survival, force = held[:, self._of_start :]
-        born = np.abs(groups.weight[self._of_start :])
-        is_unknown = survival[:-count] < UNRESOLVED * survival[count:]
-        differ = 0.5 * np.abs(force[count:] - force[:-count])
-        unknown = np.where(is_unknown, differ * np.sqrt(born[count:] * born[:-count]), 0.0)
-        self.unresolved = max(self.unresolved, float(unknown.sum()))
 
     def form_due(self) -> None:
         """Let all contacts that broke together one delay ago form now, as a cohort of their own."""

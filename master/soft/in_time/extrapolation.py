@@ -3,8 +3,8 @@
 Errors of the answers fall about as the square of the step, faster with ageing, more slowly where thresholds grow
 or births jump; all are extrapolated as if by the square. The error estimate is three times, with ageing once, the last
 change of the extrapolated or of the plain answers, whichever is smaller, plus the error of the contacts' memory,
-rounding, and what the steps do not resolve, which no change shows. The error of the force, and of the load K X_T at
-slips, is claimed.
+rounding, and what the steps do not resolve (unresolved.py), which no change shows. The error of the force, and of the
+load K X_T at slips, is claimed; where it is above the tolerance the message tells the largest of its parts.
 
 Where smooth sliding gets unstable its first slips are small, and finer steps may have one more or one less. Of all
 three sliders as many of the largest slips are compared, and the largest drop of the others is added to the changes.
@@ -18,11 +18,11 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 from scipy.optimize.elementwise import find_root
 
-from master.soft.followed import Followed
+from master.soft.followed import LEAVE_HEAT, LOOSEN, ErrorPart, Followed, total
 from master.soft.in_time.contacts import COMPARED
 from master.soft.in_time.idle_heat import unresolved_heat
-from master.soft.in_time.near_slip import slip_undecided
-from master.soft.in_time.slider import Node, Slider
+from master.soft.in_time.near_slip import undecided_end
+from master.soft.in_time.slider import Node, Slider, Slip
 from master.soft.slips import slips_of
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
@@ -50,11 +50,12 @@ class Answer(NamedTuple):
 
 
 class Limit(NamedTuple):
-    """An answer at step 0, and the errors of force and load at slips (mean thresholds), and of the holding fraction."""
+    """An answer at step 0, the parts of the error of force and load at slips, and the error of the holding fraction, a
+    share of the contacts."""
 
     answer: Answer
-    error: float
-    holding_error: float
+    parts: list[ErrorPart]
+    of_holding: ErrorPart
 
 
 def extrapolated(
@@ -66,23 +67,49 @@ def extrapolated(
     if len(sliders) == COMPARED:
         limit = _limit(sliders, times)
     else:
-        limit = Limit(_answer(last, times), np.inf, np.inf)
+        unknown = ErrorPart("steps, of which fewer than three halvings were solved", np.inf)
+        limit = Limit(_answer(last, times), [unknown], unknown)
     cohorts, slips = last.contacts, limit.answer.slips
     # round-off of the force grows with the number of steps, and where the slider slips with K, as K X_T does
     stiff = spring if slips.size else min(spring, 1.0)
     rounding = ROUNDING * (1.0 + cohorts.steps) * (1.0 + stiff)
     duration = 0.0 if last.motion is None else float(last.motion.times[-1])
     cold_skin = unresolved_heat(contacts, cohorts.memory, drive, duration)
-    error = limit.error + cohorts.memory.error + rounding + cold_skin + cohorts.unresolved / unit
+    parts = (
+        *limit.parts,
+        ErrorPart("the memory of the contacts' history", cohorts.memory.error, LOOSEN),
+        ErrorPart(f"rounding in {cohorts.steps} steps", rounding, LOOSEN),
+        ErrorPart("heat in a skin thinner than the cells of thresholds", cold_skin, LEAVE_HEAT),
+        _unresolved(last),
+    )
+    error = total(parts)
     return Followed(
         balance=balance,
         force=limit.answer.force[: asked.size] * unit,
         holding=limit.answer.holding[: asked.size],
         slips=slips_of(slips * unit / [[spring], [1.0], [1.0]], spring, error * unit / spring),
         error=error,
-        holding_error=limit.holding_error,
+        of_holding=limit.of_holding,
         nodes=cohorts.steps,
+        parts=parts,
     )
+
+
+def _unresolved(slider: Slider) -> ErrorPart:
+    """The largest error that finer steps may not show; of the kinds it is not the sum, as they tell of the same F."""
+    largest = slider.contacts.unresolved.largest
+    if not largest:
+        return ErrorPart("what steps do not resolve", 0.0)
+    of = max(largest, key=lambda kind: largest[kind].error)
+    near = _near(slider, largest[of].time)
+    return ErrorPart(f"{of}, {near}", largest[of].error / slider.contacts.unit)
+
+
+def _near(slider: Slider, time: float) -> str:
+    """Where a time on the drive's path is, in words."""
+    if slider.motion is None:
+        return "where the drive begins"
+    return f"near t = {time:.6g}, X_T = {float(slider.motion.at(np.array(time))):.6g}"
 
 
 def _answer(slider: Slider, times: Array) -> Answer:
@@ -111,11 +138,13 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
     of_slips = _changes(slips.reshape(COMPARED, -1))
     of_force = np.append(_changes(force[:, ~beside]), of_slips, axis=1)
     of_holding = _changes(holding[:, ~beside])
-    # the smaller of the largest changes, of plain and of extrapolated answers
     safety = sliders[-1].contacts.memory.safety
-    error, holding_error = (
-        safety * float(part.max(axis=1, initial=0.0).min()) for part in (of_force, of_holding)
-    )
+    told_at = times[~beside]
+    with_slips = np.append(told_at, np.tile(instants[2], len(Slip._fields) - 1))
+    parts = [
+        _of_steps(sliders[-1], safety * of_force, with_slips, "F and loads at slips"),
+        ErrorPart("slips that not all halvings have", safety * compared.left_over),
+    ]
     limit = Answer(
         force[2] + REST_OF_CHANGE * (force[2] - force[1]),
         holding[2] + REST_OF_CHANGE * (holding[2] - holding[1]),
@@ -127,10 +156,23 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
         nearest = np.abs(times[beside, None] - instants[2] - later).argmin(axis=1)
         there = _answer(sliders[2], times[beside] - later[nearest])
         limit.force[beside], limit.holding[beside] = there.force, there.holding
-    error += safety * compared.left_over
-    if slip_undecided(sliders):
-        error = max(error, float(np.abs(limit.force).max()))
-    return Limit(limit, error, holding_error)
+    if (end := undecided_end(sliders)) is not None:
+        largest_force = float(np.abs(limit.force).max())
+        if largest_force > total(parts):  # known is that much: F is between 0 and the largest
+            of = f"a slip that may come just before the drive turns or ends, {_near(sliders[-1], end)}"
+            parts = [ErrorPart(of, largest_force, "turn or end the path a little elsewhere")]
+    of_shares = _of_steps(sliders[-1], safety * of_holding, told_at, "the share that holds")
+    return Limit(limit, parts, of_shares)
+
+
+def _of_steps(slider: Slider, changes: Array, times: Array, what: str) -> ErrorPart:
+    """The error by the size of steps: the smaller of the largest changes, of plain and of extrapolated answers. Those
+    have the shape (2, n), with what changes by them at these times (n,)."""
+    largest = changes.max(axis=1, initial=0.0)
+    smaller = int(largest.argmin())
+    near = _near(slider, times[changes[smaller].argmax()]) if times.size else "at no time"
+    of = f"steps, by which {what} changed as they were halved, {near}"
+    return ErrorPart(of, float(largest[smaller]))
 
 
 class ComparedSlips(NamedTuple):

@@ -11,8 +11,9 @@ NEAR = 2.0
 AT_ONCE = 1e-9
 
 
-def slip_undecided(sliders: list[Slider]) -> bool:
-    """Whether at an end or a turn of the drive the error of X leads to the begin of a slip, or beyond.
+def undecided_end(sliders: list[Slider]) -> float | None:
+    """The first end or turn of the drive (a time) at which the error of X leads to the begin of a slip, or beyond; None
+    where there is none.
 
     On a soft spring F hardly depends on X, so that errors of X do not show in F. Only the way since the last slip
     counts: that where the slider stood then does not matter.
@@ -21,8 +22,8 @@ def slip_undecided(sliders: list[Slider]) -> bool:
     for end in [] if motion is None else motion.times[1:].tolist():
         before, now = (_way_since_slip(one, end) for one in sliders[-2:])
         if _to_slip(sliders[-1], end) < NEAR * abs(now - before):
-            return True
-    return False
+            return end
+    return None
 
 
 def _way_since_slip(slider: Slider, end: float) -> float:

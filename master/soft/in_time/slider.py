@@ -11,6 +11,7 @@ from master.soft.in_time.decohered import Decohered
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Steps
+from master.soft.in_time.unresolved import OF_SMALL_SLIPS
 from origins.drive import Drive
 
 # A slip in which F falls by this part of the largest force at a slip so far is a large one: the drive then loads the
@@ -188,6 +189,6 @@ class Slider:
         contacts, load = self.contacts, self._spring * self._drive()
         drop = abs(before - contacts.force)
         if drop < self._least_drop:
-            contacts.unresolved = max(contacts.unresolved, drop)
+            contacts.unresolved.note(OF_SMALL_SLIPS, drop, contacts.now)
         else:
             self.slips.append(Slip(contacts.now, load, before, contacts.force))

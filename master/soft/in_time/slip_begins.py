@@ -28,6 +28,7 @@ from scipy.optimize import minimize_scalar
 
 from master.soft.in_time.contacts import Trial
 from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Root, Steps
+from master.soft.in_time.unresolved import OF_BALANCE
 
 
 class OnsetControl(NamedTuple):
@@ -83,7 +84,7 @@ class SlipBegins:
         """Where the step leads that will be taken. The imbalance of one that did not converge is an error of F."""
         contacts = self._steps.contacts
         if not root.converged:
-            contacts.unresolved = max(contacts.unresolved, abs(root.step.imbalance))
+            contacts.unresolved.note(OF_BALANCE, abs(root.step.imbalance), contacts.now)
         return root.step.trial
 
     def up_to_slip(self, size: float) -> tuple[Trial, bool]:

@@ -126,11 +126,13 @@ class Run:
 
     def parting(self, other: "Run", most: float) -> str:
         """From where on the spring's force differs from that of another run by more than this (mean thresholds), in
-        words; "" where it does so at no point of the path."""
+        words, ": the two ..."; "" where it does so at no point of the path."""
         n = min(self.force.size, other.force.size)
         off = np.abs(self.force[:n] - other.force[:n]) / self._unit
         apart = np.flatnonzero(off > most)
         if not apart.size:
             return ""
         t, x = self.record.times[apart[0]], self.record.place[apart[0]]
-        return f"the two runs part by {off.max():.1e} mean thresholds, from t = {t:.6g}, X = {x:.6g} on"
+        slips = len(self.record.slips), len(other.record.slips)
+        told = "" if slips[0] == slips[1] else f", and slip {slips[0]} and {slips[1]} times"
+        return f": the two runs part by {off.max():.1e} mean thresholds, from t = {t:.6g}, X = {x:.6g} on{told}"

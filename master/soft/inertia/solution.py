@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from master.outcome import Progress
-from master.soft.followed import Followed
+from master.soft.followed import LOOSEN, ErrorPart, Followed
 from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
@@ -114,20 +114,19 @@ def solve_inertial(
     left_out = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
         left_out += idle.error
-    if parting and not stopped and error + left_out > tolerance:
-        stopped = (
-            f"error estimate {error + left_out:.1e} of the force is above the tolerance {tolerance:.1e}: {parting}; "
-            "shorten the path or loosen the tolerance"
-        )
     found = Followed(
         balance=best.balance,
         force=best.force,
         holding=best.record.holding[: best.force.size],
         slips=best.slips((error + left_out) * unit / spring),
         error=error + left_out,
-        holding_error=best.tolerance if np.isinf(error) else 0.0,
+        of_holding=ErrorPart("the share that holds", best.tolerance if np.isinf(error) else 0.0),
         nodes=nodes,
         stopped_because=stopped,
+        parts=(
+            ErrorPart(f"two runs with other tolerances{parting}", error),
+            ErrorPart("rounding, and heat that is left out", left_out, LOOSEN),
+        ),
     )
     record = best.record
     record.finish()
