@@ -137,4 +137,5 @@ def test_an_error_of_which_a_part_is_unknown_says_which() -> None:
     holding, none = np.ones(2), slips_of(np.empty((3, 0)), 0.3, 0.0)
     unknown = Followed(0.0, holding, holding, none, np.inf, 10, parts)
     success, said = unknown.outcome(contacts, Drive([1.0, 2.0], spring=0.3), 1e-3, "X_T")
-    assert not success and said == "no error is known without that of what is not; do less"
+    why = "no error is known without that of what is not; do less"
+    assert not success and said == f"neither force nor slips are known: {why}"

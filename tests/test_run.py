@@ -21,6 +21,7 @@ import toolkit
 from master.soft.inertia.run import SlipsInTime
 from master.soft.inertia.solution import Energy
 from origins.errors import InputError
+from toolkit.pictures.axes import INK
 from toolkit.processes.ranks import cores_of
 from toolkit.results.report import report
 from toolkit.running.checkpoint import identity
@@ -428,6 +429,39 @@ def test_threads_give_the_same_bits_and_are_no_other_run() -> None:
     assert 1 <= cores_of(None) <= (os.cpu_count() or 1)
     with pytest.raises(InputError, match=r"eq\.threads = 0"):
         toolkit.load_scene(scene(eq=eq | {"threads": 0}))
+
+
+def test_no_slip_is_written_of_a_force_that_is_not_known(monkeypatch: Any) -> None:
+    """Slips of steps too coarse to tell them are no figures of slips.csv, the summary, the report or a sweep."""
+    solve = master.solve
+
+    def rough(*arguments: Any, **named: Any) -> Any:
+        found = solve(*arguments, **named)
+        drifting = dataclasses.replace(found.slips, drive_error=np.inf)
+        why = "neither force nor slips are known"
+        told = dataclasses.replace(found, success=False, force_error=np.inf, message=why)
+        return dataclasses.replace(told, slips=drifting, holding=0.5 * found.holding)
+
+    monkeypatch.setattr(master, "solve", rough)
+    asked = scene(drive={"to": 12.0, "points": 21, "spring": 0.5}, eq=EQ)
+    result = toolkit.run(asked, folder="out")
+    assert result.master.slips.drive.size > 1 and result.master.period is not None
+    with Path("out/slips.csv").open(encoding="utf-8") as stream:
+        own = [slip for slip in csv.DictReader(stream) if slip["solver"] == "master"]
+    assert [list(slip.values()) for slip in own] == [["master", "", *["not known"] * 3]]
+    told = json.loads(Path("out/summary.json").read_text())
+    numbers = {"last_force", "largest_force", "period", "slips", "force_error", "period_error"}
+    assert {told["master"][name] for name in numbers} == {None}
+    assert told["eq"]["slips_beside"] == [] and told["eq"]["slips"] > 0
+    lines = "\n".join(report(result))
+    assert "period" not in lines and "an unknown number of the master equation" in lines
+    axes = toolkit.plot(result).axes
+    drawn = [line for own in axes[:2] for line in own.lines if line.get_color() == INK["master"]]
+    assert sum(line.get_xdata().size for line in drawn) == 0
+    sweep = scene(drive={"to": 12.0, "points": 21, "spring": 0.5}, sweep={"drive.spring": [0.5]})
+    swept = toolkit.run(sweep).sweep
+    for name in ("slips", "period", "force_before_slip", "force_after_slip"):
+        assert np.isnan(swept[name]).all()
 
 
 @pytest.mark.usefixtures("no_picture")

@@ -591,10 +591,36 @@ def test_slips_that_were_seen_are_told_beside_what_was_not_followed() -> None:
         "16 slips were seen, the last from 0.2" in said and "if a slip renews all contacts" in said
     )
     assert "and whether it goes on is not known" in said
-    rough = replace(answer, behaviours=(refused, replace(seen, error=float("inf"))))
-    text = "\n".join(page(answers.Verdict("a", "a", 1.0, (rough,), (), {}, 1.0)))
-    assert "and neither errors nor whether it goes on are known" in text
-    assert "force before a slip (reset: not decided, errors not known)" in text
+    text = "\n".join(page(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0)))
+    assert "force before a slip (reset: not decided)" in text
+    assert re.search(r"^slips \(mass\) +not known$", text, re.M)
+
+
+@pytest.mark.parametrize("error", [float("inf"), 0.2])
+def test_no_figure_is_told_of_a_force_that_is_not_known(
+    capsys: Any, monkeypatch: Any, error: float
+) -> None:
+    """Slips of steps too coarse to tell them have no place on the page and in the files of a verdict."""
+    solve = master.solve
+
+    def rough(*arguments: Any, **named: Any) -> Any:
+        found = solve(*arguments, **named)
+        undecided = replace(found.regime, verdict="undecided")
+        why = "neither force nor slips are known: too many steps"
+        return replace(found, regime=undecided, success=False, force_error=error, message=why)
+
+    monkeypatch.setattr(master, "solve", rough)
+    stated = {"mean_stiffness": 5.0, "contact_density": 5e11}
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 4e-9, "std": 8e-10}, "interface": stated}
+    drive = MACHINE | {"spring": "0.5 N_c<k>"}
+    _, page, found = judged(capsys, contacts=contacts, drive=drive, verdict=RESET)
+    (one,) = found["readings"][0]["behaviours"]
+    assert one["kind"] == "undecided" and not one["slips"]
+    assert one["before"] is one["after"] is one["period"] is None
+    assert re.search(r"^slips \(reset\) +not known$", page, re.M)
+    assert "force before" not in page and "period" not in page
+    assert "not decided (neither force nor slips are known" in page
+    assert len(Path("mine-output/friction.csv").read_text().splitlines()) == 1
 
 
 def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in_the_bound() -> (

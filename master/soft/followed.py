@@ -13,6 +13,8 @@ from origins.thresholds.law import Array
 
 # Error of the force, in mean thresholds, from which on its slips are no evidence.
 UNRELIABLE = 0.1
+# What is said then.
+NOT_KNOWN = "neither force nor slips are known"
 # What makes parts of an error smaller. Shorter paths take fewer steps, of which more halvings are taken on then.
 SHORTEN = "shorten the path or loosen the tolerance"
 LOOSEN = "loosen the tolerance"
@@ -91,11 +93,12 @@ class Followed(NamedTuple):
     ) -> tuple[bool, str]:
         """Success and message; `place` is the symbol of the path's positions."""
         solved = self.force.size
+        unknown = "" if self.error < UNRELIABLE else f"{NOT_KNOWN}: "
         if fault := self.fault(tolerance):
             return False, fault
         if solved == drive.path.size:
             why = self.why_above(tolerance)
             reason = f"{self.stopped_because}; {why}" if self.stopped_because else why
-            return outcome(contacts, self.largest_error, tolerance, reason, self._whose)
+            return outcome(contacts, self.largest_error, tolerance, unknown + reason, self._whose)
         last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
-        return False, f"{self.stopped_because}: the path is cut at {last}"
+        return False, f"{unknown}{self.stopped_because}: the path is cut at {last}"

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from master.motion import drive_motion
-from master.soft.followed import UNRELIABLE, Followed
+from master.soft.followed import NOT_KNOWN, UNRELIABLE, Followed
 from master.stick_slip.extremes import extremes
 from master.survival.make import why_no_life
 from origins import Contacts
@@ -72,8 +72,8 @@ def regime(
     if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
         known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
-    if found.force.size < drive.path.size or not found.error < UNRELIABLE:
-        reason = f"{count} slips up to where the solution stopped, or is no longer known"
+    if (unknown := not found.error < UNRELIABLE) or found.force.size < drive.path.size:
+        reason = NOT_KNOWN if unknown else f"{count} slips up to where the solution stopped"
     elif not count:  # K* is that of a rigid slider; a soft slider's speed differs from the drive's
         lacking = _lacking(contacts, drive, found, critical, latest)
         verdict = "undecided" if lacking else "smooth"

@@ -140,7 +140,7 @@ def plot_position(axes: Any, result: Result) -> Any:
 def plot_holding(axes: Any, result: Result) -> Any:
     """The fraction of the contacts that hold, of a soft slider's replicas their mean; the others wait to form again."""
     for curve, ink in ((result.master, "master"), (result.eq, "eq")):
-        if curve is not None:
+        if curve is not None and (ink == "eq" or is_known(curve)):
             # of a soft slider it moves much between the points of some
             whole = ink == "master" or is_coupled(curve)
             some, mark = (

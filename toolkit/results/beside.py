@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.thresholds.law import Array
-from toolkit.results.kinds import is_coupled, is_heavy
+from toolkit.results.kinds import is_coupled, is_heavy, is_known
 from toolkit.results.records import Result
 from toolkit.scene.interfaces import with_error
 from toolkit.scene.scale import spoken
@@ -57,7 +57,7 @@ def slips_beside(result: Result) -> list[dict[str, Any]]:
     the same slip in the replicas, of which so many `have` it.
     """
     solved, eq = result.master, result.eq
-    if solved is None or solved.slips is None or not is_coupled(eq):
+    if solved is None or solved.slips is None or not is_coupled(eq) or not is_known(solved):
         return []
     found = []
     for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
@@ -74,7 +74,8 @@ def slip_line(result: Result) -> str:
     solved, eq, unit = result.master, result.eq, result.mean_threshold
     line = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
     if solved is not None and solved.slips is not None:
-        line += f", {solved.slips.drive.size} of the master equation"
+        count = solved.slips.drive.size if is_known(solved) else "an unknown number"
+        line += f", {count} of the master equation"
     late = [
         with_error((slip["mean_drive"] - slip["drive"]) / unit, slip["drive_error"] / unit, 2)
         for slip in slips_beside(result)[:10]

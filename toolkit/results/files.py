@@ -14,7 +14,7 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
-from toolkit.results.kinds import is_coupled, is_heavy, units_of
+from toolkit.results.kinds import is_coupled, is_heavy, is_known, units_of
 from toolkit.results.numbers import numbers_of
 from toolkit.results.points import fill_sweep, read_sweep
 from toolkit.results.records import (
@@ -29,6 +29,8 @@ from toolkit.scene.tables import read_table
 
 RESULT = "result.h5"
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
+# numbers of the master equation's answer that nobody knows where its force is not known
+_OF_FORCE = {"last_force", "largest_force", "period", "slips", "trend"}
 
 
 def load(folder: str | os.PathLike[str]) -> Result:
@@ -96,6 +98,8 @@ def summary(result: Result) -> dict[str, Any]:
         content["master"] = {"tolerance": asked.master.tolerance, **_numbers(solved)}
         if solved.slips is not None:
             content["master"]["period_error"] = 2.0 * float(solved.slips.drive_error)
+        if not is_known(solved):
+            content["master"] |= dict.fromkeys(_OF_FORCE & content["master"].keys())
     if eq is not None and asked.eq is not None:
         own = _numbers(eq) | {"followed": int(eq.contacts)}
         own |= {"largest_standard_error": own.pop("largest_force_standard_error")}

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from origins.thresholds.law import Array
-from toolkit.results.kinds import is_coupled
+from toolkit.results.kinds import is_coupled, is_known
 from toolkit.results.records import Result
 
+NOT_KNOWN = "not known"
 # points of a path: more, some tens of megabytes, are in result.h5 alone
 MOST = 200_000
 
@@ -59,7 +60,8 @@ def has_slips(result: Result) -> bool:
 
 
 def write_slips(result: Result, path: Path) -> None:
-    """slips.csv: a line for each slip, by each solver; of the ensemble by each of its sliders, counted from 0."""
+    """slips.csv: a line for each slip, by each solver; of the ensemble by each of its sliders, counted from 0. One line
+    says so where the master equation's slips are not known."""
     scale, master = result.scale, result.master
     length, force = f"[{scale.length_unit}]", f"[{scale.force_unit}]"
     names = {
@@ -79,6 +81,14 @@ def write_slips(result: Result, path: Path) -> None:
     )
     for solver, slips in both:
         if slips is None:
+            continue
+        if solver == "master" and not is_known(master):
+            columns["solver"].append(solver)
+            columns["slider"].append("")
+            for head, _ in names.values():
+                columns[head].append(NOT_KNOWN)
+            for head in heavy.values():
+                columns[head].append("")
             continue
         count = slips.drive.size
         columns["solver"] += [solver] * count

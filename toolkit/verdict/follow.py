@@ -8,6 +8,7 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
+from toolkit.results.kinds import is_known
 from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_follow
 from toolkit.verdict.machine import (
     NO_TIME,
@@ -213,7 +214,13 @@ def _after_forgetting(
 
 
 def _behaviour(rule: str, solved: Any) -> Behaviour:
-    """What the solution of a soft slider says."""
+    """What the solution of a soft slider says: no figure where its force is not known."""
+    if not is_known(solved):
+        unknown = not_followed(rule, solved.message)
+        left_out = solved.heat_left_out
+        return replace(
+            unknown, error=solved.force_error, run_time=solved.run_time, heat_left_out=left_out
+        )
     slips, verdict = solved.slips, solved.regime.verdict
     kind = {"decaying transient": "smooth"}.get(verdict, verdict)
     last = float(solved.force[-1]) if solved.force.size else float("nan")

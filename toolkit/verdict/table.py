@@ -110,6 +110,8 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
     scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
     force, load = scale.force_unit, scale.load
     for behaviour in verdict.own.behaviours:
+        if behaviour.kind == "undecided" and not behaviour.slips:
+            rows.setdefault(("slips", "not known"), []).append(behaviour.rule)
         if behaviour.kind == "smooth" or not behaviour.slips:
             continue
         mean, before = verdict.own.contacts.mean_threshold, abs(behaviour.before)
@@ -142,11 +144,10 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
 
 
 def _unfinished(behaviour: Behaviour) -> str:
-    """What to add to the rule of slips that were seen and are not decided: whether the path is cut, errors unknown."""
+    """What to add to the rule of slips that were seen and are not decided: whether the path is cut."""
     if behaviour.kind != "undecided":
         return ""
-    unknown = ", errors not known" * (not np.isfinite(behaviour.error))
-    return (": path cut" if behaviour.cut else ": not decided") + unknown
+    return ": path cut" if behaviour.cut else ": not decided"
 
 
 def of_so_many(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:

@@ -266,8 +266,6 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
         what = "whether it goes on is not known"
-        if not all(np.isfinite(one.error) for one in alike):
-            what = "neither errors nor whether it goes on are known"
         return f"not decided: {seen} from {high} down to {low}, and {what}"
     said = f"stick-slip: {high} down to {low}"
     periods = [one.period for one in alike if one.period is not None]
