@@ -3,7 +3,7 @@
 import csv
 import json
 import signal
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,9 +19,10 @@ from toolkit.stability import sliders
 from toolkit.stability.case import Answer, Case, Question, Row, Truth, judged, rows
 from toolkit.stability.scene_map import numbers, scene_map, times, trusted
 from toolkit.stability.table import VERDICTS, extreme_cases, stability, summary
+from toolkit.stability.work import within_work
 
 QUICK = {"near-merged peaks", "heavy tails", "delay", "starts"}
-CUT = {"just below the end of a rectangle"}  # by its wall time of 10 s
+CUT = {"just below the end of a rectangle"}  # after its 10 CPU-s
 
 
 @pytest.mark.parametrize(
@@ -38,6 +39,8 @@ CUT = {"just below the end of a rectangle"}  # by its wall time of 10 s
         (Answer([1.0, np.nan], 1e-9, True, 1e-6), "wrong"),
         (Answer([1.0], 1e-9, True, 1e-6), "wrong"),
         (Answer([1.0, 2.0], 0.0, faults=("more than all contacts hold",)), "wrong"),
+        (Answer([1.0], np.inf, False, 1e-6, "stopped by wall_time"), "slow"),
+        (Answer([1.0, 2.1], 0.05, False, 1e-6, "stopped by wall_time"), "wrong"),
     ],
 )
 def test_the_judge_tells_what_is_wrong_from_what_is_short(answer: Answer, verdict: str) -> None:
@@ -62,6 +65,62 @@ def test_a_wrong_answer_is_found_by_the_other_solver() -> None:
     assert [row.solver for row in found] == ["master", "ensemble"]
     assert {row.verdict for row in found} == {"wrong"}
     assert all(row.error == pytest.approx(0.1) for row in found)
+
+
+@dataclass
+class Solver:
+    """Works for `share` of the time on a clock of its own, until it has done `needs` CPU-s or its wall time is over."""
+
+    needs: float
+    share: float
+    clock: float = 0.0
+    success: bool = False
+    asked: list[float] = field(default_factory=list)
+
+    def __call__(self, wall_time: float) -> "Solver":
+        self.asked.append(wall_time)
+        self.success = self.needs <= wall_time * self.share
+        self.clock += self.needs / self.share if self.success else wall_time
+        return self
+
+    def monotonic(self) -> float:
+        return self.clock
+
+    def process_time(self) -> float:
+        return self.share * self.clock
+
+
+@pytest.mark.parametrize(
+    ("solver", "asked", "success"),
+    [
+        (Solver(needs=8.0, share=1.0), [10.0], True),
+        (Solver(needs=20.0, share=1.0), [10.0], False),
+        (Solver(needs=8.0, share=0.25), [10.0, 40.0], True),
+        (Solver(needs=20.0, share=0.25), [10.0, 40.0], False),
+        (Solver(needs=8.0, share=0.01), [10.0, 100.0, 1000.0], True),
+    ],
+)
+def test_a_busy_machine_answers_as_a_quiet_one(
+    solver: Solver, asked: list[float], success: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What its wall time cuts for want of cores is asked again, what has had its CPU time is not."""
+    monkeypatch.setattr("toolkit.stability.work.time", solver)
+    assert within_work(solver, 10.0).success is success
+    assert solver.asked == pytest.approx(asked)
+
+
+def test_a_map_without_time_says_what_it_did_not_ask(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("toolkit.stability.scene_map.WORK", 0.0)
+    assert main(["stability", "gaussian", "--out", str(tmp_path / "out")]) == 0
+    found = json.loads((tmp_path / "out" / "stability.json").read_text())["rows"]
+    pushed = [row for row in found if row["group"] != "as it is"]
+    assert pushed and {row["verdict"] for row in pushed} == {"slow"}
+    assert {row["case"][:6] for row in pushed} == {"x 1e-1", "x 1e+1"}
+    said = capsys.readouterr().out
+    assert said.count("not asked: a map has") == len(pushed)
+    assert "contacts.thresholds.mean: answered within the tolerance at 1 to 1 times" in said
 
 
 def _checked(found: list[Row]) -> None:

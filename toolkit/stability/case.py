@@ -12,8 +12,9 @@ from scipy import special
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
+from toolkit.stability.work import OUT_OF_TIME, within_work
 
-Verdict = Literal["exact", "within tolerance", "short, and says so", "refused", "wrong"]
+Verdict = Literal["exact", "within tolerance", "short, and says so", "slow", "refused", "wrong"]
 ROUND_OFF = 1e-13  # mean thresholds: an answer nearer to the truth is exact
 # the ensemble follows positions in whole units of about this part of the path (eq_model/whole_drive.py): no error by
 # chance, so that contacts which all do the same have it beside a standard error of 0
@@ -21,9 +22,7 @@ IN_UNITS = 2.0**-44
 WITNESSES = {"master": "the master equation", "ensemble": "the ensemble"}
 REPLICAS = 24  # of soft sliders, whose contacts are coupled
 SIGMAS = 5.0  # standard errors that bound the ensemble: chance passes them once in two million
-LONGEST = (
-    10.0  # s that the master equation may take for a case; it then gives what it has, and says so
-)
+LONGEST = 10.0  # CPU-s for a solver and a case; it then gives what it has, and says so
 GRANTED = 3.0  # tolerances by which an answer that claims success may be off, as docs promise
 OVERRUN = "claims success beside a larger error than its tolerance"
 
@@ -142,7 +141,7 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     off = np.where(values == known, 0.0, np.abs(values - known))
     if (unknown := ~np.isfinite(off)).any():
         honest = not answer.success and np.isinf(claims[unknown]).all()
-        verdict: Verdict = "short, and says so" if honest else "wrong"
+        verdict: Verdict = _short(answer) if honest else "wrong"
         return Judgement(verdict, np.nan, np.nan, np.inf, answer.message or "no number")
     known_at = np.isfinite(floors)
     off = np.where(known_at, off, 0.0)  # elsewhere the truth says nothing
@@ -167,8 +166,11 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
 
 
 def _short(answer: Answer) -> Verdict:
-    """An answer that lacks something must say so."""
-    return "wrong" if answer.success else "short, and says so"
+    """An answer that lacks something must say so; where it was cut for want of time it is slow."""
+    if answer.success:
+        return "wrong"
+    slow = any(words in answer.message for words in OUT_OF_TIME)
+    return "slow" if slow else "short, and says so"
 
 
 def rows(case: Case | Question) -> list[Row]:
@@ -237,7 +239,8 @@ def solved(case: Case, contacts: Contacts, path: Array) -> Answer:
     """The master equation's forces, in mean thresholds."""
     import master
 
-    found: Any = master.solve(contacts, path, case.tolerance, wall_time=LONGEST, **case.drive)
+    solve = partial(master.solve, contacts, path, case.tolerance, **case.drive)
+    found = within_work(solve, LONGEST)
     unit, pulled = contacts.mean_threshold, _bounded(case, found.force)
     faults = invariants(found.holding, pulled / unit, float(found.force_error), contacts, path)
     return Answer(
@@ -255,9 +258,9 @@ def simulated(case: Case, contacts: Contacts, path: Array) -> Answer:
     import eq_model
 
     replicas = REPLICAS if "spring" in case.drive else 1
-    found: Any = eq_model.simulate(
-        contacts, path, n_contacts=case.n_contacts, n_replicas=replicas, seed=1, **case.drive
-    )
+    many: dict[str, Any] = {"n_contacts": case.n_contacts, "n_replicas": replicas, "seed": 1}
+    found = within_work(partial(eq_model.simulate, contacts, path, **many, **case.drive), LONGEST)
+    replicas = found.contacts // case.n_contacts or 1  # of a slow one so many as are done
     unit, pulled = contacts.mean_threshold, _bounded(case, found.force)
     by_chance = bounding_factor(replicas) * found.force_standard_error
     error = (by_chance + found.step_error + IN_UNITS * np.abs(path).max()) / unit

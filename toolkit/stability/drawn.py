@@ -17,6 +17,7 @@ from toolkit.stability import truths
 from toolkit.stability.case import LONGEST, ROUND_OFF, Case, Truth
 from toolkit.stability.cohorts import by_cohorts
 from toolkit.stability.renewal import COARSEST, by_renewal
+from toolkit.stability.work import within_work
 
 _POINTS = 33  # of a path
 _FINER, _FINER_IN_TIME = 1e-2, 0.1  # of the tolerance, for the master equation as its own reference
@@ -246,7 +247,7 @@ def finer(contacts: Contacts, path: Array, tolerance: float, drive: Mapping[str,
     force, error = np.zeros(path.size), np.full(path.size, np.inf)
     road = "the master equation at a tighter tolerance"
     try:
-        found: Any = master.solve(contacts, path, tighter, wall_time=LONGEST, **drive)
+        found = within_work(partial(master.solve, contacts, path, tighter, **drive), LONGEST)
     except InputError:
         return Truth(force, error, road)
     there = found.force.size  # a path may be cut

@@ -36,10 +36,11 @@ def report_stability(
         _save(folder, "stability", figure, lines, found, numbers, formats)
 
     try:
-        if scene is None:
-            stability(extreme_cases(), say_and_keep, found)
-        else:
-            scene_map(scene, say_and_keep, found)
+        with closing(Progress("stability", "cases" if scene is None else "numbers")) as bar:
+            if scene is None:
+                stability(extreme_cases(), say_and_keep, found, bar.count)
+            else:
+                scene_map(scene, say_and_keep, found, bar.count)
     except (KeyboardInterrupt, Terminated) as stop:
         if found:
             lines.append(f"interrupted after {len(found)} answers: {summary(found)}")

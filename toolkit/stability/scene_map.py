@@ -1,8 +1,10 @@
 """Where a scene may be trusted: each of its numbers, pushed up and down by decades, through both solvers."""
 
 import re
+import time
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,9 +12,11 @@ import numpy as np
 from origins.errors import InputError
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.stability.case import Case, Row
-from toolkit.stability.table import VERDICTS, answered
+from toolkit.stability.table import VERDICTS, answered, uncounted
+from toolkit.stability.table import line as row_as_line
+from toolkit.stability.work import within_work
 
-LETTERS = dict(zip(VERDICTS, "etsrw", strict=True))  # of verdicts in the picture
+LETTERS = dict(zip(VERDICTS, "etslrw", strict=True))  # of verdicts in the picture
 DECADES = 6  # how far a number is pushed, each way
 # what says how a scene is computed, not what it is; a seed or a number of points has no decades
 _COMPUTED = {"points", "seed", "number", "step", "area", "to", "histograms", "degree", "resamples"}
@@ -23,16 +27,29 @@ _CONTACTS = 5_000  # of the ensemble
 # N K³ below which contacts that are so few slip on springs on which infinitely many slide (docs/sliders.md)
 _ENOUGH = 50.0
 _BEFORE = 0.9  # of the drive up to the first slip: beyond, ensembles of another size slip elsewhere
+_PARTS = (
+    8,
+    4,
+    2,
+    1,
+)  # of the path, in the first 1/8, 1/4, ... of which the first slip is looked for
+_FIRST_SLIP = 5.0  # CPU-s for each of them
+WORK = 600.0  # CPU-s for a map; each number has its share of what those before have left
 
 
 def scene_map(
-    scene: Scene, say: Callable[[str], None], found: list[Row] | None = None
+    scene: Scene,
+    say: Callable[[str], None],
+    found: list[Row] | None = None,
+    count: Callable[[int, int], None] = uncounted,
 ) -> list[Row]:
     """The rows of the scene as it is, then of each of its numbers times 0.1, 0.01, ... and 10, 100, ..., which end at
-    the first that is not answered within the tolerance; each is said as soon as it is known.
+    the first that is not answered within the tolerance, or that comes after the number's share of WORK; each is said as
+    soon as it is known.
 
     A row's group is the key, its case the factor and the value. Rows are appended to `found`, which holds those of an
-    interrupted map, too. Raises InputError for a scene without a path.
+    interrupted map, too; `count` is told how many numbers are done, and of how many. Raises InputError for a scene
+    without a path.
     """
     scene = scene.one("stability")
     _ = scene.drive  # which says what is missing
@@ -46,20 +63,35 @@ def scene_map(
             row.verdict in ("exact", "within tolerance") for row in own if row.solver != "ensemble"
         )
 
+    until = time.process_time() + WORK
     say("as it is")
     asked("as it is", "x 1", {})
-    for key, value in numbers(tomllib.loads(scene.text)):
+    all_numbers = list(numbers(tomllib.loads(scene.text)))
+    for done, (key, value) in enumerate(all_numbers):
         say(f"{key} = {value}")
         for sign in (-1, 1):
+            ways = 2 * (len(all_numbers) - done) - (sign > 0)  # with this one, still to be gone
+            now = time.process_time()
+            own_end = now + (until - now) / ways
             for decade in range(1, DECADES + 1):
-                factor = 10.0 ** (sign * decade)
-                other = times(value, factor)
+                other = times(value, 10.0 ** (sign * decade))
                 shown = other if isinstance(other, str) else f"{other:.6g}"
-                if not asked(key, f"x 1e{sign * decade:+d}: {shown}", {key: other}):
+                name = f"x 1e{sign * decade:+d}: {shown}"
+                if late := time.process_time() > own_end:
+                    found.append(_not_asked(key, name))
+                    say(row_as_line(found[-1]))
+                if late or not asked(key, name, {key: other}):
                     break
+        count(done + 1, len(all_numbers))
     for line in trusted(found):
         say(line)
     return found
+
+
+def _not_asked(group: str, name: str) -> Row:
+    """In place of an answer for which no time is left."""
+    said = f"not asked: a map has {WORK:.0f} CPU-seconds, and each number its share"
+    return Row(group, name, "master", "slow", np.nan, np.nan, np.nan, 0.0, "", said)
 
 
 def trusted(found: list[Row]) -> Iterator[str]:
@@ -127,18 +159,21 @@ def _refused(refusal: InputError) -> Callable[[], Any]:
 
 
 def first_slip(scene: Scene, path: Any, keywords: Mapping[str, Any]) -> float:
-    """The drive's position at the first slip by the master equation, infinite where there is none or none is known."""
+    """The drive's position at the first slip by the master equation, infinite where there is none or none is known; it
+    is looked for in longer and longer parts of the path, as all slips after it would be solved for nothing."""
     import master
 
-    try:
-        found: Any = master.solve(scene.contacts, path, 1e-4, wall_time=5.0, **keywords)
-    except InputError:
-        return np.inf
-    return (
-        float(found.slips.drive[0])
-        if found.slips is not None and found.slips.drive.size
-        else np.inf
-    )
+    for part in _PARTS:
+        points = 1 + (path.size - 1) // part
+        some = {key: one[:points] if key == "time" else one for key, one in keywords.items()}
+        solve = partial(master.solve, scene.contacts, path[:points], 1e-4, **some)
+        try:
+            found = within_work(solve, _FIRST_SLIP)
+        except InputError:
+            continue
+        if found.slips is not None and found.slips.drive.size:
+            return float(found.slips.drive[0])
+    return np.inf
 
 
 def numbers(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:

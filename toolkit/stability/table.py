@@ -17,6 +17,7 @@ VERDICTS: dict[
     "exact": "#0072B2",
     "within tolerance": "#009E73",
     "short, and says so": "#E69F00",
+    "slow": "#CC79A7",
     "refused": "#999999",
     "wrong": "#D55E00",
 }
@@ -30,16 +31,25 @@ def extreme_cases() -> list[Case | Question]:
     return [*thresholds.cases(), *surfaces.cases(), *laws.cases(), *sliders.cases()]
 
 
+def uncounted(done: int, expected: int) -> None:
+    """The default count of what is done: nobody is told."""
+
+
 def stability(
-    cases: Iterable[Case | Question], say: Callable[[str], None], found: list[Row] | None = None
+    cases: Sequence[Case | Question],
+    say: Callable[[str], None],
+    found: list[Row] | None = None,
+    count: Callable[[int, int], None] = uncounted,
 ) -> list[Row]:
     """The rows of all cases, each said as soon as it is known, under the name of its group. They are appended to
-    `found`, which holds those of an interrupted table, too."""
+    `found`, which holds those of an interrupted table, too; `count` is told how many cases are done, and of how many.
+    """
     found, group = [] if found is None else found, ""
-    for case in cases:
+    for done, case in enumerate(cases, start=1):
         if case.group != group:
             say(group := case.group)
         found += answered(case, say)
+        count(done, len(cases))
     return found
 
 
@@ -60,7 +70,7 @@ def line(row: Row) -> str:
     numbers = [
         f"{value:8.1e}" if np.isfinite(value) else f"{'-':>8}" for value in (row.error, row.claim)
     ]
-    against = row.road if row.verdict != "refused" else row.said
+    against = row.road or row.said
     head = f"  {row.case:{_WIDE}}{row.solver:19}{row.verdict:20}{'  '.join(numbers)}"
     return f"{head}{row.run_time:9.2g} s  {against}"
 
@@ -91,7 +101,7 @@ def draw_table(found: list[Row], title: str = "Extreme cases") -> Any:
     axes = figure.subplots()
     least = 1e-16  # an error of 0 has no place on a logarithmic axis
     counts = Counter(row.verdict for row in found)
-    marks = dict(zip(VERDICTS, "osD^X", strict=True))
+    marks = dict(zip(VERDICTS, "osDv^X", strict=True))
     for verdict, colour in VERDICTS.items():
         own = [
             row
