@@ -147,9 +147,12 @@ def told(rows: Sequence[Row]) -> list[str]:
     ]
     found = coverage(rows)
     held, sure = found.held, found.ratios.size
+    missed = [row.verdict for row in rows if row.solver != "ensemble" and _failed(row)]
+    refused, wrong = missed.count("refused"), missed.count("wrong")
     lines.append(
         f"master: its claim bounds the true error in {held.hold} of {held.all} cases, {100.0 * held.value:.1f} %, at "
-        f"least 99 % promised; refusals and cut paths count against it. Half of its claims are within "
+        f"least 99 % promised; {refused} refused, {len(missed) - refused - wrong} cut or not known, and {wrong} that "
+        f"claim too little count against it. Half of its claims are within "
         f"{np.median(found.ratios) if sure else np.nan:.3g} times the true error, or round-off ({sure} cases tell)"
     )
     for sigma, (share, expected) in enumerate(zip(found.within, EXPECTED, strict=True), start=1):

@@ -155,7 +155,7 @@ def _ageing(kind: str, name: str, rng: np.random.Generator) -> Case:
     unit, path = _unit(rng), _forward(rng)
     young, old = (origins.gaussian(at * unit, 0.05 * unit) for at in (0.5, rng.uniform(0.6, 1.0)))
     ageing = origins.Ageing(old, 10.0 ** rng.uniform(-4.0, -2.0) * unit)
-    return _case(kind, name, Contacts(young, ageing=ageing), path, None, _digits(rng, 1e-5))
+    return _case(kind, name, Contacts(young, ageing=ageing), path, by_renewal, _digits(rng, 1e-5))
 
 
 def _growing(kind: str, name: str, rng: np.random.Generator) -> Case:

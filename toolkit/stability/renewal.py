@@ -1,8 +1,10 @@
 """F on a forward path by the renewal equation of breaks, on even steps that are halved and extrapolated.
 
-A second road to the master equation's answers, with which it shares the laws of thresholds alone: here densities of
+A second road to the master equation's answers, with which it shares the laws of contacts alone: here densities of
 breaks and the trapezoidal rule, there survivals, number conservation and panels of polynomials.
 """
+
+from functools import partial
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from origins.contacts import Contacts
 from origins.laws.thermal import Thermal
 from origins.thresholds.law import Array
 from toolkit.stability.case import Truth
+from toolkit.stability.diffusing import aged_lives
 
 COARSEST = 256  # steps of a path; delays are whole numbers of them
 _HALVINGS = 4
@@ -20,9 +23,9 @@ _FORGOTTEN = 1e-18  # share of thresholds on either side that is left out
 def by_renewal(contacts: Contacts, path: Array, velocity: float = 1.0) -> Truth:
     """F of relaxed contacts, or of contacts from one stretch >= 0, in mean thresholds.
 
-    Laws: a delay, and soft, stiff or eyring heat in the exact closure or else linked stiffness. The path has even steps
-    from 0, whose number divides COARSEST. With p the density of breaks, w the delay, and b breaks per contact and
-    length,
+    Laws: a delay, and soft, stiff or eyring heat in the exact closure, linked stiffness, or ageing of relaxed contacts
+    towards a Gaussian. The path has even steps from 0, whose number divides COARSEST. With p the density of breaks, w
+    the delay, and b breaks per contact and length,
 
         b(X) = b_0(X) + ∫ p(s) b(X - w - s) ds,    F(X) = M_0(X) + ∫ x E(s) b(X - w - s) ds.
 
@@ -46,11 +49,13 @@ def _force(contacts: Contacts, length: float, velocity: float, halvings: int) ->
     steps = COARSEST * 2**halvings
     h, way = length / steps, length * np.arange(steps + 1) / steps
     first = contacts.start.mean()
-    nodes = _NODES * (1 + halvings)
-    density, borne = _lives(contacts, velocity, 0.0, way, nodes)
-    left, force = (
-        (density, borne.copy()) if first == 0.0 else _lives(contacts, velocity, first, way, nodes)
-    )
+    if contacts.ageing is None:
+        lives = partial(_lives, contacts, velocity, way=way, nodes=_NODES * (1 + halvings))
+        density, borne = lives(first=0.0)
+        left, force = (density, borne.copy()) if first == 0.0 else lives(first=first)
+    else:
+        density, borne = aged_lives(contacts, velocity, way, halvings)
+        left, force = density, borne.copy()
     delay = 0.0 if contacts.delay is None else contacts.delay.time * velocity
     lag, breaks = round(delay / h), left.copy()
 
