@@ -175,8 +175,11 @@ def test_finite_volumes_meet_the_first_passage_of_thresholds_that_diffuse_freely
     found, known = master.solve(contacts, path, 1e-6), by_renewal(contacts, path)
     differ = np.abs(found.force / contacts.mean_threshold - known.values).max()
     assert found.success and differ <= found.force_error + known.error < 3e-5
-    with pytest.raises(origins.InputError):
+    with pytest.raises(origins.InputError, match="ageing"):
         by_renewal(contacts.replace(start=0.1), path)
+    spread = origins.Contacts(old, origins.gaussian_start(0.1, 0.01))
+    with pytest.raises(origins.InputError, match="start"):
+        by_renewal(spread, path)
 
 
 def test_a_fault_of_both_answers_of_the_master_equation_is_seen(monkeypatch: Any) -> None:

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.errors import InputError
 from origins.laws.thermal import Thermal
 from origins.thresholds.law import Array
 from toolkit.stability.case import Truth
@@ -29,8 +30,11 @@ def by_renewal(contacts: Contacts, path: Array, velocity: float = 1.0) -> Truth:
 
         b(X) = b_0(X) + ∫ p(s) b(X - w - s) ds,    F(X) = M_0(X) + ∫ x E(s) b(X - w - s) ds.
 
-    The error is bounded by the last step of an extrapolation that assumes less than the values do.
+    The error is bounded by the last step of an extrapolation that assumes less than the values do. Raises InputError
+    for a spread start, and for one below 0.
     """
+    if not contacts.start.is_single or contacts.start.mean() < 0.0:
+        raise InputError("start: here only of one stretch, which is 0 or more")
     every = COARSEST // (path.size - 1)
     found = [
         _force(contacts, float(path[-1]), velocity, fine)[:: every * 2**fine]
