@@ -33,6 +33,11 @@ from toolkit.verdict.table import in_units
 from toolkit.verdict.words import disagreeing, page, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
+# contacts of which all numbers are stated
+STATED = {
+    "thresholds": {"kind": "gaussian", "mean": 4e-9, "std": 8e-10},
+    "interface": {"mean_stiffness": 5.0, "contact_density": 5e11},
+}
 RESET = {"rules": ["reset"]}
 
 pytestmark = pytest.mark.usefixtures("in_a_folder")
@@ -566,10 +571,8 @@ def test_a_slider_cut_after_a_slip_tells_of_it(capsys: Any, monkeypatch: Any) ->
         return replace(found, regime=undecided, success=False, message=why)
 
     monkeypatch.setattr(master, "solve", cut)
-    stated = {"mean_stiffness": 5.0, "contact_density": 5e11}
-    contacts = {"thresholds": {"kind": "gaussian", "mean": 4e-9, "std": 8e-10}, "interface": stated}
     drive = MACHINE | {"spring": "0.5 N_c<k>"}
-    status, page, found = judged(capsys, contacts=contacts, drive=drive, verdict=RESET)
+    status, page, found = judged(capsys, contacts=STATED, drive=drive, verdict=RESET)
     (one,) = found["readings"][0]["behaviours"]
     assert status == 1 and one["kind"] == "undecided" and one["slips"] >= 1
     assert "whether it goes on is not known" in page and "X_T = 4.50 nm" in page
@@ -610,10 +613,8 @@ def test_no_figure_is_told_of_a_force_that_is_not_known(
         return replace(found, regime=undecided, success=False, force_error=error, message=why)
 
     monkeypatch.setattr(master, "solve", rough)
-    stated = {"mean_stiffness": 5.0, "contact_density": 5e11}
-    contacts = {"thresholds": {"kind": "gaussian", "mean": 4e-9, "std": 8e-10}, "interface": stated}
     drive = MACHINE | {"spring": "0.5 N_c<k>"}
-    _, page, found = judged(capsys, contacts=contacts, drive=drive, verdict=RESET)
+    _, page, found = judged(capsys, contacts=STATED, drive=drive, verdict=RESET)
     (one,) = found["readings"][0]["behaviours"]
     assert one["kind"] == "undecided" and not one["slips"]
     assert one["before"] is one["after"] is one["period"] is None
@@ -738,10 +739,8 @@ def test_doubts_about_the_input_stand_before_the_answer(capsys: Any) -> None:
 
 def test_curves_that_lie_on_one_another_are_one_in_the_legend(capsys: Any) -> None:
     """Far below K* both rules that renew contacts after a slip give one trace; its error is told in newtons."""
-    stated = {"mean_stiffness": 5.0, "contact_density": 5e11}
-    law = {"kind": "gaussian", "mean": 4e-9, "std": 8e-10}
     scene = write(
-        contacts={"thresholds": law, "interface": stated},
+        contacts=STATED,
         drive=MACHINE | {"spring": "50 N/m"},
         verdict={"rules": ["reset", "reform-after"]},
         master=None,

@@ -135,6 +135,7 @@ class March:
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
             run = self._run(leg, now_leg, proposal.width, proposal.panels)
+
             # Beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error:
             # all of the run, since those behind a bad one, solved again at this width, would come out the same.
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(now_leg)

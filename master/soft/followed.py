@@ -13,17 +13,21 @@ from origins.thresholds.law import Array
 
 # Error of the force, in mean thresholds, from which on its slips are no evidence.
 UNRELIABLE = 0.1
-# What is said then.
+# What messages and the regime say then.
 NOT_KNOWN = "neither force nor slips are known"
-# What makes parts of an error smaller. Shorter paths take fewer steps, of which more halvings are taken on then.
+# What makes a part of the error smaller. A shorter path takes fewer steps, so that more halvings fit into the work.
 SHORTEN = "shorten the path or loosen the tolerance"
 LOOSEN = "loosen the tolerance"
 LEAVE_HEAT = "leave out the heat or loosen the tolerance"
 
 
 class ErrorPart(NamedTuple):
-    """A part of the error of force and load at slips: what it is that of, in words, its size in mean thresholds, and
-    what the user may do to make it smaller."""
+    """One part of the error of force and load at slips.
+
+    of : its source, in words that follow "the error of"
+    size : mean thresholds
+    remedy : what the user may do to make it smaller
+    """
 
     of: str
     size: float
@@ -41,9 +45,9 @@ class Followed(NamedTuple):
     balance, nodes : see SoftSolution
     force, holding : arrays of shape (k,), at the first k points of the path
     error : estimate from above of that of force and load at slips
-    parts : whose sum `error` is, or the largest at T = 0 without mass; one at least
+    parts : at least one; `error` is their sum, at T = 0 without mass the largest of them
     stopped_because : why the path was not followed to its end, or steps were not halved further
-    of_holding : estimate from above of the error of the share that holds, and what it is that of
+    of_holding : the error of the share that holds (its size is a share of the contacts), and its source
     shares : array, the share of the contacts that break in each slip, nan where unknown; empty where none is known
     """
 
@@ -70,7 +74,7 @@ class Followed(NamedTuple):
 
     @property
     def _whose(self) -> str:
-        """Whose error that is, if not the force's."""
+        """The words that follow "error estimate" where the largest error is not the force's."""
         return " of holding" if self.holding_error > self.error else ""
 
     def why_above(self, tolerance: float) -> str:

@@ -12,7 +12,6 @@ from origins.thresholds.law import Array
 from toolkit.results.kinds import is_coupled, is_known
 from toolkit.results.records import Result
 
-NOT_KNOWN = "not known"
 # points of a path: more, some tens of megabytes, are in result.h5 alone
 MOST = 200_000
 
@@ -86,7 +85,7 @@ def write_slips(result: Result, path: Path) -> None:
             columns["solver"].append(solver)
             columns["slider"].append("")
             for head, _ in names.values():
-                columns[head].append(NOT_KNOWN)
+                columns[head].append("not known")
             for head in heavy.values():
                 columns[head].append("")
             continue

@@ -27,13 +27,8 @@ _CONTACTS = 5_000  # of the ensemble
 # N K³ below which contacts that are so few slip on springs on which infinitely many slide (docs/sliders.md)
 _ENOUGH = 50.0
 _BEFORE = 0.9  # of the drive up to the first slip: beyond, ensembles of another size slip elsewhere
-_PARTS = (
-    8,
-    4,
-    2,
-    1,
-)  # of the path, in the first 1/8, 1/4, ... of which the first slip is looked for
-_FIRST_SLIP = 5.0  # CPU-s for each of them
+# the first slip is looked for in the first 1/8 of the path, then 1/4, 1/2, and all of it, for so many CPU-s each
+_PARTS, _FIRST_SLIP = (8, 4, 2, 1), 5.0
 WORK = 600.0  # CPU-s for a map; each number has its share of what those before have left
 
 

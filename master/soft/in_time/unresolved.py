@@ -1,4 +1,4 @@
-"""Unresolved: errors of F that halving the steps may not show, by what they are of and when each was largest.
+"""Unresolved: errors of F that halving the steps may not show, by their kind, and when each was largest.
 
 Changes of the answers from one halving to the next tell the error of steps where it falls with them
 (extrapolation.py). What is noted here may be the same, or none, in all three solutions that are compared.
@@ -10,7 +10,8 @@ import numpy as np
 
 from origins.thresholds.law import Array
 
-# What they are of. The births of one step are counted in two cohorts, at its begin and at its end.
+# The kinds of such errors, in the words of messages. The births of one step are counted in two cohorts, at its begin
+# and at its end.
 OF_BIRTHS = "births of one step, of which many break before its end"
 OF_SMALL_SLIPS = "slips that are too small to be listed"
 OF_BALANCE = "steps at whose ends the forces do not balance"
