@@ -80,6 +80,8 @@ def test_a_scene_takes_the_width_from_numbers_of_the_material(tmp_path: Any) -> 
     for changes, told in (
         ({"activation_volume": None}, r"thermal\.activation_volume: is missing; beside kelvin, "),
         ({"activation_volume": 2.76}, r"activation_volume = 2\.76: makes .* is it in m³\?"),
+        ({"kelvin": 1e6}, r"kelvin = 1000000\.0: makes .* is it in K\?"),
+        ({"shear_strength": 5e4}, r"shear_strength = 50000\.0: makes .* is it in Pa\?"),
         ({"kelvin": -3.0}, r"thermal\.kelvin = -3\.0: must be above zero"),
         ({"shear_strength": "5e7"}, r"shear_strength = '5e7': must be a number alone, in Pa"),
         ({"width": 0.03}, r"thermal\.width = 0\.03: stands beside kelvin, shear_strength"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from master.motion import Motion
+from master.numerics.table import Table
 from master.renewal.births import Births, reforming_law
 from master.renewal.edges import edges
 from master.renewal.panel_width import PanelWidth
@@ -79,3 +80,14 @@ def test_every_turn_is_an_edge_however_many_there_are():
     births = Births(ColdLife(contacts), reforming_law(contacts), motion)
     found = edges(births, contacts.start, 1e-6).times
     assert np.isin(motion.times, found).all()
+
+
+def test_a_panel_without_a_width_hides_none():
+    """Edges that fall on one another, many of them, as of islands whose barriers are alike: the table gives its
+    function between all of them."""
+    apart = np.repeat(np.linspace(0.0, 1.0, 40), 3)
+    table = Table(lambda x: np.cos(x)[None], apart, 1e-12, 1e-9)
+    x = np.linspace(0.0, 1.0, 1001)[:-1]
+    x = np.concatenate([x, table.begin])
+    np.testing.assert_allclose(table(x)[0], np.cos(x), atol=1e-11)
+    assert abs(table.up_to(np.array([0.7]))[0] - np.sin(0.7)) < 1e-11

@@ -19,7 +19,10 @@ from master.rate_state.traces import Rest, VelocityStep, steps_about
 from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, strengthening
 from tests.scenes import ROUGH, refused, said, write
 from toolkit.processes.signals import Terminated, TimeIsUp
+from toolkit.rate_state.judge import Judged
+from toolkit.rate_state.words import page
 from toolkit.running.progress import Progress
+from toolkit.scene.scale import Scale
 from toolkit.scene.scene import load_scene
 
 WIDE = gaussian(1.0, 0.2)
@@ -374,6 +377,36 @@ def test_steps_that_change_the_force_by_less_than_its_error_are_refused() -> Non
     with pytest.raises(InputError, match=r"changes by .*, and its error is .* eq_model"):
         master.rate_state(contacts, 1e-3, rests=[1.0], progress=begun.append)
     assert begun == ["velocity steps"]
+
+
+def test_what_is_below_its_error_is_not_told() -> None:
+    """Heat that does next to nothing: no figure of a, b, D_c and springs, and no work on what would be known no better.
+    F_k and its slope are known."""
+    begun = list[str]()
+    idle = Contacts(WIDE, thermal=Thermal("soft", 1e-12))
+    found = master.rate_state(idle, 1e-3, rests=[1.0, 10.0, 100.0], progress=begun.append)
+    assert (
+        begun == ["velocity steps"] and not found.success and "a lower tolerance" in found.message
+    )
+    assert found.a.error > abs(found.a.value) and not found.rests
+    assert np.isnan(found.critical_spring) and np.isnan(found.critical_spring_solved)
+    lines = page(Judged("idle", "idle", Scale(), found, 1.0, 0.1, 0.2))
+    rows = {line[:16].strip(): line[16:].split() for line in lines}
+    for name in ("direct effect a", "evolution effect", "slip distance D_"):
+        assert rows[name][-2:] == ["not", "known"], lines
+    assert "0.5200" in next(line for line in lines if "F_k" in line)
+    text = "\n".join(lines)
+    assert text.count("springs that are not known") == 3 and "± 0" not in text
+
+
+@pytest.mark.slow  # some 40 s
+def test_a_weak_effect_asks_for_a_lower_tolerance() -> None:
+    """Barriers (x_s² - x²)/2 of soft heat: a factor e of the rate shifts each break by T/x_s, so that a = T/<x_s>, here
+    less than the tolerance that is asked for."""
+    cold = Contacts(WIDE, thermal=Thermal("soft", 3e-6, 1e9))
+    found = master.rate_state(cold, 1e-3, decades=0)
+    assert found.success and found.a.error < 2e-3 * found.a.value
+    assert found.a.value == pytest.approx(3e-6 / WIDE.mean(), rel=2e-3)
 
 
 @pytest.mark.slow

@@ -29,7 +29,7 @@ from toolkit.verdict.finite import Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow, follow_other_delay
 from toolkit.verdict.machine import NO_FORCES, NO_TIME, Behaviour, Known, Machine, not_followed
 from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.table import in_units
+from toolkit.verdict.table import fall_of, in_units
 from toolkit.verdict.words import disagreeing, page, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
@@ -726,6 +726,15 @@ def test_a_fall_that_is_none_is_no_disagreement() -> None:
         finite = Finite(own.rule, 1000, "now and then", 0.6, 1e-3, 0.6 - fall, 1e-3, 1.2)
         said = answers.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
         assert bool(disagreeing(said)) is apart
+
+
+def test_a_fall_below_the_digits_of_the_forces_is_told_itself() -> None:
+    """Not "from 0.2496 down to 0.2496"."""
+    scale = Scale(force=1.0, force_unit="N", spring_unit="N/m", length_unit="m", time_unit="s")
+    finite = Finite("instant", 1000, "now and then", 0.2496, 5e-4, 0.2496 - 1.2e-5, 5e-4, 0.75)
+    assert fall_of(finite, scale) == "249.6 mN ± 500 µN down by 12 µN"
+    finite = replace(finite, after=0.1)
+    assert fall_of(finite, scale) == "249.6 mN ± 500 µN down to 100.0 mN ± 500 µN"
 
 
 def test_doubts_about_the_input_stand_before_the_answer(capsys: Any) -> None:

@@ -21,7 +21,7 @@ class Table:
 
     function : takes x of shape (panels, nodes), each row within one panel, and gives an array of
         shape (functions, panels, nodes)
-    edges : sorted; the functions may jump or bend there
+    edges : sorted; the functions may jump or bend there; equal ones count once
     accuracy : a panel is halved while one of its last two coefficients is larger
     shortest : length of the shortest panel
     at_ends : allowed error of a polynomial at the ends of its panel, in units of the accuracy, which finds a fall
@@ -49,6 +49,7 @@ class Table:
     ) -> None:
         """Halve the panels until polynomials give the function to the accuracy; the arguments are those above."""
         gauss, to_ends = polynomials.gauss(size), polynomials.gauss(size).at(np.array([0.0, 1.0]))
+        edges = np.unique(edges)  # a panel without a width would stand before its neighbour
         low, high = np.asarray(edges[:-1], dtype=float), np.asarray(edges[1:], dtype=float)
         places = np.concatenate([[0.0], gauss.nodes, [1.0]]) if at_ends > 0.0 else gauss.nodes
         kept, self.error, before = [], 0.0, np.full(low.size, np.inf)

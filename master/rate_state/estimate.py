@@ -12,7 +12,7 @@ from master.rate_state.reading import TWICE, Reading, read_steps
 from master.rate_state.rests import healing_of, rest_of
 from master.rate_state.result import CONSTANT, Misfit, Parameter, RateState, SpeedScan
 from master.rate_state.speeds import Slope, constant_between, fill_scan, slope_at
-from master.rate_state.stability import critical_spring_of
+from master.rate_state.stability import UNKNOWN, CriticalSpring, critical_spring_of
 from master.rate_state.traces import LIVES, SLOW_TOLERANCE, Rest, VelocityStep, is_slow, steps_about
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
@@ -32,6 +32,9 @@ from origins.thresholds.law import Array
 SMALL_STEP = 1.1
 # after a rest the force changes by ten times as much as by a step, and a tolerance takes the longer
 LOOSER = 10.0
+# of the change of force after a step: a larger error of it asks for a lower tolerance, of FINEST mean thresholds at
+# least, as rounding and the tenth of it that smaller steps take leave no room for more
+KNOWN, FINEST = 1e-3, 1e-9
 
 
 def rate_state(
@@ -54,7 +57,8 @@ def rate_state(
     evolution : "slip" or "ageing", the law of the state, see RateStateLaw.
     rests : times at rest, shape (n,), before the slider goes on at v; None: none.
     decades : to either side of v, over which is looked where the numbers are constant; 0: nowhere.
-    tolerance : of forces, in mean thresholds; after rests ten times this. Of contacts with heat whose thresholds grow
+    tolerance : of forces, in mean thresholds; after rests ten times this. It is lowered where steps change the force so
+        little that it would be known to less than 1e-3 of its change; of contacts with heat whose thresholds grow it is
         1e-3 at least, as a step takes 5 to 40 s to that.
     progress : called with a word on what begins.
     known : called once, after the steps at v, with a function that gives what is known when it is called, for a caller
@@ -90,14 +94,20 @@ def rate_state(
     steps = steps_about(contacts, velocity, ratio, tolerance)
     if slow:
         _check_known(steps)
+    elif (finer := _finer(steps, tolerance)) < tolerance:
+        tolerance = finer
+        steps = steps_about(contacts, velocity, ratio, tolerance)
     found, slope = read_steps(steps, evolution), slope_at(contacts, velocity)
     law = RateStateLaw(
         float(curve.force), velocity, found.a, found.b, found.slip_distance, evolution
     )
-    if slow:  # smaller steps would be lost in the error
+    small: Sequence[VelocityStep] = ()
+    if slow and found.told:  # smaller steps would be lost in the error
         small = steps_about(contacts, velocity, ratio**0.5, tolerance)
-    else:
+    elif found.told:
         small = steps_about(contacts, velocity, min(SMALL_STEP, ratio**0.5), 0.1 * tolerance)
+    else:  # so would other speeds and rests, which take minutes
+        times = times[:0]
     speeds = np.asarray(velocity * 10.0 ** np.arange(-decades, decades + 1.0))
     scan, solved = SpeedScan.of(speeds, found), list[Rest]()
     # F_k is curved in ln v, and b is of the finite step: about the middle of both steady forces the law meets either
@@ -105,8 +115,8 @@ def rate_state(
     about = replace(law, kinetic_force=middle)
     law_steps = tuple(about.step(one.slip, one.before, one.after) for one in steps)
     largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
-    critical = max(found.b - found.a, 0.0) / found.slip_distance if found.evolves else 0.0
-    own = critical_spring_of(small, unit, steps)
+    by_law = _spring_by_law(found, slope)
+    own = critical_spring_of(small, unit, steps) if small else UNKNOWN
 
     def so_far() -> RateState:
         """The numbers from the steps, and from the speeds and rests that are solved."""
@@ -126,8 +136,8 @@ def rate_state(
             law_rests=replace(law, evolution="ageing").after_rest(at_rest),
             misfit=_misfit(steps, law_steps, 0.0, largest),
             misfit_later=_misfit(steps, law_steps, found.direct_slip, largest),
-            critical_spring=critical,
-            critical_spring_error=_error_of_spring(found, critical),
+            critical_spring=by_law.value,
+            critical_spring_error=by_law.error,
             critical_spring_solved=own.value,
             critical_spring_solved_error=own.error,
             scan=scan,
@@ -137,7 +147,8 @@ def rate_state(
         )
 
     known(so_far)
-    fill_scan(scan, contacts, ratio, evolution, tolerance, progress)
+    if found.told:
+        fill_scan(scan, contacts, ratio, evolution, tolerance, progress)
     for number, rest in enumerate(times, start=1):
         progress(f"rest {number} of {len(times)}")
         loose = tolerance if slow else LOOSER * tolerance
@@ -145,11 +156,24 @@ def rate_state(
     return so_far()
 
 
+def _finer(steps: Sequence[VelocityStep], tolerance: float) -> float:
+    """The tolerance that tells the change of the force after these steps to KNOWN of itself, or the same; steps that do
+    not become steady are known no better with another."""
+    known, error = KNOWN * _change(steps), steps[0].error
+    if error <= known or not steps[0].settled:
+        return tolerance
+    return max(tolerance * known / error, min(FINEST, tolerance))
+
+
+def _change(steps: Sequence[VelocityStep]) -> float:
+    """The smaller of the largest changes of the force after each step, a length."""
+    return min(float(np.ptp(one.force)) for one in steps)
+
+
 def _check_known(steps: Sequence[VelocityStep]) -> None:
     """Raise InputError where the error of the force is above its change, before minutes of work on smaller steps, other
     speeds and rests, which are then known no better."""
-    change = min(float(np.ptp(one.force)) for one in steps)
-    if steps[0].error > change:
+    if steps[0].error > (change := _change(steps)):
         known = f"known to {SLOW_TOLERANCE:g} mean thresholds, and less well where that takes too much work"
         raise InputError(
             f"contacts: the force changes by {change:.1e} after a step, and its error is {steps[0].error:.1e}: heat "
@@ -168,7 +192,9 @@ def _parameters(found: Reading, slope: Slope, scan: SpeedScan) -> dict[str, Para
     }
     out = dict[str, Parameter]()
     for column, (name, value) in enumerate(values.items()):
-        apart = float(np.abs(found.others[:, column] - value).max(initial=0.0))
+        apart = np.nan
+        if found.others.size:
+            apart = float(np.abs(found.others[:, column] - value).max())
         least = CONSTANT * abs(value) if name == "slip_distance" else room
         span = constant_between(scan.velocity, getattr(scan, name), middle, least)
         out[name] = Parameter(value, errors[name], apart, span.low, span.high)
@@ -177,11 +203,15 @@ def _parameters(found: Reading, slope: Slope, scan: SpeedScan) -> dict[str, Para
     return out | {"a_minus_b": Parameter(slope.value, slope.error, apart, span.low, span.high)}
 
 
-def _error_of_spring(found: Reading, critical: float) -> float:
-    """What the errors of a, b and D_c make of (b - a)/D_c; 0 where a > b by more than these."""
-    if not found.evolves or found.a - found.b > (off := (1.0 + TWICE) * found.a_error):
-        return 0.0
-    return (off + critical * found.slip_distance_error) / found.slip_distance
+def _spring_by_law(found: Reading, slope: Slope) -> CriticalSpring:
+    """(b - a)/D_c, and what the errors of a, b and D_c make of it; 0, known, where a > b by more than these, and not
+    known where b > a without a D_c."""
+    if not found.evolves:
+        return CriticalSpring(0.0, 0.0) if slope.value > slope.error else UNKNOWN
+    value = max(found.b - found.a, 0.0) / found.slip_distance
+    if found.a - found.b > (off := (1.0 + TWICE) * found.a_error):
+        return CriticalSpring(value, 0.0)
+    return CriticalSpring(value, (off + value * found.slip_distance_error) / found.slip_distance)
 
 
 def _misfit(
@@ -213,6 +243,11 @@ def _judged(
         )
     if not all(one.success for one in rests):
         faults.append("the force after a rest is not known to the tolerance")
-    if not found.evolves:
+    if not found.told:
+        faults.append(
+            "neither a nor b is above its error, and smaller steps, other speeds and rests, known no better, were not "
+            "followed; a lower tolerance tells more"
+        )
+    elif not found.evolves:
         faults.append("b is not above its error, so that there is no D_c")
     return not faults, "; ".join(faults) or "all answers became steady within the tolerance"

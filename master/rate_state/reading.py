@@ -63,6 +63,11 @@ class Reading:
         """Whether there is a D_c."""
         return bool(np.isfinite(self.slip_distance))
 
+    @property
+    def told(self) -> bool:
+        """Whether a or b is above its error."""
+        return self.evolves or abs(self.a) > self.a_error
+
 
 def read_steps(steps: Sequence[VelocityStep], law: EvolutionLaw) -> Reading:
     """a: the first maximum of the change of force for each factor e of the speed, 0 where there is none, a mean of all

@@ -18,14 +18,20 @@ CONSTANT = 0.1
 @dataclass(frozen=True)
 class Parameter:
     """A number read from solved answers: `error`, numerical, from above; `definition`, how far other readings of the
-    same answers are from it; and the speeds (of healing: the rests) from `low` to `high` between which it changes by
-    less than CONSTANT, or as far as it was looked for."""
+    same answers are from it, NaN where there are none; and the speeds (of healing: the rests) from `low` to `high`
+    between which it changes by less than CONSTANT, or as far as it was looked for."""
 
     value: float
     error: float
     definition: float
     low: float
     high: float
+
+    @property
+    def known(self) -> bool:
+        """Whether it is above its numerical error; what is 0, as where the force does not rise, is known."""
+        size = abs(self.value)
+        return bool(self.error < size or (size == 0.0 and np.isfinite(self.error)))
 
 
 @dataclass(frozen=True)
@@ -74,9 +80,9 @@ class RateState:
     steps, rests : the solved answers; law_steps, law_rests : forces of the law in their place, the latter by the
         ageing law, as the slip law does not heal at rest
     misfit, misfit_later : of the law, along the whole answer, and once the direct effect is over
-    critical_spring : (b - a)/D_c, 0 where a > b, with its error
+    critical_spring : (b - a)/D_c, 0 where a > b, NaN where b > a and there is no D_c, with its error
     critical_spring_solved : below which smooth sliding is unstable by the solved answer to small steps; its error
-        holds what steps that are not small leave out
+        holds what steps that are not small leave out; NaN where neither a nor b is above its error
     scan : the numbers at other speeds
     run_time : s; success, message : whether the answers are known to the tolerance and have become steady
     """

@@ -29,6 +29,9 @@ class CriticalSpring(NamedTuple):
     error: float
 
 
+UNKNOWN = CriticalSpring(np.nan, np.inf)
+
+
 class Crossing(NamedTuple):
     """A spring at which Re T = 0, and the wave number of the disturbance that neither grows nor decays on it."""
 

@@ -37,7 +37,8 @@ def draw_steps(axes: Any, judged: Judged) -> None:
     """The force against the slip since a step up and one down, the law beside them, and its numbers."""
     found, scale = judged.found, judged.scale
     distance = found.slip_distance.value
-    lengths = [each for each in (found.direct_slip, distance) if each > 0.0]
+    direct = found.direct_slip * found.a.known
+    lengths = [each for each in (direct, distance) if each > 0.0]
     slip = found.steps[0].slip
     far = min(SHOWN * max(lengths, default=judged.mean_threshold), float(slip[-1]))
     shown = slip <= far
@@ -49,8 +50,10 @@ def draw_steps(axes: Any, judged: Judged) -> None:
             places, np.r_[before, step.force[shown]] * scale.force, label=f"speed {way}", **style
         )
         style |= {"ls": DASHES[2], "lw": 1.2, "label": f"{found.law.evolution} law, {way}"}
-        axes.plot(places, np.r_[before, law[shown]] * scale.force, **style)
-    _mark_numbers(axes, judged, far)
+        if np.isfinite(distance):
+            axes.plot(places, np.r_[before, law[shown]] * scale.force, **style)
+    if found.a.known and found.b.known:
+        _mark_numbers(axes, judged, far)
     axes.set_xlim(-BEFORE * far, far)
     name_axis(axes.xaxis, "slip since the step", scale.length_unit)
     name_axis(axes.yaxis, *force_name(scale))

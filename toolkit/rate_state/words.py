@@ -6,8 +6,11 @@ import numpy as np
 
 from master.rate_state.result import CONSTANT, Parameter, RateState
 from toolkit.rate_state.judge import Judged
-from toolkit.scene.scale import spoken, written
+from toolkit.scene.scale import spoken, with_uncertainty, written
 from toolkit.verdict.table import in_columns
+
+# of a number: a larger numerical error stands beside it
+TOLD = 0.01
 
 
 def page(judged: Judged) -> list[str]:
@@ -34,8 +37,11 @@ def table(judged: Judged) -> list[str]:
 def _of_readings(found: RateState) -> list[str]:
     """What the numbers are, and what stands behind their "±", which is no numerical error."""
     named = {"a": found.a, "b": found.b, "a - b": found.a_minus_b, "D_c": found.slip_distance}
-    errors = {name: one.error / abs(one.value) for name, one in named.items() if one.value}
-    own = [f"{name} {error:.1g}" for name, error in errors.items() if np.isfinite(error)]
+    own = [
+        f"{name} {one.error / abs(one.value):.1g}"
+        for name, one in named.items()
+        if one.value and one.known
+    ]
     return [
         "a: first maximum after a step; b: a less the change of F_k; D_c: of the law nearest to the force after it",
         "±: how far other readings of the same answers are; numerical errors, parts of the number: "
@@ -56,26 +62,34 @@ def _rows(judged: Judged) -> Iterator[list[str]]:
         "a - b = dF_k/d ln v": found.a_minus_b,
     }
     for name, number in named.items():
-        yield [name, *_cells(judged, number), _span(number, judged)]
+        load = _over_load(judged, number.value)
+        yield [name, *_cells(number, force, scale.force, load), _span(number, judged)]
     distance = found.slip_distance
-    value, other = (
-        written(each, scale.length_unit, distance.error)
-        for each in (distance.value, distance.definition)
-    )
     blank = [""] * len(own)
-    yield ["slip distance D_c", value, *blank, f"± {other}", _span(distance, judged)]
-    if found.healing is not None:
-        ends = [spoken(end, scale.time_unit) for end in (found.healing.low, found.healing.high)]
+    yield [
+        "slip distance D_c",
+        *_cells(distance, scale.length_unit, 1.0, blank),
+        _span(distance, judged),
+    ]
+    if (healing := found.healing) is not None:
+        ends = [spoken(end, scale.time_unit) for end in (healing.low, healing.high)]
         rests = f"rests of {' to '.join(ends)}"
-        yield ["healing, a decade of rest", *_cells(judged, found.healing), rests]
+        load = _over_load(judged, healing.value)
+        rests *= healing.known
+        yield ["healing, a decade of rest", *_cells(healing, force, scale.force, load), rests]
 
 
-def _cells(judged: Judged, number: Parameter) -> list[str]:
-    """A force to three digits, or to fewer where its numerical error leaves fewer; over the load; other readings."""
-    force, unit = judged.scale.force, judged.scale.force_unit
-    value = written(number.value * force, unit, number.error * force)
-    other = f"± {written(number.definition * force, unit, digits=2)}"
-    return [value, *_over_load(judged, number.value), other]
+def _cells(number: Parameter, unit: str, factor: float, load: list[str]) -> list[str]:
+    """A number with its numerical error where that is not small, its part of the `load`, and how far other readings
+    are, in a unit; none of them where the error is larger than the number."""
+    if not number.known:
+        return ["not known", *("" for _ in load), ""]
+    value, error = number.value * factor, number.error * factor
+    said = written(value, unit, error)
+    if error > TOLD * abs(value) > 0.0:
+        said = with_uncertainty(value, error, unit, digits=3)
+    other = f"± {written(number.definition * factor, unit, digits=2)}"
+    return [said, *load, other * bool(np.isfinite(number.definition))]
 
 
 def _over_load(judged: Judged, force: float) -> list[str]:
@@ -87,6 +101,8 @@ def _over_load(judged: Judged, force: float) -> list[str]:
 def _span(number: Parameter, judged: Judged) -> str:
     """The speeds between which a number is constant; "below" and "above" those at which it was not looked at."""
     unit, speeds = judged.scale.speed_unit, judged.found.scan.velocity
+    if not number.known:
+        return ""
     if number.low == number.high:
         return f"at {spoken(judged.found.velocity, unit)} alone"
     below = "below " if number.low <= speeds[0] else ""
@@ -138,14 +154,21 @@ def _of_springs(judged: Judged) -> Iterator[str]:
     """Three critical springs: of the law, of the solved answer, and from the start."""
     found, scale = judged.found, judged.scale
 
-    def spring(value: float) -> str:
-        return f"on springs softer than {written(value * scale.spring, scale.spring_unit)}"
+    def spring(value: float, error: float) -> str:
+        """Where it is unstable, by a critical spring K/(N_c <k>) and its error."""
+        if not np.isfinite(error) or error > abs(value) > 0.0:
+            return "on springs that are not known"
+        if not value:
+            return "on no spring"
+        value, error = value * scale.spring, error * scale.spring
+        if error > TOLD * value:
+            return f"on springs softer than {with_uncertainty(value, error, scale.spring_unit, 3)}"
+        return f"on springs softer than {written(value, scale.spring_unit)}"
 
-    stable = "on no spring"
-    by_law = spring(found.critical_spring) if found.critical_spring else stable
-    solved = spring(found.critical_spring_solved) if found.critical_spring_solved else stable
+    by_law = spring(found.critical_spring, found.critical_spring_error)
+    solved = spring(found.critical_spring_solved, found.critical_spring_solved_error)
     yield f"Smooth sliding is unstable {solved}, by the solved answer to a small step; {by_law}, by (b - a)/D_c."
     if np.isnan(judged.critical_spring):
         return
-    own = spring(judged.critical_spring) if judged.critical_spring else stable
+    own = spring(judged.critical_spring, judged.critical_spring_error)
     yield f"From the scene's start a slider slips at least once {own}, K*."

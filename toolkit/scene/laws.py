@@ -61,9 +61,26 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
 
 # k_BT/<k> in m² and K, beyond those of any contact: a larger temperature is in another unit than it seems
 _LARGEST, _HOTTEST = 1e-3, 1e6
-# what the law "eyring" takes in place of its width, and in which units
-_ACTIVATION = {"kelvin": "K", "shear_strength": "Pa", "activation_volume": "m³"}
 
+
+class _Usual(NamedTuple):
+    """Unit of a key, and the range of its values as a rule."""
+
+    unit: str
+    low: float
+    high: float
+
+    def missed(self, value: float) -> float:
+        """By which factor a value is outside the range; below 1 within."""
+        return max(value / self.high, self.low / value)
+
+
+# what the law "eyring" takes in place of its width
+_ACTIVATION = {
+    "kelvin": _Usual("K", 1.0, 3e3),
+    "shear_strength": _Usual("Pa", 1e5, 1e11),
+    "activation_volume": _Usual("m³", 1e-30, 1e-25),
+}
 # of what is given in SI units, to contacts whose <k> is not known
 NEEDS_STIFFNESS = (
     "needs <k> in N/m, which a rough surface knows; else state it in [contacts.interface]"
@@ -217,7 +234,7 @@ def with_width(table: Mapping[str, Any], where: str) -> Mapping[str, Any]:
     if "width" in table:
         hint = f"stands beside {', '.join(given)}, which give it; leave it or them out"
         refuse(f"{where}.width", table["width"], hint)
-    for name, unit in _ACTIVATION.items():
+    for name, (unit, *_) in _ACTIVATION.items():
         if name not in given:
             others = f"beside {', '.join(given)} it is needed, in {unit}"
             raise InputError(f"{where}.{name}: is missing; {others}; or give width alone")
@@ -227,7 +244,8 @@ def with_width(table: Mapping[str, Any], where: str) -> Mapping[str, Any]:
     width = BOLTZMANN * given["kelvin"] / (given["shear_strength"] * given["activation_volume"])
     if not 1e-6 <= width <= 1.0:
         hint = f"makes k_BT/(shear_strength x activation_volume) = {width:.3g}, which must be 1e-6 to 1"
-        refuse(f"{where}.activation_volume", given["activation_volume"], f"{hint}; is it in m³?")
+        odd = max(_ACTIVATION, key=lambda name: _ACTIVATION[name].missed(given[name]))
+        refuse(f"{where}.{odd}", given[odd], f"{hint}; is it in {_ACTIVATION[odd].unit}?")
     rest = {name: value for name, value in table.items() if name not in _ACTIVATION}
     return rest | {"width": width}
 

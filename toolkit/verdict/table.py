@@ -165,7 +165,7 @@ def fall_of(finite: Finite, scale: Scale) -> str:
     """The mean forces before and after a slip of so many contacts, with their errors."""
     size = abs(finite.before)
     means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
-    ends = (
+    high, low = (
         with_uncertainty(
             mean * scale.force,
             error * scale.force if 1e-9 * size < error < np.inf else 0.0,
@@ -173,7 +173,14 @@ def fall_of(finite: Finite, scale: Scale) -> str:
         )
         for mean, error in means
     )
-    return " down to ".join(ends)
+    return falls(high, low, (finite.before - finite.after) * scale.force, scale.force_unit)
+
+
+def falls(high: str, low: str, drop: float, unit: str) -> str:
+    """A force down to another, both as written, with their errors or without; by how much where they are written
+    alike."""
+    alike = high.partition(" ± ")[0] == low.partition(" ± ")[0]
+    return f"{high} down by {written(drop, unit, digits=2)}" if alike else f"{high} down to {low}"
 
 
 def drop_of(behaviour: Behaviour) -> float:

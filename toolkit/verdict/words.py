@@ -20,7 +20,9 @@ from toolkit.verdict.hangs_on import (
 )
 from toolkit.verdict.machine import NO_FORCES, Behaviour, half_a_swing
 from toolkit.verdict.table import (
+    drop_of,
     fall_of,
+    falls,
     in_units,
     numerical_errors,
     of_so_many,
@@ -153,8 +155,8 @@ def _disagreement(verdict: Verdict) -> str:
     where = "" if every else f" if {_rules([one for one, _ in apart])}"
     force, unit = verdict.own.scale.force, verdict.own.scale.force_unit
     if np.isfinite(finite.after):  # else they slide
-        ends = (written(end * force, unit) for end in (finite.before, finite.after))
-        said += f", from {' down to '.join(ends)}"
+        high, low = (written(end * force, unit) for end in (finite.before, finite.after))
+        said += f", from {falls(high, low, (finite.before - finite.after) * force, unit)}"
     return f"disagree: {finite.contacts:,} contacts {said}{where}, infinitely many do not"
 
 
@@ -263,11 +265,12 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
     if kind == "smooth":
         return f"smooth at {low}{off}{_of_damping(answer, last)}{_without_delay(answer, last)}"
     high = reach([one.before * scale.force for one in alike], scale.force_unit, told) + off
+    fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
         what = "whether it goes on is not known"
-        return f"not decided: {seen} from {high} down to {low}, and {what}"
-    said = f"stick-slip: {high} down to {low}"
+        return f"not decided: {seen} from {fall}, and {what}"
+    said = f"stick-slip: {fall}"
     periods = [one.period for one in alike if one.period is not None]
     if periods:
         every = reach(periods, scale.length_unit)
