@@ -14,7 +14,8 @@ from origins.errors import InputError
 from toolkit.judge.describe import describe, onset_in_words
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.scene.interfaces import Number
-from toolkit.scene.scale import of_surface, with_uncertainty, written
+from toolkit.scene.scale import of_stretch, of_surface, of_units, with_uncertainty, written
+from toolkit.scene.scene import load_scene
 
 AREA = 1e-6
 DRIVE = {"to": 5e-8, "points": 21, "area": AREA}
@@ -242,6 +243,51 @@ def test_what_a_stated_interface_lacks_is_refused_with_what_to_give() -> None:
         toolkit.load_scene(stated(contacts={"thresholds": ROUGH}))
     with pytest.raises(InputError, match=r"contacts.interface.mean_stiffness = -1"):
         toolkit.load_scene(stated(contacts={"interface": {"mean_stiffness": -1.0}}))
+
+
+def test_a_wrong_unit_is_asked_for_by_its_key(capsys: Any) -> None:
+    """Samples without a unit, an island whose amplitude is in eV, one without a period, 1 m² of area: one line each,
+    before the numbers; right ones ask nothing."""
+    stated = {"mean_stiffness": 50.0, "contact_density": 5e11, "pressure": 1e6}
+    samples = {"kind": "from-samples", "x_s": list(np.linspace(0.5, 1.5, 40)), "unit": "nm"}
+    wave = {"kind": "hexagonal", "amplitude": 8e-21, "period": 2.46e-10}
+    island = {"kind": "domains", "law": "equal", "stiffness": 5.0, "substrate": wave}
+    island |= {"lattice_constant": 2.88e-10, "sizes": [[6, 6]], "angles": [0.1, 0.2, 0.3]}
+    for law in (samples, island):
+        assert not of_units(loaded(law, stated).thresholds)
+    for law, begins, key in (
+        (
+            {**samples, "unit": None},
+            "<x_s> is 1 m and F_k/load is 1.4e+07: ",
+            "unit of the samples",
+        ),
+        (island | {"substrate": wave | {"amplitude": 0.05}}, "<x_s> is ", "amplitude in J"),
+        (island | {"substrate": wave | {"period": 1.0}}, "<x_s> is ", "period in m"),
+    ):
+        (asked,) = of_units(loaded(law, stated).thresholds)
+        assert asked.startswith(begins) and "F_k/load is" in asked and key in asked
+        assert "[contacts.interface]" in asked
+    contacts = {"thresholds": ROUGH}
+    drive = {"spring": "50 N/m", "area": 1.0, "to": 1.0, "points": 3}
+    _, _, said_first = said(capsys, "run", write(contacts=contacts, drive=drive), "--dry-run")
+    assert any("stretches the spring by" in line and "drive.area" in line for line in said_first)
+    drive["area"] = 1e-6
+    _, _, said_first = said(capsys, "run", write(contacts=contacts, drive=drive), "--dry-run")
+    assert not any("stretches the spring" in line for line in said_first)
+
+
+def loaded(law: dict[str, Any], stated: dict[str, Any]) -> Any:
+    """Contacts of these tables, without the keys of value None."""
+    law = {name: value for name, value in law.items() if value is not None}
+    return toolkit.load_scene(scene(contacts={"thresholds": law, "interface": stated})).contacts
+
+
+@pytest.mark.parametrize(
+    "name", ["eyring", "rough-gw-paper", "rough-persson-amontons", "rotated-domains", "samples"]
+)
+def test_shipped_scenes_ask_for_no_unit(name: str) -> None:
+    contacts = load_scene(name).contacts
+    assert not of_units(contacts.thresholds) and not of_stretch(contacts, 1e-6)
 
 
 def test_samples_of_a_file_have_a_unit() -> None:

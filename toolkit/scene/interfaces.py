@@ -13,7 +13,7 @@ from origins.roughness.stated import InSI
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
-from toolkit.scene.scale import length_unit_of
+from toolkit.scene.scale import length_unit_of, of_stretch, of_units
 from toolkit.scene.scene import Scene
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
@@ -78,7 +78,7 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
 def remarks(law: Thresholds) -> list[str]:
     """Warnings where samples, surface, load or a mean below 0 are at the limits of the law, and about errors that are
     not included; may be empty."""
-    said = of_samples(law) + of_islands(law)
+    said = of_samples(law) + of_islands(law) + of_units(law)
     if isinstance(law, CutGaussian) and law.parent_mean <= 0.0:
         said.append(
             f"the normal law has its mean at {law.parent_mean:g} and is cut at 0, with half or more of its weight: "
@@ -135,6 +135,8 @@ def foreseen(scene: Scene) -> list[str]:
     if reach > 1e6 or 0.0 < reach < 1e-2:  # probably a mistake
         unit = " m" if length_unit_of(law) == "m" else ""
         said.append(f"the drive goes {reach:.1g} times <x_s> = {mean:.3g}{unit}: in that unit?")
+    if scene.given_drive is not None and scene.drive.spring is not None:
+        said += of_stretch(contacts, scene.drive.spring)
     if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:
         swept = {} if scene.sweep is None else scene.sweep.at
         hottest = np.max(swept.get("temperature", contacts.thermal.temperature))

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.roughness.interface import Interface
+from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 
 # SI prefixes by powers of ten, as far as friction needs them
@@ -12,6 +14,9 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 # units that take a prefix
 PREFIXED = ("N", "N/m", "N/m³", "m", "s", "Pa", "m/s")
 SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be
+# F_k/load of nearly parallel lattices and of glued contacts; <x_s> in m, from a nucleus to a fault's; m by which a
+# spring is stretched at most: beyond these a unit is wrong
+_COEFFICIENTS, _LENGTHS, _LONGEST = (1e-6, 10.0), (1e-15, 1e-2), 1.0
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,42 @@ def length_unit_of(thresholds: Thresholds) -> str:
     """Of the lengths of a law: "m" of a surface's, with a stated interface, or of samples in a unit; else "length"."""
     known = thresholds.interface is not None or thresholds.in_metres
     return "m" if known else "length"
+
+
+def of_units(law: Thresholds) -> list[str]:
+    """Which units to check where lengths or F_k/load are none of contacts."""
+    surface, mean, told = law.interface, law.mean(), list[str]()
+    if length_unit_of(law) == "m" and not _LENGTHS[0] < mean < _LENGTHS[1]:
+        told.append(f"<x_s> is {mean:.2g} m")
+    if surface is not None and surface.contact_density and surface.pressure:
+        stress = float(surface.per_area(law.moment(2) / (2.0 * mean)))
+        if not _COEFFICIENTS[0] < (mu := stress / surface.pressure) < _COEFFICIENTS[1]:
+            told.append(f"F_k/load is {mu:.2g}")
+    if not told:
+        return []
+    if law.domains is not None:
+        keys = "the substrate's amplitude in J and period in m, the island's unit, stiffness in N/m"
+    elif sampled_parts(law):
+        keys = "unit of the samples (m where none is given)"
+    elif isinstance(surface, Interface):
+        keys = "the surface's unit, material and pressure in Pa"
+    else:
+        keys = "lengths in m"
+    if surface is not None and not isinstance(surface, Interface):
+        keys += ", [contacts.interface] in N/m, 1/m² and Pa"
+    return [f"{' and '.join(told)}: are all units right? check {keys}"]
+
+
+def of_stretch(contacts: Contacts, spring: float) -> list[str]:
+    """Which keys to check where contacts in metres stretch a spring K/(N_c <k>) by more than any machine's, and
+    `of_units` has nothing to ask."""
+    law = contacts.thresholds
+    stretch = law.moment(2) / (2.0 * law.mean()) / spring
+    if length_unit_of(law) != "m" or stretch < _LONGEST or of_units(law):
+        return []
+    return [
+        f"F_k stretches the spring by {stretch:.2g} m: are drive.area (m²) and drive.spring right?"
+    ]
 
 
 def without_stiffness(in_metres: bool) -> Scale:

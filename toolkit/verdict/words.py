@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from toolkit.scene.interfaces import doubts
-from toolkit.scene.scale import guarded, spoken, written
+from toolkit.scene.scale import guarded, of_stretch, spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import (
@@ -49,7 +49,10 @@ def page(verdict: Verdict) -> list[str]:
 
 def warnings(verdict: Verdict) -> list[str]:
     """Why no number of the verdict can be trusted, before all else; empty as a rule."""
-    return [f"do not trust this: {doubt}" for doubt in doubts(verdict.own.contacts)]
+    own, found = verdict.own, doubts(verdict.own.contacts)
+    if own.machine is not None:
+        found += of_stretch(own.contacts, own.machine.spring)
+    return [f"do not trust this: {doubt}" for doubt in found]
 
 
 def sentence(verdict: Verdict) -> str:
