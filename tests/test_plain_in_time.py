@@ -152,12 +152,12 @@ def test_births_follow_from_the_breaks_one_delay_before() -> None:
         1.05,
         1.24,
     ):  # before anything is born, and with breaks before the jump
-        assert past.births_up_to(end, end - 0.1) == pytest.approx(
+        assert past.births_up_to(begin=end - 0.1, end=end) == pytest.approx(
             (0.0, cubic(max(end - 0.25, 0.0))), abs=1e-12
         )
-    assert past.births_up_to(1.5, 1.4) == pytest.approx((0.0, line(1.25)), abs=1e-12)
+    assert past.births_up_to(begin=1.4, end=1.5) == pytest.approx((0.0, line(1.25)), abs=1e-12)
     # a step longer than the delay: part of what breaks in it is born in it
-    slope, rest = past.births_up_to(2.0, 1.4)
+    slope, rest = past.births_up_to(begin=1.4, end=2.0)
     assert slope * line(2.0) + rest == pytest.approx(line(1.75), abs=1e-12)
     # births jump a delay after the breaks, and bend after two; what jumps is due once
     assert past.pending == pytest.approx({1.25: 0.2, 1.5: 0.0}, abs=1e-12)
@@ -250,7 +250,7 @@ def test_a_slip_begins_where_the_load_is_largest(spring: float) -> None:
     cohorts = ContactsInSteps(contacts, ThresholdMemory(contacts, 0), 0, np.inf)
     steps = Steps(cohorts, spring, Motion(np.array([0.0, end]), np.array([0.0, end])))
     search, slips, size = SlipBegins(steps), False, 0.25
-    steps.begin(0, end)
+    steps.begin_section(0, end)
     while not slips and cohorts.steps < 100:
         trial, slips = search.up_to_slip(size)
         cohorts.take(trial)

@@ -21,6 +21,18 @@ from one to the next section of the drive's motion, which end where it turns, ch
 a delay after such an instant, and at slips (`Slider`). What follows on a slip that leaves all contacts new
 is solved once on a leg of the drive.
 
+Order of calls: `Slider._begin_section`, which lets all begin anew that remember steps; then for each step
+`SlipBegins.up_to_slip`, which asks for many trials, and `ContactsInSteps.take` of the one that is chosen. Only `take`
+and what a slip does change the contacts. In a slip contacts are changed first, and X, or the slip's list, follows from
+their force.
+
+Clocks: all times here are on the path, from t = 0 on, `ContactsInSteps.now` and ends of trials, too (legs of a rigid
+slider have clocks of their own, those of a soft one have not). Sizes and steps of time (`StepCount`, `Node.size`) are
+counted from the begin of a section; breaks and births from t = 0 or the last slip that replaced all contacts.
+
+Signs: `Trial.travel`, X, F and stretches have that of X. Along the motion, the way the spring pulls (`Steps.sign`),
+are counted sizes, `Steps.travelled`, imbalances, and all of `SlipSoFar`.
+
 Refinement (`refined`): the whole path is solved with steps, and the meshes of records, halved each time. Errors fall as
 the square of the steps: three solutions with as many slips give the limit, and an error from their changes, to which
 those of the memory, rounding and what steps cannot resolve (`Unresolved`) are added (`extrapolated`). Where that is

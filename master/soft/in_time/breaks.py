@@ -42,15 +42,16 @@ class BreaksInSteps:
         """A step ended now, with so many breaks up to its end."""
         self._sections[-1].append((now, breaks))
 
-    def births_up_to(self, end: float, now: float) -> BirthsUpTo:
-        """Births up to the end of a step that begins now."""
+    def births_up_to(self, *, begin: float, end: float) -> BirthsUpTo:
+        """Births up to the end of a step from `begin`, the end of the last step, to `end`, times on the path. Their
+        names are asked for, as no type tells them apart."""
         if not self.delay:
             return BirthsUpTo(1.0, 0.0)
         broken_at = end - self.delay - LATE * (end - self._counted_since)
         if broken_at <= self._counted_since:
             return BirthsUpTo(0.0, 0.0)
-        if broken_at > now:  # within this step, along which breaks are a straight line
-            fraction = (broken_at - now) / (end - now)
+        if broken_at > begin:  # within this step, along which breaks are a straight line
+            fraction = (broken_at - begin) / (end - begin)
             return BirthsUpTo(fraction, (1.0 - fraction) * self.total)
         section = next(section for section in self._sections if section[-1][0] >= broken_at)
         first = bisect_left(section, (broken_at,)) - NODES // 2
@@ -61,9 +62,9 @@ class BreaksInSteps:
     def begin_section(self) -> None:
         """The rate of breaks, or their sum, may jump at this instant: no polynomial leads across. Called by
 
-        - `Slider._slide`, as each section of steps begins: the drive turns, births jump or bend, or a slip has ended;
+        - `Slider._begin_section`: the drive turns, births jump or bend, or a slip has ended;
         - `slip_without_births`, before its step, which takes no time: its breaks are a section of their own, whose sum
-          `repeat_jump` reads. The section after it begins with the next `_slide`.
+          `repeat_jump` reads. The section after it begins with the slider's next one.
 
         Not by `slip_with_births`: births follow at once there, and nobody asks for past breaks.
         """

@@ -49,14 +49,17 @@ NEGLIGIBLE = 1e-11
 
 
 class Trial(NamedTuple):
-    """A step that is not taken yet: its travel (a length), its end in time, and the state it leads to.
+    """A step that is not taken yet, and the state it leads to; it begins at `ContactsInSteps.now`.
+
+    travel : change of X (a length, of either sign)
+    end : when it ends, a time on the path
 
     groups : with a new cohort that has no births yet; survival_and_force : what the memory says of them, shape (2, n)
     force, holding : see ContactsInSteps; breaks, births : B and J at its end, per contact since t = 0 or a reset
     """
 
     travel: float
-    now: float
+    end: float
     groups: Groups
     survival_and_force: Array
     force: float
@@ -138,8 +141,8 @@ class ContactsInSteps:
         self.past_breaks.repeat_bend(self.now)  # before there were no breaks
         self._births = self._births_in_cohorts = self._left_out = 0.0
 
-    def trial(self, travel: float, now: float, without_births: bool = False) -> Trial:
-        """A step by `travel` until `now`; `without_births`, broken contacts stay out. StoppedError as `take`.
+    def trial(self, travel: float, end: float, without_births: bool = False) -> Trial:
+        """A step by `travel` until the time `end`; `without_births`, broken contacts stay out. StoppedError as `take`.
 
         Number conservation at its end, with J_0 the births before it, is
 
@@ -153,7 +156,7 @@ class ContactsInSteps:
         they form, which otherwise would be without end.
         """
         stop_after(self._until)  # the search for a step may need hundreds of trials
-        duration = now - self.now
+        duration = end - self.now
         speed = abs(travel) / duration if duration > 0.0 else np.inf
         groups = self.groups.moved(self.memory, travel, duration)
         groups = groups.and_born(self.memory, self._at_birth, 0.0, speed)
@@ -162,16 +165,16 @@ class ContactsInSteps:
         # of those born in this step, per contact born: survival and force at its end
         survival, force_of_new = (held[:, self._last_two] @ self._per_birth).tolist()
         births = BirthsUpTo(0.0, self._births)
-        none_forms = now == self.now if self.delay else survival <= 0.0
+        none_forms = end == self.now if self.delay else survival <= 0.0
         if not (without_births or none_forms):
-            births = self.past_breaks.births_up_to(now, self.now)
+            births = self.past_breaks.births_up_to(begin=self.now, end=end)
         lost = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - held_before + survival * self._births + lost * births.rest
         # 1 - lost slope, in a form that keeps its digits where hardly any of those born hold
         breaks /= (1.0 - births.slope) + survival * births.slope
         new = births.slope * breaks + births.rest - self._births
         force, holding = force_before + force_of_new * new, held_before + survival * new
-        return Trial(travel, now, groups, held, force, holding, breaks, self._births + new)
+        return Trial(travel, end, groups, held, force, holding, breaks, self._births + new)
 
     def take(self, trial: Trial) -> None:
         """Take the step, whose groups become those of the contacts; StoppedError where there are too many steps."""
@@ -183,9 +186,9 @@ class ContactsInSteps:
         new = (trial.births - self._births) * self._per_birth
         groups.weight[self._last_two] += new
         self._births_in_cohorts += float(new @ np.tile(self._survival_at_birth, 2))
-        self.past_breaks.add(trial.now, trial.breaks)
+        self.past_breaks.add(trial.end, trial.breaks)
         self._check_number(trial.births, float(held[0] @ groups.weight))
-        self.position, self.now = self.position + trial.travel, trial.now
+        self.position, self.now = self.position + trial.travel, trial.end
         self.force, self.holding = trial.force, trial.holding
         of_cohorts = slice(self._of_start, None)
         unknown = unknown_force_of_births(

@@ -9,11 +9,11 @@ by then nothing is left of F - F_k, stretches are distributed as in steady slidi
 """
 
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
 from master.numerics.averages import StretchNodes, stretch_nodes
+from master.soft.in_time.contacts import ContactsInSteps
 from master.steady.cycle import Cycle
 from master.stick_slip.roots import decoherence_length
 from master.survival.life import ColdLife
@@ -33,18 +33,34 @@ AFTER = 1.5
 HIDDEN = 100.0
 
 
-class SlipSoFar(NamedTuple):
-    """A slip under "instant" up to now.
+class SlipSoFar:
+    """A slip under "instant" up to the end of its last step. All is counted along the motion, the way the spring pulls:
+    travels and forces of a slip backward are positive, too.
 
     travelled, forces : the slider's way since the begin of the slip, and F, at the end of each step (lengths)
+    load : the spring's force there (a length)
     none_left_since : the way at which the last contact that held at its begin had broken; inf before
-    load : the spring's force (a length), both along the motion
+    decohered_since : the way at which all contacts were replaced by those of Decohered; inf before
     """
 
-    travelled: list[float]
-    forces: list[float]
-    none_left_since: float
-    load: float
+    def __init__(self, contacts: ContactsInSteps, sign: float) -> None:
+        """At its begin. `sign`: of the motion, as in Steps."""
+        self._sign, self._began_at = sign, contacts.position
+        # a contact that held at the begin is stretched by the way plus this at least
+        self._least_stretch = min(float((sign * contacts.groups.stretch).min()), 0.0)
+        self.travelled, self.forces = list[float](), list[float]()
+        self.load = np.nan
+        self.none_left_since = self.decohered_since = np.inf
+
+    def add(self, contacts: ContactsInSteps, pull: float) -> None:
+        """A step was taken, at whose end the spring pulls by so much more than the contacts (a length)."""
+        way = abs(contacts.position - self._began_at)
+        self.travelled.append(way)
+        self.forces.append(self._sign * contacts.force)
+        self.load = pull + self.forces[-1]
+        longest_stretch = float((self._sign * contacts.groups.stretch).max())
+        if longest_stretch < way + self._least_stretch:
+            self.none_left_since = min(self.none_left_since, way)
 
 
 class SteadyStretches(Start):
@@ -82,17 +98,21 @@ class Decohered:
         length, error = decoherence_length(Cycle(self._cold, ColdLife(self._cold), 1.0))
         return length + error
 
-    def swing(self, travelled: list[float], forces: list[float]) -> float:
+    def swing(self, slip: SlipSoFar) -> float:
         """By how much F changed along the last life (a length), by those at the ends of steps."""
-        first = np.searchsorted(travelled, travelled[-1] - COMPARED_ALONG * self.life)
-        return float(np.ptp(forces[int(first) :]))
+        way = slip.travelled[-1] - COMPARED_ALONG * self.life
+        return float(np.ptp(slip.forces[int(np.searchsorted(slip.travelled, way)) :]))
 
-    def ends(self, slip: SlipSoFar) -> bool:
+    def ends_by_now(self, slip: SlipSoFar) -> bool:
+        """Whether a slip has gone on for long enough since its contacts were replaced by these."""
+        return slip.travelled[-1] - slip.decohered_since >= self.way_after
+
+    def is_sure(self, slip: SlipSoFar) -> bool:
         """Whether this slip is sure to go on until the contacts are such, by the argument at the head."""
         now, needed = slip.travelled[-1], UNDISTURBED * self.life
         if now - slip.none_left_since < needed:
             return False
-        swing = self.swing(slip.travelled, slip.forces)
+        swing = self.swing(slip)
         # F was no larger than now by more than a swing, and between the ends of steps by no more than another
         most = slip.forces[-1] + 2.0 * swing + MARGIN * self._unit
         ahead = (slip.load - most) / self._spring

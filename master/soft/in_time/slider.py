@@ -96,7 +96,7 @@ class Slider:
                         continue
                     first_of_new = len(self.sections)
                 end = min([*contacts.past_breaks.pending, last])
-                self._steps.begin(leg, end)
+                self._begin_section(leg, end)
                 if self._slide(end):
                     self._slip(self._drive())
                     self._stop_if_too_many_steps(last)
@@ -108,17 +108,22 @@ class Slider:
                 else:
                     break
 
+    def _begin_section(self, leg: int, end: float) -> None:
+        """Begin a section, along which all is smooth up to `end` or to a slip: what is read back or foreseen across its
+        begin would be wrong. So all that remember steps begin anew together, at the time at which contacts are now."""
+        self.sections.append([self._node(0.0)])
+        self._steps.begin_section(leg, end)  # steps of time are counted from now
+        self._search.begin_section()  # no slip is foreseen yet
+        self.contacts.past_breaks.begin_section()  # no polynomial leads across
+
     def _slide(self, end: float) -> bool:
-        """Take steps until `end`, or until a slip begins; returns whether one does."""
-        contacts, steps, nodes = self.contacts, self._steps, [self._node(0.0)]
-        self.sections.append(nodes)
-        contacts.past_breaks.begin_section()
-        search, slips = self._search, False
-        search.begin_section()
+        """Take steps of the section just begun until `end`, or until a slip begins; returns whether one does."""
+        contacts, steps, search = self.contacts, self._steps, self._search
+        nodes, slips = self.sections[-1], False
         while not slips and contacts.now < end:
             size = min(self._size * search.shrink, max(steps.longest(), SHORTEST * self._size))
             trial, slips = search.up_to_slip(size)
-            if trial.travel or trial.now > contacts.now:
+            if trial.travel or trial.end > contacts.now:
                 done = nodes[-1].size + max(steps.size(trial), 0.0)
                 contacts.take(trial)
                 nodes.append(self._node(done))

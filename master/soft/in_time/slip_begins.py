@@ -91,7 +91,7 @@ class SlipBegins:
         """The balanced step of this size, or that up to a slip that begins within it; and whether one does."""
         steps, asked = self._steps, self._solve(size)
         step = asked.step
-        if step.trial.now > steps.contacts.now:  # it may have been cut at the section's end
+        if step.trial.end > steps.contacts.now:  # it may have been cut at the section's end
             size = min(size, steps.size(step.trial))
         if not self._has_slip(asked, size):
             self._foresee(step.time_steps / size, size)
@@ -99,11 +99,11 @@ class SlipBegins:
         longest = self._search_up_to(asked, size)
         latest = self._latest(size, longest)
         last = self._last_before_exact(size, longest) if steps.contacts.memory.exact else None
-        if last is not None and last.step.trial.now > latest.step.trial.now:
+        if last is not None and last.step.trial.end > latest.step.trial.end:
             latest = last
         trial = self._chosen(latest)
         # at the section's end, a slip may still be to come
-        return trial, trial.now < steps.section_end
+        return trial, trial.end < steps.section_end
 
     def _has_slip(self, root: Root, size: float) -> bool:
         """Whether a slip begins on this step, which has this size, or just beyond: on the three conditions at the head

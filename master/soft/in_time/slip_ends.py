@@ -75,13 +75,9 @@ def slip_with_births(
     - at K (X_T - X) = F, however far, once breaks are steady: F then stays that of sliding at infinite speed;
     - there, too, once it is sure that breaks will be steady before: some way after all contacts are `decohered`.
     """
+    # travels are of the sign of X here, so that a slip backward has negative ones
     step, small = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
-    begin = contacts.position
-    # the way since the begin, and F along the motion, at the end of each step
-    travelled, forces = list[float](), list[float]()
-    # a contact that held at the begin is stretched, along the motion, by the way plus this at least
-    least_stretch = min(float((steps.sign * contacts.groups.stretch).min()), 0.0)
-    none_left_since = decohered_since = np.inf
+    so_far = SlipSoFar(contacts, steps.sign)
 
     def imbalance(travel: float) -> float:
         return steps.imbalance(contacts.trial(travel, contacts.now))
@@ -95,6 +91,7 @@ def slip_with_births(
     # whether the slider is already past the balance at which the slip began, as it is where a step goes beyond `first`:
     # before, a step on which forces balance may only lead back to that
     away = abs(first) < abs(step)
+    begin = contacts.position
     while True:
         trial = contacts.trial(step, contacts.now)
         pull = steps.imbalance(trial)
@@ -103,30 +100,32 @@ def slip_with_births(
         away |= pull > 0.0 or abs(contacts.position - begin) > small
         contacts.take(trial)
         low = 0.0
-        travelled.append(abs(contacts.position - begin))
-        forces.append(steps.sign * contacts.force)
-        # the travel to the end if F stays what it is
-        to_end = pull / steps.spring
-        if to_end > contacts.unit * STEADY_TRAVEL and _steady(travelled, forces, contacts.unit):
-            contacts.slide_steadily(steps.sign * to_end, STEADY * contacts.unit)
+        so_far.add(contacts, pull)
+        to_end = pull / steps.spring  # the way on which the spring relaxes if F stays what it is
+        error = _error_of_rest(so_far, to_end, contacts.unit, decohered)
+        if error is not None:
+            contacts.slide_steadily(steps.sign * to_end, error)
             return
-        if decohered is None:
-            continue
-        if travelled[-1] - decohered_since >= decohered.way_after:
-            swing = decohered.swing(travelled, forces)
-            contacts.slide_steadily(steps.sign * to_end, swing)
-            return
-        if float((steps.sign * contacts.groups.stretch).max()) < travelled[-1] + least_stretch:
-            none_left_since = min(none_left_since, travelled[-1])
-        so_far = SlipSoFar(travelled, forces, none_left_since, pull + forces[-1])
-        if np.isinf(decohered_since) and decohered.ends(so_far):
+        if decohered and np.isinf(so_far.decohered_since) and decohered.is_sure(so_far):
             # steps of finite size have a steady force a little off F_k. The steps after the slip would seek it anew, as
             # further small slips, so that F is let go there first.
             contacts.decohere(decohered.start, steps.sign)
-            decohered_since = travelled[-1]
+            so_far.decohered_since = so_far.travelled[-1]
     if imbalance(low) > 0.0:
         low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
     contacts.take(contacts.trial(low, contacts.now))
+
+
+def _error_of_rest(
+    slip: SlipSoFar, to_end: float, unit: float, decohered: Decohered | None
+) -> float | None:
+    """What F changes by at most (a length) on the rest of a slip, `to_end`, where it may be taken as it is; None where
+    the slip has to be followed."""
+    if to_end > unit * STEADY_TRAVEL and _steady(slip.travelled, slip.forces, unit):
+        return STEADY * unit
+    if decohered and decohered.ends_by_now(slip):
+        return decohered.swing(slip)
+    return None
 
 
 def _first_travel(imbalance: Callable[[float], float], furthest: float) -> float:

@@ -134,10 +134,9 @@ class StepCount:
 class Steps:
     """Steps of contacts on one leg of the drive's motion X_T(t), as long as births are smooth.
 
-    `begin` starts a smooth section, `step` gives the balanced step of a size; taking it is up to the caller.
-
-    `step` changes nothing: what is learned in one search for the next is in the slope it returns, and SlipBegins keeps
-    it.
+    `begin_section` comes first, at each begin of a smooth section; `step` gives the balanced step of a size, and
+    changes nothing: taking it is up to the caller. What is learned in one search for the next is in the slope it
+    returns, and SlipBegins keeps it.
 
     contacts, spring : whose steps they are, and K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
@@ -153,7 +152,7 @@ class Steps:
         slope = (1.0 + spring) * (1.0 + 1.0 / CONTROL.drive_weight) * self.length
         self.first_guess = Guess(FIRST_FRACTION, slope)
 
-    def begin(self, leg: int, end: float) -> None:
+    def begin_section(self, leg: int, end: float) -> None:
         """Begin steps on a leg of the drive's motion, smooth up to the time `end`."""
         contacts, speed = self.contacts, float(self._drive.speeds[leg])
         scales = contacts.memory.scales
@@ -169,7 +168,7 @@ class Steps:
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
-        time_steps = self._count.steps(trial.now) - self._count.steps(self.contacts.now)
+        time_steps = self._count.steps(trial.end) - self._count.steps(self.contacts.now)
         return time_steps + self.travelled(trial)
 
     def travelled(self, trial: Trial) -> float:
@@ -189,7 +188,7 @@ class Steps:
 
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion (a length): above 0 the slider moves on."""
-        stretch = self._drive.at(np.array(trial.now)) - self.contacts.position - trial.travel
+        stretch = self._drive.at(np.array(trial.end)) - self.contacts.position - trial.travel
         return float(self.sign * (self.spring * stretch - trial.force))
 
     def tried(self, size: float, time_steps: float, slope: float) -> TriedStep:
