@@ -18,6 +18,7 @@ from master.motion import Motion
 from master.soft.in_time.breaks import BreaksInSteps
 from master.soft.in_time.cells import Cells
 from master.soft.in_time.contacts import ContactsInSteps
+from master.soft.in_time.decohered import decohered
 from master.soft.in_time.extrapolation import read
 from master.soft.in_time.memory import ThresholdMemory
 from master.soft.in_time.refining import memory_of
@@ -371,6 +372,20 @@ def test_at_first_and_after_a_reset_all_contacts_hold_and_pull_by_their_mean_str
     assert cohorts.holding == pytest.approx(1.0, abs=1e-12)
     formed = 0.0 if contacts.reforming is None else -0.1
     assert cohorts.force == pytest.approx(formed, abs=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_after_a_long_slip_contacts_pull_as_in_steady_sliding_back_where_it_went_back(
+    sign: float,
+) -> None:
+    """F_k = <x_s²>/(2 <x_s>), of the sign of the motion, but for the 1e-9 that hold for longer than the nodes reach."""
+    contacts = CASES["heat"]
+    cohorts = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
+    slip = decohered(contacts, Drive(np.array([1e3]), spring=1e-3, slip="instant"), 16)
+    assert slip is not None
+    cohorts.decohere(slip.start, sign)
+    assert cohorts.holding == pytest.approx(1.0, abs=1e-12)
+    assert sign * cohorts.force == pytest.approx(WIDE.moment(2) / (2.0 * WIDE.mean()), abs=1e-9)
 
 
 @pytest.mark.parametrize("name", MEMORIES)
