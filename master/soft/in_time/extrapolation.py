@@ -22,7 +22,7 @@ from master.soft.followed import LEAVE_HEAT, LOOSEN, ErrorPart, Followed, total
 from master.soft.in_time.contacts import COMPARED
 from master.soft.in_time.idle_heat import unresolved_heat
 from master.soft.in_time.near_slip import undecided_end
-from master.soft.in_time.slider import Node, Slider, Slip
+from master.soft.in_time.slider import Node, Slider
 from master.soft.slips import slips_of
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
@@ -56,6 +56,32 @@ class Limit(NamedTuple):
     answer: Answer
     parts: list[ErrorPart]
     of_holding: ErrorPart
+
+
+class ComparedSlips(NamedTuple):
+    """The slips of three sliders that are compared: of each the largest, as many (m) as all of them have, in order.
+
+    times : when they begin, shape (3, m): slider, slip
+    lengths : K X_T, F before and F after, in mean thresholds, shape (3, 3, m): slider, these, slip
+    of_last : indices of these among all slips of the last slider, shape (m,)
+    left_over : the largest drop of F in slips that are not compared, in mean thresholds
+    """
+
+    times: Array
+    lengths: Array
+    of_last: npt.NDArray[np.intp]
+    left_over: float
+
+    def beside(self, times: Array) -> npt.NDArray[np.bool_]:
+        """Which of the times (n,) lie between a slip's times in one slider and in the next, or nearly so."""
+        return np.asarray(np.any([_beside(times, *pair) for pair in pairwise(self.times)], axis=0))
+
+    def as_far_from_slip(self, times: Array) -> Array:
+        """The times (n,) that are as long before or after the last slider's slip as these are from that at step 0,
+        the nearest. There must be a slip."""
+        later = REST_OF_CHANGE * (self.times[2] - self.times[1])
+        nearest = np.abs(times[:, None] - self.times[2] - later).argmin(axis=1)
+        return np.asarray(times - later[nearest])
 
 
 def extrapolated(
@@ -121,53 +147,72 @@ def _answer(slider: Slider, times: Array) -> Answer:
 
 
 def _limit(sliders: list[Slider], times: Array) -> Limit:
-    """The answer at step 0 of three sliders; its slips are those of the last one."""
-    answers = [_answer(one, times) for one in sliders]
-    force = np.array([one.force for one in answers])
-    holding = np.array([one.holding for one in answers])
-    compared = _compared([one.slips for one in answers])
-    slips = np.array(
-        [one.slips[:, some] for one, some in zip(answers, compared.which, strict=True)]
-    )
-    instants = [
-        np.array([slip.time for slip in one.slips])[some]
-        for one, some in zip(sliders, compared.which, strict=True)
-    ]
-    # at times between two sliders' slips F changes by its drop, which is no error; K X_T says how far F is off
-    beside = np.any([_beside(times, *pair) for pair in pairwise(instants)], axis=0)
-    of_slips = _changes(slips.reshape(COMPARED, -1))
-    of_force = np.append(_changes(force[:, ~beside]), of_slips, axis=1)
-    of_holding = _changes(holding[:, ~beside])
-    safety = sliders[-1].contacts.memory.safety
-    told_at = times[~beside]
-    with_slips = np.append(told_at, np.tile(instants[2], len(Slip._fields) - 1))
-    parts = [
-        _of_steps(sliders[-1], safety * of_force, with_slips, "F and loads at slips"),
-        ErrorPart("slips that not all halvings have", safety * compared.left_over),
-    ]
+    """The answer of three sliders at step 0, with its error; its slips are those of the last one."""
+    last, answers = sliders[-1], [_answer(one, times) for one in sliders]
+    slips = _compared(sliders, answers)
+    answer, beside = _at_step_0(answers, slips), slips.beside(times)
+    if beside.any():
+        from_slip = _answer(last, slips.as_far_from_slip(times[beside]))
+        answer.force[beside], answer.holding[beside] = from_slip.force, from_slip.holding
+    # beside a slip F changes by its drop, which is no error; K X_T at slips says how far F is off
+    far = ~beside
+    parts = [_of_force(last, answers, slips, far, times), _of_slips_left_over(last, slips)]
+    undecided = _of_undecided_end(sliders, answer)
+    if undecided is not None and undecided.size > total(parts):
+        parts = [undecided]
+    changes = _changes(np.array([one.holding[far] for one in answers]))
+    return Limit(answer, parts, _of_steps(last, changes, times[far], "the share that holds"))
+
+
+def _at_step_0(answers: list[Answer], slips: ComparedSlips) -> Answer:
+    """Three answers extrapolated to step 0, slips that are compared with them; slips left over stay as they are."""
+    _, before, now = answers
     limit = Answer(
-        force[2] + REST_OF_CHANGE * (force[2] - force[1]),
-        holding[2] + REST_OF_CHANGE * (holding[2] - holding[1]),
-        answers[2].slips.copy(),
+        now.force + REST_OF_CHANGE * (now.force - before.force),
+        now.holding + REST_OF_CHANGE * (now.holding - before.holding),
+        now.slips.copy(),
     )
-    limit.slips[:, compared.which[2]] += REST_OF_CHANGE * (slips[2] - slips[1])
-    if beside.any():  # read F as long before or after the slip as it is from the extrapolated slip
-        later = REST_OF_CHANGE * (instants[2] - instants[1])
-        nearest = np.abs(times[beside, None] - instants[2] - later).argmin(axis=1)
-        there = _answer(sliders[2], times[beside] - later[nearest])
-        limit.force[beside], limit.holding[beside] = there.force, there.holding
-    if (end := undecided_end(sliders)) is not None:
-        largest_force = float(np.abs(limit.force).max())
-        if largest_force > total(parts):  # known is that much: F is between 0 and the largest
-            of = f"a slip that may come just before the drive turns or ends, {_near(sliders[-1], end)}"
-            parts = [ErrorPart(of, largest_force, "turn or end the path a little elsewhere")]
-    of_shares = _of_steps(sliders[-1], safety * of_holding, told_at, "the share that holds")
-    return Limit(limit, parts, of_shares)
+    limit.slips[:, slips.of_last] += REST_OF_CHANGE * (slips.lengths[2] - slips.lengths[1])
+    return limit
+
+
+def _of_force(
+    last: Slider,
+    answers: list[Answer],
+    slips: ComparedSlips,
+    far: npt.NDArray[np.bool_],
+    times: Array,
+) -> ErrorPart:
+    """The error by the size of steps of F at those of the times (n,) that are far from slips, and of the lengths of
+    slips."""
+    of_force = _changes(np.array([one.force[far] for one in answers]))
+    of_slips = _changes(slips.lengths.reshape(COMPARED, -1))
+    slips_at = np.tile(slips.times[-1], slips.lengths.shape[1])
+    changes = np.append(of_force, of_slips, axis=1)
+    return _of_steps(last, changes, np.append(times[far], slips_at), "F and loads at slips")
+
+
+def _of_slips_left_over(last: Slider, slips: ComparedSlips) -> ErrorPart:
+    """The error by slips that finer steps have and coarser ones have not, or the other way round."""
+    size = last.contacts.memory.safety * slips.left_over
+    return ErrorPart("slips that not all halvings have", size)
+
+
+def _of_undecided_end(sliders: list[Slider], answer: Answer) -> ErrorPart | None:
+    """The error where a slip may come before the drive turns or ends, or not: all that is known of F is that it lies
+    between 0 and the largest. None where that is decided."""
+    end = undecided_end(sliders)
+    if end is None:
+        return None
+    of = f"a slip that may come just before the drive turns or ends, {_near(sliders[-1], end)}"
+    largest_force = float(np.abs(answer.force).max())
+    return ErrorPart(of, largest_force, "turn or end the path a little elsewhere")
 
 
 def _of_steps(slider: Slider, changes: Array, times: Array, what: str) -> ErrorPart:
-    """The error by the size of steps: the smaller of the largest changes, of plain and of extrapolated answers. Those
-    have the shape (2, n), with what changes by them at these times (n,)."""
+    """The error by the size of steps: the memory's safety times the smaller of the largest changes, of plain and of
+    extrapolated answers. Those have the shape (2, n), with what changes by them at these times (n,)."""
+    changes = slider.contacts.memory.safety * changes
     largest = changes.max(axis=1, initial=0.0)
     smaller = int(largest.argmin())
     near = _near(slider, times[changes[smaller].argmax()]) if times.size else "at no time"
@@ -175,27 +220,23 @@ def _of_steps(slider: Slider, changes: Array, times: Array, what: str) -> ErrorP
     return ErrorPart(of, float(largest[smaller]))
 
 
-class ComparedSlips(NamedTuple):
-    """The slips of some sliders that are compared.
-
-    which : indices of the largest slips of each slider, in order, as many as all of them have
-    left_over : the largest drop of F in the others, in mean thresholds
-    """
-
-    which: list[npt.NDArray[np.intp]]
-    left_over: float
-
-
-def _compared(slips: list[Array]) -> ComparedSlips:
-    """Which slips of each slider are compared, from K X_T, F before and F after, shape (3, slips)."""
+def _compared(sliders: list[Slider], answers: list[Answer]) -> ComparedSlips:
+    """Which slips of each slider are compared."""
+    slips = [one.slips for one in answers]
     drops = [np.abs(before - after) for _, before, after in slips]
     fewest = min(drop.size for drop in drops)
-    which, left_over = [], 0.0
-    for drop in drops:
-        by_size = np.argsort(-drop, kind="stable")
-        which.append(np.sort(by_size[:fewest]))
-        left_over = max(left_over, float(drop[by_size[fewest:]].max(initial=0.0)))
-    return ComparedSlips(which, left_over)
+    by_size = [np.argsort(-drop, kind="stable") for drop in drops]
+    which = [np.sort(order[:fewest]) for order in by_size]
+    left_over = [
+        drop[order[fewest:]].max(initial=0.0) for drop, order in zip(drops, by_size, strict=True)
+    ]
+    times = [np.array([slip.time for slip in one.slips]) for one in sliders]
+    return ComparedSlips(
+        times=np.array([of[some] for of, some in zip(times, which, strict=True)]),
+        lengths=np.array([of[:, some] for of, some in zip(slips, which, strict=True)]),
+        of_last=which[-1],
+        left_over=float(max(left_over)),
+    )
 
 
 def _changes(three: Array) -> Array:
