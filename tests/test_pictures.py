@@ -24,11 +24,13 @@ from toolkit.pictures.run import (
     plot_position,
 )
 from toolkit.pictures.thresholds import plot_density, plot_samples
+from toolkit.results.beside import deviation
 from toolkit.results.records import sample_curve
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.picture import draw_verdict
 
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+EQ = {"contacts": 500, "replicas": 2, "seed": 1}
 HEAVY = {"to": 3.0, "points": 41, "spring": 0.5, "mass": 0.02, "velocity": 1e-3}
 
 
@@ -246,8 +248,7 @@ def test_a_heavy_slider_has_panels_in_time_with_slips_from_their_own_data() -> N
 
 
 def test_no_legend_lies_over_data() -> None:
-    eq = {"contacts": 500, "replicas": 2, "seed": 1}
-    many = [scene(GAUSSIAN, eq=eq), scene(drive={"to": 6.0, "points": 61, "spring": 1.0}, eq=eq)]
+    many = [scene(GAUSSIAN, eq=EQ), scene(drive={"to": 6.0, "points": 61, "spring": 1.0}, eq=EQ)]
     figures = [draw_run(toolkit.run(one), Figure(layout="constrained")) for one in many]
     rough = scene(ROUGH, drive={"to": 5e-8, "points": 9})
     figures.append(draw_comparison(compare([toolkit.load_scene(rough)])))
@@ -362,14 +363,71 @@ def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:
 
 
 def test_what_is_not_solved_is_not_drawn() -> None:
-    result = toolkit.run(scene())
-    for error, points in ((1e-9, 21), (1e-2, 21), (np.inf, 0)):
-        master = dataclasses.replace(result.master, success=error < 1e-8, force_error=error)
+    """An empty panel says why; beside the ensemble the legend says so, and nothing is compared."""
+    result, beside = toolkit.run(scene()), toolkit.run(scene(eq=EQ))
+    for error in (1e-9, 1e-2, np.inf):
+        changes = {"success": error < 1e-8, "force_error": error, "message": "costs $ 5"}
+        master = dataclasses.replace(result.master, **changes)
         axes = Figure().subplots(1, 2)
-        toolkit.plot(dataclasses.replace(result, master=master), axes)
-        (line,) = axes[0].lines
-        assert len(line.get_xdata()) == points
-        assert ("not solved" in line.get_label()) == (points == 0)
+        drawn(toolkit.plot(dataclasses.replace(result, master=master), axes))
+        assert [len(line.get_xdata()) for line in axes[0].lines] == [21] * (error < 1.0)
+        said = [text.get_text() for text in axes[0].texts]
+        assert said == ["the master equation is not solved:\ncosts $ 5"] * (error > 1.0)
+        other = dataclasses.replace(beside, master=dataclasses.replace(beside.master, **changes))
+        found = panels(drawn(draw_run(other, Figure())))
+        (curve,) = (one for one in found["F"].lines if "master" in one.get_label())
+        assert ("not solved" in curve.get_label()) == (error > 1.0)
+        assert bool(deviation(other).points.size) == (error < 1.0)
+        words = found["plot_deviation"].texts
+        assert len(words) == (error > 1.0)
+        place = found["plot_deviation"].get_window_extent()
+        assert all(place.x0 < one.get_window_extent().x0 for one in words)
+
+
+def test_powers_of_ten_stand_in_the_label() -> None:
+    """Not above the axes, where the legend is, nor as products at each tick of less than a decade."""
+    table = {"kind": "gaussian", "mean": 1e-9, "std": 1e-10}
+    figure = draw_run(toolkit.run(scene(table, drive={"to": 5e-9, "points": 21})), Figure())
+    force = panels(figure)["F"]
+    assert force.get_ylabel().endswith(r"($10^{-10}$ units of length)")
+    assert force.get_xlabel().endswith(r"($10^{-9}$ units of length)")
+    shown = [float(text.replace("−", "-")) for text in ticks(force.yaxis)]
+    np.testing.assert_allclose(1e-10 * np.array(shown), force.get_yticks(), atol=1e-20)
+    assert not force.yaxis.get_offset_text().get_text()
+    axes = Figure().subplots()
+    axes.set(xscale="log", xlim=(0.4, 0.9))
+    name_axis(axes.xaxis, "K", "")
+    drawn(axes.figure)
+    named = [text.get_text() for text in axes.get_xticklabels(which="minor")]
+    assert {"0.5", "0.6"} <= {*named} and axes.get_xlabel() == "K"
+    law = ROUGH | {"material": ROUGH["material"] | {"local_friction": 1e-5}}
+    drive = {"to": 1e-12, "points": 11, "area": 1e-6}
+    (over,) = panels(draw_run(toolkit.run(scene(law, drive=drive)), Figure()))["F"].child_axes
+    assert over.get_ylabel() == r"$\mu = F$/load ($10^{-6}$)"
+
+
+def test_a_sweep_over_springs_marks_where_they_pass_k_star() -> None:
+    table, drive = GAUSSIAN | {"std": 0.2}, {"to": 2.0, "points": 5}
+    for springs, passed in (([0.6, 3.0, 0.9, 1.2], True), ([0.6, 0.9], False)):
+        sweep = {"drive.spring": springs, "critical_spring": True}
+        result = toolkit.run(scene(table, drive=drive, sweep=sweep))
+        force = draw_run(result, Figure()).axes[0]
+        marks = [line for line in force.lines if line.get_label() == "$K = K^*$"]
+        assert len(marks) == passed
+        for mark in marks:
+            expected = result.sweep.critical_spring[0]
+            np.testing.assert_allclose(mark.get_xdata(), expected, rtol=1e-9)
+            names = [text.get_text() for text in force.get_legend().get_texts()]
+            assert "$K = K^*$" in names
+    springs = ["1e4 N/m", "1e5 N/m"]
+    sweep = {"drive.spring": springs, "critical_spring": True}
+    drive = {"to": 1e-8, "points": 3, "area": 1e-6, "velocity": 1e-6}
+    result = toolkit.run(scene(ROUGH, drive=drive, sweep=sweep, master=None))
+    force = draw_run(result, Figure()).axes[0]
+    (mark,) = (line for line in force.lines if line.get_label() == "$K = K^*$")
+    expected = result.newtons(result.sweep.critical_spring[0])
+    np.testing.assert_allclose(mark.get_xdata(), expected, rtol=1e-9)
+    assert force.get_legend() is not None
 
 
 def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:

@@ -17,6 +17,7 @@ DASHES: list[Any] = ["-", (0, (6, 3)), (0, (1.5, 2)), (0, (6, 2, 1, 2)), (0, (10
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p", "h"]
 _OWN = {"length": "units of length", "time": "units of time"}  # of a scene without SI units
 _MOST_DECADES = 5.0  # of a logarithmic axis whose ticks are plain numbers, not powers of ten
+_SHORT = (1e-3, 1e5)  # from where to where ticks are short without a power of ten
 _ROW = 15.0  # height of a row of a legend in points
 _HANDLE = 9  # width of a line's sample in a legend, in letters
 
@@ -47,7 +48,10 @@ def name_over_load(axes: Any, scale: Scale) -> None:
     """Opposite to an axis of forces that of F over the load, where that is known."""
     if (load := scale.load) is not None:
         over = axes.secondary_yaxis("right", functions=(lambda f: f / load, lambda mu: mu * load))
-        over.set_ylabel(r"$\mu = F$/load")
+        low, high = axes.get_ylim()
+        power = _plain_power(max(abs(low), abs(high)) / load)
+        over.set_ylabel(r"$\mu = F$/load" + f" ($10^{{{power}}}$)" * bool(power))
+        _without_offset(over.yaxis, power)
 
 
 def spring_name(unit: str) -> tuple[str, str]:
@@ -64,13 +68,37 @@ def name_axis(axis: Any, name: str, unit: str) -> None:
     gap = "" if name.endswith("\n") else " "
     inverse = unit == "1/m"
     if not (unit in PREFIXED or inverse):
-        said = _OWN.get(unit, unit)
+        said, power = _OWN.get(unit, unit), 0
+        log = axis.get_scale() == "log"
+        if (
+            not log or high < 10.0 * low
+        ):  # within a decade ticks would be products such as 6 x 10^-1
+            power = _plain_power(max(abs(low), abs(high)))
+            (_set_ticks if log else _without_offset)(axis, power)
+        if power:
+            said = f"$10^{{{power}}}$ {said}".replace(" 1/", "/").strip()
         axis.set_label_text(f"{name}{gap}({said})".removesuffix(f"{gap}()"))
         return
     power = _power(low, high, axis.get_scale() == "log", inverse, unit == "s")
     prefixed = f"1/{PREFIXES[-power]}m" if inverse else f"{PREFIXES[power]}{unit}"
     axis.set_label_text(f"{name}{gap}({prefixed})")
     _set_ticks(axis, power)
+
+
+def _plain_power(size: float) -> int:
+    """The power of ten to take out of ticks as large as that: 0 where they are short without."""
+    if not 0.0 < size < np.inf or _SHORT[0] <= size < _SHORT[1]:
+        return 0
+    return int(np.floor(np.log10(size) + 1e-9))
+
+
+def _without_offset(axis: Any, power: int) -> None:
+    """Ticks in multiples of 10^power, which the label has, with all their digits: matplotlib's own common factor and
+    offset would stand above the axes, in the legend."""
+    if power:
+        _set_ticks(axis, power)
+    elif hasattr(axis.get_major_formatter(), "set_useOffset"):
+        axis.get_major_formatter().set_useOffset(False)
 
 
 def _power(low: float, high: float, log: bool, inverse: bool, seconds: bool) -> int:

@@ -16,7 +16,7 @@ from toolkit.pictures.axes import (
 )
 from toolkit.results.points import SweepRecord, force_factors, key_units
 from toolkit.results.records import Result
-from toolkit.scene.scale import PREFIXED, written
+from toolkit.scene.scale import PREFIXED, SHARED, written
 
 _LINES = 8  # as can be distinguished
 _LETTERS = 98  # of a legend above the panel, which is wider than others
@@ -71,12 +71,34 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
         axes.set_yscale("log")
     elif name == "critical_spring" or most - least < _FLAT * most:
         axes.set_ylim(0.0, 1.15 * max(axes.get_ylim()[1], most))
+    marked = name in ("critical_spring", "kinetic_force") and _mark_critical(axes, result)
     # last, as a scale that is set anew has ticks of its own, without the prefix of the unit
     name_axis(axes.yaxis, *_axis_of(name, columns, result))
     # the panels below that of the forces have the same lines
-    if len(columns) > 1 or (others and name in ("force", "kinetic_force")):
+    if len(columns) > 1 or ((others or marked) and name in ("force", "kinetic_force")):
         legend_above(axes, letters=_LETTERS)
     return axes
+
+
+def _mark_critical(axes: Any, result: Result) -> bool:
+    """A line where the springs of a sweep over them alone pass K*, straight in ln K between points; whether they do."""
+    sweep: Any = result.sweep
+    if [*sweep.along] != ["drive.spring"] or not with_spring(sweep):
+        return False
+    x, unit = _numbers(sweep["drive.spring"].ravel())
+    if (unit or SHARED) != result.scale.spring_unit:
+        return False
+    order = np.argsort(x, kind="stable")
+    springs, critical = x[order], _with_error(result, "critical_spring")[0][order]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        above = np.log(springs / critical)
+    passed = np.flatnonzero((above[:-1] < 0.0) & (above[1:] >= 0.0) & np.isfinite(np.diff(above)))
+    for number, k in enumerate(passed):
+        share = above[k] / (above[k] - above[k + 1])
+        at = critical[k] ** (1.0 - share) * critical[k + 1] ** share
+        style: dict[str, Any] = {"color": "0.3", "ls": "--", "lw": 1.0, "zorder": 0}
+        axes.axvline(at, label=None if number else "$K = K^*$", **style)
+    return bool(passed.size)
 
 
 def _short(keys: list[str]) -> dict[str, str]:

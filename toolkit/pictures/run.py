@@ -35,6 +35,7 @@ from toolkit.results.records import Result
 
 _BARS = 61  # error bars; with more the line would be hidden
 _REPLICAS = 5  # as can be distinguished
+_PANEL = 70  # letters across the panel of forces
 _RESOLVED = 8  # points of the path within a slip that show it as well as can be seen
 _OF_EQ: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
 
@@ -64,6 +65,12 @@ def plot_force(axes: Any, result: Result) -> Any:
     since their mean during a slip is the force of none of them. Each slip is drawn from its own data.
     """
     solved, eq, factor = result.master, result.eq, result.scale.force
+    if solved is not None and eq is None and not is_known(solved):
+        said = f"the master equation is not solved:\n{in_lines(solved.message, _PANEL)}"
+        middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
+        axes.text(0.5, 0.5, said, parse_math=False, **middle)
+        axes.set_axis_off()
+        return axes
     if solved is not None:
         _draw_solved(axes, result)
     if is_coupled(eq):
@@ -160,7 +167,7 @@ def plot_deviation(axes: Any, result: Result) -> Any:
     apart = deviation(result)
     if apart.worst is None:
         middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
-        axes.text(0.5, 0.5, f"not compared: {NOT_COMPARED}", **middle)
+        axes.text(0.5, 0.5, in_lines(f"not compared: {NOT_COMPARED}", _PANEL), **middle)
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
         axes.plot(along(result, result.eq)[apart.points], apart.off, ".", color=INK["eq"], ms=3.5)

@@ -27,10 +27,11 @@ class Deviation(NamedTuple):
 
 
 def deviation(result: Result) -> Deviation:
-    """Difference of the solvers where enough contacts have broken to compare; no points where one of them is missing.
+    """Difference of the solvers where enough contacts have broken to compare; no points where one of them is missing or
+    the master equation's force is not known, whose error would allow any difference.
     The standard errors include the master equation's error and that of the ensemble's steps."""
     solved, eq = result.master, result.eq
-    if solved is None or eq is None or is_coupled(eq):
+    if solved is None or eq is None or is_coupled(eq) or not is_known(solved):
         # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
         return Deviation(np.empty(0, np.intp), np.empty(0))
     return apart(solved, eq, result.mean_threshold)
@@ -47,7 +48,7 @@ def apart(solved: Any, eq: Any, mean_threshold: float) -> Deviation:
     return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
 
 
-NOT_COMPARED = "too few contacts or breaks, all at once, or a soft slider, whose slips are compared"
+NOT_COMPARED = "force not known, too few contacts or breaks, all at once, or a soft slider, whose slips are compared"
 
 
 def slips_beside(result: Result) -> list[dict[str, Any]]:

@@ -70,8 +70,9 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
     for number, (_, finite) in enumerate(disagreeing(verdict), start=len(known)):
         if finite.drive.size:
             label = f"{finite.contacts:,} contacts, {NAMED[finite.rule]}: {finite.kind}"
-            # thin, and above the others, which it may follow for long
+            # thin, and above the others, which it may follow for long, as one of these another
             style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
+            style["ls"] = DASHES[(number - len(known)) % len(DASHES)]
             axes.plot(finite.drive, finite.force * scale.force, label=label, **style)
     axes.margins(x=0.01, y=0.05)
     low, high = axes.get_ylim()
@@ -111,7 +112,7 @@ def _on_one_curve(one: Behaviour, other: Behaviour) -> bool:
 def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
     """P_c of each reading as the density of ln x_s, whose area is 1 for each, as readings differ by orders of
     magnitude; where it diverges the axis ends."""
-    top = 0.0
+    top = highest = 0.0
     for number, answer in enumerate(verdict.answers):
         x, density = _density(answer.contacts)
         style = style_of(number) | {"lw": 1.3 if number else 2.2, "ms": 4}
@@ -123,6 +124,10 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
         axes.vlines(answer.contacts.thresholds.atoms[0], 0.0, 1.0, **whole)
         # of a density that diverges the highest points hang on where it is drawn
         top = max(top, min(density.max(), _HIGH * np.quantile(density, _MOST)))
+        highest = max(highest, density.max())
+    if highest > 1.1 * top:
+        above: dict[str, Any] = {"transform": axes.transAxes, "va": "top", "fontsize": "small"}
+        axes.text(0.02, 0.96, "higher peaks are cut off", **above)
     axes.set_xscale("log")
     axes.set_ylim(0.0, 1.1 * top or 1.0)
     name_axis(axes.xaxis, "threshold $x_s$", verdict.own.scale.length_unit)
@@ -173,6 +178,8 @@ def _draw_spring(axes: Any, row: int, answer: Answer) -> None:
         if answer.smoothed:
             said = "not known: it hangs on the smoothing of $P_c$"
         place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "va": "center"}
+        # the machine's spring may stand behind the words
+        place["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
         axes.text(0.02, row, said, fontsize="small", **place)
         return
     error = max(answer.critical_spring.error, answer.critical_spring.sampling or 0.0)
