@@ -329,6 +329,22 @@ def test_with_heat_a_slip_comes_where_the_twin_loses_balance_and_new_contacts_fo
     assert off[drive > slip + two].max() < plain.spring / (1.0 + plain.spring) * two
 
 
+def test_a_slider_that_creeps_while_most_contacts_break_within_a_step_does_not_slip() -> None:
+    """Heat breaks contacts at a twentieth of their thresholds, by which the coarsest steps are chosen. Beside it the
+    solution, which finer steps confirm."""
+    heat, spring = Thermal(law="eyring", width=0.03, attempt_frequency=6e10), 1e-4
+    contacts, path = Contacts(stats.expon(), thermal=heat), np.linspace(0.0, 0.15, 31) / spring
+    coarse = ContactsInSteps(contacts, ThresholdMemory(contacts, 0), 0, np.inf)
+    drive = Drive(path, spring=spring, velocity=1.0, slip="reset")
+    slider = Slider(coarse, drive, Motion(path[[0, -1]], path[[0, -1]]), 0, 1e-3)
+    slider.run()
+    assert not slider.slips
+    solved = master.solve(contacts, path, 1e-2, spring=spring, velocity=1.0, slip="reset")
+    assert solved.success and not solved.slips.drive.size
+    off = np.abs(read(slider.sections, path)[0] - solved.force).max()
+    assert off < 2e-4, f"F is off by {off:.1e} mean thresholds"
+
+
 def test_sticks_repeat_on_a_leg_that_begins_late_as_those_of_cold_contacts_do() -> None:
     """Heat of 1e-25 a unit of time breaks nothing, and the cold slider takes another solver. The drive slows down to a
     half at t = 9, so that later sticks are repeated from a begin that is not t = 0."""

@@ -56,6 +56,7 @@ class Trial(NamedTuple):
 
     groups : with a new cohort that has no births yet; survival_and_force : what the memory says of them, shape (2, n)
     force, holding : see ContactsInSteps; breaks, births : B and J at its end, per contact since t = 0 or a reset
+    kept : share of the contacts that held at its begin and hold at its end, too
     """
 
     travel: float
@@ -66,6 +67,7 @@ class Trial(NamedTuple):
     holding: float
     breaks: float
     births: float
+    kept: float
 
 
 class ContactsInSteps:
@@ -174,7 +176,8 @@ class ContactsInSteps:
         breaks /= (1.0 - births.slope) + survival * births.slope
         new = births.slope * breaks + births.rest - self._births
         force, holding = force_before + force_of_new * new, held_before + survival * new
-        return Trial(travel, end, groups, held, force, holding, breaks, self._births + new)
+        births, kept = self._births + new, held_before
+        return Trial(travel, end, groups, held, force, holding, breaks, births, kept)
 
     def take(self, trial: Trial) -> None:
         """Take the step, whose groups become those of the contacts; StoppedError where there are too many steps."""

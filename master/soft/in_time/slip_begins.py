@@ -19,6 +19,11 @@ step of the size s, or just beyond, on one of three conditions (`SlipBegins._has
 I(s, τ(s)) = 0; and I rises with τ. Hence τ(0.99 s) >= τ(s) if and only if I(0.99 s, τ(s)) <= 0: one trial tells.
 
 Before contacts at an exact threshold break, the last balance is taken where it comes later than the largest τ found.
+
+Of contacts that heat breaks long before their thresholds, by which sizes of steps are chosen, more than half may break
+on one step. Then F falls as the travel grows, though the slider creeps on: half of the births count as those at the
+step's begin, which are gone, and half as those at its end, which have no stretch yet. It would be a slip by the third
+condition. So a slip is believed only on a step short enough to resolve the breaks; once one was not, all steps are.
 """
 
 from typing import NamedTuple
@@ -39,8 +44,10 @@ class OnsetControl(NamedTuple):
     beyond_jump : factor on the size of the step that looks beyond a jump of P_c, where F falls at once.
     far_from_slip : steps of time, in those of a slider that is stuck to the drive, above which no slip is near.
     before_fold : factor on the size of the step that tells on which side of a fold a step ends.
-    least_shrink : steps that become finer towards a slip are not below this factor on their size, as a slip that is
-        foreseen may not come.
+    least_shrink : steps that become finer towards a slip, or to resolve breaks, are not below this factor on their
+        size, as a slip that is foreseen may not come, and at a jump of P_c any step breaks many contacts.
+    most_lost : times the e-folds of contacts that break on a step which resolves breaks, `StepControl.lost`, above
+        which a slip on a step is not believed. Above 1, so that a step cut to that is, and half a step need not follow.
     """
 
     onset: float = 1e-9
@@ -49,6 +56,7 @@ class OnsetControl(NamedTuple):
     far_from_slip: float = 0.3
     before_fold: float = 0.99
     least_shrink: float = 0.03
+    most_lost: float = 1.5
 
 
 ONSET = OnsetControl()
@@ -66,6 +74,8 @@ class SlipBegins:
     def __init__(self, steps: Steps) -> None:
         """Before the first section."""
         self._steps, self._guess = steps, steps.first_guess
+        # whether steps are so short that they resolve breaks: once a slip was seen on one that did not
+        self._resolves_breaks = False
         self.begin_section()
 
     def begin_section(self) -> None:
@@ -88,14 +98,24 @@ class SlipBegins:
         return root.step.trial
 
     def up_to_slip(self, size: float) -> tuple[Trial, bool]:
-        """The balanced step of this size, or that up to a slip that begins within it; and whether one does."""
-        steps, asked = self._steps, self._solve(size)
-        step = asked.step
-        if step.trial.end > steps.contacts.now:  # it may have been cut at the section's end
-            size = min(size, steps.size(step.trial))
-        if not self._has_slip(asked, size):
-            self._foresee(step.time_steps / size, size)
-            return self._chosen(asked), False
+        """The balanced step of this size, or a shorter one that resolves breaks, or that up to a slip that begins
+        within it; and whether one does."""
+        steps, coarsest = self._steps, 0.5**self._steps.contacts.halvings
+        while True:
+            asked = self._solve(size)
+            step = asked.step
+            if step.trial.end > steps.contacts.now:  # it may have been cut at the section's end
+                size = min(size, steps.size(step.trial))
+            resolving = self._resolving(step.trial, size)
+            if not self._has_slip(asked, size):
+                self._foresee(step.time_steps / size, size)
+                if self._resolves_breaks:
+                    self.shrink = min(self.shrink, resolving)
+                return self._chosen(asked), False
+            if size <= ONSET.most_lost * resolving * coarsest:
+                break
+            size *= 0.5
+            self._resolves_breaks = True
         longest = self._search_up_to(asked, size)
         latest = self._latest(size, longest)
         last = self._last_before_exact(size, longest) if steps.contacts.memory.exact else None
@@ -148,6 +168,15 @@ class SlipBegins:
         if change < 0.0 and np.isfinite(nearing):
             to_slip = nearing * time_fraction * size / -change
             self.shrink = min(max(to_slip, ONSET.least_shrink), 1.0)
+
+    def _resolving(self, trial: Trial, size: float) -> float:
+        """The factor on the coarsest size of steps at which as many contacts break on a step as is resolved, if they
+        break as fast as on this one, which has this size; at most 1."""
+        held = self._steps.contacts.holding
+        if trial.kept >= held:
+            return 1.0
+        lost = np.log(held / trial.kept) / size if trial.kept > 0.0 else np.inf
+        return float(np.clip(CONTROL.lost / lost, ONSET.least_shrink, 1.0))
 
     def _latest(self, size: float, longest: float) -> Root:
         """The step that takes the most time: that up to a fold or a kink of τ."""

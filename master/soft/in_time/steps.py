@@ -29,6 +29,8 @@ class StepControl(NamedTuple):
     per_e_fold_of_hold, per_e_fold_of_move : steps of time in which the time since the begin of a section grows by a
         factor e. While the drive holds they are all there is; while it moves they stand beside the steps of its
         travel, and need resolve the first changes only.
+    lost : e-folds of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as
+        of fresh contacts that heat breaks at rest, see `Steps.begin`.
     time_fractions : fractions of a step's size that may be time, from the latest on: there a balance before exact
         thresholds break is looked for, which a secant from one guess may miss.
     """
@@ -37,6 +39,7 @@ class StepControl(NamedTuple):
     drive_weight: float = 0.25
     per_e_fold_of_hold: float = 2.0
     per_e_fold_of_move: float = 0.4
+    lost: float = 0.5
     time_fractions: tuple[float, ...] = (
         *(1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03),
     )
