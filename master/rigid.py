@@ -11,7 +11,7 @@ from master.numerics import polynomials
 from master.outcome import Progress, outcome, unconserved
 from master.renewal.births import Births, reforming_law
 from master.renewal.budget import ErrorBudget
-from master.renewal.edges import ROUNDED, SAME_TIME, edges
+from master.renewal.edges import MOST_EDGES, ROUNDED, SAME_TIME, edges
 from master.renewal.march import March
 from master.renewal.panel_width import first_width
 from master.solution import Solution
@@ -43,6 +43,9 @@ BEYOND_END = 1e-9
 # Instants at which contacts at rest are looked at, a decade apart, in units of the rate law's time; and the shortest
 # time beside the delay for which half of them must hold: less is lost in the rounding of the times of re-forming.
 LOOKED_AT, SHORTEST_BESIDE_DELAY = np.geomspace(1e-3, 1e50, 54), 1e-12
+# Most sums over pieces of the thresholds, on pieces of the start, at instants, where no wall_time is given: K* of 10
+# bins each has 4e4 of them and takes 21 s of CPU time, of 20 bins each 7e5 (measured).
+MOST_SUMS = 2e5
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 # Tightest tolerance, in changes of a survival over the last place of a position: rounding moves it by half of that, and
@@ -186,6 +189,8 @@ def march_of(
     """The march along a motion, with panels that end where the number of breaks may bend; `most` is the
     largest force of a contact born, divided by <k> (a length), where the caller knows it."""
     reforming, mean = reforming_law(contacts), contacts.mean_threshold
+    if until == np.inf and life.pair_work > 1:
+        check_averages(contacts, motion, life)
     moving = np.abs(motion.speeds[motion.speeds != 0.0])
     if contacts.thermal is not None and life.bends.size and moving.size:
         # later F and F' show the layer
@@ -203,6 +208,18 @@ def march_of(
         raise InputError(f"thresholds: {fault}; {hint}")
     guess = first_width(life, budget.panels)
     return March(births, contacts.start, plan.times, budget.panels, guess, stretch)
+
+
+def check_averages(contacts: Contacts, motion: Motion, life: Life) -> None:
+    """Raise InputError where averages over a spread start, of sums over thresholds, would take minutes: both are over
+    pieces, at many instants, as where one of the start's bins meets a jump of P_c the number bends."""
+    bins, jumps = contacts.start.breakpoints.size, life.bends.size
+    meetings = min(jumps * (bins + 1), MOST_EDGES)
+    way = min(float(np.ptp(motion.positions)) / life.largest_stretch, 1.0)
+    if not contacts.start.is_single and way * meetings * (bins + 3 * jumps) * jumps > MOST_SUMS:
+        fault = f"a spread start with {bins} edges of bins, beside {jumps} bends of the thresholds' density"
+        hint = "take a smooth density for both, or fewer bins; or in master.solve give wall_time"
+        raise InputError(f"start: {fault} and heat, takes minutes; {hint}")
 
 
 def finest(motion: Motion, life: Life, mean: float) -> float:

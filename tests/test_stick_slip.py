@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from itertools import pairwise
 
 import numpy as np
@@ -10,8 +11,11 @@ import scipy.stats
 
 import master
 import origins
+from master.motion import Motion
+from master.outcome import StoppedError
 from master.stick_slip.extremes import extremes
-from origins import Ageing, Contacts, Thermal
+from master.survival.make import life_of
+from origins import Ageing, Contacts, InputError, Thermal
 
 SPREAD = origins.gaussian_start(0.0, 0.025)
 TWO = origins.mixture([origins.identical(1.0), origins.identical(1.5)], [0.5, 0.5])
@@ -90,6 +94,31 @@ def test_thresholds_of_a_histogram_are_a_mixture_of_rectangles() -> None:
     assert one.success and one.critical_spring == pytest.approx(other.critical_spring, rel=2e-6)
     even = scipy.stats.rv_histogram((np.ones(10), edges), density=False)
     assert master.propensity(Contacts(even), 1e-6).critical_spring == pytest.approx(0.875, rel=1e-6)
+
+
+def test_bins_of_both_laws_with_heat_are_refused_before_the_work() -> None:
+    """Averages over bins of the start, of sums over bins of P_c: with few of one it is answered."""
+    heat = origins.Thermal("soft", 0.1)
+    start, law = (
+        scipy.stats.rv_histogram((np.ones(200), np.linspace(low, low + 0.1, 201)), density=True)
+        for low in (0.1, 0.9)
+    )
+    many = Contacts(law, start, thermal=heat)
+    for ask in (master.propensity, lambda contacts: master.solve(contacts, [0.5, 1.0, 2.0])):
+        with pytest.raises(InputError, match=r"^start: .* 201 edges .*minutes.*wall_time$"):
+            ask(many)
+    few = Contacts(origins.rectangular(0.9, 1.0), start, thermal=heat)
+    assert master.solve(few, [0.02], 1e-4).success
+
+
+def test_averages_over_a_start_look_at_the_clock() -> None:
+    contacts = Contacts(origins.gaussian(1.0, 0.2), origins.gaussian_start(0.1, 0.02))
+    life, motion = life_of(contacts), Motion(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+    history = motion.history(np.array([[0.5]]), np.zeros((1, 1)))
+    assert life.survival_and_force(contacts.start, history).survival[0, 0] < 1.0
+    life.until = time.monotonic()
+    with pytest.raises(StoppedError, match="wall_time"):
+        life.survival_and_force(contacts.start, history)
 
 
 def test_thresholds_of_200_bins_fall_most_steeply_where_the_density_says() -> None:

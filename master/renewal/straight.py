@@ -1,6 +1,7 @@
 """E and K of contacts on a slider that moves straight, over the lag since their birth."""
 
 from collections.abc import Callable
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -69,7 +70,8 @@ class Straight:
         steady: bool = False,
     ) -> None:
         """Find the lags between which E and K are smooth, and tabulate both."""
-        self.life, self.born, self.longest = life, born, longest
+        self.life, self.born, self.longest = copy(life), born, longest
+        self.life.until = until
         self.survival_error = self.error = life.error
         # the lag per time: 1, or a distance over a time if steady, where the slider moves forward
         self._speed, self._per_time = speed, speed if steady else 1.0

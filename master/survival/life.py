@@ -8,6 +8,7 @@ from master.motion import History, middle_of
 from master.numerics.averages import integrals
 from master.numerics.polynomials import Pieces, Rows
 from master.numerics.table import Table
+from master.outcome import stop_after
 from origins import Contacts, InputError
 from origins.start import Start
 from origins.thresholds.law import Array
@@ -86,14 +87,14 @@ class Life:
     quick : whether `survival_and_force`, for births at one stretch, takes no longer than a look-up in a table
     pair_work : work of `survival_and_force` for one birth at one instant, in look-ups in a table
     timeless : whether the survival depends only on the distance moved, and not on the time that it took
-    error : the least error of a survival that `survival_and_force` can return, known when the life is made; no query
-        changes it, as each returns its own error
+    error : the least error of a survival that `survival_and_force` can return; each query returns its own, too
     neglected, error_is_relative : see `error_at`
     error_of_force : further error of K, in units of the stretches at a break; only transforms need it
     coefficient_limit : last coefficients, on a piece of the stretches at birth, below which it is not halved
     start_as_births : whether contacts of the start survive as those born later at the same stretch
     has_strands : whether births of earlier legs have to be followed, since `survival_and_force` does not know them
     no_density : why Q(x;X) is not known on paths of several legs; "" where it is
+    until : reading of time.monotonic() after which averages over stretches at birth raise StoppedError
     """
 
     largest_stretch: float
@@ -105,6 +106,7 @@ class Life:
     has_strands = False
     peaks_at_bends = True
     no_density = ""
+    until = np.inf
     start_as_births = True
     pair_work = 1
     error = 0.0
@@ -179,6 +181,7 @@ class Life:
         survival_errors = [self.error]
 
         def weighted(row: Rows, born: Array) -> Array:
+            stop_after(self.until)
             nodes = born.shape[1]
             side = history.pick(row).largest(middle_of(born)[:, 0])
             moves = history.pick(np.repeat(row, nodes))
