@@ -42,9 +42,15 @@ COEFFICIENT_LIMIT, LIMIT_OF_BAND = 1e-6, 1e-7
 # Of the tolerance: such coefficients on a path that is asked for to above 1e-4, with A at half of the nodes; and the
 # largest. Larger ones make tables rough, and cost 100 times the look-ups (measured).
 OF_TOLERANCE, LOOSEST = 1e-3, 1e-6
-# The finest tolerance with heat on a path of several legs of contacts whose thresholds do not begin at 0: a turn takes
-# 30 to 60 s to it, and minutes to a tenth of it (measured).
-FINEST = 1e-5
+# With heat, of contacts whose thresholds do not begin at 0: the tolerance down to which all paths are followed; and
+# below it the most CPU seconds that one may take without `wall_time`, by an estimate (see `_seconds`).
+FINEST, MOST_SECONDS = 1e-5, 70.0
+# CPU seconds to 1e-6 of a leg, of a turn beside it, and of each decade of a rest's time; factors for each decade of the
+# tolerance of legs, and of turns and rests; and for a start with a width. Measured: a step of the speed 7 s, to 1e-9
+# 17 s, from a wide start 23 s; a turn 14, 23 and 99 s to 1e-6, 1e-7 and 1e-8; rests of 20 and 2,000 times the law's
+# time 33 and 59 s.
+OF_LEG, OF_TURN, OF_DECADE_AT_REST = 7.0, 7.0, 15.0
+FOR_DECADE, FOR_DECADE_TURNED, FOR_WIDTH = 1.4, 2.6, 3.0
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
 WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 250
@@ -87,14 +93,25 @@ class GrowingLife(ChangingLife):
         life = cls(contacts, float(motion.times[-1]))
         slow = contacts.thermal is not None and not life._growing.begins_at_0
         if slow and not motion.one_leg and tolerance < FINEST and until == np.inf:
-            way = "on a path that turns, rests or changes its speed, as less takes minutes"
-            hint = f"must be at least {FINEST:g} with heat where thresholds grow, {way}"
-            refuse("tolerance", tolerance, f"{hint}; or give wall_time")
+            seconds = life._seconds(motion, tolerance)
+            if seconds > MOST_SECONDS:
+                what = "on a path that turns, rests or changes its speed, with heat where thresholds grow"
+                hint = f"takes some {seconds:.0f} s {what}; {FINEST:g} takes less, or give wall_time"
+                refuse("tolerance", tolerance, hint)
         # with looser limits tables of grains are rough, and never fine enough
         limit = min(OF_TOLERANCE * tolerance, LOOSEST)
         if limit > life._limit and not life._growing.begins_at_0:
             life._limit, life._at_half = limit, True
         return life
+
+    def _seconds(self, motion: Motion, tolerance: float) -> float:
+        """About how long a path of several legs takes to a tolerance below FINEST, in s of CPU time."""
+        speeds, decades = motion.speeds, np.log10(1e-6 / max(tolerance, 1e-16))
+        turns = float((speeds[1:] * speeds[:-1] < 0.0).sum())
+        rests = np.diff(motion.times)[speeds == 0.0] / self._growing.time_unit
+        bent = OF_TURN * turns + OF_DECADE_AT_REST * float(np.log10(1.0 + rests).sum())
+        seconds = OF_LEG * speeds.size * FOR_DECADE**decades + bent * FOR_DECADE_TURNED**decades
+        return float(seconds * (1.0 if self.start.is_single else FOR_WIDTH))
 
     @classmethod
     def why_not(cls, contacts: Contacts, one_leg: bool = True) -> str:
