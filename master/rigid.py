@@ -11,7 +11,7 @@ from master.numerics import polynomials
 from master.outcome import Progress, outcome, unconserved
 from master.renewal.births import Births, reforming_law
 from master.renewal.budget import ErrorBudget
-from master.renewal.edges import MOST_EDGES, ROUNDED, SAME_TIME, edges
+from master.renewal.edges import ROUNDED, SAME_TIME, edges
 from master.renewal.march import March
 from master.renewal.panel_width import first_width
 from master.solution import Solution
@@ -43,9 +43,13 @@ BEYOND_END = 1e-9
 # Instants at which contacts at rest are looked at, a decade apart, in units of the rate law's time; and the shortest
 # time beside the delay for which half of them must hold: less is lost in the rounding of the times of re-forming.
 LOOKED_AT, SHORTEST_BESIDE_DELAY = np.geomspace(1e-3, 1e50, 54), 1e-12
-# Most sums over pieces of the thresholds, on pieces of the start, at instants, where no wall_time is given: K* of 10
-# bins each has 4e4 of them and takes 21 s of CPU time, of 20 bins each 7e5 (measured).
-MOST_SUMS = 2e5
+# CPU seconds of averages over one piece of the start, of sums over one of the thresholds, along the longest stretch, to
+# 1e-3; a factor for each decade less, of at most so many; pieces of the start beside its bins and the thresholds'
+# jumps, and of the thresholds beside these (see Life._averaged, panel_edges); and the most seconds where no wall_time
+# is given. Measured in nine cases of 10 to 200 bins: 12 to 74 s to 1e-3 to 1e-6, within a factor 2.2 of this; K* of 10
+# bins each 21 s.
+OF_PIECE, FOR_DECADE, MOST_DECADES = 5e-3, 1.15, 6.0
+PIECES_OF_START, PIECES_OF_LAW, MOST_SECONDS = 13, 6, 100.0
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 # Tightest tolerance, in changes of a survival over the last place of a position: rounding moves it by half of that, and
@@ -189,8 +193,8 @@ def march_of(
     """The march along a motion, with panels that end where the number of breaks may bend; `most` is the
     largest force of a contact born, divided by <k> (a length), where the caller knows it."""
     reforming, mean = reforming_law(contacts), contacts.mean_threshold
-    if until == np.inf and life.pair_work > 1:
-        check_averages(contacts, motion, life)
+    if until == np.inf and contacts.thermal is not None and contacts.thermal.closure == "exact":
+        check_averages(contacts, motion, life, tolerance)
     moving = np.abs(motion.speeds[motion.speeds != 0.0])
     if contacts.thermal is not None and life.bends.size and moving.size:
         # later F and F' show the layer
@@ -210,16 +214,18 @@ def march_of(
     return March(births, contacts.start, plan.times, budget.panels, guess, stretch)
 
 
-def check_averages(contacts: Contacts, motion: Motion, life: Life) -> None:
+def check_averages(contacts: Contacts, motion: Motion, life: Life, tolerance: float) -> None:
     """Raise InputError where averages over a spread start, of sums over thresholds, would take minutes: both are over
-    pieces, at many instants, as where one of the start's bins meets a jump of P_c the number bends."""
+    pieces."""
     bins, jumps = contacts.start.breakpoints.size, life.bends.size
-    meetings = min(jumps * (bins + 1), MOST_EDGES)
+    pieces = (PIECES_OF_START + bins + 3 * jumps) * (PIECES_OF_LAW + jumps)
     way = min(float(np.ptp(motion.positions)) / life.largest_stretch, 1.0)
-    if not contacts.start.is_single and way * meetings * (bins + 3 * jumps) * jumps > MOST_SUMS:
+    decades = np.clip(np.log10(1e-3 / tolerance), 0.0, MOST_DECADES)
+    seconds = OF_PIECE * way * pieces * FOR_DECADE**decades
+    if jumps and not contacts.start.is_single and seconds > MOST_SECONDS:
         fault = f"a spread start with {bins} edges of bins, beside {jumps} bends of the thresholds' density"
-        hint = "take a smooth density for both, or fewer bins; or in master.solve give wall_time"
-        raise InputError(f"start: {fault} and heat, takes minutes; {hint}")
+        hint = "take a smooth density for both, fewer bins or a larger tolerance; or in master.solve give wall_time"
+        raise InputError(f"start: {fault} and heat, takes some {seconds:.0f} s; {hint}")
 
 
 def finest(motion: Motion, life: Life, mean: float) -> float:

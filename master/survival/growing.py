@@ -45,11 +45,11 @@ OF_TOLERANCE, LOOSEST = 1e-3, 1e-6
 # With heat, of contacts whose thresholds do not begin at 0: the tolerance down to which all paths are followed; and
 # below it the most CPU seconds that one may take without `wall_time`, by an estimate (see `_seconds`).
 FINEST, MOST_SECONDS = 1e-5, 70.0
-# CPU seconds to 1e-6 of a leg, of a turn beside it, and of each decade of a rest's time; factors for each decade of the
-# tolerance of legs, and of turns and rests; and for a start with a width. Measured: a step of the speed 7 s, to 1e-9
-# 17 s, from a wide start 23 s; a turn 14, 23 and 99 s to 1e-6, 1e-7 and 1e-8; rests of 20 and 2,000 times the law's
-# time 33 and 59 s.
-OF_LEG, OF_TURN, OF_DECADE_AT_REST = 7.0, 7.0, 15.0
+# CPU seconds to 1e-6 of a leg of a mean threshold or more, of a turn beside it, and of each decade of a rest's time;
+# factors for each decade of the tolerance of legs, and of turns and rests; and for a start with a width. Measured: a
+# step of the speed 7 s, to 1e-9 17 s, from a wide start 23 s, of narrow thresholds to 1e-8 58 s; a turn 14, 23 and 99 s
+# to 1e-6, 1e-7 and 1e-8, of a slower slider 46 s; rests of 20 and 2,000 times the law's time 20 to 33 and 59 s.
+OF_LEG, OF_TURN, OF_DECADE_AT_REST = 7.0, 14.0, 10.0
 FOR_DECADE, FOR_DECADE_TURNED, FOR_WIDTH = 1.4, 2.6, 3.0
 # With heat: the same over stretches at birth, with which normal laws are summed to 1e-8; and the work of a survival in
 # look-ups in a table (measured).
@@ -96,7 +96,9 @@ class GrowingLife(ChangingLife):
             seconds = life._seconds(motion, tolerance)
             if seconds > MOST_SECONDS:
                 what = "on a path that turns, rests or changes its speed, with heat where thresholds grow"
-                hint = f"takes some {seconds:.0f} s {what}; {FINEST:g} takes less, or give wall_time"
+                hint = (
+                    f"takes some {seconds:.0f} s {what}; {FINEST:g} takes less, or give wall_time"
+                )
                 refuse("tolerance", tolerance, hint)
         # with looser limits tables of grains are rough, and never fine enough
         limit = min(OF_TOLERANCE * tolerance, LOOSEST)
@@ -110,7 +112,9 @@ class GrowingLife(ChangingLife):
         turns = float((speeds[1:] * speeds[:-1] < 0.0).sum())
         rests = np.diff(motion.times)[speeds == 0.0] / self._growing.time_unit
         bent = OF_TURN * turns + OF_DECADE_AT_REST * float(np.log10(1.0 + rests).sum())
-        seconds = OF_LEG * speeds.size * FOR_DECADE**decades + bent * FOR_DECADE_TURNED**decades
+        ways = np.abs(np.diff(motion.positions)) / self._growing.at_start.mean()
+        legs = OF_LEG * float(np.minimum(ways, 1.0).sum())
+        seconds = legs * FOR_DECADE**decades + bent * FOR_DECADE_TURNED**decades
         return float(seconds * (1.0 if self.start.is_single else FOR_WIDTH))
 
     @classmethod

@@ -131,10 +131,9 @@ class GrowingThresholds(ChangingThresholds):
             hint = f"contacts break at ages of {ages:.1g} times time = {self.time_unit:g}; at most {LONGEST:g} times"
             refuse("velocity", velocity, hint)
         latest, strongest = LONGEST * self.time_unit, -np.log(np.array([STRONGEST]))
-        if not float(self.threshold_at(strongest, latest)[0]) < velocity * latest:
-            hint = (
-                "thresholds of strong contacts grow faster, so that these never break; slide faster"
-            )
+        slowest = float(self.threshold_at(strongest, latest)[0]) / latest
+        if not slowest < velocity:
+            hint = f"the strongest contacts never break below v = {slowest:.4g}, as fast as they grow; slide faster"
             refuse("velocity", velocity, hint)
 
     def check_growth(self) -> None:
