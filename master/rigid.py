@@ -118,7 +118,8 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
     above = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
     solved, jump = march.solved, march.jump
     if not solved.count:
-        return f"{above}; loosen the tolerance"
+        known = "; no panel was solved, and F is not known even at X = 0"
+        return f"{above}{known}; loosen the tolerance" + ", or give more time" * march.unfinished
     panel = int(np.argmax(solved.error))
     near = f"near X = {march.motion.at(solved.begin[panel]):.6g}"
     if jump.size and jump.size == solved.error[panel]:

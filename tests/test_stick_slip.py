@@ -121,6 +121,8 @@ def test_averages_over_a_start_look_at_the_clock() -> None:
     life.until = time.monotonic()
     with pytest.raises(StoppedError, match="wall_time"):
         life.survival_and_force(contacts.start, history)
+    found = master.solve(contacts, [1.0], wall_time=1e-9)
+    assert not found.force.size and "no panel was solved" in found.message
 
 
 def test_thresholds_of_200_bins_fall_most_steeply_where_the_density_says() -> None:

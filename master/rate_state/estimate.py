@@ -102,10 +102,14 @@ def rate_state(
         float(curve.force), velocity, found.a, found.b, found.slip_distance, evolution
     )
     small: Sequence[VelocityStep] = ()
+    larger: Sequence[VelocityStep] = steps
     if slow and found.told:  # smaller steps would be lost in the error
         small = steps_about(contacts, velocity, ratio**0.5, tolerance)
     elif found.told:
-        small = steps_about(contacts, velocity, min(SMALL_STEP, ratio**0.5), 0.1 * tolerance)
+        smaller = min(SMALL_STEP, ratio**0.5)
+        small, larger = (
+            steps_about(contacts, velocity, each, 0.1 * tolerance) for each in (smaller, smaller**2)
+        )
     else:  # so would other speeds and rests, which take minutes
         times = times[:0]
     speeds = np.asarray(velocity * 10.0 ** np.arange(-decades, decades + 1.0))
@@ -116,7 +120,9 @@ def rate_state(
     law_steps = tuple(about.step(one.slip, one.before, one.after) for one in steps)
     largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
     by_law = _spring_by_law(found, slope)
-    own = critical_spring_of(small, unit, steps) if small else UNKNOWN
+    # what swings on after the end of an answer counts by the length over which it would decay, which is not known
+    ended = bool(small) and all(one.settled for one in [*small, *larger])
+    own = critical_spring_of(small, unit, larger) if ended else UNKNOWN
 
     def so_far() -> RateState:
         """The numbers from the steps, and from the speeds and rests that are solved."""

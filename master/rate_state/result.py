@@ -82,7 +82,8 @@ class RateState:
     misfit, misfit_later : of the law, along the whole answer, and once the direct effect is over
     critical_spring : (b - a)/D_c, 0 where a > b, NaN where b > a and there is no D_c, with its error
     critical_spring_solved : below which smooth sliding is unstable by the solved answer to small steps; its error
-        holds what steps that are not small leave out; NaN where neither a nor b is above its error
+        holds what steps that are not small leave out; NaN where neither a nor b is above its error, and where the
+        force swings on at the end of an answer to a small step
     scan : the numbers at other speeds
     run_time : s; success, message : whether the answers are known to the tolerance and have become steady
     """

@@ -20,6 +20,8 @@ from origins.thresholds.law import Array
 _LEAST_WAVE, _MOST_WAVE, _WAVES = 1e-2, 1e3, 2000
 # straight pieces, between neighbours of the slips at which the response is known, of the smooth curve through them
 _FINER = 4
+# phases that are held at once, of 16 bytes each
+_MOST_PHASES = 1_000_000
 
 
 class CriticalSpring(NamedTuple):
@@ -104,6 +106,9 @@ def _largest(waves: Array, answer: Array) -> Crossing:
 
 def transform(slip: Array, response: Array, waves: Array) -> Array:
     """T(iq) at wave numbers q (1/length), of a response that is straight between its points."""
-    rates = np.diff(response) / np.diff(slip)
-    phases = np.exp(-1j * waves[:, None] * slip)
-    return response[0] + (rates * (phases[:, :-1] - phases[:, 1:])).sum(axis=1) / (1j * waves)
+    rates, sums = np.diff(response) / np.diff(slip), np.empty(waves.size, dtype=complex)
+    blocks = 1 + slip.size * waves.size // _MOST_PHASES
+    for some in np.array_split(np.arange(waves.size), blocks):
+        phases = np.exp(-1j * waves[some, None] * slip)
+        sums[some] = (phases[:, :-1] - phases[:, 1:]) @ rates
+    return response[0] + sums / (1j * waves)

@@ -22,7 +22,8 @@ OF_TOLERANCE = 0.03
 # of a life: what is left of a start goes up and down with about that period, and is looked at so often
 FINE = 0.05
 # slips at which an answer is known, in lives: so many even in ln(slip), as heat may act over 1e-6 of a
-# threshold, and beside them even ones, over which contacts break in turn
+# threshold, and beside them even ones, over which contacts break in turn, to the end, as what is left swings about
+# once in a life
 LEAST_SLIP, POINTS, EVEN_STEP = 1e-7, 160, 0.02
 
 
@@ -94,7 +95,7 @@ def steps_about(
     approach = approach_of(contacts, slow, steady[slow], OF_TOLERANCE * tolerance * mean)
     life, begin = approach.life, approach.slip
     last = begin + life * np.arange(-1.0, 0.0, FINE)
-    even = life * np.arange(0.0, min(begin / life - 0.5 * EVEN_STEP, LIVES[0]), EVEN_STEP)
+    even = life * np.arange(0.0, begin / life - 0.5 * EVEN_STEP, EVEN_STEP)
     even = np.r_[even, last[last > even[-1] + 0.5 * EVEN_STEP * life]]
     slip = np.union1d(even, np.geomspace(LEAST_SLIP * life, begin, POINTS))
     path = np.r_[0.0, last, begin + slip, begin + slip[-1] + slip[1:]]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from master.outcome import judged
 from master.steady.kinetic import Along, Points
-from master.stick_slip.extremes import extremes, unit_of
+from master.stick_slip.extremes import FOR_SLOPE, extremes, unit_of
 from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
@@ -73,6 +73,10 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     # where F(X) falls nowhere F_k is its largest value
     ratio = max(static.value / kinetic, 1.0) if fall.value > 0.0 else 1.0
     sure_spring, spring_message = judged("K*", fall.error / (1.0 + fall.value), tolerance)
+    if not sure_spring and cycle.survival_error > FOR_SLOPE * tolerance:
+        spring_message += (
+            f", as survivals are known to {cycle.survival_error:.1e}, and slopes to less"
+        )
     sure_static, static_message = judged("F_s", static.error / unit_of(cycle), tolerance)
     return Propensity(
         critical_spring=fall.value,
