@@ -20,6 +20,9 @@ from origins.thresholds.law import Array
 _LEAST_WAVE, _MOST_WAVE, _WAVES = 1e-2, 1e3, 2000
 # straight pieces, between neighbours of the slips at which the response is known, of the smooth curve through them
 _FINER = 4
+# wave number, over that of a mean threshold, below which a disturbance may keep step with what is left at the end of an
+# answer, which swings once in a life or about twice
+_SWINGS = 15.0
 # phases that are held at once, of 16 bytes each
 _MOST_PHASES = 1_000_000
 
@@ -52,7 +55,8 @@ def critical_spring_of(
     function of ε = ln(v_after/v_before), so that `larger` steps about the same speed are off by ε_l² where these are by
     ε_s², and these by the difference times ε_s²/(ε_l² - ε_s²), taken twice for higher orders; without them, how far
     each way alone is from the mean, of first order in ε. What the slips do: the answer taken as straight between those
-    at which it is known, and the error of the forces in Im T. And what that error does as a shift of the whole answer.
+    at which it is known, and the error of the forces in Im T, also where they swing on beyond the end. And what that
+    error does as a shift of the whole answer.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -83,6 +87,10 @@ def critical_spring_of(
     else:
         left_out = max(abs(of_answer(known, one.response) - straight) for one in steps)
     known_to = float(np.interp(wave, waves, error[: waves.size]))
+    if wave * unit < _SWINGS:
+        # what is left at the end swings on at about this wave number, and decays as it did
+        fallen = np.log(np.abs(mean - mean[-1]).max() / shift) if shift else np.inf
+        known_to += 0.5 * wave**2 * shift * float(known[-1] / max(fallen, 1.0))
     return CriticalSpring(value, max(abs(straight - value), known_to) + shifted + left_out)
 
 
