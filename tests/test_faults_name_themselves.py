@@ -36,6 +36,25 @@ def test_a_jump_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
+def test_of_two_jumps_where_no_edges_are_the_larger_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One contact in ten thousand breaks at X = 1, one in a hundred at X = 1.3; the larger jump may be either."""
+    true = rigid.edges
+
+    def without_the_breaks(*given):
+        plan = true(*given)
+        times = plan.times
+        return plan._replace(times=times[(times < 0.9) | (times > 1.4)])
+
+    monkeypatch.setattr(rigid, "edges", without_the_breaks)
+    for shares, larger in (([1e-4, 0.01, 0.9899], r"1\.3"), ([0.01, 1e-4, 0.9899], r"1(\.0)?")):
+        parts = [origins.identical(1.0), origins.identical(1.3), origins.gaussian(2.0, 0.1)]
+        found = master.solve(Contacts(origins.mixture(parts, shares)), [0.4, 1.5], tolerance=1e-6)
+        told = rf"of a panel near X = {larger}\d*: the number jumps by "
+        assert not found.success and re.search(told, found.message)
+
+
 def test_a_gap_between_panels(monkeypatch: pytest.MonkeyPatch) -> None:
     """The second run of panels begins one width too late."""
     true, runs = SolvedPanels.append, list[float]()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,11 +19,12 @@ from master.motion import Motion
 from master.soft.in_time.breaks import BreaksInSteps
 from master.soft.in_time.cells import Cells
 from master.soft.in_time.contacts import ContactsInSteps
-from master.soft.in_time.decohered import decohered
+from master.soft.in_time.decohered import SlipSoFar, decohered
 from master.soft.in_time.extrapolation import read
 from master.soft.in_time.memory import ThresholdMemory
+from master.soft.in_time.near_slip import undecided_end
 from master.soft.in_time.refining import memory_of
-from master.soft.in_time.slider import Node, Slider
+from master.soft.in_time.slider import Node, Slider, Slip
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.steps import CONTROL, StepCount, Steps
 from master.soft.in_time.threshold_cells import ThresholdCells
@@ -74,6 +76,7 @@ class FromNothing(GrowingThresholds):
         return np.asarray(np.sqrt(hazard) * from_0(np.asarray(pinned_for)))
 
     def lost_hazard(self, velocity: float) -> float:
+        assert velocity >= 0.0  # |dX/dt|, also where the slider moves back
         return (velocity / 3.0) ** 2
 
 
@@ -402,6 +405,49 @@ def test_after_a_long_slip_contacts_pull_as_in_steady_sliding_back_where_it_went
     cohorts.decohere(slip.start, sign)
     assert cohorts.holding == pytest.approx(1.0, abs=1e-12)
     assert sign * cohorts.force == pytest.approx(WIDE.moment(2) / (2.0 * WIDE.mean()), abs=1e-9)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_last_contact_that_held_at_a_slip_s_begin_breaks_once(sign: float) -> None:
+    """One is stretched against the motion by 0.2 then, and the longest stretches grow with the way up to 0.9."""
+    stretch = sign * np.array([-0.2, 0.5])
+    contacts: Any = SimpleNamespace(
+        position=7.0, force=0.0, groups=SimpleNamespace(stretch=stretch)
+    )
+    so_far = SlipSoFar(contacts, sign)
+    for way in (0.4, 1.0, 1.2, 1.4, 3.0):
+        contacts.position = 7.0 + sign * way
+        contacts.groups.stretch = sign * np.array([0.1, min(0.5 + way, 0.9)])
+        so_far.add(contacts, 0.0)
+        broken = len(so_far.travelled) > 2
+        assert so_far.none_left_since == (so_far.travelled[2] if broken else np.inf)
+    assert so_far.travelled == pytest.approx([0.4, 1.0, 1.2, 1.4, 3.0])
+
+
+@pytest.mark.parametrize(("apart", "end"), [(0.0, None), (0.5, 9.0)])
+def test_what_a_slip_left_behind_counts_from_where_contacts_form_again(
+    apart: float, end: float | None
+) -> None:
+    """Two sliders slip at t = 1 and end up 0.5 apart; contacts form again at t = 3, a delay later, where they are so
+    far apart. Then X is the same for both up to the end at t = 9, 0.1 before the slope of X_T(X) falls to 0. It is
+    undecided whether they slip there, where their ways from t = 3 on differ by 0.05 or more."""
+
+    def slider(ahead: float, born: float) -> Any:
+        motion = Motion(np.array([0.0, 9.0]), np.array([0.0, 9.0]))
+        last = np.array([0.3, 0.2, 0.1])  # from the last nodes to where X_T(X) is flat
+        nodes = [Node(0.0, 3.0, 0.0, 1.0, born)]
+        nodes += [Node(1.0, 9.0 - y**2 + 0.01, 0.0, 1.0, 4.1 - y) for y in last]
+        nodes[-1] = nodes[-1]._replace(time=9.0)
+        sections = [
+            [Node(0.0, 0.0, 0.0, 1.0, 0.0), Node(1.0, 1.0, 0.0, 1.0, 1.0)],
+            [Node(0.0, 1.0, 0.0, 0.0, 1.0 + ahead), Node(1.0, 3.0, 0.0, 0.0, born)],
+            nodes,
+        ]
+        contacts = SimpleNamespace(delay=2.0)
+        slips = [Slip(1.0, 1.0, 1.0, 0.0)]
+        return SimpleNamespace(motion=motion, sections=sections, slips=slips, contacts=contacts)
+
+    assert undecided_end([slider(0.5, apart), slider(0.0, 0.0)]) == end
 
 
 @pytest.mark.parametrize("name", MEMORIES)

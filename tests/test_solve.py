@@ -158,6 +158,20 @@ def test_far_on_the_force_is_the_kinetic_one_at_any_distance(name: str) -> None:
         np.testing.assert_allclose(held.density(x), known, atol=off)
 
 
+def test_a_narrow_panel_on_which_breaks_are_steady_ends_nothing() -> None:
+    """Two ends of rectangles, 1e-5 apart, make panels so narrow that neither the rate of breaks nor F changes on them.
+    A turn just behind the path's end keeps the march from ending early."""
+    boxes = [origins.rectangular(0.8, 1.0), origins.rectangular(0.8, 1.00001)]
+    contacts, path = (
+        origins.Contacts(origins.mixture(boxes, [0.5, 0.5])),
+        np.linspace(0.0, 30.0, 61),
+    )
+    found = master.solve(contacts, path, 1e-3)
+    whole = master.solve(contacts, np.append(path, 29.999), 1e-3)
+    assert found.success and whole.success
+    assert np.abs(found.force - whole.force[:-1]).max() <= found.force_error + whole.force_error
+
+
 def test_exponential_thresholds_forget_where_they_start() -> None:
     found = master.solve(origins.Contacts(scipy.stats.expon(), 45.0), [0.0, 1.0, 5.0], 1e-10)
     assert found.force == pytest.approx(1.0 + 44.0 * np.exp(-found.path), abs=1e-9)

@@ -16,7 +16,7 @@ from master.paper.explicit import explicit_loop
 from master.renewal.few_times import FewTimes
 from master.renewal.present import TARGETS
 from master.survival.make import life_of
-from origins import Contacts, Thermal, gaussian
+from origins import Contacts, Delay, Thermal, gaussian
 
 TURNS = [0.0, 2.35, -1.7, 0.6, -0.2, 0.45, -3.1, 1.0, -1.0]
 
@@ -137,6 +137,19 @@ def test_a_first_leg_of_no_time_to_speak_of_is_followed() -> None:
     warm = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.1))
     quick, slower = (master.solve(warm, [1.0, 2.0], time=[t, 1.0]).force for t in (1e-20, 1e-12))
     assert np.abs(quick - slower).max() < 1e-9 and abs(quick[0] - 0.57969) < 1e-5
+
+
+def test_births_that_rounding_puts_just_before_a_turn_belong_to_the_leg_behind_it() -> None:
+    """Births of the breaks from 0.7 on begin at 1.05, where the slider turns, but 0.7 + 0.35 < 1.05 by rounding. They
+    are all births of the leg behind it, on one panel. A delay longer by 1e-9 is rounded otherwise."""
+    assert 0.7 + 0.35 < 1.05
+    times, path = [1.0, 1.05, 1.35, 2.35], [1.0, 0.975, 1.2, 2.2]
+    one, other = (
+        master.solve(Contacts(gaussian(1.0, 0.2), delay=Delay(delay)), path, 1e-7, time=times)
+        for delay in (0.35, 0.35 + 1e-9)
+    )
+    assert one.success and other.success, one.message
+    assert np.abs(one.force - other.force).max() < 1e-8
 
 
 @pytest.mark.parametrize("power", [3, 4, 6])

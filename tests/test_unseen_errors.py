@@ -178,3 +178,14 @@ def test_contacts_of_legs_that_are_left_out_are_counted() -> None:
     exact = path * law.sf(np.maximum.accumulate(path)) + (held * stretch).sum(axis=0)
     off = np.abs(found.force - exact).max()
     assert 1e-9 < off <= found.force_error < 10.0 * off
+
+
+def test_what_a_march_has_missed_is_counted_by_one_that_goes_on_from_a_cut() -> None:
+    """Sums over births of the leg before, asked for to 1e-5 only, miss more than survivals do."""
+    contacts = Contacts(gaussian(1.0, 0.2))
+    motion = Motion.along(np.array([0.0, 1.5, 0.3, 1.0]))
+    march = march_of(contacts, motion, ColdLife(contacts), 1e-2)
+    march.births.accuracy = 1e-5
+    march.run()
+    assert march.unseen_error > 2.0 * march.survival_error
+    assert march.cut(march.solved.end, march.births).unseen_error == march.unseen_error
