@@ -485,6 +485,19 @@ def test_after_a_reset_sections_end_where_births_bend_and_the_next_stick_repeats
     assert slider.sections[3][0].position == pytest.approx(first.time, abs=1e-12)
 
 
+def test_after_a_reset_a_section_still_ends_one_delay_after_the_next_turn() -> None:
+    """A slip at t = 3.08, a turn at t = 4: there the rate of breaks changes, and that of births 0.25 later."""
+    motion = Motion(np.array([0.0, 4.0, 5.0]), np.array([0.0, 4.0, 3.5]))
+    contacts = CASES["delay"]
+    cohorts = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
+    drive = Drive(np.array([4.0, 3.5]), spring=0.3, slip="reset")
+    slider = Slider(cohorts, drive, motion, 2, 1e-3)
+    slider.run()
+    assert [slip.time for slip in slider.slips] == pytest.approx([3.08], abs=0.02)
+    ends = np.array([section[-1].time for section in slider.sections])
+    assert np.abs(ends - 4.0).min() < 1e-12 and np.abs(ends - 4.25).min() < 1e-12
+
+
 def test_contacts_that_are_left_out_while_they_hold_name_themselves(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
