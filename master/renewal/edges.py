@@ -21,8 +21,8 @@ from origins.thresholds.law import Array
 # a jump gives a bend, a bend a jump of the second derivative. Each order makes the effect on a panel of 17 nodes about
 # this times as large.
 SMOOTHER = 1e-2
-# Most edges beside the knots, as halving resolves further bends; and most where breaks jump, at exact thresholds, which
-# it does not.
+# Most edges beside those of knots, as halving resolves further bends; and most where breaks jump, at exact thresholds,
+# which it does not.
 MOST_EDGES, MOST_JUMPS = 400, 4000
 # Largest jump of the breaks, in tolerances of their number, that may be left to the panels' own errors.
 LEFT_TO_PANELS = 1e3
@@ -65,7 +65,7 @@ def edges(
     chain = _Kinks(births, continued_from)
     first = [*known, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
-    most += births.motion.speeds.size - 1
+    most += len(chain.needed)
     # where there are too many, the smallest are left to the panels' own errors: another decade of sizes each time
     while len(met := list(islice(chain.following(first, least), most + 1))) > most:
         least *= 10.0
@@ -100,6 +100,10 @@ class _Kinks:
         # contacts that have moved by more before `continued_from`, a thousandth for rounding, hold no more
         self._farthest = 1.001 * max([far, *self._bends])
         self._place = float(self.motion.at(np.array(continued_from)))
+        # times at which a panel has to end, however small the kink: no panel may lie on two legs, nor may the births of
+        # its breaks, one delay later
+        delay = births.delay
+        self.needed = {time for knot in self.motion.times[1:-1] for time in (knot, knot - delay)}
 
     def of_start(self, start: Start) -> list[Kink]:
         """Kinks that follow from t = 0: contacts of the start may break at once, and births begin a delay later."""
@@ -143,20 +147,19 @@ class _Kinks:
         """All kinks, in the order of time, of a size above the least: the first ones, and those that follow.
 
         Kinks still to come wait in a heap. The next one is taken out, together with all at the same time; if it is
-        large enough, what follows from it is put in. A knot is large enough in any case: no panel may lie on two legs.
-        After `births.until` none is looked for: the march has ended.
+        large enough, what follows from it is put in. Those that are `needed` are large enough in any case. After
+        `births.until` none is looked for: the march has ended.
         """
         end, delay = float(self.motion.times[-1]), self.births.delay
-        knots = set(self.motion.times[1:-1].tolist())
         coming = list(first)
         heapq.heapify(coming)
         while coming and clock.monotonic() <= self.births.until:
             time, size = heapq.heappop(coming)
-            close, at_knot = self.close(time), time in knots
+            close, needed = self.close(time), time in self.needed
             while coming and coming[0].time <= time + close:
                 other = heapq.heappop(coming)
-                size, at_knot = min(size + other.size, 1.0), at_knot or other.time in knots
-            if time > end + close or not (size > least or at_knot):
+                size, needed = min(size + other.size, 1.0), needed or other.time in self.needed
+            if time > end + close or not (size > least or needed):
                 continue
             if time > self.continued_from + close:
                 yield Kink(time, size)
