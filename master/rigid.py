@@ -80,13 +80,15 @@ def solve_rigid(
     solved = march.solved
     solved_until = solved.end * (1.0 + ROUNDED_END) if solved.count else -np.inf
     kept = arrivals <= (solved_until if march.unfinished else np.inf)
-    worst = solved.error.max(initial=0.0 if solved.count else np.inf) + march.unseen_error
-    if worst > RESOLVED:
-        worst = np.inf
-    rounding = round_off(march.motion, mean, march.steady_since)
-    error = float(worst * march.stretch / mean + rounding)
+    worst_share = solved.error.max(initial=0.0 if solved.count else np.inf) + march.unseen_error
+    if worst_share > RESOLVED:
+        worst_share = np.inf
+    # a share of the contacts, times the longest stretch that one of them has, is a force
+    share_in_means = march.stretch / mean
+    rounding_in_means = round_off(march.motion, mean, march.steady_since)
+    error = float(worst_share * share_in_means + rounding_in_means)
     progress(error)
-    reason = why_above(march, error, tolerance, rounding * mean / march.stretch)
+    reason = why_above(march, error, tolerance, rounding_in_means / share_in_means)
     success, message = outcome(contacts, error, tolerance, reason)
     if march.unfinished:
         end = f"X = {motion.at(np.array(solved.end)):.6g}"
@@ -94,7 +96,7 @@ def solve_rigid(
     t = np.minimum(arrivals[kept], march.steady_since)
     # contacts that broke within the last delay are out
     holding = 1.0 - (breaks_until(march, t) - breaks_until(march, t - march.births.delay))
-    if fault := march.fault or unconserved(holding, tolerance, float(worst)):
+    if fault := march.fault or unconserved(holding, tolerance, float(worst_share)):
         success, message, error = False, fault, np.inf
     return Solution(
         path=drive.path[kept],

@@ -42,8 +42,13 @@ def solve(
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D and E, IV, V, App. C).
 
     The equation is number conservation, written with survivals and solved panel by panel; the paper's own scheme is
-    master.paper.explicit. The files that do the work on a rigid slider, in the order in which they begin, are `solve`,
-    `rigid`, `motion`, `survival.make`, `survival.life`, `renewal.births`, `renewal.budget`, `renewal.edges`,
+    master.paper.explicit. On a rigid slider `solve` calls `rigid.solve_rigid`; this calls `rigid.march_of`, which
+    divides the tolerance (`renewal.budget`) and sets the edges of panels (`renewal.edges`), and then `March.run`
+    (`renewal.march`), which solves panel by panel: contacts born on the present leg are `renewal.present`'s, all others
+    `renewal.past`'s.
+
+    The files that do the work on a rigid slider, in the order in which they begin, are `solve`, `rigid`, `motion`,
+    `survival.make`, `survival.life`, `renewal.births`, `renewal.budget`, `renewal.edges`,
     `renewal.panel_width`, `renewal.march`, `renewal.solved`, `renewal.present`, `renewal.past`, `renewal.few_times`,
     `outcome`, `renewal.straight`, `numerics.polynomials`, `renewal.lumps` and, for a start with a width,
     `numerics.averages`; the head of each says what it does, and docs/equations.md derives the equation.
@@ -115,16 +120,17 @@ def _rigid(
     """A rigid slider; where wall_time ends the work before a table is made, as far as it is known to ROUGH."""
     motion, _ = motion_of(drive, contacts.mean_threshold)
 
-    def solved_to(tolerance: float) -> Solution:
-        life = life_of(contacts, tolerance, motion, until)
-        return solve_rigid(contacts, drive, life, tolerance, progress, until)
+    def solved_to(each: float) -> Solution:
+        life = life_of(contacts, each, motion, until)
+        return solve_rigid(contacts, drive, life, each, progress, until)
 
     slow = contacts.thermal is not None and contacts.reforming is not None
     if not (slow and np.isfinite(until) and tolerance < ROUGH):
         return solved_to(tolerance)
-    rough, asked = solved_to(ROUGH), solved_to(tolerance)
-    if asked.path.size >= rough.path.size:
-        return asked
+    rough = solved_to(ROUGH)  # first, so that at wall_time at least this is known
+    fine = solved_to(tolerance)
+    if fine.path.size >= rough.path.size:
+        return fine
     known = f"the force is known to {rough.force_error:.1e} only, as more took too long"
     message = f"stopped by wall_time: {known}" if rough.success else rough.message
-    return replace(rough, success=False, message=message, run_time=rough.run_time + asked.run_time)
+    return replace(rough, success=False, message=message, run_time=rough.run_time + fine.run_time)

@@ -53,7 +53,7 @@ class ErrorBudget:
     kept (SolvedPanels.append), that no more contacts hold than there are at the end (outcome.unconserved), and all else
     by tests, beside the plain twin and the ensemble.
 
-    The error is inf where the sum of panels, survivals and births is above 0.1 (RESOLVED in master/rigid.py). A
+    The error is inf where the four shares, all but round-off, exceed 0.1 together (RESOLVED in master/rigid.py). A
     tolerance below that of rounded positions is raised to it (`finest` there), and force_error stays above what was
     asked for. A march that ends early, as breaks are steady, adds AGREE = 0.25 of a panel's part to its last panel,
     for the changes that it does not follow (master/renewal/march.py).

@@ -106,7 +106,8 @@ class EarlierLegs:
         return Fitted(series, left_out, fall.max(axis=0), found.error)
 
     def _rough(self, pieces: Pieces, fitted: Fitted) -> npt.NDArray[np.bool_]:
-        """The pieces to be halved; none after too much work. The accuracy is asked of each piece, see ErrorBudget."""
+        """The pieces to be halved; none after too much work. The accuracy is asked of each piece, see ErrorBudget, and
+        errors are taken times the number of legs, so that all legs together stay within that of one."""
         off = fitted.left_out * self._born_leg.most_between(pieces) * self._legs.size
         # below this width both ends of a piece are equal by rounding
         durations = np.diff(self._motion_leg.times)[
@@ -148,7 +149,8 @@ class EarlierLegs:
         edges = np.concatenate(cuts, axis=2).reshape(t_leg.size * legs.size, -1)
         owner, begin, end = Pieces.between(edges)
         target = owner // legs.size
-        # with one stretch pieces end where contacts have met the end of P_c: all on a piece hold, or none
+        # Births that stand for all on a piece, as shares of it: with one stretch pieces end where contacts have met the
+        # end of P_c, so that all on a piece hold, or none; with several some of them may.
         places = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
         place = begin[:, None] + (end - begin)[:, None] * places
         held = self._births.may_hold(law, motion_leg.history(t_leg[target, None], place))

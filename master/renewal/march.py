@@ -213,23 +213,23 @@ class March:
         Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
         solved = self.solved
+        first_on_leg = self._past.enter(leg, solved)  # Past has the births of the panels before
         # a start that is as births at t = 0 on this leg is in their table
         in_table = leg == 0 and self._start_is_birth
         lumps = self.lumps[1:] if in_table else self.lumps
-        both = self._past.at(leg, solved, grid_leg, lumps)
+        both = self._past.at(grid_leg, lumps)
         if in_table:
             both += self.present.look_up(float(self.motion.speeds[leg]), grid_leg)
         # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         t_leg = grid_leg.ravel()
         t = float(self.motion.times[leg]) + t_leg
         oldest = float(t.min()) - self._longest_cycle(leg)
-        first, end = panel_at(solved.begin, oldest), solved.count - same_width
-        # of these panels those from `first_panel` on have births on this leg; Past has those of the others
-        born_on_leg = solved.pick(slice(max(first, self._past.first_panel), end))
+        first_that_counts, end = panel_at(solved.begin, oldest), solved.count - same_width
+        born_on_leg = solved.pick(slice(max(first_that_counts, first_on_leg), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
-        # but breaks of all of them may be out, on whatever leg
-        if self.births.delay > 0.0 and first < end:
-            out = self._out(t, solved.pick(slice(first, end)))
+        # breaks of all of them may be out, on whatever leg
+        if self.births.delay > 0.0 and first_that_counts < end:
+            out = self._out(t, solved.pick(slice(first_that_counts, end)))
             both[0] += out.reshape(grid_leg.shape)
         return both
 
@@ -258,12 +258,12 @@ class March:
         beside = 0.5 * min(self.solved.width[-1], end - t)
         # Number is asked for in rows of times on one panel each, and has the limit from its row's side at an edge. So
         # the edge ends a row of earlier times, when none has broken, and begins a row of later ones, when all have.
-        rows = np.array([[edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]])
-        # rows that are asked for together lie on one leg, which this edge may end
-        asked = [rows] if t < self.motion.times[leg + 1] else np.split(rows, 2)
-        number = np.concatenate([self.known_on(leg, times)[0] for times in asked])
-        at_edge_before, at_edge_after = number[0, 1], number[1, 0]
-        broken = float(at_edge_before - at_edge_after)
+        before, after = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
+        # Where the edge ends the leg the slider is taken to go on straight after it, as only the number at the edge is
+        # read: to ask on the next leg would make Past enter that too early. One row each, as they are not on one leg.
+        asked = [[before, after]] if t < self.motion.times[leg + 1] else [[before], [after]]
+        number = np.concatenate([self.known_on(leg, np.array(rows))[0] for rows in asked])
+        broken = float(number[0, 1] - number[1, 0])
         if broken > LEAST_LUMP:
             # broken at t, they are out until they are born one delay later
             self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
@@ -275,7 +275,7 @@ class March:
         other = March(births, start, self.edges, self.tolerance, self.guess, self.stretch)
         # the contacts, and the errors with which they are known
         other.solved = self.solved.up_to(t, SAME_BEGIN * self.guess)
-        # the start, the first lump, it has made; contacts that break together at t it finds again as it runs
+        # it has made the start, the first lump; those that break at t, born at once (no delay), it finds again
         other.lumps += [lump for lump in self.lumps[1:] if lump.birth < t]
         other._past.count_errors_of(self._past)
         other.jump = self.jump

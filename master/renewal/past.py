@@ -12,11 +12,12 @@ panels ends in its clock (`leg` alone is an index):
 - `_birth_leg`: since the beginning of the leg on which a contact is born (SolvedPanels.births_begin), as are all
   times of strands of ageing contacts.
 
-Past._enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
+Past.enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
 the second.
 
-`Past.at` is all that is called. It sees that the leg it is asked for is another than before, and then first leaves out
-legs by what held when it was last asked for (`_leave_out`), and makes the sums of the others anew (`_enter`).
+The march calls two: `Past.enter` says which leg is the present one, and `Past.at` gives the sums on it. Where the leg
+is another than before, `enter` first leaves out legs by what held when `at` was last asked (`_leave_out`), and makes
+the sums of the others anew.
 """
 
 from collections.abc import Sequence
@@ -48,14 +49,15 @@ LEFT_OUT, LEAST_LEFT_OUT = 1e-3, 1e-18
 class Past:
     """All contacts that were not born on the present leg, as that leg sees them.
 
-    first_panel : the first panel whose births are on the leg that `at` was last asked for
     worst_sum : estimate from above of the error of the number by the sums over births, the largest so far
     left_out : share of all contacts that held when their leg was left out, the sum over all legs so far
     survival_error : the largest error of a survival so far, as the life returned it
 
-    _leg : the present leg, that `at` was last asked for; -1 before
+    _leg : the present leg; -1 before the first
+    _first_panel : the first panel whose births are on it
     _earlier : births on earlier legs, None where there are none; for contacts that age `_strands` in its place
-    _held : by earlier leg, the share that was born on it and held at the last time that `at` was asked for
+    _held_when_asked : by earlier leg, the share of all contacts that was born on it and held at the last time that `at`
+        was asked for
     _legs_left_out : earlier legs that are left out for good
     """
 
@@ -66,10 +68,10 @@ class Past:
         closed = births.life.pair_work == 1 and not births.life.has_strands
         self._accuracy = births.accuracy * (1.0 if closed else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
-        self._leg, self.first_panel = -1, 0
+        self._leg, self._first_panel = -1, 0
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
-        self._legs_left_out, self._held = set[int](), dict[int, float]()
+        self._legs_left_out, self._held_when_asked = set[int](), dict[int, float]()
         self._earlier: EarlierLegs | None = None
         self._strands = _strands(births, self._left_out_below)
         self._few = FewTimes(births.life)
@@ -85,56 +87,84 @@ class Past:
         self.survival_error, self.worst_sum = other.survival_error, other.worst_sum
         self.left_out = other.left_out
 
-    def at(self, leg: int, solved: SolvedPanels, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
-        """Number and force, on a leg, of births on the legs before, and of all lumps, shape (2, rows, columns).
+    def enter(self, leg: int, solved: SolvedPanels) -> int:
+        """Make this leg the present one, if it is not yet; returns the first panel whose births are on it.
 
-        solved : all panels so far; those on legs before are earlier births, which do not change while the leg is asked
-            for again
-        grid_leg : times in rows, each within one panel of the leg
+        solved : all panels so far; those before that one are earlier births, which do not change while the slider is on
+            this leg
         """
         if leg != self._leg:
             self._leave_out()
-            self._enter(leg, solved)
-        found = self._from_few_times(grid_leg, lumps) or self._summed(grid_leg, lumps)
+            leg_before, self._leg = self._leg, leg
+            self._set_clock(leg)
+            earlier = self._panels_before(solved)
+            if self._strands is not None:
+                self._follow_strands(self._strands, range(max(leg_before, 0), leg), earlier)
+            else:
+                self._sum_over_legs(earlier)
+        return self._first_panel
+
+    def at(self, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
+        """Number and force, on the present leg, of births on the legs before, and of all lumps; (2, rows, columns).
+
+        grid_leg : times in rows, each within one panel of the leg
+        """
+        found = self._from_few_times(grid_leg, lumps)
+        if found is None:
+            found = self._summed(grid_leg, lumps)
         self.worst_sum = max(self.worst_sum, found.error)
         self.survival_error = max(self.survival_error, found.survival_error)
-        self._held = found.held or {}
+        self._held_when_asked = found.held or {}
         return found.both
 
     def _leave_out(self) -> None:
         """Leave out legs of whose births hardly any held when `at` was last called, on the leg before. That may have
         been at any of its times, as a proposal that was rejected asks, too: a survival only falls, so that more of them
         held then than on the leg to come."""
-        for each, held in self._held.items():
+        for each, held in self._held_when_asked.items():
             if held <= self._left_out_below:
                 self._legs_left_out.add(each)
-                self.left_out += abs(held)
-        self._held = {}
+                self.left_out += abs(held)  # a sum of next to nothing may come out negative
+        self._held_when_asked = {}
 
-    def _enter(self, leg: int, panels: SolvedPanels) -> None:
-        """Begin a leg: births on panels before it are earlier ones; those on panels from `first_panel` on, one delay
-        late, fall on it. `panels`: all that are solved. Its begin is set first, as panels are told by it."""
-        births, motion_path, before = self._births, self._births.motion, self._leg
-        self._leg, self._leg_begins_path = leg, float(motion_path.times[leg])
+    def _set_clock(self, leg: int) -> None:
+        """Count times from the beginning of this leg. It is set first, as earlier births are told by it."""
+        motion_path = self._births.motion
+        self._leg_begins_path = float(motion_path.times[leg])
         self._motion_leg = motion_path.counted_from(leg)
-        middle_path = panels.middle_of_births(births.delay)
-        self.first_panel = int(np.searchsorted(middle_path, self._leg_begins_path))
-        earlier = panels.pick(slice(self.first_panel))
-        legs = self._legs_of_births(earlier)
-        begin_birth_leg = earlier.births_begin(motion_path.times[legs], births.delay)
-        if self._strands is not None:
-            new = range(max(before, 0), leg)
-            self.left_out += self._strands.follow(
-                self._motion_leg, new, earlier, begin_birth_leg, legs
-            )
-            return
+
+    def _panels_before(self, solved: SolvedPanels) -> SolvedPanels:
+        """The panels whose births, one delay after their breaks, are on legs before the present one. The middle of the
+        births tells, as none lie on two legs: a panel ends one delay before each knot (`needed` in edges.py)."""
+        middle_path = solved.middle_of_births(self._births.delay)
+        self._first_panel = int(np.searchsorted(middle_path, self._leg_begins_path))
+        return solved.pick(slice(self._first_panel))
+
+    def _follow_strands(
+        self, strands: "Strands", legs_just_ended: range, earlier: SolvedPanels
+    ) -> None:
+        """Follow contacts that age up to the beginning of the present leg; births on the legs that have just ended are
+        new among them."""
+        legs, begin_birth_leg = self._legs_and_begin(earlier)
+        self.left_out += strands.follow(
+            self._motion_leg, legs_just_ended, earlier, begin_birth_leg, legs
+        )
+
+    def _sum_over_legs(self, earlier: SolvedPanels) -> None:
+        """Make the sums over births on earlier legs, but for those left out."""
+        legs, begin_birth_leg = self._legs_and_begin(earlier)
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
         self._earlier = None
         if counted.size:
             born_leg = earlier.births(self._motion_leg.times[legs] + begin_birth_leg)
             self._earlier = EarlierLegs(
-                births, self._motion_leg, leg, counted, born_leg, self._accuracy
+                self._births, self._motion_leg, self._leg, counted, born_leg, self._accuracy
             )
+
+    def _legs_and_begin(self, panels: SolvedPanels) -> tuple[npt.NDArray[np.intp], Array]:
+        """The leg of each panel's births, and when these begin, counted from the beginning of that leg."""
+        legs = self._legs_of_births(panels)
+        return legs, panels.births_begin(self._births.motion.times[legs], self._births.delay)
 
     def _legs_of_births(self, panels: SolvedPanels) -> npt.NDArray[np.intp]:
         """The leg of each panel's births, one delay after its breaks: that of their middle; but not one before that of
@@ -162,7 +192,7 @@ class Past:
         of_lumps = sums_of_lumps(
             self._births, self._motion_leg, lumps, self._leg_begins_path, grid_leg
         )
-        earlier = self._earlier or self._strands
+        earlier = self._strands if self._strands is not None else self._earlier
         if earlier is None:
             return of_lumps
         of_earlier = earlier.sums(self._beside_jumps(grid_leg).ravel())
