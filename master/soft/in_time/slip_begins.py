@@ -24,6 +24,7 @@ Of contacts that heat breaks long before their thresholds, by which sizes of ste
 on one step. Then F falls as the travel grows, though the slider creeps on: half of the births count as those at the
 step's begin, which are gone, and half as those at its end, which have no stretch yet. It would be a slip by the third
 condition. So a slip is believed only on a step short enough to resolve the breaks; once one was not, all steps are.
+Contacts at exact thresholds break together on any step, however short: there a slip is believed at once.
 """
 
 from typing import NamedTuple
@@ -112,7 +113,7 @@ class SlipBegins:
                 if self._resolves_breaks:
                     self.shrink = min(self.shrink, resolving)
                 return self._chosen(asked), False
-            if size <= ONSET.most_lost * resolving * coarsest:
+            if steps.contacts.memory.exact or size <= ONSET.most_lost * resolving * coarsest:
                 break
             size *= 0.5
             self._resolves_breaks = True
