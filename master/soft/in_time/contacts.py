@@ -167,8 +167,8 @@ class ContactsInSteps:
         # of those born in this step, per contact born: survival and force at its end
         survival, force_of_new = (held[:, self._last_two] @ self._per_birth).tolist()
         births = BirthsUpTo(0.0, self._births)
-        none_forms = end == self.now if self.delay else survival <= 0.0
-        if not (without_births or none_forms):
+        nothing_forms = (end == self.now) if self.delay else (survival <= 0.0)
+        if not (without_births or nothing_forms):
             births = self.past_breaks.births_up_to(begin=self.now, end=end)
         lost = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - held_before + survival * self._births + lost * births.rest
@@ -180,24 +180,26 @@ class ContactsInSteps:
         return Trial(travel, end, groups, held, force, holding, breaks, births, kept)
 
     def take(self, trial: Trial) -> None:
-        """Take the step, whose groups become those of the contacts; StoppedError where there are too many steps."""
-        groups, held = trial.groups, trial.survival_and_force
+        """Take the step: its groups, with the births in it, become those of the contacts; the trial stays as it is.
+        StoppedError where there are too many steps."""
+        held, weight = trial.survival_and_force, trial.groups.weight.copy()
         self.are_new = False
         self.steps += 1
-        self.work += groups.weight.size * (self.memory.width + FIXED_WORK)
+        self.work += weight.size * (self.memory.width + FIXED_WORK)
         self._stop_at_limits()
         new = (trial.births - self._births) * self._per_birth
-        groups.weight[self._last_two] += new
+        weight[self._last_two] += new
         self._births_in_cohorts += float(new @ np.tile(self._survival_at_birth, 2))
         self.past_breaks.add(trial.end, trial.breaks)
-        self._check_number(trial.births, float(held[0] @ groups.weight))
+        self._check_number(trial.births, float(held[0] @ weight))
         self.position, self.now = self.position + trial.travel, trial.end
         self.force, self.holding = trial.force, trial.holding
         of_cohorts = slice(self._of_start, None)
         unknown = unknown_force_of_births(
-            groups.weight[of_cohorts], held[:, of_cohorts], self._at_birth.stretch.size
+            weight[of_cohorts], held[:, of_cohorts], self._at_birth.stretch.size
         )
         self.unresolved.note(OF_BIRTHS, unknown, self.now)
+        groups = trial.groups._replace(weight=weight)
         self.groups = self._without_negligible(self._without_dead(groups, held[0]))
         self._births = trial.births
 
@@ -235,14 +237,16 @@ class ContactsInSteps:
         """The groups with cohorts of next to no births added to the next younger ones, where these have next to none,
         too: one stays between cohorts of many births, as unknown_force_of_births compares neighbours. While a slider
         sticks, each step makes one. The last two are left: births of the next step come to the last one."""
-        cohorts = groups.weight[self._of_start :].reshape(-1, self._at_birth.stretch.size)
+        start, count = self._of_start, self._at_birth.stretch.size
+        cohorts = groups.weight[start:].reshape(-1, count).copy()
         tiny = np.abs(cohorts[:-1]).sum(axis=1) < NEGLIGIBLE
         negligible = np.flatnonzero(tiny[:-1] & tiny[1:])
-        kept = np.ones(groups.weight.size, dtype=bool)
-        kept[self._of_start :].reshape(cohorts.shape)[negligible] = False
         for cohort in negligible:
-            cohorts[cohort + 1] += cohorts[cohort]  # a view on the weights
-        return groups.pick(kept)
+            cohorts[cohort + 1] += cohorts[cohort]
+        stays = np.ones(len(cohorts), dtype=bool)
+        stays[negligible] = False
+        added = groups._replace(weight=np.append(groups.weight[:start], cohorts))
+        return added.pick(np.append(np.ones(start, dtype=bool), np.repeat(stays, count)))
 
     def slide_steadily(self, travel: float, error: float) -> None:
         """Slide on at this instant while each break is followed by a birth and stretches stay distributed as they are;
