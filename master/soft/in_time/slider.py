@@ -75,7 +75,7 @@ class Slider:
         self._size = 0.5**contacts.halvings  # of a step
         self.sections = list[list[Node]]()
         # the sections of this leg along which new contacts came to a slip that left all contacts new
-        self._stick = list[list[Node]]()
+        self._stick_and_slip = list[list[Node]]()
         self.slips = list[Slip]()
 
     def run(self) -> None:
@@ -88,21 +88,20 @@ class Slider:
         self._search = SlipBegins(self._steps)
         for leg, last in enumerate(motion.times[1:].tolist()):
             contacts.past_breaks.repeat_bend(float(motion.times[leg]))
-            # first_of_new: the section at whose begin all contacts were new; None once anything else came between
-            self._stick, first_of_new = [], None
+            self._stick_and_slip = []
+            # the section at whose begin all contacts were new; None after a slip that did not leave all new
+            new_since: int | None = None
             while True:
+                self._repeat_while_new(last)
                 if contacts.are_new:
-                    if self._repeat(last):
-                        continue
-                    first_of_new = len(self.sections)
+                    new_since = len(self.sections)
                 end = min([*contacts.past_breaks.pending, last])
                 self._begin_section(leg, end)
                 if self._slide(end):
                     self._slip(self._drive())
                     self._stop_if_too_many_steps(last)
-                    if first_of_new is not None and contacts.are_new:
-                        self._stick = self.sections[first_of_new:]
-                    first_of_new = None  # what comes depends on this slip, unless it left all new
+                    self._remember_if_new(new_since)
+                    new_since = None
                 elif end < last:
                     contacts.form_due()
                 else:
@@ -129,21 +128,26 @@ class Slider:
                 nodes.append(self._node(done))
         return slips
 
-    def _repeat(self, end: float) -> bool:
-        """Let new contacts stick and slip as they did before on this leg, where they slip before `end`; returns whether
-        they do."""
-        contacts, known = self.contacts, self._stick
-        if not known or known[-1][-1].time + contacts.now - known[0][0].time >= end:
-            return False
-        begin, here = known[0][0], self._node(0.0)
-        later, farther = here.time - begin.time, here.position - begin.position
-        for section in known:
-            self.sections.append([node.shifted(later, farther) for node in section])
+    def _remember_if_new(self, new_since: int | None) -> None:
+        """Remember the sections since all contacts were new, where the slip at their end has left all of them new."""
+        if new_since is not None and self.contacts.are_new:
+            self._stick_and_slip = self.sections[new_since:]
+
+    def _repeat_while_new(self, end: float) -> None:
+        """While all contacts are new, and slip before `end`, let them stick and slip as they did before on this leg."""
+        contacts, known = self.contacts, self._stick_and_slip
+        if not (known and contacts.are_new):
+            return
+        begin, slip = known[0][0], known[-1][-1]
         steps = sum(len(section) - 1 for section in known)
-        contacts.repeat(steps, self.sections[-1][-1].time)
-        contacts.position = self._drive() - contacts.force / self._spring
-        self._list_slip(known[-1][-1].force)
-        return True
+        while slip.time + contacts.now - begin.time < end:
+            here = self._node(0.0)
+            later, farther = here.time - begin.time, here.position - begin.position
+            for section in known:
+                self.sections.append([node.shifted(later, farther) for node in section])
+            contacts.repeat(steps, self.sections[-1][-1].time)  # which leaves all of them new
+            contacts.position = self._drive() - contacts.force / self._spring
+            self._list_slip(slip.force)
 
     def _stop_if_too_many_steps(self, end: float) -> None:
         """StoppedError where as many steps for each slip as the last one took would be too many up to this time."""
@@ -181,7 +185,8 @@ class Slider:
         """
         contacts, force = self.contacts, self.contacts.force
         if self._rule == "reset":
-            contacts.relax()  # first, as the slider stops where the spring balances the new contacts
+            contacts.relax()
+            # relax has changed the force; X follows: the slider stops where the spring balances the new contacts
             contacts.position = drive - contacts.force / self._spring
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)

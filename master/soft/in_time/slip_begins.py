@@ -159,7 +159,8 @@ class SlipBegins:
         """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.
 
         Steps become finer near a slip of contacts whose thresholds change in time, see `Memory.nearing`: thresholds
-        cross |x| step by step, and the slip would depend on where those steps end.
+        cross |x| step by step, and the slip would depend on where those steps end. The way to the slip is counted in
+        the coarsest steps, so that sliders with halved ones shrink theirs by the same factor.
         """
         change = float(np.nan_to_num(time_fraction - self._last_time_fraction))
         self._last_time_fraction = time_fraction
@@ -167,8 +168,8 @@ class SlipBegins:
         self.shrink = 1.0
         nearing = self._steps.contacts.memory.nearing
         if change < 0.0 and np.isfinite(nearing):
-            to_slip = nearing * time_fraction * size / -change
-            self.shrink = min(max(to_slip, ONSET.least_shrink), 1.0)
+            sizes_left = -time_fraction * size / change
+            self.shrink = min(max(nearing * sizes_left, ONSET.least_shrink), 1.0)
 
     def _resolving(self, trial: Trial, size: float) -> float:
         """The factor on the coarsest size of steps at which as many contacts break on a step as is resolved, if they
