@@ -37,16 +37,20 @@ ROUNDING = 1e-13
 DEGREE = 5
 
 
-class Answer(NamedTuple):
-    """What a slider answers; lengths in mean thresholds.
+class SlipArrays(NamedTuple):
+    """K X_T, F before and F after each of the slips (n,), in mean thresholds."""
 
-    force, holding : at times (n,)
-    slips : K X_T, F before and F after each slip, shape (3, slips)
-    """
+    load: Array
+    before: Array
+    after: Array
+
+
+class Answer(NamedTuple):
+    """What a slider answers: F in mean thresholds and the fraction that holds at times (n,), and all its slips."""
 
     force: Array
     holding: Array
-    slips: Array
+    slips: SlipArrays
 
 
 class Limit(NamedTuple):
@@ -62,7 +66,7 @@ class ComparedSlips(NamedTuple):
     """The slips of three sliders that are compared: of each the largest, as many (m) as all of them have, in order.
 
     times : when they begin, shape (3, m): slider, slip
-    lengths : K X_T, F before and F after, in mean thresholds, shape (3, 3, m): slider, these, slip
+    lengths : the rows of SlipArrays, shape (3, 3, m): slider, row, slip
     of_last : indices of these among all slips of the last slider, shape (m,)
     left_over : the largest drop of F in slips that are not compared, in mean thresholds
     """
@@ -79,8 +83,9 @@ class ComparedSlips(NamedTuple):
     def as_far_from_slip(self, times: Array) -> Array:
         """The times (n,) that are as long before or after the last slider's slip as these are from that at step 0,
         the nearest. There must be a slip."""
-        later = REST_OF_CHANGE * (self.times[2] - self.times[1])
-        nearest = np.abs(times[:, None] - self.times[2] - later).argmin(axis=1)
+        _, middle, fine = self.times
+        later = REST_OF_CHANGE * (fine - middle)
+        nearest = np.abs(times[:, None] - fine - later).argmin(axis=1)
         return np.asarray(times - later[nearest])
 
 
@@ -97,7 +102,7 @@ def extrapolated(
         limit = Limit(_answer(last, times), [unknown], unknown)
     cohorts, slips = last.contacts, limit.answer.slips
     # round-off of the force grows with the number of steps, and where the slider slips with K, as K X_T does
-    stiff = spring if slips.size else min(spring, 1.0)
+    stiff = spring if slips.load.size else min(spring, 1.0)
     rounding = ROUNDING * (1.0 + cohorts.steps) * (1.0 + stiff)
     duration = 0.0 if last.motion is None else float(last.motion.times[-1])
     cold_skin = unresolved_heat(contacts, cohorts.memory, drive, duration)
@@ -109,11 +114,14 @@ def extrapolated(
         _unresolved(last),
     )
     error = total(parts)
+    drive_and_forces = np.array(
+        [slips.load * unit / spring, slips.before * unit, slips.after * unit]
+    )
     return Followed(
         balance=balance,
         force=limit.answer.force[: asked.size] * unit,
         holding=limit.answer.holding[: asked.size],
-        slips=slips_of(slips * unit / [[spring], [1.0], [1.0]], spring, error * unit / spring),
+        slips=slips_of(drive_and_forces, spring, error * unit / spring),
         error=error,
         of_holding=limit.of_holding,
         nodes=cohorts.steps,
@@ -142,8 +150,8 @@ def _answer(slider: Slider, times: Array) -> Answer:
     """What one slider answers at times (n,)."""
     unit = slider.contacts.unit
     force, holding = read(slider.sections, times)
-    slips = np.reshape([slip[1:] for slip in slider.slips], (-1, 3)).T
-    return Answer(force / unit, holding, slips / unit)
+    lengths = [(slip.load, slip.force_before, slip.force_after) for slip in slider.slips]
+    return Answer(force / unit, holding, SlipArrays(*np.reshape(lengths, (-1, 3)).T / unit))
 
 
 def _limit(sliders: list[Slider], times: Array) -> Limit:
@@ -166,14 +174,13 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
 
 def _at_step_0(answers: list[Answer], slips: ComparedSlips) -> Answer:
     """Three answers extrapolated to step 0, slips that are compared with them; slips left over stay as they are."""
-    _, before, now = answers
-    limit = Answer(
-        now.force + REST_OF_CHANGE * (now.force - before.force),
-        now.holding + REST_OF_CHANGE * (now.holding - before.holding),
-        now.slips.copy(),
-    )
-    limit.slips[:, slips.of_last] += REST_OF_CHANGE * (slips.lengths[2] - slips.lengths[1])
-    return limit
+    _, middle, fine = answers
+    force = fine.force + REST_OF_CHANGE * (fine.force - middle.force)
+    holding = fine.holding + REST_OF_CHANGE * (fine.holding - middle.holding)
+    _, of_middle, of_fine = slips.lengths
+    lengths = np.array(fine.slips)
+    lengths[:, slips.of_last] += REST_OF_CHANGE * (of_fine - of_middle)
+    return Answer(force, holding, SlipArrays(*lengths))
 
 
 def _of_force(
@@ -222,8 +229,7 @@ def _of_steps(slider: Slider, changes: Array, times: Array, what: str) -> ErrorP
 
 def _compared(sliders: list[Slider], answers: list[Answer]) -> ComparedSlips:
     """Which slips of each slider are compared."""
-    slips = [one.slips for one in answers]
-    drops = [np.abs(before - after) for _, before, after in slips]
+    drops = [np.abs(one.slips.before - one.slips.after) for one in answers]
     fewest = min(drop.size for drop in drops)
     by_size = [np.argsort(-drop, kind="stable") for drop in drops]
     which = [np.sort(order[:fewest]) for order in by_size]
@@ -233,7 +239,9 @@ def _compared(sliders: list[Slider], answers: list[Answer]) -> ComparedSlips:
     times = [np.array([slip.time for slip in one.slips]) for one in sliders]
     return ComparedSlips(
         times=np.array([of[some] for of, some in zip(times, which, strict=True)]),
-        lengths=np.array([of[:, some] for of, some in zip(slips, which, strict=True)]),
+        lengths=np.array(
+            [np.array(one.slips)[:, some] for one, some in zip(answers, which, strict=True)]
+        ),
         of_last=which[-1],
         left_over=float(max(left_over)),
     )
@@ -241,7 +249,8 @@ def _compared(sliders: list[Slider], answers: list[Answer]) -> ComparedSlips:
 
 def _changes(three: Array) -> Array:
     """Sizes of the last change of three plain answers, and of the extrapolated ones, shape (2, n)."""
-    before, last = np.diff(three, axis=0)
+    coarse, middle, fine = three
+    before, last = middle - coarse, fine - middle
     return np.abs([last, last + REST_OF_CHANGE * (last - before)])
 
 
@@ -258,21 +267,21 @@ def read(sections: list[list[Node]], asked: Array) -> Array:
     which = np.minimum(np.searchsorted(ends, asked, side="right"), len(sections) - 1)
     out = np.empty((2, asked.size))
     for k in np.unique(which):
-        at, nodes = asked[which == k], np.array(sections[k])[:, :4]
+        at, nodes = asked[which == k], np.array(sections[k])
         nodes = nodes[np.unique(nodes[:, 0], return_index=True)[1]]
-        step, times = nodes[:, 0], nodes[:, 1]
-        if step.size == 1:
-            out[:, which == k] = nodes[0, 2:, None]
+        size, time, force, holding = nodes.T[:4]
+        if len(nodes) == 1:
+            out[:, which == k] = [force, holding]
             continue
-        degree = min(DEGREE, 2 * ((step.size - 2) // 2) + 1)
-        values = make_interp_spline(step, nodes[:, 1:], k=degree)
-        cell = np.clip(np.searchsorted(times, at, side="left"), 1, step.size - 1)
+        degree = min(DEGREE, 2 * ((len(nodes) - 2) // 2) + 1)
+        spline = make_interp_spline(size, np.stack([time, force, holding], axis=1), k=degree)
+        cell = np.clip(np.searchsorted(time, at, side="left"), 1, len(nodes) - 1)
         found = find_root(
-            lambda x, time, values=values: values(x)[..., 0] - time,
-            (step[cell - 1], step[cell]),
-            args=(np.clip(at, times[cell - 1], times[cell]),),
+            lambda x, wanted, spline=spline: spline(x)[..., 0] - wanted,
+            (size[cell - 1], size[cell]),
+            args=(np.clip(at, time[cell - 1], time[cell]),),
         )
         # at the end of a cell rounding may take the root out of it
-        place = np.where(found.success, found.x, np.interp(at, times, step))
-        out[:, which == k] = values(place)[:, 1:].T
+        place = np.where(found.success, found.x, np.interp(at, time, size))
+        out[:, which == k] = spline(place)[:, 1:].T
     return out
