@@ -1,8 +1,10 @@
 """What is refused: calls and scenes, a line each, and what their one line says."""
 
 import copy
+import os
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 from ase import Atoms
 from ase.calculators.calculator import Calculator
 from ase.constraints import FixAtoms
-from scenes import ROUGH, Scan, scene
+from scenes import ROUGH, Scan, scene, write
 from scipy import stats
 
 import eq_model
@@ -664,9 +666,29 @@ WRONG: list[tuple[str, Any, str]] = [
     (
         "contacts.thresholds",
         {"kind": "from-samples", "file": "none.txt"},
-        "file = 'none.txt': no such file in",
+        "file = 'none.txt': no such file: /",
     ),
 ]
+
+
+def test_a_missing_file_is_told_with_its_key_its_place_and_what_to_write(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scan = {"kind": "scan", "file": "../scan.di"}
+    thresholds = ROUGH | {"surface": scan}
+    monkeypatch.chdir(tmp_path)
+    Path("own").mkdir()
+    place = Path("scan.di").resolve()
+    file = Path(write("own/mine", thresholds=thresholds))
+    for made, says in ((False, "no such file: "), (True, "is no plain scan")):
+        with pytest.raises(origins.InputError) as caught:
+            toolkit.load_scene(file)
+        told = str(caught.value)
+        assert told.startswith("contacts.thresholds.surface.file = '../scan.di': ") and says in told
+        assert str(place) in told
+        assert ("write its path from the folder of the scene" in told) is not made
+        if not made:
+            os.mkfifo(place)
 
 
 @pytest.mark.parametrize(("place", "value", "says"), WRONG, ids=[says for *_, says in WRONG])

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import origins
 from origins.errors import InputError, finite, finite_array, pair, positive, refuse, whole
 from origins.roughness.surface import METRES, Topography, as_topography
-from toolkit.scene.laws import read_file
+from toolkit.scene.files import read_file
 from toolkit.scene.samples import in_si
 
 

@@ -9,14 +9,11 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from origins.errors import InputError, positive, refuse
 from origins.roughness.stated import BOLTZMANN
-from toolkit.processes.ranks import on_root
 from toolkit.scene.tables import did_you_mean
-
-T = TypeVar("T")
 
 
 def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
@@ -266,35 +263,3 @@ def inside(where: str, keys: Mapping[str, str]) -> Iterator[None]:
         if found and found[1] in keys:
             raise InputError(f"{where}.{keys[found[1]]}{found[2]}") from error
         raise InputError(f"{where}: {message}") from error
-
-
-def read_file(
-    key: str, file: str, folder: Path, comm: Any, read: Callable[[Path], T], what: str = "file"
-) -> T:
-    """The result of `read` for the file in this folder, the same on all ranks, which must all call. `key` is the
-    scene's key that names it. Raises InputError unless it is a plain file: a pipe or a device might never end."""
-    if not isinstance(file, str):
-        refuse(key, file, f'must be a name of a {what}, such as "own.txt"')
-
-    def checked() -> T:
-        path = folder / file
-        try:
-            if path.is_dir():
-                refuse(key, file, f"is a folder; name a {what} in it")
-            if path.is_file() and path.stat().st_size <= 1 << 30:
-                return read(path)
-        except InputError:
-            raise
-        except UnicodeDecodeError:
-            refuse(key, file, "is no text in UTF-8; name another file, or save it as UTF-8")
-        except (OSError, ValueError) as error:  # a name too long for the disk
-            refuse(key, file, f"cannot be read: {getattr(error, 'strerror', None) or error}")
-        hint = f"no such file in {path.parent.resolve()}, or no plain {what} of at most a gigabyte"
-        refuse(key, file, hint)
-
-    return on_root(comm, checked)
-
-
-def read_text(path: Path) -> str:
-    """The text of a file, without the byte order mark that some programs put first."""
-    return path.read_text(encoding="utf-8-sig")

@@ -11,7 +11,7 @@ import numpy as np
 import origins
 from origins.errors import InputError, finite_array, one_of, refuse, whole
 from origins.roughness.surface import METRES
-from toolkit.scene.laws import read_file, read_text
+from toolkit.scene.files import read_file, read_text
 from toolkit.scene.tables import did_you_mean
 
 NEWTONS = {"N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12}

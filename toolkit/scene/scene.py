@@ -28,6 +28,7 @@ from toolkit.scene.drive import (
     sliding_speed,
     some_slips,
 )
+from toolkit.scene.files import read_file, read_text
 from toolkit.scene.grid import Grid, make_grid
 from toolkit.scene.paper import scene_of_figure
 from toolkit.scene.scale import SHARED, SI, Scale, scale_of
@@ -174,7 +175,7 @@ def read_scene(
             name, text, folder = scene.name, scene.text, scene.folder
         else:
             file = on_root(comm, lambda: _find(scene))
-            text = laws.read_file("scene", str(file), Path(), comm, laws.read_text)
+            text = read_file("scene", str(file), Path(), comm, read_text)
             name, folder = file.stem, file.parent
         found = tomllib.loads(text)
         if changes:
