@@ -60,6 +60,7 @@ def test_a_point_is_the_scene_with_its_values(capsys: Any) -> None:
     assert [float(row[head.index("last_force [length]")]) for row in rows] == found[
         "last_force"
     ].tolist()
+    assert head[-1] == "message" and {row[-1] for row in rows} == {"as asked"}
     told = json.loads(Path("mine-output/summary.json").read_text())["sweep"]
     assert told["points"] == 6 and told["along"] == list(OVER)
 

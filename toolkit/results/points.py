@@ -122,8 +122,12 @@ def by_head(result: Any) -> dict[str, Array]:
 
 
 def write_sweep(result: Any, path: Path) -> None:
-    """A line for each point of a Result's sweep, a column for each of `by_head`, with all digits."""
+    """A line for each point of a Result's sweep, a column for each of `by_head`, with all digits; `message` is
+    "as asked" where nothing was missed."""
     columns = by_head(result)
+    if "message" in columns:
+        said = columns["message"]
+        columns["message"] = np.where(said == "", "as asked", said)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
