@@ -653,6 +653,22 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
     assert "not decided" not in "\n".join(page(agreed)) and "this is of" not in sentence(agreed)
 
 
+def test_a_reading_decided_under_some_slip_rules_alone_is_named() -> None:
+    contacts, number = Contacts(gaussian(1.0, 0.3)), answers.Quantity(2.0, 1e-6)
+    scale, late = scale_of(contacts, None), not_followed("instant", NO_TIME)
+    smooth = replace(infinite("smooth", 0), error=1e-9)
+    at_once = replace(smooth, rule="instant")
+
+    def answer(name: str, *behaviours: Behaviour) -> answers.Answer:
+        return answers.Answer(name, contacts, scale, number, number, number, SOFT, behaviours)
+
+    both = answer("own", smooth, at_once), answer("b", smooth, at_once), answer("c", smooth, late)
+    for each in (both, both[:2]):
+        text = "\n".join(page(answers.Verdict("a", "a", 1.0, each, (), {}, 1.0)))
+        told = "decided under some slip rules, and not under others: c"
+        assert (told in text) == (len(each) == 3)
+
+
 def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
     """Below K* contacts that re-form late would let it slip: none is given, so the first sentence says so."""
     number, own = answers.Quantity(1.0, 0.0), replace(infinite("smooth", 0), rule="mass")

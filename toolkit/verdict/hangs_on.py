@@ -131,7 +131,7 @@ def _of_readings(verdict: Verdict) -> Iterator[str]:
         if any(one.kind == "undecided" for one in answer.behaviours if one.rule in known)
     ]
     if partly:
-        yield f"not decided under every slip rule: {', '.join(partly)}"
+        yield f"decided under some slip rules, and not under others: {', '.join(partly)}"
     if verdict.own.machine is not None and decided and not differ:
         yield f"not the reading: the {len(decided)} others that were followed say what {verdict.own.name} says"
 
