@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
 
 import toolkit
 from origins.errors import InputError
-from toolkit.judge.describe import describe, onset_in_words
+from toolkit.judge.describe import Description, describe, onset_in_words, table_of
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import of_stretch, of_surface, of_units, with_uncertainty, written
@@ -288,6 +289,23 @@ def loaded(law: dict[str, Any], stated: dict[str, Any]) -> Any:
 def test_shipped_scenes_ask_for_no_unit(name: str) -> None:
     contacts = load_scene(name).contacts
     assert not of_units(contacts.thresholds) and not of_stretch(contacts, 1e-6)
+
+
+def test_a_critical_spring_below_its_numerical_error_is_not_told() -> None:
+    """By `thresholds` and by `run`; one below the error of its samples is."""
+    for error, sampled, told in ((6.0, False, "not known"), (6.0, True, "3 ± 6"), (1.0, False, "")):
+        own = {"critical_spring": Number(3.0, error, "N_c<k>")}
+        (line,) = (
+            one
+            for one in table_of(Description(own, (), True, sampled, 1.0), (), ())
+            if "critical spring" in one
+        )
+        assert told in line and ("N_c<k>" in line) == (told != "not known")
+    result = toolkit.run(scene(drive={"to": 2.0, "points": 21, "spring": 0.5}))
+    for error, told in ((1e-9, "spring  K* = "), (2e3, "spring  K* is not known")):
+        regime = replace(result.master.regime, critical_spring_error=error)
+        other = replace(result, master=replace(result.master, regime=regime))
+        assert sum(line.startswith(told) for line in in_words(other)) == 1
 
 
 def test_samples_of_a_file_have_a_unit() -> None:

@@ -653,6 +653,38 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
     assert "not decided" not in "\n".join(page(agreed)) and "this is of" not in sentence(agreed)
 
 
+def test_a_critical_spring_below_its_error_is_not_told() -> None:
+    """Neither of the scene's own reading nor of another one, whose value is then in no range."""
+    contacts, force = Contacts(gaussian(1.0, 0.3)), answers.Quantity(0.5, 1e-9)
+    scale, smooth = scale_of(contacts, None), replace(infinite("smooth", 0), error=1e-9)
+    sure, vague = answers.Quantity(2.0, 1e-6), answers.Quantity(7.0, 9.0)
+
+    def told(machine: Machine | None, *springs: answers.Quantity) -> tuple[str, answers.Verdict]:
+        named = [(f"r{number}", spring) for number, spring in enumerate(springs)]
+        behaviours = (smooth,) if machine else ()
+        each = tuple(
+            answers.Answer(name, contacts, scale, force, force, spring, machine, behaviours)
+            for name, spring in named
+        )
+        verdict = answers.Verdict("a", "a", 1.0, each, (), {}, 1.0)
+        return "\n".join(page(verdict)), verdict
+
+    for machine in (SOFT, None):
+        text, found = told(machine, vague, sure)
+        assert re.search(r"^slips at least once below the spring K\* +not known$", text, re.M)
+        assert "but K*, whose error is as large as itself, is not known" in text
+        assert not found.success and "7.0" not in text and "K is below K*" not in text
+        assert ("K*, which is not known" in text) == (machine is None)
+        text, found = told(machine, sure, vague, answers.Quantity(3.0, 1e-6))
+        assert "but K* of r1, whose error is as large as itself, is not known" in text
+        assert "2.00 N_c<k> to 3.00 N_c<k>" in text and "over 2 readings" in text
+        assert found.success and "7.0" not in text
+        (springs,) = (one for one in draw_verdict(found).axes if one.get_label() == "springs")
+        assert [one.get_text() for one in springs.texts] == ["not known"]
+        infinity = answers.Quantity(float("inf"), float("inf"))
+        assert re.search(r"below the spring K\* +inf N_c<k>", told(machine, infinity)[0])
+
+
 def test_a_reading_decided_under_some_slip_rules_alone_is_named() -> None:
     contacts, number = Contacts(gaussian(1.0, 0.3)), answers.Quantity(2.0, 1e-6)
     scale, late = scale_of(contacts, None), not_followed("instant", NO_TIME)

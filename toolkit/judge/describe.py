@@ -193,12 +193,15 @@ def table_of(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...])
     for name, number in found.numbers.items():
         if name in hidden:
             continue
+        unit = number.unit
         if name == "onset_power":
             value = onset_in_words(number, 8)
+        elif name.startswith("critical_spring") and not found.sampled and number.lost:
+            value, unit = "not known", ""
         else:
             value = with_error(number.value, number.error or 0.0, 8)
             value = value.replace(" ± inf", ", error not known")
-        row = f"  {name.replace('_', ' '):{width}}{value} {number.unit}".rstrip()
+        row = f"  {name.replace('_', ' '):{width}}{value} {unit}".rstrip()
         out.append(f"{row}  ({labels[name]})" if laws and name in labels else row)
     out += [f"  {note}" for note in found.notes]
     return [*out, f"  {'run time':{width}}{found.run_time:.2g} s"]

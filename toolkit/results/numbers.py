@@ -92,8 +92,10 @@ def in_words(result: Any) -> list[str]:
     if "before_slip" in numbers:
         every = f", period {said('period')}" if "period" in numbers else ""
         lines.append(f"slip    from {said('before_slip')} to {said('after_slip')}, the last{every}")
-    if "critical_spring" in numbers:
-        lines.append(f"spring  K* = {said('critical_spring')}")
+    if (spring := numbers.get("critical_spring")) is not None:
+        lines.append(
+            f"spring  K* {'is not known' if spring.lost else '= ' + said('critical_spring')}"
+        )
     for name, symbol in (("force", "F_k"), ("critical_spring", "K*")):
         if f"swept_{name}_least" in numbers:
             reach = f"{said(f'swept_{name}_least')} to {said(f'swept_{name}_most')}"

@@ -33,6 +33,11 @@ class Number:
     error: float | None
     unit: str
 
+    @property
+    def lost(self) -> bool:
+        """Whether its error is as large as itself; where that is numerical it says nothing. 0 and infinity do."""
+        return 0.0 < abs(self.value) < np.inf and (self.error or 0.0) >= abs(self.value)
+
 
 def with_error(value: float, error: float, digits: int) -> str:
     """Value and error as text, the value to `digits` or to the first digit of the error; without an error of 0."""

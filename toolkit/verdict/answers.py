@@ -26,6 +26,11 @@ class Quantity:
         """Whether there was no time to find it."""
         return bool(np.isnan(self.value))
 
+    @property
+    def lost(self) -> bool:
+        """Whether its numerical error is as large as itself, so that it says nothing; 0 and infinity say something."""
+        return bool(0.0 < abs(self.value) < np.inf and self.error >= abs(self.value))
+
 
 UNKNOWN = Quantity(float("nan"), float("inf"))
 
@@ -46,6 +51,14 @@ class Answer:
     critical_spring: Quantity
     machine: Machine | None
     behaviours: tuple[Behaviour, ...]
+
+    @property
+    def softer(self) -> bool:
+        """Whether the machine's spring is softer than K*, where both are known."""
+        critical = self.critical_spring
+        return (
+            self.machine is not None and self.machine.spring < critical.value and not critical.lost
+        )
 
     @property
     def smoothed(self) -> bool:
@@ -83,7 +96,8 @@ class Verdict:
     def success(self) -> bool:
         """Whether all solves of the own reading met their tolerance."""
         found = all(behaviour.success for behaviour in self.own.behaviours)
-        return found and not self.own.critical_spring.unknown
+        critical = self.own.critical_spring
+        return found and not (critical.unknown or critical.lost)
 
     def _repr_html_(self) -> str:
         """The own reading's numbers and what the slider does, as a table in a notebook; `words.page` says it all."""
@@ -97,6 +111,8 @@ class Verdict:
             (name, with_uncertainty(one.value * factor, (one.sampling or one.error) * factor, unit))
             for name, (one, factor, unit) in numbers.items()
         ]
+        if own.critical_spring.lost:
+            rows[-1] = ("critical spring K*", "not known")
         if own.smoothed:
             rows[-1] = ("critical spring K*", "not known: it hangs on the smoothing of P_c")
         rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]

@@ -108,13 +108,12 @@ def _of_readings(verdict: Verdict) -> Iterator[str]:
     springs = [
         one.critical_spring.value * one.scale.spring
         for one in answers
-        if not one.critical_spring.unknown
+        if not (one.critical_spring.unknown or one.critical_spring.lost)
     ]
-    factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
-    yield (
-        f"threshold law, contact model and resolution: K* differs by a factor of {factor:.3g} over "
-        f"{len(springs)} readings"
-    )
+    if len(springs) > 1:
+        factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
+        said = f"K* differs by a factor of {factor:.3g} over {len(springs)} readings"
+        yield f"threshold law, contact model and resolution: {said}"
     differ = others(verdict)
     for kind, names in differ.items():
         yield f"of these, {kind}: {', '.join(names)}"
@@ -160,7 +159,7 @@ def why_smooth(verdict: Verdict) -> list[str]:
     """Why a slider below K* slides, in a sentence that stands below the table, beside K*."""
     own = verdict.own
     smooth = [one for one in own.behaviours if one.kind == "smooth"]
-    if own.machine is None or not smooth or not own.machine.spring < own.critical_spring.value:
+    if not smooth or not own.softer:
         return []
     force, unit = own.scale.force, own.scale.force_unit
     fall = own.static.value - own.kinetic.value
@@ -208,7 +207,7 @@ def _of_contacts(verdict: Verdict) -> Iterator[str]:
     """The number of contacts, remarks on their thresholds, and what finitely many do."""
     own = verdict.own
     number, machine = own.scale.contacts, own.machine
-    late = own.critical_spring.unknown
+    late = own.critical_spring.unknown or own.critical_spring.lost
     soft = machine is None or late or machine.spring < NEAR * own.critical_spring.value
     if number is not None and machine is not None and not soft:
         crowd = number * machine.spring**3

@@ -171,10 +171,12 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
 def _draw_spring(axes: Any, row: int, answer: Answer) -> None:
     """One reading's K*; an infinite one is said in words, as is one of 0."""
     value = answer.critical_spring.value * answer.scale.spring
-    if answer.smoothed or not 0.0 < value < np.inf:
+    if answer.smoothed or answer.critical_spring.lost or not 0.0 < value < np.inf:
         said = "slips on every spring" if value else "slips on no spring"
         if answer.critical_spring.unknown:
             said = "not found in time"
+        if answer.critical_spring.lost:
+            said = "not known"
         if answer.smoothed:
             said = "not known: it hangs on the smoothing of $P_c$"
         place: dict[str, Any] = {"transform": axes.get_yaxis_transform(), "va": "center"}

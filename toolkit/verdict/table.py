@@ -65,14 +65,17 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         coefficients = [one.scale.force / (one.scale.load or 1.0) for one in answers]
         yield row("friction coefficient F_k/load", kinetic, coefficients, "", share)
         yield row("static coefficient F_s/load", static, coefficients, "", share)
-    critical = [one.critical_spring for one in answers]
-    springs = [one.scale.spring for one in answers]
+    name = f"slips at least once below the spring K*{at}"
     if own.smoothed:
-        yield [f"slips at least once below the spring K*{at}", "-", "hangs on smoothing", ""]
+        yield [name, "-", "hangs on smoothing", ""]
+    elif own.critical_spring.lost:
+        yield [name, "not known", "", ""]
     else:
-        name = f"slips at least once below the spring K*{at}"
-        yield row(name, critical, springs, scale.spring_unit)
+        told = [one for one in answers if not one.critical_spring.lost]
+        critical = [one.critical_spring for one in told]
+        yield row(name, critical, [one.scale.spring for one in told], scale.spring_unit)
     if own.machine is not None:
+        springs = [one.scale.spring for one in answers]
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
         yield row("the machine's spring K", each, springs, scale.spring_unit)
     if scale.contacts is not None:
@@ -207,7 +210,8 @@ def numerical_errors(verdict: Verdict) -> str:
     """How large the numerical errors of the own reading's numbers are at most, relative to these; and those of other
     readings, which stand in the ranges, where they are larger and would be seen."""
     own = verdict.own
-    known = [own.kinetic, own.static, *([] if own.smoothed else [own.critical_spring])]
+    told = not (own.smoothed or own.critical_spring.lost)
+    known = [own.kinetic, own.static, *([own.critical_spring] if told else [])]
     relative = [_relative(one) for one in known]
     for behaviour in own.behaviours:
         if np.isfinite(behaviour.error) and behaviour.before:
@@ -228,7 +232,9 @@ def _relative(quantity: Quantity) -> float:
 
 
 def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
-    """The numbers of other readings with a larger relative error than that, in words."""
+    """The numbers of other readings with a larger relative error than that, in words, and each K* that is not known."""
+    if verdict.own.critical_spring.lost and not verdict.own.smoothed:
+        yield "but K*, whose error is as large as itself, is not known"
     for answer in verdict.answers[1:]:
         scale = answer.scale
         for name, one, factor, unit in (
@@ -236,7 +242,9 @@ def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
             ("F_s", answer.static, scale.force, scale.force_unit),
             ("K*", answer.critical_spring, scale.spring, scale.spring_unit),
         ):
-            if _relative(one) > most:
+            if one is answer.critical_spring and one.lost:
+                yield f"but K* of {answer.name}, whose error is as large as itself, is not known"
+            elif _relative(one) > most:
                 error = written(one.error * factor, unit, digits=2)
                 yield f"but {name} of {answer.name}, in the range, is {written(one.value * factor, unit)} ± {error}"
 

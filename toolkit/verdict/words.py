@@ -172,7 +172,13 @@ def _without_spring(verdict: Verdict) -> str:
         )
     if verdict.own.critical_spring.unknown:
         return NO_FORCES
-    springs = [answer.critical_spring.value * answer.scale.spring for answer in verdict.answers]
+    if verdict.own.critical_spring.lost:
+        return (
+            "slips on springs softer than K*, which is not known: its numerical error is as large as itself; give "
+            "drive.spring for a verdict on a machine"
+        )
+    known = [answer for answer in verdict.answers if not answer.critical_spring.lost]
+    springs = [answer.critical_spring.value * answer.scale.spring for answer in known]
     own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
     if not np.isfinite(spread):
         spread = 0.0
@@ -219,8 +225,7 @@ def _of_the_area(verdict: Verdict, answer: Answer) -> Iterator[str]:
 
 def _without_delay(answer: Answer, slider: Behaviour) -> str:
     """What a smooth slider with mass on a spring below K* hangs on, where no delay is given; "" for others."""
-    soft = answer.machine and answer.machine.spring < answer.critical_spring.value
-    if slider.rule != "mass" or answer.contacts.waiting_time or not soft:
+    if slider.rule != "mass" or answer.contacts.waiting_time or not answer.softer:
         return ""
     return " if contacts re-form at once (no delay is given)"
 
