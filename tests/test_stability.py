@@ -274,6 +274,20 @@ def test_a_timed_drive_is_cut_with_its_times_before_the_first_slip(
     assert {row.verdict for row in found} <= {"exact", "within tolerance"}
 
 
+def test_a_first_slip_before_the_second_point_of_the_path_is_compared_up_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With points 8 <x_s> apart and a slip at 1.8 the start alone was compared, as 0 = 0, and called exact."""
+    monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 0)
+    thresholds = '[contacts]\nthresholds = { kind = "gaussian", mean = 1.0, std = 0.2 }\n'
+    file = tmp_path / "far.toml"
+    file.write_text(f"{thresholds}[drive]\nto = 180.0\nspring = 0.8\n[master]\ntolerance = 1e-8\n")
+    found = scene_map(load_scene(str(file)), lambda line: None)
+    _checked(found)
+    assert all(row.verdict == "within tolerance" for row in found)
+    assert all(0.0 < row.error < 0.1 for row in found)
+
+
 def test_a_scene_that_is_not_answered_is_not_said_to_be_trusted() -> None:
     numbers_of_rows = (np.nan, np.nan, np.nan, 0.0, "")
     found = [

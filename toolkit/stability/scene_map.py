@@ -129,6 +129,10 @@ def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Ca
         path = path[before]
         if drive.time is not None:
             keywords["time"] = drive.time[before]
+        end = min(_BEFORE * slip, float(drive.path[-1]))
+        if drive.time is None and drive.forward and drive.path[0] < end:
+            # points of its own, as the first slip may come before the second point of the path
+            path = np.linspace(drive.path[0], end, _POINTS)
         if np.isinf(slip) and _CONTACTS * drive.spring**3 < _ENOUGH:
             contacts = 0  # no second road
     tolerance = 1e-4 if other.master is None else other.master.tolerance
