@@ -37,6 +37,7 @@ from origins import (
     Thermal,
     gaussian,
     growing_grains,
+    identical,
     strengthening,
 )
 
@@ -346,6 +347,14 @@ def test_a_slider_that_creeps_while_most_contacts_break_within_a_step_does_not_s
     assert solved.success and not solved.slips.drive.size
     off = np.abs(read(slider.sections, path)[0] - solved.force).max()
     assert off < 2e-4, f"F is off by {off:.1e} mean thresholds"
+
+
+def test_the_error_of_a_slip_at_exact_thresholds_holds_what_far_finer_steps_find() -> None:
+    """Two step sizes agree on a slip at 0.9544 by chance, to 1e-6; with 80 times as many steps it is at 0.9627."""
+    contacts, spring = Contacts(identical(1.0), thermal=Thermal("soft", 0.01)), 0.01
+    solved = master.solve(contacts, [110.0], 2e-2, spring=spring, slip="reset")
+    assert solved.success and solved.slips.drive.size == 1
+    assert abs(spring * solved.slips.drive[0] - 0.9627) < solved.force_error < 2e-2
 
 
 def test_sticks_repeat_on_a_leg_that_begins_late_as_those_of_cold_contacts_do() -> None:

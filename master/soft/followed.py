@@ -19,6 +19,7 @@ NOT_KNOWN = "neither force nor slips are known"
 SHORTEN = "shorten the path or loosen the tolerance"
 LOOSEN = "loosen the tolerance"
 LEAVE_HEAT = "leave out the heat or loosen the tolerance"
+GIVE_WIDTH = "give the exact thresholds a width, as in gaussian(mean, std)"
 
 
 class ErrorPart(NamedTuple):
