@@ -103,6 +103,7 @@ def test_set_of_each_command(capsys: Any) -> None:
         ),
         ('contacts.thresholds.kind="gausian"', "did you mean gaussian?"),
         ("drive.spring=50 N/m", "the value is not TOML; text needs quotes"),
+        ("drive.spring=0,5", "write a decimal point: --set drive.spring=0.5"),
         ("drive.spring=-1.0", "drive.spring = -1.0"),
         ("drive.spring", "must be KEY=VALUE"),
         ("drive.spring=1\ntitle=2", "must be one value"),

@@ -86,6 +86,10 @@ def test_a_scene_takes_the_width_from_numbers_of_the_material(tmp_path: Any) -> 
         ({"shear_strength": "5e7"}, r"shear_strength = '5e7': must be a number alone, in Pa"),
         ({"width": 0.03}, r"thermal\.width = 0\.03: stands beside kelvin, shear_strength"),
         ({"law": "soft", "temperature": 0.1}, r"thermal\.kelvin = 300.0: write temperature ="),
+        (
+            {"temperature": {"kelvin": 300.0}},
+            r'temperature = {.*}: of the law "eyring" write kelvin, sh',
+        ),
     ):
         own = {key: value for key, value in (PHYSICAL | changes).items() if value is not None}
         bad = {"thresholds": {"kind": "identical", "value": 1.0}, "thermal": own}

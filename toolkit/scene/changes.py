@@ -22,7 +22,10 @@ def read_changes(words: Sequence[str]) -> dict[str, Any]:
         try:
             read = tomllib.loads(f"value = {value}")
         except (ValueError, RecursionError) as error:
-            hint = f"the value is not TOML; text needs quotes within the shell's: --set {key}='\"{value.strip()}\"'"
+            text = value.strip()
+            hint = f"the value is not TOML; text needs quotes within the shell's: --set {key}='\"{text}\"'"
+            if re.fullmatch(r"[+-]?\d+,\d+", text):
+                hint = f"write a decimal point: --set {key}={text.replace(',', '.')}"
             raise InputError(f"--set = {shown(word)}: {hint}") from error
         if set(read) != {"value"}:
             refuse("--set", word, f"must be one value: {_EXAMPLE}")

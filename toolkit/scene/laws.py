@@ -198,6 +198,9 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
     number that can only be meant in joules."""
     if where == "contacts.thermal" and "kelvin" in table and table.get("law") != "eyring":
         refuse(f"{where}.kelvin", table["kelvin"], "write temperature = { kelvin = ... }")
+    if table.get("law") == "eyring" and isinstance(table.get("temperature"), Mapping):
+        hint = 'of the law "eyring" write kelvin, shear_strength and activation_volume, or width'
+        refuse(f"{where}.temperature", dict(table["temperature"]), hint)
     given, where = table.get("temperature"), f"{where}.temperature"
     if isinstance(given, int | float) and surface is not None:  # whole numbers of TOML, too
         joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)

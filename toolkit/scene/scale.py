@@ -16,7 +16,7 @@ PREFIXED = ("N", "N/m", "N/m³", "m", "s", "Pa", "m/s")
 SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be
 # F_k/load of nearly parallel lattices and of glued contacts; <x_s> in m, from a nucleus to a fault's; m by which a
 # spring is stretched at most: beyond these a unit is wrong
-_COEFFICIENTS, _LENGTHS, _LONGEST = (1e-6, 10.0), (1e-15, 1e-2), 1.0
+_COEFFICIENTS, _LENGTHS, _LONGEST = (1e-6, 10.0), (1e-15, 1e-2), 0.1
 
 
 @dataclass(frozen=True)
