@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import eq_model
 import master
@@ -25,11 +26,11 @@ from toolkit.verdict import answers, judge
 from toolkit.verdict.budget import Budget
 from toolkit.verdict.ensemble import follow_by_contacts
 from toolkit.verdict.files import plain
-from toolkit.verdict.finite import Finite, follow_finite, with_more
+from toolkit.verdict.finite import ABOVE, Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow, follow_other_delay
 from toolkit.verdict.machine import NO_FORCES, NO_TIME, Behaviour, Known, Machine, not_followed
 from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.table import fall_of, in_units
+from toolkit.verdict.table import fall_of, in_units, late_force_of
 from toolkit.verdict.words import disagreeing, page, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
@@ -220,6 +221,24 @@ def test_slips_on_the_way_to_sliding_are_not_called_stick_slip() -> None:
     way = np.linspace(0.0, 100.0, 401)
     longer = eq_model.simulate(contacts, way, spring=0.1, slip="instant", n_contacts=100_000)
     assert longer.slips.drive.size > 8 and longer.slips.drive.max() < 30.0
+
+
+def test_few_contacts_that_re_form_at_once_bear_more_than_infinitely_many() -> None:
+    """Exponential thresholds on a soft spring: the drive goes on until they have slid, and the force is that of a far
+    longer way of other sliders."""
+    machine, contacts = Machine(1e-3, None, 0.0, 1.0), Contacts(stats.expon())
+    told = replace(infinite("smooth", 0), rule="instant", after=1.0)
+    finite = follow_finite(machine, contacts, 1000.0, told, 1.0, 60.0)
+    way = np.linspace(1.2e3, 1.5e3, 31)
+    own = eq_model.simulate(
+        contacts, way, spring=1e-3, slip="instant", n_contacts=1000, n_replicas=8, seed=5
+    )
+    exact, error = own.forces.mean(), own.forces.mean(axis=1).std(ddof=1) / 8**0.5
+    assert abs(finite.late - exact) < 5.0 * (finite.late_error + error)
+    assert 5.0 * 1000 ** (-2 / 3) < exact - 1.0 < ABOVE * 1000 ** (-2 / 3)
+    scale = scale_of(contacts, None)
+    assert "at the end they bear 1.08" in late_force_of(finite, 1.0, scale)
+    assert not late_force_of(finite, finite.late + 2.0 * finite.late_error, scale)
 
 
 def test_sliders_that_would_take_too_long_are_not_followed() -> None:

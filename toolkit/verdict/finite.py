@@ -8,7 +8,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.results.slips import main_slips
+from toolkit.results.slips import large_slips, main_slips
 from toolkit.verdict.ensemble import (
     FEW,
     NOT_SLID,
@@ -30,6 +30,13 @@ LOADINGS, BEYOND = 3.2, 40.0
 POINTS = 100
 # of BEYOND, for the scatter of the places at which sliders with mass begin to slide
 SCATTERED = 0.3
+# of a fall of the force, in mean thresholds: smaller ones are no stick-slip, as of a slider with mass
+SMALL = 0.02
+# part of BEYOND after which the force is taken as that of steady sliding
+SETTLED = 0.5
+# mean thresholds, times N^(-2/3), by which the force of contacts that re-form at once is at most above that of
+# infinitely many: 9 of exponential thresholds on K = 1e-3; the drive goes on until they have slid, too
+ABOVE = 10.0
 
 
 @dataclass(frozen=True)
@@ -45,6 +52,8 @@ class Finite:
     slips : number of slips of a slider, mean
     period : of the drive, between the last two slips that all sliders have had, mean (a length); None for fewer
     drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
+    late, late_error : mean force over the last part of the way (of BEYOND), and its standard error, of contacts that
+        re-form at once, F/(N_c <k>) (lengths); nan of others
     """
 
     rule: str
@@ -59,6 +68,8 @@ class Finite:
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
     period: float | None = None
+    late: float = float("nan")
+    late_error: float = float("nan")
 
 
 def follow_finite(
@@ -74,9 +85,12 @@ def follow_finite(
     static : F_s/(N_c <k>) (a length); seconds : to be done by then, else they are not followed
     """
     rule, slips = infinite.rule, infinite.kind == "stick-slip"
+    settles = rule == "instant" and not slips and not contacts.waiting_time
     held = max(round(number), 1)
     mean = contacts.mean_threshold
     loading = static / machine.spring + mean
+    if settles:
+        loading += ABOVE * held ** (-2.0 / 3.0) * mean / machine.spring
     # in a slip that renews contacts all break once; contacts that re-form at once break at each threshold passed
     end = LOADINGS * loading if slips else loading + BEYOND * mean
     # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
@@ -109,6 +123,8 @@ def follow_finite(
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     drive, force = trace_of(found, 0)
+    if settles:
+        found = replace(found, slips=large_slips(found.slips, SMALL * mean))
     if slips:
         found = replace(found, slips=main_slips(found.slips))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
@@ -140,8 +156,14 @@ def follow_finite(
     if last:
         begins = (slips.mean("drive", number)[0] for number in (last, last - 1))
         period = float(np.subtract(*begins))
+    late, late_error = np.nan, np.nan
+    if settles:
+        settled = path >= path[-1] - SETTLED * BEYOND * contacts.mean_threshold
+        each = found.forces[:, settled].mean(axis=1)
+        late, late_error = float(each.mean()), float(each.std(ddof=1)) / SLIDERS**0.5
     forces = (before, error, after, after_error)
-    return Finite(rule, followed, kind, *forces, mean, message, drive, force, period)
+    finite = Finite(rule, followed, kind, *forces, mean, message, drive, force, period)
+    return replace(finite, late=late, late_error=late_error)
 
 
 def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:

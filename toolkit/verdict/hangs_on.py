@@ -9,14 +9,12 @@ from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import MORE_TIME
-from toolkit.verdict.finite import Finite
+from toolkit.verdict.finite import SMALL, Finite
 from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
 from toolkit.verdict.machine import NO_FORCES
 from toolkit.verdict.readings import why_late
-from toolkit.verdict.table import drop_of, fall_of, in_units, regained_by
+from toolkit.verdict.table import drop_of, fall_of, in_units, late_force_of, regained_by
 
-# of a fall of the force, in mean thresholds: smaller ones are no stick-slip, as of a slider with mass
-SMALL = 0.02
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
 # how the slip rules are named where a user reads of them
 NAMED = {
@@ -285,14 +283,15 @@ def _left_out(verdict: Verdict) -> list[tuple[str, str]]:
 def _of_finite(verdict: Verdict, finite: Finite) -> str:
     """What so many contacts do, in words."""
     said = f"{finite.contacts:,} contacts, if {NAMED[finite.rule]}: {finite.kind}"
-    beside = f" ({finite.message})" * bool(finite.message)
+    late = late_force_of(finite, verdict.own.kinetic.value, verdict.own.scale)
+    beside = f" ({finite.message})" * bool(finite.message) + late
     if finite.kind == "smooth":
         return said + beside
     said += f", from {fall_of(finite, verdict.own.scale)}"
     if finite.kind == "stick-slip":
         return said + beside
     many = "1 slip" if finite.slips == 1.0 else f"{finite.slips:.2g} slips"
-    return f"{said}, {many} a slider on the way that was followed"
+    return f"{said}, {many} a slider on the way that was followed{late}"
 
 
 def named(rules: Sequence[str]) -> str:

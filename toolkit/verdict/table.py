@@ -15,6 +15,9 @@ from toolkit.verdict.machine import Behaviour
 _RUNG = 0.05
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3
+# standard errors, and part of F_k, by which few contacts differ from infinitely many where it is told; the scatter of
+# four sliders is known to a third
+CLEARLY, TOLD = 4.0, 0.01
 
 
 def share_of(verdict: Verdict) -> float:
@@ -167,6 +170,18 @@ def of_so_many(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
         if one.kind == many.kind == "stick-slip" and not many.message
         if abs(many.before - one.before) > max(SEEN * abs(one.before), 2.0 * many.before_error)
     ]
+
+
+def late_force_of(finite: Finite, kinetic: float, scale: Scale) -> str:
+    """The force that so many contacts bear at the end of the way, where it is not `kinetic`, that of infinitely many,
+    F/(N_c <k>) (lengths): on soft springs it is above it by some N^(-2/3) <x_s>, times 2 to 9 (docs/sliders.md)."""
+    off = abs(finite.late - kinetic)
+    if not off > max(CLEARLY * finite.late_error, TOLD * kinetic):
+        return ""
+    late = with_uncertainty(
+        finite.late * scale.force, finite.late_error * scale.force, scale.force_unit
+    )
+    return f"; at the end they bear {late}, infinitely many {written(kinetic * scale.force, scale.force_unit)}"
 
 
 def fall_of(finite: Finite, scale: Scale) -> str:

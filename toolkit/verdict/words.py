@@ -7,9 +7,8 @@ import numpy as np
 from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, of_stretch, spoken, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.finite import Finite
+from toolkit.verdict.finite import SMALL, Finite
 from toolkit.verdict.hangs_on import (
-    SMALL,
     delay_decides,
     dependence,
     named,
