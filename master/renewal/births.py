@@ -9,6 +9,7 @@ Both are integrated against the derivative of the number of breaks, a polynomial
 (present: births on the present leg; past: births on the legs before).
 """
 
+from copy import copy
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -58,6 +59,11 @@ class Births:
     accuracy: float = 1e-15
     until: float = np.inf
     work: int = 0
+
+    def __post_init__(self) -> None:
+        """Averages over stretches at birth stop at `until`, too: of a life of its own, as others may share this one."""
+        self.life = copy(self.life)
+        self.life.until = self.until
 
     def add_work(self, pieces: int) -> None:
         """Add the work of so many pieces: 1 each, or pair_work at a node; WORK_OF_AVERAGE times that where contacts are

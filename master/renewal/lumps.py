@@ -4,7 +4,6 @@ The start gives G_0 and M_0. Lumps with one law of stretches are asked for toget
 """
 
 from collections.abc import Sequence
-from copy import copy
 
 import numpy as np
 
@@ -37,8 +36,6 @@ def sums_of_lumps(
     width is not amid: whether it is before or after is told by the middle of the panel.
     """
     both, survival_error = np.zeros((2, *grid_leg.shape)), 0.0
-    life = copy(births.life)
-    life.until = births.until
     earliest, middle = grid_leg.min(keepdims=True), middle_of(grid_leg)[:, 0]
     inside = INSIDE * np.ptp(grid_leg, axis=1)
     panel_begin, panel_end = grid_leg.min(axis=1) + inside, grid_leg.max(axis=1) - inside
@@ -58,7 +55,7 @@ def sums_of_lumps(
         births.add_work(row.size)
         t_leg, born_leg = grid_leg[row], birth_leg[lump]  # (pairs, columns) and (pairs, 1)
         history = motion_leg.history(np.maximum(t_leg, born_leg), born_leg)
-        found = life.survival_and_force(law, history)
+        found = births.life.survival_and_force(law, history)
         survival_error = max(survival_error, found.error)
         still_unborn = amid[lump, row, None] & (t_leg < born_leg)
         survivors = np.where(still_unborn, [[[1.0]], [[0.0]]], found.both)  # (2, pairs, columns)

@@ -19,6 +19,7 @@ def read_file(
         refuse(key, file, f'must be a name of a {what}, such as "own.txt"')
 
     def checked() -> T:
+        """What `read` gives, on the one rank that has the file; InputError by the scene's key for all that fails."""
         path = folder / file
         try:
             if path.is_dir():

@@ -262,10 +262,9 @@ def simulated(case: Case, contacts: Contacts, path: Array) -> Answer:
     replicas = found.contacts // case.n_contacts or 1  # of a slow one so many as are done
     unit, pulled = contacts.mean_threshold, _bounded(case, found.force)
     by_chance = bounding_factor(replicas) * found.force_standard_error
-    reached = np.maximum.accumulate(
-        np.abs(path)
-    )  # no break changes the force of a contact by more, or by some <x_s>
-    unseen = UNSEEN / found.contacts * np.minimum(reached, unit)
+    # a break takes the force of one contact, which is stretched by no more than the way, and by <x_s> as a rule
+    stretch = np.minimum(np.maximum.accumulate(np.abs(path)), unit)
+    unseen = UNSEEN / found.contacts * stretch
     error = (by_chance + unseen + found.step_error + IN_UNITS * np.abs(path).max()) / unit
     faults = invariants(found.holding, pulled / unit, 0.0, contacts, path)
     return Answer(found.force / unit, error, bool(found.success), None, found.message, faults)

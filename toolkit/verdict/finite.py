@@ -34,8 +34,10 @@ SCATTERED = 0.3
 SMALL = 0.02
 # part of BEYOND after which the force is taken as that of steady sliding
 SETTLED = 0.5
-# mean thresholds, times N^(-2/3), by which the force of contacts that re-form at once is at most above that of
-# infinitely many: 9 of exponential thresholds on K = 1e-3; the drive goes on until they have slid, too
+# part of what a drive adds to the spring's pull on a slider that sticks: a force that rises by more still rises
+STILL = 0.5
+# mean thresholds, times N^(-2/3), by which the drive pulls contacts that re-form at once beyond the force of infinitely
+# many: theirs is above it by 3 (thresholds 1 ± 0.2) to 9 (exponential ones) on K = 1e-3, and by more on softer springs
 ABOVE = 10.0
 
 
@@ -54,6 +56,7 @@ class Finite:
     drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
     late, late_error : mean force over the last part of the way (of BEYOND), and its standard error, of contacts that
         re-form at once, F/(N_c <k>) (lengths); nan of others
+    rises : whether the force still rises there, as the sliders do not yet go with the drive
     """
 
     rule: str
@@ -70,6 +73,7 @@ class Finite:
     period: float | None = None
     late: float = float("nan")
     late_error: float = float("nan")
+    rises: bool = False
 
 
 def follow_finite(
@@ -89,13 +93,14 @@ def follow_finite(
     held = max(round(number), 1)
     mean = contacts.mean_threshold
     loading = static / machine.spring + mean
-    if settles:
-        loading += ABOVE * held ** (-2.0 / 3.0) * mean / machine.spring
+    pulled_on = ABOVE * held ** (-2.0 / 3.0) / machine.spring if settles else 0.0
+    loading += pulled_on * mean
     # in a slip that renews contacts all break once; contacts that re-form at once break at each threshold passed
     end = LOADINGS * loading if slips else loading + BEYOND * mean
     # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
     flowing = rule in FLOWING and not (rule == "mass" and contacts.waiting_time)
     lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
+    lives += pulled_on  # as long as that they slide, at most
     if (
         flowing and not slips
     ):  # the spring relaxes to the force of sliding, to none where that is not known
@@ -156,14 +161,17 @@ def follow_finite(
     if last:
         begins = (slips.mean("drive", number)[0] for number in (last, last - 1))
         period = float(np.subtract(*begins))
-    late, late_error = np.nan, np.nan
+    late, late_error, rises = np.nan, np.nan, False
     if settles:
         settled = path >= path[-1] - SETTLED * BEYOND * contacts.mean_threshold
         each = found.forces[:, settled].mean(axis=1)
         late, late_error = float(each.mean()), float(each.std(ddof=1)) / SLIDERS**0.5
+        first = int(np.argmax(settled)) - 1
+        rise = float((found.forces[:, -1] - found.forces[:, first]).mean())
+        rises = rise > STILL * machine.spring * float(path[-1] - path[first])
     forces = (before, error, after, after_error)
     finite = Finite(rule, followed, kind, *forces, mean, message, drive, force, period)
-    return replace(finite, late=late, late_error=late_error)
+    return replace(finite, late=late, late_error=late_error, rises=rises)
 
 
 def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:

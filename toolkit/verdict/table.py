@@ -16,7 +16,7 @@ _RUNG = 0.05
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3
 # standard errors, and part of F_k, by which few contacts differ from infinitely many where it is told; the scatter of
-# four sliders is known to a third
+# four sliders is known to some 40 %
 CLEARLY, TOLD = 4.0, 0.01
 
 
@@ -174,14 +174,15 @@ def of_so_many(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
 
 def late_force_of(finite: Finite, kinetic: float, scale: Scale) -> str:
     """The force that so many contacts bear at the end of the way, where it is not `kinetic`, that of infinitely many,
-    F/(N_c <k>) (lengths): on soft springs it is above it by some N^(-2/3) <x_s>, times 2 to 9 (docs/sliders.md)."""
+    F/(N_c <k>) (lengths): on soft springs it is above it by N^(-2/3) <x_s> times 2 to 9, or more (docs/sliders.md)."""
     off = abs(finite.late - kinetic)
     if not off > max(CLEARLY * finite.late_error, TOLD * kinetic):
         return ""
     late = with_uncertainty(
         finite.late * scale.force, finite.late_error * scale.force, scale.force_unit
     )
-    return f"; at the end they bear {late}, infinitely many {written(kinetic * scale.force, scale.force_unit)}"
+    still = ", which still rises" * finite.rises
+    return f"; at the end they bear {late}{still}, infinitely many {written(kinetic * scale.force, scale.force_unit)}"
 
 
 def fall_of(finite: Finite, scale: Scale) -> str:

@@ -30,7 +30,7 @@ class StepControl(NamedTuple):
         factor e. While the drive holds they are all there is; while it moves they stand beside the steps of its
         travel, and need resolve the first changes only.
     lost : e-folds of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as
-        of fresh contacts that heat breaks at rest, see `Steps.begin`.
+        of fresh contacts that heat breaks at rest, see `Steps.begin_section`.
     time_fractions : fractions of a step's size that may be time, from the latest on: there a balance before exact
         thresholds break is looked for, which a secant from one guess may miss.
     """
