@@ -235,6 +235,10 @@ def test_few_contacts_that_re_form_at_once_bear_more_than_infinitely_many() -> N
     )
     exact, error = own.forces.mean(), own.forces.mean(axis=1).std(ddof=1) / 8**0.5
     assert abs(finite.late - exact) < 5.0 * (finite.late_error + error)
+    softer = follow_finite(replace(machine, spring=1e-5), contacts, 1000.0, told, 1.0, 60.0)
+    assert softer.rises and "which still rises" in late_force_of(
+        softer, 1.0, scale_of(contacts, None)
+    )
     assert 5.0 * 1000 ** (-2 / 3) < exact - 1.0 < ABOVE * 1000 ** (-2 / 3)
     scale = scale_of(contacts, None)
     assert "at the end they bear 1.08" in late_force_of(finite, 1.0, scale)

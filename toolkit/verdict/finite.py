@@ -36,6 +36,8 @@ SMALL = 0.02
 SETTLED = 0.5
 # part of what a drive adds to the spring's pull on a slider that sticks: a force that rises by more still rises
 STILL = 0.5
+# standard errors, by the scatter of the sliders, above which a rise is no chance
+JERKS = 4.0
 # mean thresholds, times N^(-2/3), by which the drive pulls contacts that re-form at once beyond the force of infinitely
 # many: theirs is above it by 3 (thresholds 1 ± 0.2) to 9 (exponential ones) on K = 1e-3, and by more on softer springs
 ABOVE = 10.0
@@ -167,8 +169,10 @@ def follow_finite(
         each = found.forces[:, settled].mean(axis=1)
         late, late_error = float(each.mean()), float(each.std(ddof=1)) / SLIDERS**0.5
         first = int(np.argmax(settled)) - 1
-        rise = float((found.forces[:, -1] - found.forces[:, first]).mean())
-        rises = rise > STILL * machine.spring * float(path[-1] - path[first])
+        rise = found.forces[:, -1] - found.forces[:, first]
+        jerks = JERKS * float(rise.std(ddof=1)) / SLIDERS**0.5  # of sliders that go on step by step
+        least = max(STILL * machine.spring * float(path[-1] - path[first]), jerks)
+        rises = float(rise.mean()) > least
     forces = (before, error, after, after_error)
     finite = Finite(rule, followed, kind, *forces, mean, message, drive, force, period)
     return replace(finite, late=late, late_error=late_error, rises=rises)
