@@ -29,9 +29,10 @@ from toolkit.verdict.files import plain
 from toolkit.verdict.finite import ABOVE, Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow, follow_other_delay
 from toolkit.verdict.machine import NO_FORCES, NO_TIME, Behaviour, Known, Machine, not_followed
+from toolkit.verdict.of_area import disagreeing, fall_of, late_force_of
 from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.table import fall_of, in_units, late_force_of
-from toolkit.verdict.words import disagreeing, page, sentence
+from toolkit.verdict.table import in_units
+from toolkit.verdict.words import page, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 # contacts of which all numbers are stated
@@ -772,20 +773,69 @@ def test_samples_that_the_program_draws_are_its_own_to_raise() -> None:
     assert of_smoothing(law) and "hangs on the smoothing" in islands[0]
 
 
-def test_the_force_of_the_areas_own_contacts_stands_beside_that_of_infinitely_many() -> None:
-    contacts, own = Contacts(gaussian(1.0, 0.3)), infinite("stick-slip", 5)
-    number, scale = answers.Quantity(1.0, 0.0), replace(scale_of(contacts, None), contacts=300.0)
-    answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
+def with_contacts(own: Behaviour, finite: Finite, *others: float) -> answers.Verdict:
+    """The verdict on a slider of 300 contacts on its area; other readings have these F_k beside one of 1."""
+    contacts, rest = Contacts(gaussian(1.0, 0.3)), dict[str, str]()
+    scale = replace(scale_of(contacts, None), contacts=300.0, force_unit="N", spring_unit="N/m")
+    each = tuple(
+        answers.Answer(f"r{kinetic:g}", contacts, scale, force, force, force, SOFT, (own,))
+        for kinetic in (1.0, *others)
+        for force in [answers.Quantity(kinetic, 0.0)]
+    )
+    return answers.Verdict("a", "a", 1.0, each, (finite,), rest, 1.0)
+
+
+def test_the_areas_own_contacts_stand_in_the_headline_and_in_the_table() -> None:
+    """Where their slips are from another force than those of infinitely many; these follow in brackets."""
+    own = infinite("stick-slip", 5)
     for before, told in ((0.7, True), (0.7999, False)):
-        finite = Finite(own.rule, 300, "stick-slip", before, 1e-3, 0.0, 0.0, 5.0)
-        found = answers.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
-        said = sentence(found)
-        assert said.startswith("stick-slip: 0.8")
-        assert ("slips of 300 contacts, from (reset)" in "\n".join(page(found))) is told
+        finite = Finite(own.rule, 300, "stick-slip", before, 1e-3, 0.0, 0.0, 5.0, period=70.0)
+        found = with_contacts(own, finite)
+        said, text = sentence(found), "\n".join(page(found))
+        first = "stick-slip: 700 mN ± 1 mN down to 0 N every 70.0 length, 70.0 time at 1.00 with the 300 contacts of "
+        first += "the area (800 mN down to 500 mN for infinitely many)"
+        assert said == (first if told else "stick-slip: 800 mN down to 500 mN")
+        rows = dict(re.split(" {2,}", line)[:2] for line in text.splitlines() if "(reset)" in line)
         assert (
-            "the 300 contacts of the area slip from 0.700 ± 0.001"
-            in said.replace(" N_c<k> length", "")
+            rows.get("slips of 300 contacts, from (reset)") == "700 mN ± 1 mN down to 0 N"
         ) is told
+        assert (rows.get("period of 300 contacts (reset)") == "70.0 length, 70.0 time") is told
+        whose = ", infinitely many contacts" * told
+        assert rows[f"force before a slip{whose} (reset)"] == "800 mN"
+
+
+def test_the_areas_own_contacts_slide_at_their_own_force_in_the_headline() -> None:
+    """No more than the errors of both apart it is that of infinitely many; what rises on is said to."""
+    own = replace(infinite("smooth", 0), rule="instant", before=1.0, after=1.0)
+    finite = Finite("instant", 300, "smooth", late=1.043, late_error=2e-3)
+    for late, error, rises, told in (
+        (1.043, 0.0, False, "smooth at 1.043 N ± 2 mN with"),
+        (1.043, 0.0, True, "smooth, at 1.043 N ± 2 mN and still rising with"),
+        (1.043, 0.06, False, ""),
+        (1.009, 0.0, False, ""),
+    ):
+        known = replace(own, error=error)
+        found = with_contacts(known, replace(finite, late=late, rises=rises))
+        text = "\n".join(page(found))
+        rest = " the 300 contacts of the area (1.00 N for infinitely many)"
+        assert sentence(found) == (
+            told + rest if told else sentence(with_contacts(known, replace(finite, late=1.0)))
+        )
+        assert ("sliding force of 300 contacts (instant)  1.043 N ± 2 mN" in text) is bool(told)
+
+
+def test_the_widest_uncertainty_stands_in_the_headline() -> None:
+    """An error of one part in a hundred is told where readings agree better than that, else over what they reach."""
+    own = replace(infinite("smooth", 0), before=1.0, after=1.0, error=0.01)
+    finite = Finite("reset", 300, "smooth")
+    assert sentence(with_contacts(own, finite)) == "smooth at 1.00 N ± 10 mN"
+    assert sentence(with_contacts(own, finite, 0.995)) == "smooth at 1.00 N ± 10 mN"
+    said = sentence(with_contacts(own, finite, 0.4, 1.2))
+    assert said == "smooth at 1.00 N; F_k of the 3 readings is 400 mN to 1.20 N"
+    found = with_contacts(own, finite)
+    scattered = answers.Quantity(1.0, 0.0, 0.05)
+    found = replace(found, answers=(replace(found.own, kinetic=scattered),))
+    assert sentence(found) == "smooth at 1.000 N; other samples would change F_k by ± 50 mN"
 
 
 def test_a_fall_that_is_none_is_no_disagreement() -> None:

@@ -197,8 +197,9 @@ def verdict(arguments: argparse.Namespace) -> int:
     solver missed its tolerance, and where the number of contacts decides."""
     from toolkit.verdict.files import friction, plain
     from toolkit.verdict.judge import verdict as judged
+    from toolkit.verdict.of_area import disagreeing
     from toolkit.verdict.picture import draw_verdict
-    from toolkit.verdict.words import disagreeing, page
+    from toolkit.verdict.words import page
 
     formats = read_formats(arguments.format)
     scene = load_scene(arguments.scene, False, changes=read_changes(arguments.changes))

@@ -12,8 +12,9 @@ from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.finite import SMALL, Finite
 from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
 from toolkit.verdict.machine import NO_FORCES
+from toolkit.verdict.of_area import fall_of, late_force_of
 from toolkit.verdict.readings import why_late
-from toolkit.verdict.table import drop_of, fall_of, in_units, late_force_of, regained_by
+from toolkit.verdict.table import drop_of, in_units, regained_by
 
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
 # how the slip rules are named where a user reads of them

@@ -18,7 +18,8 @@ from toolkit.scene.scale import SHARED
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.hangs_on import NAMED, named
 from toolkit.verdict.machine import Behaviour
-from toolkit.verdict.words import disagreeing, sentence, warnings
+from toolkit.verdict.of_area import apart
+from toolkit.verdict.words import sentence, warnings
 
 # of the force, in mean thresholds: a trace of the master equation with a larger error is not drawn; one of the ensemble
 # is a slider's own, and its error that of fewer contacts than there are
@@ -36,7 +37,7 @@ def draw_verdict(verdict: Verdict) -> Any:
     """The friction trace, the threshold laws and K* of each reading, on a figure of its own."""
     from matplotlib.figure import Figure
 
-    pulled = bool(_known(verdict)) or any(finite.drive.size for _, finite in disagreeing(verdict))
+    pulled = bool(_known(verdict)) or any(finite.drive.size for finite in apart(verdict).values())
     many = len(verdict.answers)
     low = _LOW + (1.2 + _EACH * many) * (many > 1)
     figure = Figure(figsize=(11, low + 4.4 * pulled), layout="constrained")
@@ -67,7 +68,7 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
         if not behaviour.success or behaviour.error >= _UNKNOWN:
             label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
         axes.plot(behaviour.drive, behaviour.force * scale.force, label=label, **style)
-    for number, (_, finite) in enumerate(disagreeing(verdict), start=len(known)):
+    for number, finite in enumerate(apart(verdict).values(), start=len(known)):
         if finite.drive.size:
             label = f"{finite.contacts:,} contacts, {NAMED[finite.rule]}: {finite.kind}"
             # thin, and above the others, which it may follow for long, as one of these another

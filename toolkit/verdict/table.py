@@ -6,34 +6,14 @@ from itertools import zip_longest
 
 import numpy as np
 
-from toolkit.scene.scale import Scale, guarded, with_uncertainty, written
+from toolkit.scene.scale import Scale, guarded, written
 from toolkit.verdict.answers import Quantity, Verdict
-from toolkit.verdict.finite import Finite
 from toolkit.verdict.machine import Behaviour
+from toolkit.verdict.of_area import apart, period_of, rows_of
+from toolkit.verdict.uncertainty import share_of
 
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
-# of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
-SEEN = 1e-3
-# standard errors, and part of F_k, by which few contacts differ from infinitely many where it is told; the scatter of
-# four sliders is known to some 40 %
-CLEARLY, TOLD = 4.0, 0.01
-
-
-def share_of(verdict: Verdict) -> float:
-    """The widest uncertainty of static and kinetic force, relative: numerical, of other samples, over the readings. It
-    decides to how many digits forces, and the periods that follow from them, are written."""
-    shares = [0.0]
-    for name in ("kinetic", "static"):
-        each = [getattr(answer, name) for answer in verdict.answers]
-        scaled = [
-            one.value * answer.scale.force
-            for one, answer in zip(each, verdict.answers, strict=True)
-        ]
-        if each[0].value > 0.0:
-            shares.append((max(scaled) - min(scaled)) / scaled[0])
-            shares.append(max(each[0].error, each[0].sampling or 0.0) / each[0].value)
-    return max(share for share in shares if np.isfinite(share))
 
 
 def table(verdict: Verdict) -> list[str]:
@@ -117,9 +97,13 @@ def row(
 
 
 def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
-    """Rows of the slips of the own reading; rules that give the same numbers share a row."""
+    """Rows of the slips of the own reading, first of the contacts of the area where these do something else than
+    infinitely many; rules that give the same numbers share a row."""
     scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
-    force, load = scale.force_unit, scale.load
+    force, load, few = scale.force_unit, scale.load, apart(verdict)
+    for rule, many in few.items():
+        for row in rows_of(verdict, many).items():
+            rows.setdefault(row, []).append(rule)
     for behaviour in verdict.own.behaviours:
         if behaviour.kind == "undecided" and not behaviour.slips:
             rows.setdefault(("slips", "not known"), []).append(behaviour.rule)
@@ -140,16 +124,13 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
                 regained * scale.force, force, share * regained * scale.force
             )
         if behaviour.period is not None:
-            later = behaviour.period / verdict.velocity
-            period = guarded(behaviour.period, scale.length_unit, share * behaviour.period)
-            told["period"] = f"{period}, {guarded(later, scale.time_unit, share * later)}"
+            told["period"] = ", ".join(period_of(verdict, behaviour.period, share))
         if behaviour.slip_time is not None:
             told["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
-        for row in told.items():
-            rows.setdefault(row, []).append(behaviour.rule + _unfinished(behaviour))
-    for one, many in of_so_many(verdict):
-        row = (f"slips of {many.contacts:,} contacts, from", fall_of(many, scale))
-        rows.setdefault(row, []).append(one.rule)
+        whose = ", infinitely many contacts" * (behaviour.rule in few)
+        for name, value in told.items():
+            rule = behaviour.rule + _unfinished(behaviour)
+            rows.setdefault((name + whose, value), []).append(rule)
     for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
 
@@ -159,52 +140,6 @@ def _unfinished(behaviour: Behaviour) -> str:
     if behaviour.kind != "undecided":
         return ""
     return ": path cut" if behaviour.cut else ": not decided"
-
-
-def of_so_many(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
-    """The rules under which as many contacts as there are slip as infinitely many do, at clearly other forces."""
-    pairs = zip(verdict.own.behaviours, verdict.finite, strict=False)
-    return [
-        (one, many)
-        for one, many in pairs
-        if one.kind == many.kind == "stick-slip" and not many.message
-        if abs(many.before - one.before) > max(SEEN * abs(one.before), 2.0 * many.before_error)
-    ]
-
-
-def late_force_of(finite: Finite, kinetic: float, scale: Scale) -> str:
-    """The force that so many contacts bear at the end of the way, where it is not `kinetic`, that of infinitely many,
-    F/(N_c <k>) (lengths): on soft springs it is above it by N^(-2/3) <x_s> times 2 to 9, or more (docs/sliders.md)."""
-    off = abs(finite.late - kinetic)
-    if not off > max(CLEARLY * finite.late_error, TOLD * kinetic):
-        return ""
-    late = with_uncertainty(
-        finite.late * scale.force, finite.late_error * scale.force, scale.force_unit
-    )
-    still = ", which still rises" * finite.rises
-    return f"; at the end they bear {late}{still}, infinitely many {written(kinetic * scale.force, scale.force_unit)}"
-
-
-def fall_of(finite: Finite, scale: Scale) -> str:
-    """The mean forces before and after a slip of so many contacts, with their errors."""
-    size = abs(finite.before)
-    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
-    high, low = (
-        with_uncertainty(
-            mean * scale.force,
-            error * scale.force if 1e-9 * size < error < np.inf else 0.0,
-            scale.force_unit,
-        )
-        for mean, error in means
-    )
-    return falls(high, low, (finite.before - finite.after) * scale.force, scale.force_unit)
-
-
-def falls(high: str, low: str, drop: float, unit: str) -> str:
-    """A force down to another, both as written, with their errors or without; by how much where they are written
-    alike."""
-    alike = high.partition(" ± ")[0] == low.partition(" ± ")[0]
-    return f"{high} down by {written(drop, unit, digits=2)}" if alike else f"{high} down to {low}"
 
 
 def drop_of(behaviour: Behaviour) -> float:
@@ -225,49 +160,6 @@ def regained_by(verdict: Verdict, behaviour: Behaviour) -> float | None:
 def speed_unit(verdict: Verdict) -> str:
     """ "m/s" where lengths are in metres, else none."""
     return "m/s" if verdict.own.scale.length_unit == "m" else ""
-
-
-def numerical_errors(verdict: Verdict) -> str:
-    """How large the numerical errors of the own reading's numbers are at most, relative to these; and those of other
-    readings, which stand in the ranges, where they are larger and would be seen."""
-    own = verdict.own
-    told = not (own.smoothed or own.critical_spring.lost)
-    known = [own.kinetic, own.static, *([own.critical_spring] if told else [])]
-    relative = [_relative(one) for one in known]
-    for behaviour in own.behaviours:
-        if np.isfinite(behaviour.error) and behaviour.before:
-            mean = own.contacts.mean_threshold
-            relative.append(behaviour.error * mean / abs(behaviour.before))
-    what = "numerical errors"
-    if any(one.sampling for one in known):
-        what = "without the scatter of other samples, errors"
-    most = max(relative)
-    worse = "".join(f"; {one}" for one in _less_known(verdict, max(most, SEEN)))
-    return f"{what} are at most {most:.0e} of these numbers{worse} (verdict.json has each)"
-
-
-def _relative(quantity: Quantity) -> float:
-    """The error of a number, relative to it; 0 for one that is 0 or infinite."""
-    known = quantity.value and np.isfinite(quantity.value)
-    return quantity.error / abs(quantity.value) if known else 0.0
-
-
-def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
-    """The numbers of other readings with a larger relative error than that, in words, and each K* that is not known."""
-    if verdict.own.critical_spring.lost and not verdict.own.smoothed:
-        yield "but K*, whose error is as large as itself, is not known"
-    for answer in verdict.answers[1:]:
-        scale = answer.scale
-        for name, one, factor, unit in (
-            ("F_k", answer.kinetic, scale.force, scale.force_unit),
-            ("F_s", answer.static, scale.force, scale.force_unit),
-            ("K*", answer.critical_spring, scale.spring, scale.spring_unit),
-        ):
-            if one is answer.critical_spring and one.lost:
-                yield f"but K* of {answer.name}, whose error is as large as itself, is not known"
-            elif _relative(one) > most:
-                error = written(one.error * factor, unit, digits=2)
-                yield f"but {name} of {answer.name}, in the range, is {written(one.value * factor, unit)} ± {error}"
 
 
 def in_units(message: str, scale: Scale) -> str:

@@ -1,13 +1,12 @@
 """The verdict as text: the sentence, its numbers, and what the sentence hangs on."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, of_stretch, spoken, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.finite import SMALL, Finite
 from toolkit.verdict.hangs_on import (
     delay_decides,
     dependence,
@@ -18,17 +17,9 @@ from toolkit.verdict.hangs_on import (
     why_smooth,
 )
 from toolkit.verdict.machine import NO_FORCES, Behaviour, half_a_swing
-from toolkit.verdict.table import (
-    drop_of,
-    fall_of,
-    falls,
-    in_units,
-    numerical_errors,
-    of_so_many,
-    share_of,
-    speed_unit,
-    table,
-)
+from toolkit.verdict.of_area import apart, behaved, counted, disagreeing, falls
+from toolkit.verdict.table import drop_of, in_units, speed_unit, table
+from toolkit.verdict.uncertainty import numerical_errors, reach_of_kinetic, share_of, widest
 
 # of a force: a larger error of it is told beside it
 KNOWN = 1e-3
@@ -102,18 +93,12 @@ def _not_known_of(verdict: Verdict) -> list[str]:
     missing, own = not_decided(verdict), verdict.own
     if not missing:
         return []
-    forces = [one.kinetic.value * one.scale.force for one in verdict.answers]
-    ends = (
-        guarded(one, own.scale.force_unit, share_of(verdict) * one)
-        for one in (min(forces), max(forces))
-    )
     many, left = len(verdict.answers), len(verdict.answers) - len(missing)
     whose = own.name if left == 1 else f"{left} of {many} readings"
     late = " in time" * all(out_of_time(one) for one in missing)
-    reach = " to ".join(dict.fromkeys(ends))
     one = "is" if len(missing) == 1 else "are"
     count = f"the other {len(missing)} {one} not decided{late}"
-    return [f"this is of {whose}, {count}; F_k of all {many} is {reach}"]
+    return [f"this is of {whose}, {count}; F_k of all {many} is {reach_of_kinetic(verdict)}"]
 
 
 def _kinds(verdict: Verdict) -> list[str]:
@@ -132,29 +117,17 @@ def _rules(alike: Sequence[Behaviour]) -> str:
     return named([one.rule for one in alike])
 
 
-def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
-    """The rules under which as many contacts as there are do something else than infinitely many."""
-    pairs = zip(verdict.own.behaviours, verdict.finite, strict=False)
-    known = [pair for pair in pairs if "un" not in (pair[0].kind[:2], pair[1].kind[:2])]
-    small = SMALL * verdict.own.contacts.mean_threshold
-    return [
-        (behaviour, finite)
-        for behaviour, finite in known
-        if behaviour.kind != finite.kind and not finite.before - finite.after < small
-    ]
-
-
 def _disagreement(verdict: Verdict) -> str:
     """The headline where the number of contacts decides; "" where it does not."""
-    apart = disagreeing(verdict)
-    if not apart:
+    differ = disagreeing(verdict)
+    if not differ:
         return ""
-    _, finite = apart[0]
+    _, finite = differ[0]
     said = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}.get(
         finite.kind, "slip now and then"
     )
-    every = len(apart) == len(verdict.own.behaviours)
-    where = "" if every else f" if {_rules([one for one, _ in apart])}"
+    every = len(differ) == len(verdict.own.behaviours)
+    where = "" if every else f" if {_rules([one for one, _ in differ])}"
     force, unit = verdict.own.scale.force, verdict.own.scale.force_unit
     if np.isfinite(finite.after):  # else they slide
         high, low = (written(end * force, unit) for end in (finite.before, finite.after))
@@ -200,26 +173,23 @@ def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
 def _told(verdict: Verdict, answer: Answer) -> list[str]:
     """What the rules say under one reading, with its numbers. Of those that are not decided the first says why, as
     others may be followed in its place; `dependence` has the reasons of all."""
-    groups = dict[tuple[str, str], list[Behaviour]]()
-    first = answer.behaviours[0]
+    groups = dict[tuple[str, str, str], list[Behaviour]]()
+    first, few = answer.behaviours[0], apart(verdict) if answer is verdict.own else {}
     for one in answer.behaviours:
         seen = one.rule if one.slips else "first" if one.message == first.message else ""
-        groups.setdefault((one.kind, seen if one.kind == "undecided" else ""), []).append(one)
+        own = ""
+        if many := few.get(one.rule):
+            own = f"{behaved(verdict, many)} with {counted(verdict, many)}"
+        key = (one.kind, seen if one.kind == "undecided" else "", own)
+        groups.setdefault(key, []).append(one)
     parts = list[str]()
-    for (kind, _), alike in groups.items():
-        said = _behaved(verdict, answer, kind, alike)
+    for (kind, _, own), alike in groups.items():
+        said = _behaved(verdict, answer, kind, alike, bare=own.startswith(kind))
+        if own:
+            said = f"{own} ({said} for infinitely many)"
         parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
-    return [*parts, *_of_the_area(verdict, answer)]
-
-
-def _of_the_area(verdict: Verdict, answer: Answer) -> Iterator[str]:
-    """The slips of as many contacts as there are, where their forces are clearly not those of infinitely many."""
-    scale, told = answer.scale, dict[str, list[Behaviour]]()
-    for one, many in of_so_many(verdict) if answer is verdict.own else ():
-        whose = "of the area" if scale.contacts is not None else "of [eq]"
-        said = f"the {many.contacts:,} contacts {whose} slip from {fall_of(many, scale)}"
-        told.setdefault(said, []).append(one)
-    yield from (f"{said} if {_rules(alike)}" for said, alike in told.items())
+    told_there = bool(not_decided(verdict)) or answer is not verdict.own
+    return parts if told_there else [*parts, *widest(verdict)]
 
 
 def _without_delay(answer: Answer, slider: Behaviour) -> str:
@@ -242,8 +212,11 @@ def _of_damping(answer: Answer, slider: Behaviour) -> str:
     return f" ({written(borne * scale.force, scale.force_unit)} of it borne by the damping)"
 
 
-def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behaviour]) -> str:
-    """One kind of behaviour with its numbers."""
+def _behaved(
+    verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behaviour], bare: bool = False
+) -> str:
+    """One kind of behaviour with its numbers; its forces alone if `bare`. The numerical error stands beside these where
+    it is the widest uncertainty."""
     scale, last, share = answer.scale, alike[0], share_of(verdict)
 
     error = max((one.error for one in alike if one.error < np.inf), default=0.0)
@@ -266,10 +239,12 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
         first = answer.behaviours[0]
         why = f" ({in_units(last.message, scale)})" * (last.message == first.message)
         return f"not decided{why}"
-    told = error if error > KNOWN * top else 0.0
+    told = error if error > max(KNOWN, share_of(verdict)) * top else 0.0
     off = f" ± {written(error, scale.force_unit, digits=1)}" * bool(told)
     low = reach([one.after * scale.force for one in alike], scale.force_unit, told)
     if kind == "smooth":
+        if bare:
+            return f"{low}{off}"
         return f"smooth at {low}{off}{_of_damping(answer, last)}{_without_delay(answer, last)}"
     high = reach([one.before * scale.force for one in alike], scale.force_unit, told) + off
     fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
@@ -277,6 +252,8 @@ def _behaved(verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behavi
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
         what = "whether it goes on is not known"
         return f"not decided: {seen} from {fall}, and {what}"
+    if bare:
+        return fall
     said = f"stick-slip: {fall}"
     periods = [one.period for one in alike if one.period is not None]
     if periods:

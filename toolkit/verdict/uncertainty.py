@@ -1,0 +1,111 @@
+"""How well the numbers of a verdict are known: numerical errors, the scatter of other samples, the spread over the
+readings."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.scene.scale import guarded, written
+from toolkit.verdict.answers import Quantity, Verdict
+
+# of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
+SEEN = 1e-3
+# of the forces: a smaller uncertainty is no news beside them
+WORTH_TELLING = 0.01
+
+
+class Shares(NamedTuple):
+    """Uncertainties of static and kinetic force, the larger of both, relative to it: the spread over the readings, the
+    scatter of other samples, the numerical error."""
+
+    readings: float
+    sampling: float
+    numerical: float
+
+
+def shares_of(verdict: Verdict) -> Shares:
+    """How well the forces of a rigid slider are known."""
+    found = [Shares(0.0, 0.0, 0.0)]
+    for name in ("kinetic", "static"):
+        each: list[Quantity] = [getattr(answer, name) for answer in verdict.answers]
+        scaled = [
+            one.value * answer.scale.force
+            for one, answer in zip(each, verdict.answers, strict=True)
+        ]
+        own = each[0]
+        if own.value > 0.0:
+            spread = (max(scaled) - min(scaled)) / scaled[0]
+            found.append(Shares(spread, (own.sampling or 0.0) / own.value, own.error / own.value))
+    return Shares(
+        *(max(one for one in column if np.isfinite(one)) for column in zip(*found, strict=True))
+    )
+
+
+def share_of(verdict: Verdict) -> float:
+    """The widest uncertainty of static and kinetic force, relative: it decides to how many digits forces, and the
+    periods that follow from them, are written."""
+    return max(shares_of(verdict))
+
+
+def widest(verdict: Verdict) -> list[str]:
+    """The widest uncertainty of the forces in words, where it is not the numerical error, which stands beside them."""
+    shares, own = shares_of(verdict), verdict.own
+    scale, share = own.scale, max(shares)
+    if share < WORTH_TELLING or share == shares.numerical:
+        return []
+    if shares.sampling > shares.readings:
+        error = written((own.kinetic.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
+        return [f"other samples would change F_k by ± {error}"]
+    return [f"F_k of the {len(verdict.answers)} readings is {reach_of_kinetic(verdict)}"]
+
+
+def reach_of_kinetic(verdict: Verdict) -> str:
+    """F_k over all readings, from the least to the largest."""
+    scale, share = verdict.own.scale, share_of(verdict)
+    forces = [one.kinetic.value * one.scale.force for one in verdict.answers]
+    ends = (guarded(one, scale.force_unit, share * one) for one in (min(forces), max(forces)))
+    return " to ".join(dict.fromkeys(ends))
+
+
+def numerical_errors(verdict: Verdict) -> str:
+    """How large the numerical errors of the own reading's numbers are at most, relative to these; and those of other
+    readings, which stand in the ranges, where they are larger and would be seen."""
+    own = verdict.own
+    told = not (own.smoothed or own.critical_spring.lost)
+    known = [own.kinetic, own.static, *([own.critical_spring] if told else [])]
+    relative = [_relative(one) for one in known]
+    for behaviour in own.behaviours:
+        if np.isfinite(behaviour.error) and behaviour.before:
+            mean = own.contacts.mean_threshold
+            relative.append(behaviour.error * mean / abs(behaviour.before))
+    what = "numerical errors"
+    if any(one.sampling for one in known):
+        what = "without the scatter of other samples, errors"
+    most = max(relative)
+    worse = "".join(f"; {one}" for one in _less_known(verdict, max(most, SEEN)))
+    return f"{what} are at most {most:.0e} of these numbers{worse} (verdict.json has each)"
+
+
+def _relative(quantity: Quantity) -> float:
+    """The error of a number, relative to it; 0 for one that is 0 or infinite."""
+    known = quantity.value and np.isfinite(quantity.value)
+    return quantity.error / abs(quantity.value) if known else 0.0
+
+
+def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
+    """The numbers of other readings with a larger relative error than that, in words, and each K* that is not known."""
+    if verdict.own.critical_spring.lost and not verdict.own.smoothed:
+        yield "but K*, whose error is as large as itself, is not known"
+    for answer in verdict.answers[1:]:
+        scale = answer.scale
+        for name, one, factor, unit in (
+            ("F_k", answer.kinetic, scale.force, scale.force_unit),
+            ("F_s", answer.static, scale.force, scale.force_unit),
+            ("K*", answer.critical_spring, scale.spring, scale.spring_unit),
+        ):
+            if one is answer.critical_spring and one.lost:
+                yield f"but K* of {answer.name}, whose error is as large as itself, is not known"
+            elif _relative(one) > most:
+                error = written(one.error * factor, unit, digits=2)
+                yield f"but {name} of {answer.name}, in the range, is {written(one.value * factor, unit)} ± {error}"
