@@ -104,6 +104,8 @@ def test_summits_against_sums_over_heights(
     # plastic where the elastic load exceeds what the hardness bears over pi r delta
     plastic = 1.0 if regime == "plastic" else beyond(limit) / beyond(0.0)
     assert i.plastic_fraction == pytest.approx(plastic, rel=1e-10) and i.regime == regime
+    loads, over = often * bears(d)[0], d > limit if regime != "plastic" else d > 0.0
+    assert i.plastic_load_fraction == pytest.approx(loads[over].sum() / loads.sum(), rel=1e-6)
     assert i.plasticity_index == pytest.approx(E_STAR / (H / 3) * np.sqrt(std / radius), rel=1e-12)
     assert i.mean_plane_separation == i.separation + MOMENTS.summit_offset
 
@@ -131,6 +133,10 @@ def test_stresses_against_sums_over_the_stress_distribution(law: str, pressure: 
         assert float(found.sf(x)) == pytest.approx(beyond(at) / beyond(0.0), rel=1e-8)
         assert float(i.force_threshold(x)) == pytest.approx(float(force), rel=1e-12)
     assert i.plastic_fraction == pytest.approx(beyond(H) / beyond(0.0), rel=1e-8)
+    s, weights = root_rule(H, *(H + k * width for k in (1, 3, 8)))
+    density = np.exp(-(((s - pressure) / width) ** 2)) * -np.expm1(-4 * s * pressure / width**2)
+    borne = float((weights * s * density).sum()) / (width * np.sqrt(np.pi)) / pressure
+    assert i.plastic_load_fraction == pytest.approx(borne, rel=1e-6)
     assert found.onset_power == (1.0 if law == "amontons" else 3.0)
     assert float(found.pdf(0.0)) == 0.0 and found.std() > 0.0
 

@@ -838,6 +838,29 @@ def test_the_widest_uncertainty_stands_in_the_headline() -> None:
     assert sentence(found) == "smooth at 1.000 N; other samples would change F_k by ± 50 mN"
 
 
+def test_what_the_verdict_hangs_on_is_sorted_by_how_much_it_changes(capsys: Any) -> None:
+    """What turns the answer, the share of the load on contacts that would be plastic, readings that are nearer, what
+    turns nothing; and most of the load on plastic contacts is a doubt before the answer."""
+    soft = ROUGH | {"material": CONSTANTS | {"hardness": 5e7, "shear_strength": 5e7}}
+    readings = {"readings": ["gw/amontons", "gw/strength"], "rules": ["reset", "instant"]}
+    drive = MACHINE | {"spring": "50 N/m"}
+    *_, found = judged(capsys, thresholds=soft, drive=drive, verdict=readings)
+    surface = load_scene("mine.toml", solved=False).contacts.interface
+    assert surface is not None
+    caution = surface.plastic_caution
+    assert f"{surface.plastic_load_fraction:.0%} of the load, would be plastic" in caution
+    assert surface.plastic_load_fraction > surface.plastic_fraction
+    starts = ("the slip rule: ", caution, "threshold law, contact model", "not the reading: ")
+    places = [
+        next(n for n, line in enumerate(found["hangs_on"]) if line.startswith(start))
+        for start in starts
+    ]
+    assert places == sorted(places) and places[0] == 0
+    assert found["do_not_trust"] == [
+        f'do not trust this: {caution}: take regime = "mixed", or "plastic"'
+    ]
+
+
 def test_a_fall_that_is_none_is_no_disagreement() -> None:
     """Slips of finitely many contacts below 0.02 <x_s> do not contradict smooth sliding."""
     contacts, own = Contacts(gaussian(1.0, 0.3)), infinite("smooth", 1)

@@ -106,15 +106,19 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
     summits = Summits(moments, material, regime, height_law)
     z = summits.separation(pressure)
     summits.check(z, "pressure", pressure, "lower it")
-    plastic = of_hertz = None
+    plastic = of_hertz = loaded = None
     if material.hardness is not None:
         limit = material.critical_compression(summits.radius)
-        plastic = 1.0 if regime == "plastic" else float(summits.compressions(z).sf(limit))
+        plastic = loaded = 1.0
+        if regime != "plastic":
+            plastic = float(summits.compressions(z).sf(limit))
+            loaded = _load_beyond(limit, summits.compressions(z), summits.load)
         elastic = Summits(moments, material, "elastic", height_law)
         by_hertz = z if regime == "elastic" else elastic.separation(pressure)
         of_hertz = float(summits.compressions(by_hertz).sf(limit))
     fields |= {"regime": regime, "separation": float(z * summits.std)}
     fields |= {"plastic_fraction": plastic, "hertz_plastic_fraction": of_hertz}
+    fields["plastic_load_fraction"] = loaded
     fields["area_fraction"] = summits.area_fraction(z)
     fields["contact_density"] = summits.contact_density(z)
     area = straight(np.pi * summits.radius, 1.0)
@@ -130,12 +134,29 @@ def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
         refuse("law", "strength", 'all patches break at one threshold; write "amontons"')
     # the square root of the stress has the law (PcPersson3)
     roots = persson(centre=float(np.sqrt(pressure)), width=float(np.sqrt(width)))
-    plastic = None if material.hardness is None else float(roots.sf(np.sqrt(material.hardness)))
+    plastic = loaded = None
+    if material.hardness is not None:
+        limit = float(np.sqrt(material.hardness))
+        plastic = float(roots.sf(limit))
+        loaded = _load_beyond(limit, roots, straight(patch_area, 2.0))
     area_fraction = float(scipy.special.erf(pressure / width))
     fields |= {"area_fraction": area_fraction, "contact_density": area_fraction / patch_area}
     fields |= {"plastic_fraction": plastic, "hertz_plastic_fraction": plastic}
+    fields["plastic_load_fraction"] = loaded
     fields["patch_area"] = patch_area
     return _joined(roots, straight(patch_area, 2.0), straight(patch_area, 0.0), fields)
+
+
+def _load_beyond(limit: float, size: Thresholds, load: Bend) -> float:
+    """Share of the load that contacts with a size beyond the limit bear: the integral of load(size) over their share,
+    relative to that over all."""
+    beyond = float(size.sf(limit))
+    if beyond == 0.0:
+        return 0.0
+    borne, _ = scipy.integrate.quad(
+        lambda share: float(load(size.isf(share))), 0.0, beyond, epsabs=0.0, epsrel=1e-9
+    )
+    return min(borne / float(Powered(size, load).mean()), 1.0)
 
 
 def _joined(size: Thresholds, load: Bend, area: Bend, fields: dict[str, Any]) -> Thresholds:

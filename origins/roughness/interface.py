@@ -138,6 +138,7 @@ class Interface(InSI):
     plastic_fraction : gw: fraction of contacts compressed beyond r (3 pi H/4E*)², which are plastic in the regime
         "mixed"; all of them in the regime "plastic". persson: fraction of stresses above H. None without a hardness.
     hertz_plastic_fraction : the same if all contacts were elastic under this pressure, whatever the regime.
+    plastic_load_fraction : share of the load that those of plastic_fraction bear, in the regime that was asked for.
     separation, patch_area : height of the flat above the summits' mean plane, m, gw; area of one contact, m², persson.
     """
 
@@ -160,6 +161,7 @@ class Interface(InSI):
     regime: str = "elastic"
     separation: float | None = None
     patch_area: float | None = None
+    plastic_load_fraction: float | None = None
 
     @property
     def mean_load(self) -> float:
@@ -190,12 +192,22 @@ class Interface(InSI):
         return self.force_law(lengths)
 
     @property
+    def plastic_caution(self) -> str:
+        """A sentence where more than 1 % of the load rests on contacts that would be plastic, and are taken as elastic;
+        else ""."""
+        plastic, loaded = self.plastic_fraction or 0.0, self.plastic_load_fraction or 0.0
+        if self.regime != "elastic" or max(plastic, loaded) <= 0.01:
+            return ""
+        bear = f", which bear {loaded:.0%} of the load," * (loaded > 0.0)
+        return f"{plastic:.0%} of the contacts{bear} would be plastic, and are taken as elastic"
+
+    @property
     def cautions(self) -> tuple[str, ...]:
         """Sentences about surface or load at the limits of the theory; empty where there are none."""
         moments, mu, reach = self.moments, self.friction_coefficient, self.mean_threshold
         covered, radius, slope = self.area_fraction, self.mean_radius, moments.rms_slope
         local, tops = self.material.local_friction or np.inf, moments.summit_radius
-        plastic, by_hertz = self.plastic_fraction or 0.0, self.hertz_plastic_fraction or 0.0
+        by_hertz = self.hertz_plastic_fraction or 0.0
         modulus, load = self.material.contact_modulus, self.pressure
         uneven = moments.unevenness
         # without a scan, or without patches, there are no cautions about their size
@@ -203,7 +215,6 @@ class Interface(InSI):
         point, scan = pixel[0] * pixel[1], size[0] * size[1] or np.inf
         patch, in_scan = self.patch_area or point, self.contact_density * scan
         alone = "neighbours are hardly independent, and in full contact none stands alone"
-        too_plastic = self.regime == "elastic" and plastic > 0.01
         too_elastic = self.regime == "plastic" and by_hertz < 0.01
         # the scan need not resolve the area of Persson's patches
         too_small = self.model == "gw" and radius < 2.0 * max(pixel)
@@ -223,7 +234,7 @@ class Interface(InSI):
             f"rms slope is {slope:.2g}: are heights and pixel size in one unit?": slope > 0.5,
             f"slopes along and across its ridges differ by a factor {uneven:.2g}: not isotropic": uneven
             > 1.5,
-            f"{plastic:.0%} of the contacts would be plastic, and are taken as elastic": too_plastic,
+            self.plastic_caution: self.plastic_caution != "",
             f"{by_hertz:.1%} would be plastic by Hertz' theory, and all are taken as such": too_elastic,
             f"contacts stretch by {in_metres(reach)}, above their radius {in_metres(radius)}": reach
             > radius,

@@ -21,7 +21,7 @@ _UNITS |= {"mean_plane_separation": "m", "patch_area": "m2", "mean_area": "m2", 
 _UNITS |= {"mean_force_threshold": "N", "contact_density": "1/m2", "mean_stiffness": "N/m"}
 
 
-# of the contacts: where more are plastic the elastic theory says nothing
+# of the load: where plastic contacts bear more the elastic theory says nothing
 _MOSTLY = 0.5
 
 
@@ -113,14 +113,13 @@ def remarks(law: Thresholds) -> list[str]:
 
 def doubts(contacts: Contacts) -> list[str]:
     """Remarks after which no number of these contacts can be trusted before they are settled: those that ask whether
-    the input is meant, a temperature at which nothing holds, contacts taken as elastic where most are plastic."""
+    the input is meant, a temperature at which nothing holds, contacts taken as elastic where those that would be
+    plastic bear most of the load."""
     law = contacts.thresholds
     surface, said = law.interface, [one for one in remarks(law) if "?" in one]
-    elastic = isinstance(surface, Interface) and surface.regime == "elastic"
-    plastic = surface.plastic_fraction or 0.0 if elastic else 0.0
-    if plastic > _MOSTLY:
-        hint = 'take regime = "mixed", or "plastic"'
-        said.append(f"{plastic:.0%} of the contacts would be plastic, and are elastic here: {hint}")
+    caution = surface.plastic_caution if isinstance(surface, Interface) else ""
+    if caution and (surface.plastic_load_fraction or 0.0) > _MOSTLY:
+        said.append(f'{caution}: take regime = "mixed", or "plastic"')
     if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:
         said += filter(None, [too_hot(contacts.thermal.temperature, law)])
     return said

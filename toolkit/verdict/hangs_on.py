@@ -1,109 +1,77 @@
 """What a verdict hangs on, in lines: slip rule, readings, number of contacts; and what was not answered."""
 
-import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
+from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import MORE_TIME
-from toolkit.verdict.finite import SMALL, Finite
-from toolkit.verdict.follow import DAMPED, TOLERANCE_IN_TIME
-from toolkit.verdict.machine import NO_FORCES
-from toolkit.verdict.of_area import fall_of, late_force_of
-from toolkit.verdict.readings import why_late
+from toolkit.verdict.finite import ABOVE, SMALL, Finite
+from toolkit.verdict.follow import DAMPED
+from toolkit.verdict.kinds import NAMED, delay_decides, named, not_decided, others, out_of_time
+from toolkit.verdict.lines import GENERAL, NOTHING, TURNS, UNSIZED, Line, by_reason, sorted_texts
+from toolkit.verdict.of_area import apart, fall_of, late_force_of
 from toolkit.verdict.table import drop_of, in_units, regained_by
+from toolkit.verdict.uncertainty import reach_of_kinetic, shares_of
+from toolkit.verdict.undone import left_undone, of_errors
 
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
-# how the slip rules are named where a user reads of them
-NAMED = {
-    "reset": "a slip renews all contacts",
-    "reform-after": "contacts re-form after the slip",
-    "instant": "contacts re-form at once",
-    "mass": "mass, damping and delay decide",
-}
-
-
-def others(verdict: Verdict) -> dict[str, list[str]]:
-    """The readings that say something else than the scene's own under any rule, by what they say."""
-    own = {behaviour.rule: behaviour.kind for behaviour in verdict.own.behaviours}
-    differ: dict[str, list[str]] = {}
-    for answer in verdict.answers[1:]:
-        for one in answer.behaviours:
-            if one.kind not in ("undecided", own.get(one.rule, one.kind)):
-                names = differ.setdefault(one.kind, [])
-                names += [answer.name] if answer.name not in names else []
-    return differ
-
-
-def not_decided(verdict: Verdict) -> list[Answer]:
-    """The other readings of which nothing is known under any rule that the scene's own reading is decided under."""
-    known = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
-    if not known:
-        return []
-    return [
-        answer
-        for answer in verdict.answers[1:]
-        if all(one.kind == "undecided" for one in answer.behaviours if one.rule in known)
-    ]
-
-
-def out_of_time(answer: Answer) -> bool:
-    """Whether it is for want of time alone that a reading is not decided."""
-    return all("wall_time" in one.message for one in answer.behaviours if one.kind == "undecided")
+RULE = "<rule>"
+# N K³, K in N_c<k>, above which sliding on springs stiffer than K* is smooth (docs/sliders.md)
+SMOOTH_ABOVE = 50.0
 
 
 def dependence(verdict: Verdict) -> list[str]:
-    """What the verdict hangs on: slip rule, readings, number of contacts; and what was not answered."""
-    return [
-        *_of_rules(verdict),
-        *_of_readings(verdict),
-        *_of_a_stuck_slider(verdict),
-        *_of_a_mass(verdict),
-        *_of_contacts(verdict),
-        *_left_undone(verdict),
-        *_of_errors(verdict),
-    ]
+    """What the verdict hangs on, the worst first: slip rule, readings, number of contacts; what was not answered."""
+    lines = (
+        _of_rules(verdict),
+        _of_readings(verdict),
+        _of_a_stuck_slider(verdict),
+        _of_a_mass(verdict),
+        _of_contacts(verdict),
+        left_undone(verdict),
+        of_errors(verdict),
+    )
+    return sorted_texts(chain(*lines))
 
 
-def _of_rules(verdict: Verdict) -> Iterator[str]:
+def _of_rules(verdict: Verdict) -> Iterator[Line]:
     """What hangs on the slip rule, or on the delay that decides in its place."""
     own = verdict.own
     kinds = {one.rule: one.kind for one in own.behaviours}
     if len(set(kinds.values())) > 1:
         each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
-        yield (
+        yield Line(
+            TURNS,
             f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
-            "give drive.mass, drive.damping and [contacts.delay]"
+            "give drive.mass, drive.damping and [contacts.delay]",
         )
     elif len(kinds) > 1 and "undecided" not in kinds.values():
-        yield "not the slip rule, for infinitely many contacts: all rules agree"
+        yield Line(NOTHING, "not the slip rule, for infinitely many contacts: all rules agree")
     elif len(kinds) == 1 and own.machine and own.machine.mass:
         given, known = bool(own.contacts.waiting_time), verdict.turned is not None
         if not given and (delay_decides(verdict) or not known):
-            yield (
-                "the contacts' delay: none is given, so that they form again at once; give [contacts.delay]"
-            )
+            said = "none is given, so that they form again at once; give [contacts.delay]"
+            yield Line(TURNS, f"the contacts' delay: {said}")
         elif delay_decides(verdict):
-            yield "the contacts' delay: far below the time of a slip it changes the answer"
+            said = "far below the time of a slip it changes the answer"
+            yield Line(TURNS, f"the contacts' delay: {said}")
         elif known and verdict.turned and verdict.turned.kind != "undecided":
-            yield f"not the contacts' delay: {'without one' if given else 'with a long one'} it does the same"
+            said = f"{'without one' if given else 'with a long one'} it does the same"
+            yield Line(NOTHING, f"not the contacts' delay: {said}")
 
 
-def delay_decides(verdict: Verdict) -> bool:
-    """Whether a slider with mass is known to do something else with the other extreme of the contacts' delay."""
-    kinds = {one.kind for one in verdict.own.behaviours}
-    other = verdict.turned
-    return other is not None and "undecided" not in kinds | {other.kind} and other.kind not in kinds
-
-
-def _of_readings(verdict: Verdict) -> Iterator[str]:
+def _of_readings(verdict: Verdict) -> Iterator[Line]:
     """By how much the readings differ, and which of them say something else."""
     answers, many = verdict.answers, len(verdict.answers)
     if many < 2:
         return
+    differ = others(verdict)
+    size = TURNS if differ else shares_of(verdict).readings
     springs = [
         one.critical_spring.value * one.scale.spring
         for one in answers
@@ -112,13 +80,13 @@ def _of_readings(verdict: Verdict) -> Iterator[str]:
     if len(springs) > 1:
         factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
         said = f"K* differs by a factor of {factor:.3g} over {len(springs)} readings"
-        yield f"threshold law, contact model and resolution: {said}"
-    differ = others(verdict)
+        forces = f"F_k is {reach_of_kinetic(verdict)}"
+        yield Line(size, f"threshold law, contact model and resolution: {said}, and {forces}")
     for kind, names in differ.items():
-        yield f"of these, {kind}: {', '.join(names)}"
+        yield Line(size, f"of these, {kind}: {', '.join(names)}")
     missing = not_decided(verdict)
-    for why, names in _by_reason((_why(one), one.name) for one in missing).items():
-        yield f"not decided: {', '.join(names)}: {why}"
+    for why, names in by_reason((_why(one), one.name) for one in missing).items():
+        yield Line(size, f"not decided: {', '.join(names)}: {why}")
     absent = {one.name for one in missing}
     decided = [one for one in answers[1:] if {each.kind for each in one.behaviours} - {"undecided"}]
     decided = [one for one in decided if one.name not in absent]
@@ -129,9 +97,11 @@ def _of_readings(verdict: Verdict) -> Iterator[str]:
         if any(one.kind == "undecided" for one in answer.behaviours if one.rule in known)
     ]
     if partly:
-        yield f"decided under some slip rules, and not under others: {', '.join(partly)}"
+        said = "decided under some slip rules, and not under others"
+        yield Line(size, f"{said}: {', '.join(partly)}")
     if verdict.own.machine is not None and decided and not differ:
-        yield f"not the reading: the {len(decided)} others that were followed say what {verdict.own.name} says"
+        said = f"the {len(decided)} others that were followed say what {verdict.own.name} says"
+        yield Line(NOTHING, f"not the reading: {said}")
 
 
 def _why(answer: Answer) -> str:
@@ -141,16 +111,17 @@ def _why(answer: Answer) -> str:
     return in_units(answer.behaviours[0].message, answer.scale)
 
 
-def _of_a_stuck_slider(verdict: Verdict) -> Iterator[str]:
+def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
     """Why the table's forces are not those of the slips."""
     own = verdict.own
-    if own.machine is None:
-        return
-    if own.contacts.in_time:
-        yield (
+    if own.machine is not None and own.contacts.in_time:
+        told = [abs(one.before - own.static.value) for one in own.behaviours if one.slips]
+        apart = max(told, default=0.0) / own.static.value
+        yield Line(
+            apart,
             "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
             "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
-            "before a slip"
+            "before a slip",
         )
 
 
@@ -181,28 +152,30 @@ def why_smooth(verdict: Verdict) -> list[str]:
     ]
 
 
-def _of_a_mass(verdict: Verdict) -> Iterator[str]:
+def _of_a_mass(verdict: Verdict) -> Iterator[Line]:
     """The damping that was taken, and the swing after a slip."""
     own = verdict.own
     for behaviour in own.behaviours:
         if behaviour.damping is not None:
             # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
             unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
-            yield (
+            yield Line(
+                UNSIZED,
                 f"the damping: none is given, and without one the slider rings for too long; all is told of one of "
-                f"{DAMPED:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping"
+                f"{DAMPED:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping",
             )
         if (regained := regained_by(verdict, behaviour)) is not None:
             drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit
             back = drop - (left := regained * own.scale.force)
-            yield (
+            yield Line(
+                GENERAL,
                 f"the slider rings after a slip, while its contacts are out: of the drop of {written(drop, force)} it "
                 f"swings back by {written(back, force)} before it sticks, and the period is that of the other "
-                f"{written(left, force)}"
+                f"{written(left, force)}",
             )
 
 
-def _of_contacts(verdict: Verdict) -> Iterator[str]:
+def _of_contacts(verdict: Verdict) -> Iterator[Line]:
     """The number of contacts, remarks on their thresholds, and what finitely many do."""
     own = verdict.own
     number, machine = own.scale.contacts, own.machine
@@ -210,80 +183,56 @@ def _of_contacts(verdict: Verdict) -> Iterator[str]:
     soft = machine is None or late or machine.spring < NEAR * own.critical_spring.value
     if number is not None and machine is not None and not soft:
         crowd = number * machine.spring**3
-        yield (
+        yield Line(
+            UNSIZED if crowd < SMOOTH_ABOVE and not own.softer else GENERAL,
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
-            "only where it is above some 50"
+            f"only where it is above some {SMOOTH_ABOVE:g}",
         )
-    yield from remarks(own.contacts.thresholds)
+    yield from (Line(_size_of(verdict, one), one) for one in remarks(own.contacts.thresholds))
     known = [finite for finite in verdict.finite if finite.kind != "unknown"]
-    yield from (_of_finite(verdict, finite) for finite in known)
+    for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in known).items():
+        change = max(_change_by(verdict, one) for one in known if one.rule in rules)
+        yield Line(change, said.replace(RULE, named(rules)))
     unknown = [(finite.message, finite.rule) for finite in verdict.finite if finite not in known]
-    for why, rules in _by_reason(unknown).items():
-        yield f"the number of contacts was not looked at if {named(rules)}: {why}"
+    for why, rules in by_reason(unknown).items():
+        said = f"the number of contacts was not looked at if {named(rules)}: {why}"
+        yield Line(
+            max(_not_followed(verdict, one) for one in verdict.finite if one.rule in rules), said
+        )
 
 
-def _left_undone(verdict: Verdict) -> Iterator[str]:
-    """What of the own reading was too late, and readings without an answer."""
-    if verdict.own.critical_spring.unknown:
-        contacts = verdict.own.contacts
-        yield "; ".join([*([] if verdict.own.machine else [NO_FORCES]), *why_late(contacts)])
-    for why, names in _by_reason(_left_out(verdict)).items():
-        yield f"left out: {', '.join(names)}: {why}"
+def _size_of(verdict: Verdict, remark: str) -> float:
+    """By how much what a remark on the thresholds names may change the forces."""
+    surface, shares = verdict.own.contacts.interface, shares_of(verdict)
+    if "?" in remark:
+        return TURNS
+    if isinstance(surface, Interface):
+        if remark == surface.plastic_caution:
+            return surface.plastic_load_fraction or 0.0
+        return UNSIZED if remark in surface.cautions else GENERAL
+    return shares.sampling or UNSIZED
 
 
-def _of_errors(verdict: Verdict) -> Iterator[str]:
-    """Where the slider's force is less well known than asked for, and why."""
+def _change_by(verdict: Verdict, many: Finite) -> float:
+    """By how much the forces of so many contacts differ from those of infinitely many."""
+    one = next(each for each in verdict.own.behaviours if each.rule == many.rule)
+    told = many.late if np.isfinite(many.late) else many.before
+    if many.rule not in apart(verdict):
+        return NOTHING
+    alike = one.kind == many.kind or (one.kind == "smooth" and np.isfinite(many.late))
+    return abs(told - one.before) / abs(one.before) if alike else TURNS
+
+
+def _not_followed(verdict: Verdict, many: Finite) -> float:
+    """By how much so many contacts may bear another force than infinitely many that do the same, about."""
     own = verdict.own
-    for one in own.behaviours:
-        if one.contacts is not None:
-            yield (
-                f"the slips are means {one.message}, known to some {one.error:.0e} <x_s>: the "
-                "master equation takes no such slider, or not in time"
-            )
-    scale = own.scale
-    missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
-    for why, rules in _by_reason(missed).items():
-        yield f"not as asked if {named(rules)}: {why}"
-    rough = [
-        (_after(one.message, "heat is left out"), one.rule)
-        for one in own.behaviours
-        if one.success and one.error > TOLERANCE_IN_TIME and one.kind != "undecided"
-        if one.contacts is None
-    ]
-    for why, rules in _by_reason(rough).items():
-        yield f"the force is known roughly if {named(rules)}: {why}"
-
-
-def _after(message: str, words: str) -> str:
-    """The part of a message that begins with these words; all of it where they are not there."""
-    return message[message.find(words) :] if words in message else message
-
-
-def _by_reason(reasons: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
-    """Names by the reason that they share, each once."""
-    groups = dict[str, list[str]]()
-    for why, name in reasons:
-        if name not in groups.setdefault(why, []):
-            groups[why].append(name)
-    return groups
-
-
-def _left_out(verdict: Verdict) -> list[tuple[str, str]]:
-    """Why readings have no answer, and their names; for want of a constant at all resolutions alike."""
-    reasons = list[tuple[str, str]]()
-    for name, why in verdict.left_out.items():
-        if lacks := re.match(r"contacts\.thresholds\.(material\.\w+): is missing", why):
-            reasons.append(
-                (f"they need {lacks[1]}, which is not given", name.partition(", step")[0])
-            )
-        else:
-            reasons.append((why, name))
-    return reasons
+    above = ABOVE * many.contacts ** (-2.0 / 3.0) * own.contacts.mean_threshold
+    return above / own.kinetic.value if own.kinetic.value > 0.0 else UNSIZED
 
 
 def _of_finite(verdict: Verdict, finite: Finite) -> str:
-    """What so many contacts do, in words."""
-    said = f"{finite.contacts:,} contacts, if {NAMED[finite.rule]}: {finite.kind}"
+    """What so many contacts do, in words; RULE stands for the slip rules under which they do so."""
+    said = f"{finite.contacts:,} contacts, if {RULE}: {finite.kind}"
     late = late_force_of(finite, verdict.own.kinetic.value, verdict.own.scale)
     beside = f" ({finite.message})" * bool(finite.message) + late
     if finite.kind == "smooth":
@@ -293,7 +242,3 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
         return said + beside
     many = "1 slip" if finite.slips == 1.0 else f"{finite.slips:.2g} slips"
     return f"{said}, {many} a slider on the way that was followed{late}"
-
-
-def named(rules: Sequence[str]) -> str:
-    return " or ".join(NAMED[rule] for rule in rules)

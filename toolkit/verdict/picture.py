@@ -16,7 +16,7 @@ from toolkit.pictures.axes import (
 )
 from toolkit.scene.scale import SHARED
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.hangs_on import NAMED, named
+from toolkit.verdict.kinds import NAMED, named
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import apart
 from toolkit.verdict.words import sentence, warnings

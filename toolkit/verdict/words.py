@@ -7,15 +7,8 @@ import numpy as np
 from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, of_stretch, spoken, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.hangs_on import (
-    delay_decides,
-    dependence,
-    named,
-    not_decided,
-    others,
-    out_of_time,
-    why_smooth,
-)
+from toolkit.verdict.hangs_on import dependence, why_smooth
+from toolkit.verdict.kinds import delay_decides, named, not_decided, others, out_of_time
 from toolkit.verdict.machine import NO_FORCES, Behaviour, half_a_swing
 from toolkit.verdict.of_area import apart, behaved, counted, disagreeing, falls
 from toolkit.verdict.table import drop_of, in_units, speed_unit, table

@@ -1,0 +1,73 @@
+"""What of a verdict was not answered, or not as well as asked."""
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.verdict.answers import Verdict
+from toolkit.verdict.follow import TOLERANCE_IN_TIME
+from toolkit.verdict.kinds import named
+from toolkit.verdict.lines import GENERAL, TURNS, Line, by_reason
+from toolkit.verdict.machine import NO_FORCES, Behaviour
+from toolkit.verdict.readings import why_late
+from toolkit.verdict.table import in_units
+
+
+def left_undone(verdict: Verdict) -> Iterator[Line]:
+    """What of the own reading was too late, and readings without an answer."""
+    if verdict.own.critical_spring.unknown:
+        why = why_late(verdict.own.contacts)
+        yield Line(TURNS, "; ".join([*([] if verdict.own.machine else [NO_FORCES]), *why]))
+    for reason, names in by_reason(_left_out(verdict)).items():
+        yield Line(GENERAL, f"left out: {', '.join(names)}: {reason}")
+
+
+def of_errors(verdict: Verdict) -> Iterator[Line]:
+    """Where the slider's force is less well known than asked for, and why."""
+    own = verdict.own
+    for one in own.behaviours:
+        if one.contacts is not None:
+            yield Line(
+                _share(verdict, one),
+                f"the slips are means {one.message}, known to some {one.error:.0e} <x_s>: the "
+                "master equation takes no such slider, or not in time",
+            )
+    scale, shares = own.scale, {one.rule: _share(verdict, one) for one in own.behaviours}
+    missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
+    for why, rules in by_reason(missed).items():
+        most = max(shares[rule] for rule in rules)
+        yield Line(most, f"not as asked if {named(rules)}: {why}")
+    rough = [
+        (_after(one.message, "heat is left out"), one.rule)
+        for one in own.behaviours
+        if one.success and one.error > TOLERANCE_IN_TIME and one.kind != "undecided"
+        if one.contacts is None
+    ]
+    for why, rules in by_reason(rough).items():
+        most = max(shares[rule] for rule in rules)
+        yield Line(most, f"the force is known roughly if {named(rules)}: {why}")
+
+
+def _share(verdict: Verdict, one: Behaviour) -> float:
+    """The error of a behaviour's force, relative to it; TURNS where the force is not known."""
+    error = one.error * verdict.own.contacts.mean_threshold
+    return float(error / abs(one.before)) if np.isfinite(error) and one.before else TURNS
+
+
+def _after(message: str, words: str) -> str:
+    """The part of a message that begins with these words; all of it where they are not there."""
+    return message[message.find(words) :] if words in message else message
+
+
+def _left_out(verdict: Verdict) -> list[tuple[str, str]]:
+    """Why readings have no answer, and their names; for want of a constant at all resolutions alike."""
+    reasons = list[tuple[str, str]]()
+    for name, why in verdict.left_out.items():
+        if lacks := re.match(r"contacts\.thresholds\.(material\.\w+): is missing", why):
+            reasons.append(
+                (f"they need {lacks[1]}, which is not given", name.partition(", step")[0])
+            )
+        else:
+            reasons.append((why, name))
+    return reasons
