@@ -248,6 +248,18 @@ def test_thresholds_age_along_a_step_on_which_the_stretch_changes_its_sign() -> 
     np.testing.assert_allclose(means, mean, rtol=1e-4)
 
 
+def test_thresholds_age_the_same_alone_and_beside_others() -> None:
+    """The compiled step takes strands in blocks of a fixed size, whose rest is empty."""
+    contacts = Contacts(gaussian(1.0, 0.05), ageing=Ageing(gaussian(1.2, 0.1), 0.01), thermal=HEAT)
+    cells = Cells(contacts, resolution=0, fastest=1.0)
+    begin = np.linspace(-0.9, 0.9, 37)
+    end, fresh = begin + 0.05, cells.fresh(begin)
+    together = cells.stepped(fresh, begin, end, 0.1)
+    alone = [cells.stepped(fresh[[i]], begin[[i]], end[[i]], 0.1)[0] for i in range(begin.size)]
+    np.testing.assert_array_equal(together, alone)
+    assert 0.5 < together.sum(axis=1).min() < 0.999
+
+
 @pytest.mark.parametrize("spring", [1e-3, 0.3, 1.0])
 def test_a_slip_begins_where_the_load_is_largest(spring: float) -> None:
     """Broken contacts stay out: F = X S(X), and the load F + K X is largest where F' = -K."""

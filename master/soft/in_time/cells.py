@@ -124,13 +124,29 @@ class Cells:
         """Weights after |x| has moved from `begin` to `end` >= 0 within these times, arrays (n,)."""
         if not durations.any():
             return self.shifted(weights, end - begin)
+        lanes = self._kernel.LANES
+        out = np.empty(weights.shape)
+        for first in range(0, begin.size, lanes):
+            some = slice(first, min(first + lanes, begin.size))
+            out[some] = self._moved_together(weights[some], begin[some], end[some], durations[some])
+        return out
+
+    def _moved_together(self, weights: Array, begin: Array, end: Array, durations: Array) -> Array:
+        """The same for at most LANES strands, which the kernel wants as the last axis of arrays of just so many."""
+        count, lanes = begin.size, np.zeros((3, self._kernel.LANES))
+        lanes[:, :count] = begin, end - begin, durations
+        begin, rise, durations = lanes
+        at_begin = np.zeros((self.edges.size - 1, rise.size))
+        at_begin[:, :count] = weights.T
         # The terms of the equation at the head, each times the duration, at both stages of Radau's step, along the
         # first axis: `flow` is D U' + d|x|/dt at the lower faces of cells, `spread` D, `breaking` h. `level` is |x|.
-        rise, times = (end - begin)[:, None], durations * np.ones((2, 1))
-        level = begin + rise[:, 0] * self._kernel.STAGES[:, None]
-        flow = self._drift(level[:, :, None] + self.edges[:-1]) * times[:, :, None] + rise
+        times = durations * np.ones((2, 1))
+        level = begin + rise * self._kernel.STAGES[:, None]
+        flow = self._drift(level[:, None] + self.edges[:-1, None])
+        flow *= times[:, None]
+        flow += rise
         # at least a cell wide: a thinner edge of the density need not be resolved
-        spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(rise[:, 0]))
+        spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(rise))
         # Fluxes per density at a lower face: what leaves the cell enters the cell below. With heat the tilt of each
         # cell (see `_early`) is counted with the flux that leaves it, and with that which enters it from above.
         leaving = entering = flow
@@ -138,9 +154,9 @@ class Cells:
         if self._thermal is not None:
             breaking, tilt = self._early(level, times)
             leaving = flow - tilt
-            entering = flow - np.concatenate([tilt[:, :, :1], tilt[:, :, :-1]], axis=2)
-        given = leaving, entering, breaking, np.ascontiguousarray(spread)
-        return np.asarray(self._kernel.step(weights, *given, self._face_density, self._face_slope))
+            entering = flow - np.concatenate([tilt[:, :1], tilt[:, :-1]], axis=1)
+        given = leaving, entering, breaking, spread, self._face_density, self._face_slope
+        return np.asarray(self._kernel.step(at_begin, *given)[:, :count].T)
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
         """Of each cell the rate of breaking, and its tilt due to the rate's slope, both times the duration: heat takes
@@ -148,14 +164,14 @@ class Cells:
         of h u is that of h times that of u plus (w²/12) h' u', and w h' and w u' are differences between its faces."""
         thermal = self._thermal
         assert thermal is not None
-        ends = level[:, :, None] + self.edges
-        middle = 0.5 * (ends[:, :, :-1] + ends[:, :, 1:])
+        ends = level[:, None] + self.edges[:, None]
+        middle = 0.5 * (ends[:, :-1] + ends[:, 1:])
         at_ends, at_middle = (
-            thermal.rates.rate(level[:, :, None], np.maximum(at, SMALLEST), 1.0) * times[:, :, None]
+            thermal.rates.rate(level[:, None], np.maximum(at, SMALLEST), 1.0) * times[:, None]
             for at in (ends, middle)
         )
-        mean = (at_ends[:, :, :-1] + 4.0 * at_middle + at_ends[:, :, 1:]) / 6.0
-        return mean, np.diff(self.edges) * np.diff(at_ends, axis=2) / 12.0
+        mean = (at_ends[:, :-1] + 4.0 * at_middle + at_ends[:, 1:]) / 6.0
+        return mean, np.diff(self.edges)[:, None] * np.diff(at_ends, axis=1) / 12.0
 
     def shifted(self, weights: Array, rise: Array) -> Array:
         """Weights that remain above |x| when it jumps by these rises (n,), of either sign."""
@@ -184,9 +200,10 @@ def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share:
 
 def _at_faces(edges: Array) -> Array:
     """Coefficients that give the density, and its slope, at the lower face f of each cell from the weights
-    of the cells f - 2 to f + 1, by cubics, at both ends by lower polynomials; shape (2, 4, cells)."""
+    of the cells f - 2 to f + 1, by cubics, at both ends by lower polynomials; and at the upper face of the last
+    cell, 0. Shape (2, 4, cells + 1)."""
     m = edges.size - 1
-    out = np.zeros((2, 4, m))
+    out = np.zeros((2, 4, m + 1))
     for f in range(m):
         cells = np.arange(max(f - 2, 0), min(f + 2, m))
         scale = edges[cells[-1] + 1] - edges[cells[0]]
