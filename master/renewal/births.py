@@ -156,7 +156,7 @@ class BirthPanels(NamedTuple):
     """Births on panels without gaps between them.
 
     ends : when each panel begins, and the last one ends, shape (n + 1,); widths may differ. Their clock is that of the
-        births as a whole, whose name ends in it (past.py): `born_leg`, `born_birth_leg`
+        births as a whole, whose name ends in it (past.py): `births_leg`, `births_birth_leg`
     slopes : Legendre coefficients of the births' derivative by the place on the panel, shape (n, DEGREE + 1)
     """
 

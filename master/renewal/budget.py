@@ -10,7 +10,7 @@ LOOSEST = 1e-3
 # Part of the tolerance that panels keep where survivals and round-off take more. The tolerance is missed there, which
 # force_error says; panels without any part would only be halved for nothing.
 LEAST_FOR_PANELS = 0.4
-# Part of the panels' share that is kept back where a survival is a sum: its error is known only when it is returned.
+# Part of what panels get that is kept back where a survival is a sum: its error is known only when it is returned.
 FOR_SUMS = 0.2
 # Smallest tolerance of a panel, a share of the contacts. Conservation is rounded at 1e-15, the survival of a law of
 # scipy at some 1e-14; survivals that are sums are rounded by some 1e-13, the second.
@@ -30,7 +30,7 @@ class ErrorBudget:
     |---|---|---|---|
     | round-off | `round_off` in `master/rigid.py`, from the path | taken off first | one for all |
     | survivals | each query of a life (`Survivors.error`) | what is known beforehand is taken off, too | the largest |
-    | panels | residuals between the nodes (`Run.error`) | the rest, 0.4 of all or more | the largest |
+    | panels | residuals between the nodes (`Run.error`) | the rest, 0.4 of all or more (sums: 0.32) | the largest |
     | births | coefficients left out (`Past.worst_sum`) | 0.003 of a panel's for each piece, on top | the largest |
     | left out | contacts of earlier legs (`Past.left_out`) | 3e-6 of a panel's for each leg, on top | adds up |
 
@@ -38,7 +38,7 @@ class ErrorBudget:
     that hold counts as one of the force by stretch/mean, the longest stretch that a contact can have over the mean
     threshold. Errors of panels are not summed along the path: conservation fixes the number on each anew. The start
     is one of the survivals, and has no part of its own. Where survivals are sums, panels get 1 - FOR_SUMS = 0.8 of
-    the rest, as errors of these are known later.
+    the rest, as errors of these are known later: at least 0.32 of all.
 
     "On top" is outside of the tolerance: round-off, survivals and panels may use up all of it, and births and left
     out are added. Nothing is set aside for them because both are asked of each piece of a sum, and of each leg, and

@@ -57,13 +57,13 @@ class EarlierLegs:
         motion_leg: Motion,
         leg: int,
         legs: npt.NDArray[np.intp],
-        born_leg: BirthPanels,
+        births_leg: BirthPanels,
         accuracy: float,
     ) -> None:
-        """`born_leg` are the births on all legs before `leg`, of which those on `legs` count."""
+        """`births_leg` are the births on all legs before `leg`, of which those on `legs` count."""
         self._births, self._life, self._motion_leg = births, births.life, motion_leg
         self._leg, self._legs = leg, legs
-        self._born_leg, self._accuracy = born_leg, accuracy
+        self._births_leg, self._accuracy = births_leg, accuracy
 
     def sums(self, t_leg: Array) -> Sums:
         """Number and force at times, shape (n,); both of shape (2, n)."""
@@ -108,7 +108,7 @@ class EarlierLegs:
     def _rough(self, pieces: Pieces, fitted: Fitted) -> npt.NDArray[np.bool_]:
         """The pieces to be halved; none after too much work. The accuracy is asked of each piece, see ErrorBudget, and
         errors are taken times the number of legs, so that all legs together stay within that of one."""
-        off = fitted.left_out * self._born_leg.most_between(pieces) * self._legs.size
+        off = fitted.left_out * self._births_leg.most_between(pieces) * self._legs.size
         # below this width both ends of a piece are equal by rounding
         durations = np.diff(self._motion_leg.times)[
             self._motion_leg.leg(0.5 * (pieces.low + pieces.high))
@@ -123,7 +123,7 @@ class EarlierLegs:
         """Number and force of births on the pieces, shape (2, pieces), and what the number misses; `which` of the
         polynomials are theirs."""
         series = fitted.series[:, which]
-        weights = self._born_leg.legendre_weights(pieces, series.shape[-1])
+        weights = self._births_leg.legendre_weights(pieces, series.shape[-1])
         # Left out are the coefficients c of degrees n + k, about |c_n| fall^k, with n the first that is left out; each
         # is multiplied by the births' weight of its degree. Weights are known below n only: that of n + k is taken as
         # large as that of n - 1 - k, which is no smaller as a rule: those of smooth births fall with the degree.
@@ -136,7 +136,7 @@ class EarlierLegs:
         none holds."""
         motion_leg, law, legs = self._motion_leg, self._births.law, self._legs
         # arrays of shape (targets, legs, ends of pieces)
-        begin_of_births, end_of_births = self._born_leg.ends[[0, -1]]
+        begin_of_births, end_of_births = self._births_leg.ends[[0, -1]]
         first = np.clip(motion_leg.times[legs], begin_of_births, end_of_births)[None, :, None]
         last = np.clip(motion_leg.times[legs + 1], begin_of_births, end_of_births)[None, :, None]
         cuts = [np.broadcast_to(end, (t_leg.size, legs.size, 1)) for end in (first, last)]

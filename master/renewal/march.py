@@ -100,7 +100,8 @@ class March:
         try:
             for _ in self.runs():
                 if self.motion.one_leg and self._steady():
-                    # later changes are at most those that `_steady` allows, an error; going on would cost digits
+                    # The later changes that `_steady` allows are added to the error, as going on would cost digits.
+                    # F is read amid the last panel, where rounding puts no time behind its end.
                     self.steady_since = self.solved.end - 0.5 * self.solved.width[-1]
                     self.solved.error[-1] += AGREE * self.tolerance
                     break
@@ -110,23 +111,20 @@ class March:
         return self
 
     def runs(self) -> Iterator[None]:
-        """Solve all panels, yielding after each run of them.
-
-        A march that goes on after `cut` does not begin its leg here, and keeps the width of its panels.
-        """
-        leg_before = -1  # of the edge before; there is none yet
+        """Solve all panels, yielding after each run of them. A march that goes on after `cut` does not begin its leg
+        here, and keeps the width of its panels."""
+        previous_leg = -1  # there is none yet
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            goes_on = leg_before < 0 and self._continues_leg
-            new_leg = leg != leg_before and not goes_on
-            leg_before, leg_begins = leg, float(self.motion.times[leg])
-            yield from self._segment(leg, begin - leg_begins, end - leg_begins, new_leg)
+            goes_on = previous_leg < 0 and self._continues_leg
+            new_leg, previous_leg = leg != previous_leg and not goes_on, leg
+            leg_begins_path = float(self.motion.times[leg])
+            yield from self._segment(leg, begin - leg_begins_path, end - leg_begins_path, new_leg)
 
     def _segment(self, leg: int, now_leg: float, edge_leg: float, new_leg: bool) -> Iterator[None]:
-        """Solve from one edge to the next, yielding after each good run. Times whose name ends in `_leg` are counted
-        from the beginning of the leg, all others here from that of the path."""
-        leg_begins = float(self.motion.times[leg])
+        """Solve from one edge to the next, yielding after each good run. The clocks of times are those of past.py."""
+        leg_begins_path = float(self.motion.times[leg])
         guess = self._duration(self.guess, leg)
         whole_life = self._duration(self.life.largest_stretch, leg)
         tolerance, widths = self.tolerance, self.widths
@@ -141,10 +139,10 @@ class March:
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(now_leg)
             bad = np.flatnonzero(run.error > tolerance)
             if bad.size and widths.too_narrow(now_leg) and run.error[bad[0]] > self.jump.size:
-                self.jump = Jump(leg_begins + now_leg, leg, float(run.error[bad[0]]))
+                self.jump = Jump(leg_begins_path + now_leg, leg, float(run.error[bad[0]]))
             good = int(bad[0]) if bad.size and not keep_all else run.error.size
-            begin = leg_begins + now_leg
-            self.solved.append(run, good, begin=begin, begin_leg=now_leg, width=proposal.width)
+            now_path = leg_begins_path + now_leg
+            self.solved.append(run, good, begin=now_path, begin_leg=now_leg, width=proposal.width)
 
             now_leg = now_leg + good * proposal.width if good < proposal.to_edge else edge_leg
             if good < run.error.size:
@@ -156,12 +154,16 @@ class March:
 
     def _duration(self, length: float, leg: int) -> float:
         """The time that the slider takes for a length; inf in a hold."""
-        abs_speed = abs(float(self.motion.speeds[leg]))
-        return length / abs_speed if abs_speed else np.inf
+        speed = float(self.motion.speeds[leg])
+        return length / abs(speed) if speed else np.inf
 
     def _longest_cycle(self, leg: int) -> float:
-        """The longest time from a break to the next one of the same contact."""
+        """The longest time from a break to the next one of the same contact, which is out for the delay, then holds."""
         return self.present.straight(float(self.motion.speeds[leg])).longest + self.births.delay
+
+    def _oldest_that_counts(self, t: float, leg: int) -> float:
+        """Contacts that broke before this time on the path neither are out nor hold at the time t on this leg."""
+        return t - self._longest_cycle(leg)
 
     def _steady(self) -> bool:
         """Whether breaks have been steady for longer than any cycle. Each rate of breaks is a mean of those at most a
@@ -192,11 +194,10 @@ class March:
 
         Fewer would cost time only, as `known_on` integrates the others. One more would be wrong: on another width
         PanelSums do not hold, which may not show; and of a leg before Past has the births: they would count twice."""
-        # A panel's last births come one width after its first, and none of them holds after a longest cycle: panels
-        # that begin before `oldest`, a second width on the safe side of rounding, add nothing.
-        oldest = self.solved.end - self._longest_cycle(leg) - 2.0 * width
-        leg_begins = float(self.motion.times[leg]) - SAME_BEGIN * width
-        return self.solved.count_same_width(width, max(oldest, leg_begins))
+        # two widths before: a panel's last breaks come one after its first, and a second one is for rounding
+        oldest = self._oldest_that_counts(self.solved.end, leg) - 2.0 * width
+        first_on_leg = float(self.motion.times[leg]) - SAME_BEGIN * width
+        return self.solved.count_same_width(width, max(oldest, first_on_leg))
 
     def known_at(self, t: Array) -> Array:
         """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
@@ -214,17 +215,17 @@ class March:
         """
         solved = self.solved
         first_on_leg = self._past.enter(leg, solved)  # Past has the births of the panels before
-        # a start that is as births at t = 0 on this leg is in their table
-        in_table = leg == 0 and self._start_is_birth
+        in_table = (
+            leg == 0 and self._start_is_birth
+        )  # the start: it is as births at t = 0 on this leg
         lumps = self.lumps[1:] if in_table else self.lumps
         both = self._past.at(grid_leg, lumps)
         if in_table:
             both += self.present.look_up(float(self.motion.speeds[leg]), grid_leg)
-        # what breaks on the panel around `oldest`, or later, may hold or be out at the first of these times
         t_leg = grid_leg.ravel()
         t = float(self.motion.times[leg]) + t_leg
-        oldest = float(t.min()) - self._longest_cycle(leg)
-        first_that_counts, end = panel_at(solved.begin, oldest), solved.count - same_width
+        first_that_counts = panel_at(solved.begin, self._oldest_that_counts(float(t.min()), leg))
+        end = solved.count - same_width
         born_on_leg = solved.pick(slice(max(first_that_counts, first_on_leg), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
         # breaks of all of them may be out, on whatever leg
@@ -240,14 +241,13 @@ class March:
         return np.asarray(np.einsum("ptn,pn->t", of_breaks, panels.breaks))
 
     def births_on_leg(self, t_leg: Array, leg: int, panels: SolvedPanels) -> Array:
-        """Number and force of births on a leg, at times on it, shape (2, n). `panels`: those of the breaks, of any
-        widths, without gaps."""
+        """Number and force of births on a leg at times on it, (2, n); `panels`: those of the breaks, without gaps."""
         broken = np.flatnonzero(np.abs(panels.breaks).max(axis=1) > NO_SURVIVAL)
         if not broken.size:
             return np.zeros((2, t_leg.size))
         panels = panels.pick(slice(broken[0], broken[-1] + 1))
-        begin_leg = panels.births_begin(self.motion.times[leg], self.births.delay)
-        return self.present.sums(float(self.motion.speeds[leg]), t_leg, panels.births(begin_leg))
+        births_leg = panels.births(panels.births_begin(self.motion.times[leg], self.births.delay))
+        return self.present.sums(float(self.motion.speeds[leg]), t_leg, births_leg)
 
     def _break_lumps(self, t: float, end: float) -> None:
         """Make a lump of the contacts that break together at the edge t, if any: the fall of the number there."""
@@ -256,8 +256,8 @@ class March:
         leg = int(self.motion.leg(t))
         edge_leg = t - self.motion.times[leg]
         beside = 0.5 * min(self.solved.width[-1], end - t)
-        # Number is asked for in rows of times on one panel each, and has the limit from its row's side at an edge. So
-        # the edge ends a row of earlier times, when none has broken, and begins a row of later ones, when all have.
+        # At a jump `known_on` gives the limit from the left to a row of times that ends there, and from the right to
+        # one that begins there, both within a panel: their difference is what breaks.
         before, after = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
         # Where the edge ends the leg the slider is taken to go on straight after it, as only the number at the edge is
         # read: to ask on the next leg would make Past enter that too early. One row each, as they are not on one leg.
@@ -289,12 +289,12 @@ class March:
     def postpone_births(self, begin: float, end: float) -> None:
         """Add panels from begin to end without births: broken contacts are born together at the end."""
         number, _ = self.known_at(np.full((1, TARGETS.size), end))
-        leg_begins = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
+        leg_begins_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         # breaks at the end are looked for over half of the last panel, which has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)
         run = Run.of_one_panel_without_contacts()
-        for first, last in ((begin, nearly), (nearly, end)):
-            if last > first:
-                width = last - first
-                self.solved.append(run, 1, begin=first, begin_leg=first - leg_begins, width=width)
+        for first, width in ((begin, nearly - begin), (nearly, end - nearly)):
+            if width > 0.0:
+                begin_leg = first - leg_begins_path
+                self.solved.append(run, 1, begin=first, begin_leg=begin_leg, width=width)
         self.lumps.append(Lump(end, 1.0 - float(number[0, 0]), self.births.law))

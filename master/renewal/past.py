@@ -118,9 +118,9 @@ class Past:
         return found.both
 
     def _leave_out(self) -> None:
-        """Leave out legs of whose births hardly any held when `at` was last called, on the leg before. That may have
-        been at any of its times, as a proposal that was rejected asks, too: a survival only falls, so that more of them
-        held then than on the leg to come."""
+        """Leave out legs of whose births hardly any held when `at` was last called, on the leg before. That call may
+        have been for panels that were rejected, at any time of that leg: this is safe, as survivals only fall, so that
+        fewer hold on the leg to come."""
         for each, held in self._held_when_asked.items():
             if held <= self._left_out_below:
                 self._legs_left_out.add(each)
@@ -134,10 +134,8 @@ class Past:
         self._motion_leg = motion_path.counted_from(leg)
 
     def _panels_before(self, solved: SolvedPanels) -> SolvedPanels:
-        """The panels whose births, one delay after their breaks, are on legs before the present one. The middle of the
-        births tells, as none lie on two legs: a panel ends one delay before each knot (`needed` in edges.py)."""
-        middle_path = solved.middle_of_births(self._births.delay)
-        self._first_panel = int(np.searchsorted(middle_path, self._leg_begins_path))
+        """The panels whose births, one delay after their breaks, are on legs before the present one."""
+        self._first_panel = int(np.searchsorted(self._legs_of_births(solved), self._leg))
         return solved.pick(slice(self._first_panel))
 
     def _follow_strands(
@@ -156,9 +154,9 @@ class Past:
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
         self._earlier = None
         if counted.size:
-            born_leg = earlier.births(self._motion_leg.times[legs] + begin_birth_leg)
+            births_leg = earlier.births(self._motion_leg.times[legs] + begin_birth_leg)
             self._earlier = EarlierLegs(
-                self._births, self._motion_leg, self._leg, counted, born_leg, self._accuracy
+                self._births, self._motion_leg, self._leg, counted, births_leg, self._accuracy
             )
 
     def _legs_and_begin(self, panels: SolvedPanels) -> tuple[npt.NDArray[np.intp], Array]:
@@ -167,9 +165,9 @@ class Past:
         return legs, panels.births_begin(self._births.motion.times[legs], self._births.delay)
 
     def _legs_of_births(self, panels: SolvedPanels) -> npt.NDArray[np.intp]:
-        """The leg of each panel's births, one delay after its breaks: that of their middle; but not one before that of
-        their begin, as the middle of the narrowest panels is rounded to their begin: a knot, where it belongs to the
-        leg that ends there."""
+        """The leg of each panel's births, one delay after its breaks. None lie on two legs, as a panel ends one delay
+        before each knot (`needed` in edges.py), so that their middle tells; but not a leg before that of their begin:
+        the middle of the narrowest panels is rounded to their begin, a knot, where it belongs to the leg that ends."""
         motion_path, delay = self._births.motion, self._births.delay
         of_begin = np.searchsorted(motion_path.times, panels.begin + delay, "right") - 1
         return np.maximum(motion_path.leg(panels.middle_of_births(delay)), of_begin)
@@ -195,13 +193,13 @@ class Past:
         earlier = self._strands if self._strands is not None else self._earlier
         if earlier is None:
             return of_lumps
-        of_earlier = earlier.sums(self._beside_jumps(grid_leg).ravel())
+        of_earlier = earlier.sums(self._inside_panels(grid_leg).ravel())
         both = of_lumps.both + of_earlier.both.reshape(of_lumps.both.shape)
         survival_error = max(of_lumps.survival_error, of_earlier.survival_error)
         # a sum over lumps is no quadrature: it has no error but that of survivals
         return of_earlier._replace(both=both, survival_error=survival_error)
 
-    def _beside_jumps(self, grid_leg: Array) -> Array:
+    def _inside_panels(self, grid_leg: Array) -> Array:
         """The times of a grid, later than the leg's beginning, which belongs to the leg before. Where the births of a
         hold may meet an exact threshold as a panel ends, all at once, they lie a little inside it."""
         if self._births.life.atoms.size and not self._motion_leg.speeds[: self._leg].all():

@@ -153,7 +153,7 @@ def solve_run(of_panel: PanelSums, known: Array, earlier: Array, stretch: float)
     number, force = sums[:, :targets], sums[:, targets:]
     of_number = np.abs(number[:, size:] - 1.0).max(axis=1)
     of_force = np.abs(force[:, :size] @ polynomials.AT_CHECKS.T - force[:, size:]).max(axis=1)
-    # a sum, see Budget: the residual of conservation is the share of contacts that are miscounted, which bear the
+    # a sum, see ErrorBudget: the residual of conservation is the share of contacts that are miscounted, which bear the
     # longest stretch at most, and the force between the nodes adds its own
     error = np.nan_to_num(BETWEEN_CHECKS * (of_number + of_force / stretch), nan=np.inf)
     return Run(panels[before:], force[:, :size], error)

@@ -52,8 +52,8 @@ class Strands:
             on_it = legs == leg
             number = float(np.abs(panels.breaks[on_it]).max(axis=1).sum())
             if number > least:
-                born_birth_leg = panels.pick(on_it).births(begin_birth_leg[on_it])
-                self._of_legs.append(StrandBirths(self._births, leg, born_birth_leg))
+                births_birth_leg = panels.pick(on_it).births(begin_birth_leg[on_it])
+                self._of_legs.append(StrandBirths(self._births, leg, births_birth_leg))
                 left_out += least * self._of_legs[-1].births
             else:
                 left_out += number
@@ -82,12 +82,12 @@ class StrandBirths:
     survival_error : that of the survival at the strands, on all legs so far
     """
 
-    def __init__(self, births: Births, leg: int, born_birth_leg: BirthPanels) -> None:
+    def __init__(self, births: Births, leg: int, births_birth_leg: BirthPanels) -> None:
         """Begin a strand at each node of the births on a leg, aged up to its end."""
         life, motion = births.life, births.motion
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
-        ends, speed = born_birth_leg.ends, float(motion.speeds[leg])
+        ends, speed = births_birth_leg.ends, float(motion.speeds[leg])
         count = max(FEWEST_PIECES, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], polynomials.gauss(SIZE)
@@ -100,7 +100,7 @@ class StrandBirths:
         self._legs, self._known_error = life.follow(self._strands, leg + 1), stretches.error
         pieces = Pieces(np.arange(left.size), left, right)
         # of the pieces' nodes in a sum over all births
-        self._weight = born_birth_leg.legendre_weights(pieces, SIZE) @ basis.series.T
+        self._weight = births_birth_leg.legendre_weights(pieces, SIZE) @ basis.series.T
 
     @property
     def births(self) -> float:

@@ -24,7 +24,8 @@ class BreaksInSteps:
     """Breaks per contact since t = 0 or a reset, at the ends of steps.
 
     delay : time for which a broken contact is out
-    pending : times at which the rate of births will jump or bend, and the fractions, possibly 0, born at once there
+    pending : times at which the rate of births will change abruptly, and the fraction that is born at once there: above
+        0 where breaks jumped a delay before, 0 where their rate did
     """
 
     def __init__(self, delay: float, now: float) -> None:
@@ -50,7 +51,9 @@ class BreaksInSteps:
         broken_at = end - self.delay - LATE * (end - self._counted_since)
         if broken_at <= self._counted_since:
             return BirthsUpTo(0.0, 0.0)
-        if broken_at > begin:  # within this step, along which breaks are a straight line
+        if broken_at > begin:
+            # within this step, on which B goes straight from `total`, that at its begin, to that at its end, which is
+            # not known yet: B(broken_at) = (1 - fraction) total + fraction B(end)
             fraction = (broken_at - begin) / (end - begin)
             return BirthsUpTo(fraction, (1.0 - fraction) * self.total)
         section = next(section for section in self._sections if section[-1][0] >= broken_at)
@@ -84,6 +87,6 @@ class BreaksInSteps:
         due_at = at + self.delay
         self.pending[due_at] = self.pending.get(due_at, 0.0) + after - before
 
-    def due(self, now: float) -> float:
-        """The fraction that is born at once now, and no longer pending."""
+    def take_due(self, now: float) -> float:
+        """The fraction that is born at once now, which is pending no longer."""
         return sum(self.pending.pop(at) for at in list(self.pending) if at <= now)
