@@ -6,6 +6,7 @@ import re
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from toolkit.verdict.ensemble import follow_by_contacts
 from toolkit.verdict.files import plain
 from toolkit.verdict.finite import ABOVE, Finite, follow_finite, with_more
 from toolkit.verdict.follow import follow, follow_other_delay
+from toolkit.verdict.islands import follow_islands, with_barriers
 from toolkit.verdict.machine import NO_FORCES, NO_TIME, Behaviour, Known, Machine, not_followed
 from toolkit.verdict.of_area import disagreeing, fall_of, late_force_of
 from toolkit.verdict.picture import draw_verdict
@@ -431,7 +433,7 @@ def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:
     _, page, found = judged(capsys, verdict=RESET, **tables)
     assert page.splitlines()[2].startswith("stick-slip") and "other samples" in page
     assert found["readings"][0]["kinetic"]["sampling"] is None
-    monkeypatch.setattr(judge, "follow", late)
+    monkeypatch.setattr(judge, "follow_islands", late)
     status, page, found = judged(capsys, verdict=RESET, **tables)
     assert status == 1 and page.splitlines()[2] == f"not decided ({NO_TIME})"
     assert 0.4 < found["readings"][0]["kinetic"]["value"] < 0.7
@@ -552,6 +554,44 @@ def test_a_structure_of_ase_has_a_verdict(capsys: Any, kind: str) -> None:
     for one in own["behaviours"][:2]:
         assert one["before"] == pytest.approx(own["static"]["value"], rel=0.02)
         assert one["period"] == pytest.approx(one["before"] / 50.0, rel=0.02)
+
+
+def test_slips_of_islands_are_those_of_the_barriers_and_not_of_their_smooth_law() -> None:
+    """At listed angles barriers are exact values, and slips those of a slider on these. The smooth law through them has
+    peaks with a width, and slips earlier."""
+    angles = np.linspace(0.05, 1.5, 11)
+    law = origins.domains(3.88, sizes=[(7, 7)], stiffness=1.0, samples=110, angles=angles)
+    contacts = Contacts(law)
+    values = np.sort(origins.triangular_barrier(3.88, 7, 7, angles)) / law.domains.period
+    exact = Contacts(mixture([identical(float(x)) for x in values], np.full(11, 1.0 / 11.0)))
+    way = np.linspace(0.0, 6e3, 50)
+    own = eq_model.simulate(exact, way, spring=1e-4, slip="reset", n_contacts=20_000, seed=5)
+    before = float(own.slips.force_before.mean())
+    known = Known(0.35, 0.25, 1e-9, float("inf"), 1.0)
+    assert of_smoothing(law)
+    told = follow_islands(SOFT, contacts, "reset", known, wall_time=1e4)
+    finite = follow_finite(SOFT, with_barriers(contacts), 2e4, told, known.static, 1e3)
+    smooth = follow_by_contacts(SOFT, contacts, "reset", 1e4, time.monotonic() + 1e4, known)
+    for one in (told, finite):
+        assert one.kind == "stick-slip" and one.before == pytest.approx(before, abs=2e-3)
+    assert smooth.before < before - 8e-3
+    assert told.contacts is not None
+    # contacts that re-form at once are followed as before, as are laws that are no smooth ones through samples
+    assert with_barriers(exact) is exact
+    held = contacts.replace(thermal=origins.Thermal("soft", 1e-9, 1.0))
+    assert follow_islands(SOFT, held, "reset", known, wall_time=0.0).contacts is None
+
+
+def test_many_barriers_have_their_own_quantiles() -> None:
+    """In bins of twenty, on which the cdf is straight."""
+    x_s = np.sort(stats.arcsine(0.5, 1.0).rvs(4000, random_state=1))
+    law = origins.from_samples(x_s)
+    law.domains = SimpleNamespace(angles=np.arange(3.0) / 7.0)
+    found = with_barriers(Contacts(law)).thresholds
+    q = np.linspace(0.0, 1.0, 81)
+    assert found.ppf(q) == pytest.approx(np.quantile(x_s, q), abs=2e-3)
+    assert found.mean() == pytest.approx(x_s.mean(), rel=1e-4)
+    assert found.moment(2) == pytest.approx(np.mean(x_s**2), rel=2e-4)
 
 
 def test_the_ensembles_slips_of_a_narrow_peak_between_those_of_all_are_no_slips() -> None:

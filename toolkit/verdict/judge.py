@@ -21,7 +21,8 @@ from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
 from toolkit.verdict.budget import WALL_TIME, Budget
 from toolkit.verdict.finite import Finite, follow_finite, with_more
-from toolkit.verdict.follow import follow, follow_other_delay
+from toolkit.verdict.follow import follow_other_delay
+from toolkit.verdict.islands import follow_islands, with_barriers
 from toolkit.verdict.machine import (
     NO_FORCES,
     NO_TIME,
@@ -117,11 +118,11 @@ def _finite(
         number = float(scene.eq.contacts)
     if number is None or own.machine is None or own.static.unknown:
         return ()
-    found = list[Finite]()
+    found, contacts = list[Finite](), with_barriers(own.contacts)
     for one in own.behaviours:
         progress(f"sliders of {number:,.0f} contacts, slip rule {one.rule}")
         static, left = own.static.value, budget.left()
-        found.append(follow_finite(own.machine, own.contacts, number, one, static, left))
+        found.append(follow_finite(own.machine, contacts, number, one, static, left))
     return tuple(found)
 
 
@@ -163,14 +164,14 @@ def _answer(
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
             share = budget.left() / left * (HEAVY if machine and machine.mass else 1.0)
             pulled = cast(Machine, machine)
-            behaviours.append(follow(pulled, contacts, rule, before, share, rings))
+            behaviours.append(follow_islands(pulled, contacts, rule, before, share, rings))
         unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
         if machine is not None and unknown == ["mass"]:
             # no solver takes the slider with its mass, or not in time: what it does without one, under each slip rule
             light = replace(machine, mass=None, damping=0.0)
             for left, rule in zip(range(len(RULES), 0, -1), RULES, strict=True):
                 share = budget.left() / left
-                behaviours.append(follow(light, contacts, rule, before, share))
+                behaviours.append(follow_islands(light, contacts, rule, before, share))
         if sampled_parts(contacts.thresholds):
             known = [kinetic, static, critical]
             kinetic, static, critical = _with_sampling(contacts, velocity, known, budget)

@@ -30,8 +30,8 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         if one.contacts is not None:
             yield Line(
                 _share(verdict, one),
-                f"the slips are means {one.message}, known to some {one.error:.0e} <x_s>: the "
-                "master equation takes no such slider, or not in time",
+                f"the slips are means {one.message}, known to some {one.error:.0e} <x_s>: "
+                f"{_not_solved(verdict)}",
             )
     scale, shares = own.scale, {one.rule: _share(verdict, one) for one in own.behaviours}
     missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
@@ -47,6 +47,16 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     for why, rules in by_reason(rough).items():
         most = max(shares[rule] for rule in rules)
         yield Line(most, f"the force is known roughly if {named(rules)}: {why}")
+
+
+def _not_solved(verdict: Verdict) -> str:
+    """Why the ensemble tells of slips in place of the master equation."""
+    if verdict.own.smoothed:
+        return (
+            "thresholds are the islands' barriers themselves, whose smooth law would slip elsewhere; a slip breaks a "
+            "fifth of the contacts or more, and smaller falls of the force may come earlier"
+        )
+    return "the master equation takes no such slider, or not in time"
 
 
 def _share(verdict: Verdict, one: Behaviour) -> float:
