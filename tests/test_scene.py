@@ -243,7 +243,10 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
         ({"spring": "50 N/m"}, r"^drive\.spring = '50 N/m': needs drive\.area, the nominal area"),
         ({"spring": "50 N/m", "area": 1e-16}, "area = 1e-16: holds 9.5e-06 contacts; give over"),
         ({"spring": "50"}, "must be a number and a unit"),
-        ({"spring": "50 kN"}, "unit kN is not known; known: N/m, N_c<k>, mN/m, N/mm, N/µm$"),
+        (
+            {"spring": "50 kN"},
+            "unit kN is not known; known: N/m, N_c<k>, mN/m, kN/m, N/mm, MN/m, N/µm, N/um$",
+        ),
         ({"law": GAUSSIAN, "spring": "5 N/m", "area": 1.0}, "needs <k> in N/m"),
         ({"law": GAUSSIAN, "spring": 0.5, "area": 1.0}, "drive.area = 1.0: needs <k> in N/m"),
     ):
@@ -276,6 +279,11 @@ def test_mass_and_damping_of_the_slider() -> None:
     each = 1e-4 * interface.contact_density * interface.mean_stiffness
     given = pulled(mass="0.2 kg", damping="3 N s/m", area=1e-4).drive
     assert given.mass == pytest.approx(0.2 / each) and given.damping == pytest.approx(3.0 / each)
+    for same_spring in ("0.05 kN/m", "5e-5 N/um"):
+        assert (
+            pulled(spring=same_spring, area=1e-4).drive.spring
+            == pulled(spring="0.05 N/mm", area=1e-4).drive.spring
+        )
     same = pulled(spring="0.05 N/mm", mass="200 g", damping="3 kg/s", area=1e-4).drive
     assert same.spring == pytest.approx(50.0 / each)
     assert (same.mass, same.damping) == (pytest.approx(given.mass), given.damping)

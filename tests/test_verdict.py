@@ -336,6 +336,26 @@ def test_where_the_readings_decide_their_kinds_are_counted(capsys: Any) -> None:
     assert all(kind in page for kind in kinds)
 
 
+def test_a_speed_that_is_left_out_and_a_temperature_of_a_room_in_celsius_are_asked_about(
+    capsys: Any,
+) -> None:
+    """1 m/s is fast for a machine in N/m: with laws in time it decides. 25 K are 25 °C as a rule."""
+    heat = {"law": "soft", "temperature": {"kelvin": 25}, "attempt_frequency": 1e12}
+    for drive, contacts, asks in (
+        ({}, STATED | {"thermal": heat}, True),
+        ({}, STATED, True),
+        ({"velocity": 1e-6}, STATED, False),
+    ):
+        machine = {"spring": "50 N/m", "area": 1e-6} | drive
+        page, found = judged(capsys, contacts=contacts, drive=machine, verdict=RESET)[1:]
+        told = [
+            line.startswith("the speed: none is given, and 1 m/s") for line in found["hangs_on"]
+        ]
+        assert any(told[:2]) is any(told) is asks
+        asked = "if 25 °C is meant, write kelvin = 298.15" in page
+        assert asked is ("thermal" in contacts)
+
+
 def test_few_samples_are_told_on_the_page(capsys: Any) -> None:
     tables = {"thresholds": {"kind": "from-samples", "x_s": [0.9, 1.0, 1.3]}}
     _, page, _ = judged(capsys, drive={"spring": 5.0}, verdict=RESET, **tables)

@@ -26,8 +26,9 @@ class MachineUnit(NamedTuple):
     others: dict[str, float]
 
 
+_SPRINGS = {"mN/m": 1e-3, "kN/m": 1e3, "N/mm": 1e3, "MN/m": 1e6, "N/µm": 1e6, "N/um": 1e6}
 _MACHINE = {
-    "spring": MachineUnit("N/m", "N_c<k>", "50 N/m", {"mN/m": 1e-3, "N/mm": 1e3, "N/µm": 1e6}),
+    "spring": MachineUnit("N/m", "N_c<k>", "50 N/m", _SPRINGS),
     "mass": MachineUnit("kg", "N_c<k> s2", "0.2 kg", {"g": 1e-3, "mg": 1e-6}),
     "damping": MachineUnit("N s/m", "N_c<k> s", "3 N s/m", {"kg/s": 1.0}),
 }

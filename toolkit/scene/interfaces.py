@@ -23,6 +23,8 @@ _UNITS |= {"mean_force_threshold": "N", "contact_density": "1/m2", "mean_stiffne
 
 # of the load: where plastic contacts bear more the elastic theory says nothing
 _MOSTLY = 0.5
+# numbers that are temperatures of a room in °C, and no usual ones in K; 0 °C in K
+_ROOM, _ZERO_CELSIUS = (10.0, 40.0), 273.15
 
 
 @dataclass(frozen=True)
@@ -125,6 +127,18 @@ def doubts(contacts: Contacts) -> list[str]:
     return said
 
 
+def of_celsius(contacts: Contacts) -> list[str]:
+    """A note on a temperature in kelvins that is one of a room in degrees Celsius; else none."""
+    surface, thermal = contacts.thresholds.interface, contacts.thermal
+    if surface is None or not isinstance(thermal, Thermal) or thermal.temperature is None:
+        return []
+    kelvin = thermal.temperature / surface.temperature(kelvin=1.0)
+    if not _ROOM[0] <= kelvin <= _ROOM[1]:
+        return []
+    hint = f"if {kelvin:.4g} °C is meant, write kelvin = {kelvin + _ZERO_CELSIUS:.5g}"
+    return [f"the temperature is {kelvin:.4g} K, which is {kelvin - _ZERO_CELSIUS:.0f} °C: {hint}"]
+
+
 def foreseen(scene: Scene) -> list[str]:
     """Notes before a run: a drive so long or short that its unit may be wrong, temperatures at which no contact holds,
     stretches beyond nearly all thresholds, N_c<k> of the nominal area in N/m, numbers of contacts other than its own,
@@ -145,6 +159,7 @@ def foreseen(scene: Scene) -> list[str]:
         swept = {} if scene.sweep is None else scene.sweep.at
         hottest = np.max(swept.get("temperature", contacts.thermal.temperature))
         said += filter(None, [too_hot(float(hottest), law)])
+        said += of_celsius(contacts)
     again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
     for own, they in [(contacts.start, "start"), *again]:
         middle = own.mean() if own.is_single else float(own.ppf(0.5))

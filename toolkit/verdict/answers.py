@@ -70,7 +70,7 @@ class Answer:
 class Verdict:
     """The answers of all readings, the scene's own first.
 
-    velocity : of the drive; run_time : s
+    velocity : of the drive, 1 where it is not `velocity_given`; run_time : s
     finite : what as many contacts as there are do under each rule, by the own reading; empty where their number is
         not known
     left_out : readings without an answer, and why
@@ -86,6 +86,7 @@ class Verdict:
     left_out: dict[str, str]
     run_time: float
     turned: Behaviour | None = None
+    velocity_given: bool = True
 
     @property
     def own(self) -> Answer:

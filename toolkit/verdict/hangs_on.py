@@ -6,7 +6,7 @@ from itertools import chain
 import numpy as np
 
 from origins.roughness.interface import Interface
-from toolkit.scene.interfaces import remarks
+from toolkit.scene.interfaces import of_celsius, remarks
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import MORE_TIME
@@ -30,6 +30,7 @@ def dependence(verdict: Verdict) -> list[str]:
     lines = (
         _of_rules(verdict),
         _of_readings(verdict),
+        _of_a_speed(verdict),
         _of_a_stuck_slider(verdict),
         _of_a_mass(verdict),
         _of_contacts(verdict),
@@ -109,6 +110,17 @@ def _why(answer: Answer) -> str:
     if out_of_time(answer):
         return f"out of time: {MORE_TIME}, or give fewer verdict.readings"
     return in_units(answer.behaviours[0].message, answer.scale)
+
+
+def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
+    """A speed that is not given; and a temperature that may be meant in °C."""
+    own = verdict.own
+    if not verdict.velocity_given and own.machine is not None and own.scale.length_unit == "m":
+        decides = bool(own.contacts.in_time) or own.machine.mass is not None
+        what = "forces and slips hang on it, and all times" if decides else "all times hang on it"
+        told = "none is given, and 1 m/s is taken"
+        yield Line(TURNS if decides else UNSIZED, f"the speed: {told}; {what}: give drive.velocity")
+    yield from (Line(UNSIZED, one) for one in of_celsius(own.contacts))
 
 
 def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:

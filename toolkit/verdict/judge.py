@@ -1,6 +1,7 @@
 """The verdict of one scene: every reading and every slip rule, and what their answers have in common."""
 
 import time
+import tomllib
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
@@ -100,6 +101,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         name=scene.name,
         title=scene.title or scene.name,
         velocity=table.velocity,
+        velocity_given="velocity" in tomllib.loads(scene.text).get("drive", {}),
         answers=tuple(answers),
         finite=finite,
         left_out=left_out,
