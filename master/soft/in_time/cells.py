@@ -99,6 +99,7 @@ class Cells:
         self.edges = _cell_edges(far, self.width, thinnest, bulk, share_of_width)
         self._face_density, self._face_slope = _at_faces(self.edges)
         self._drift = _drift(ageing, self.width, 2.0 * far)
+        self._none_break = np.zeros((2, self.edges.size - 1, cells_kernel.LANES))
 
     def fresh(self, stretch: Array) -> Array:
         """Weights of fresh thresholds above |stretch| (n,), one row of sum 1 for each."""
@@ -150,7 +151,7 @@ class Cells:
         # Fluxes per density at a lower face: what leaves the cell enters the cell below. With heat the tilt of each
         # cell (see `_early`) is counted with the flux that leaves it, and with that which enters it from above.
         leaving = entering = flow
-        breaking = np.zeros(flow.shape)
+        breaking = self._none_break
         if self._thermal is not None:
             breaking, tilt = self._early(level, times)
             leaving = flow - tilt
@@ -175,7 +176,7 @@ class Cells:
 
     def shifted(self, weights: Array, rise: Array) -> Array:
         """Weights that remain above |x| when it jumps by these rises (n,), of either sign."""
-        return np.asarray(self._kernel.shifted(weights, self.edges, rise))
+        return np.asarray(self._kernel.shifted(np.ascontiguousarray(weights), self.edges, rise))
 
     def held_above(self, weights: Array, level: Array) -> Array:
         """The sums of the weights that `shifted` would leave after rises to these levels (n,), at least 0."""
@@ -222,7 +223,7 @@ def _drift(ageing: Ageing, width: float, far: float) -> Callable[[Array], Array]
     """D U' at thresholds from 0 to `far`, P_cf ~ e^-U; where the final law is not normal to some 1e-11 of it."""
     normal, final = ageing.normal, ageing.final
     if normal is not None:
-        return lambda threshold: ageing.rate * (threshold - normal.mean) / normal.std**2
+        return lambda threshold: (threshold - normal.mean) * (ageing.rate / normal.std**2)
     furthest = float(np.log(far / width))
     # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power
     at = np.linspace(min(-furthest, float(np.log(POWER_BELOW))), furthest, NODES)

@@ -66,11 +66,18 @@ class AgeingMemory(Memory):
         self.width = cells.edges.size
         self.largest_stretch = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
         self.starts = warm_nodes(halvings)
+        self._born_at = self._of_born = np.empty(0)
         shortest = FIRST_OF_AGEING * cells.width**2 / ageing.rate
         self.scales = Scales(WIDTHS_OF_BIRTHS * cells.width, shortest, cells.heat_rate)
 
     def start(self, stretch: Array) -> Array:
         return np.append(self._cells.fresh(stretch), np.zeros((stretch.size, 1)), axis=1)
+
+    def fresh(self, stretch: Array, speed: float) -> Array:
+        """See Memory; thresholds at birth depend on the stretch only, which is the same for all cohorts."""
+        if stretch is not self._born_at:
+            self._born_at, self._of_born = stretch, self.start(stretch)
+        return self._of_born
 
     def advance(self, record: Array, leg: Leg) -> Array:
         out, rise = record.copy(), np.abs(leg.end) - np.abs(leg.begin)
@@ -78,12 +85,13 @@ class AgeingMemory(Memory):
         moves = np.full(rise.size, leg.duration > 0.0) | (rise < 0.0) | (leg.begin * leg.end < 0.0)
         out[~moves, RISEN] += rise[~moves]
         if moves.any():
-            begin, end, risen = leg.begin[moves], leg.end[moves], out[moves, RISEN]
-            weights = np.ascontiguousarray(out[moves, :RISEN])
+            which = slice(None) if moves.all() else moves  # a slice copies nothing
+            begin, end, risen = leg.begin[which], leg.end[which], record[which, RISEN]
+            weights = record[which, :RISEN]
             if risen.any():
                 weights = self._cells.shifted(weights, risen)
-            out[moves, :RISEN] = self._cells.stepped(weights, begin, end, leg.duration)
-            out[moves, RISEN] = 0.0
+            out[which, :RISEN] = self._cells.stepped(weights, begin, end, leg.duration)
+            out[which, RISEN] = 0.0
         return out
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
