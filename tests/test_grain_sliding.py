@@ -107,7 +107,8 @@ def test_what_holds_on_a_path_that_turns_is_that_of_its_quantiles():
         assert np.abs(found.holding - exact).max() <= found.force_error + 2e-4
 
 
-@pytest.mark.parametrize("law", ["soft", "stiff"])
+# stiff contacts have a kernel of their own, which takes as long to compile as this file to run
+@pytest.mark.parametrize("law", ["soft", pytest.param("stiff", marks=pytest.mark.slow)])
 def test_with_heat_the_ensemble_alone_follows_a_path_that_turns(law):
     thermal, time = Thermal(law, 0.1, 2.0), np.array([0.8, 1.0, 1.8, 2.5, 3.3])
     contacts, path = (

@@ -277,13 +277,13 @@ def left_one_by_one(law, beta, start, until, thermal):
     "thermal", [Thermal("eyring", width=0.05, attempt_frequency=3.0), Thermal("stiff", 0.1, 0.5)]
 )
 def test_with_heat_what_holds_on_a_path_that_turns_and_rests_is_a_sum_over_thresholds(thermal):
-    """Of the first contacts alone: broken ones stay out."""
+    """Of the first contacts alone: broken ones stay out. A coarse solution claims little, and is right to some 1e-6."""
     contacts = Contacts(strengthening(PC, 0.2, TAU), 0.1, thermal, delay=Delay(1e3))
     time = np.array([1.0, 1.5, 2.2, 2.5, 4.0, 4.6, 5.0])
-    found = master.solve(contacts, np.interp(time, TIMES, PLACES), 1e-4, time=time)
+    found = master.solve(contacts, np.interp(time, TIMES, PLACES), 1e-3, time=time)
     exact = [left_one_by_one(PC, 0.2, 0.1, t, thermal) for t in time]
     assert found.success, found.message
-    assert np.abs(found.holding - exact).max() < found.force_error + 3e-5
+    assert np.abs(found.holding - exact).max() < min(found.force_error, 3e-5)
     without = [left_one_by_one(PC, 0.1, 0.1, t, thermal) for t in time]
     assert np.abs(found.holding - without).max() > 1e-2
 
@@ -332,9 +332,9 @@ def test_a_stiff_spring_pulls_the_slider_as_if_it_were_rigid():
     pulled = master.solve(contacts, 0.1 / spring + time, 1e-4, time=time, spring=spring)
     assert pulled.success, pulled.message
     assert not pulled.slips.drive.size
-    rigid = master.solve(contacts, pulled.position, 1e-4, time=time)
-    # between the points the slider does not go quite straight
-    assert np.abs(rigid.force - pulled.force).max() < 2e-3
+    rigid = master.solve(contacts, pulled.position, 1e-3, time=time)
+    # between the points the slider does not go quite straight; a coarse solution of a smooth force claims little
+    assert rigid.success and np.abs(rigid.force - pulled.force).max() < 2e-5
 
 
 @pytest.mark.parametrize("slip", ["instant", "reset", "reform-after"])
