@@ -215,9 +215,8 @@ class March:
         """
         solved = self.solved
         first_on_leg = self._past.enter(leg, solved)  # Past has the births of the panels before
-        in_table = (
-            leg == 0 and self._start_is_birth
-        )  # the start: it is as births at t = 0 on this leg
+        # on the first leg a start that is as births at t = 0 is in their table
+        in_table = leg == 0 and self._start_is_birth
         lumps = self.lumps[1:] if in_table else self.lumps
         both = self._past.at(grid_leg, lumps)
         if in_table:
