@@ -321,16 +321,38 @@ def test_a_verdict_is_a_table_in_a_notebook() -> None:
     assert "slip rule reset</th><td>stick-slip" in found and "critical spring K*" in found
 
 
-def test_ten_readings_have_ten_marks() -> None:
+def test_five_readings_have_five_marks_and_of_ten_the_own_one_stands_out() -> None:
+    """A panel with ten curves in ten colours told none: the others are thin and grey, with one entry in the legend."""
     tables = scene(ROUGH, drive={"area": 1e-6}, master=None)
     tables["verdict"] = {"readings": ["gw/amontons"]}
     found = verdict(toolkit.load_scene(tables, solved=False))
-    many = dataclasses.replace(found, answers=found.answers * 10)
-    drawn = panels(draw_verdict(many))
-    marks = [line.get_marker() for line in drawn["thresholds"].lines]
-    inks = [(line.get_color(), str(line.get_linestyle())) for line in drawn["thresholds"].lines]
-    assert len(set(marks)) == 10 and len(set(zip(marks, inks, strict=True))) == 10
-    assert drawn["springs"].get_xlabel().endswith("N/m)")
+    for number, named in ((5, 5), (10, 2)):
+        figure = draw_verdict(dataclasses.replace(found, answers=found.answers * number))
+        drawn = panels(figure)
+        lines = drawn["thresholds"].lines
+        marks = [line.get_marker() for line in lines]
+        inks = [(line.get_color(), str(line.get_linestyle())) for line in lines]
+        assert len(lines) == number and len(set(zip(marks, inks, strict=True))) == named
+        (legend,) = figure.legends
+        names = [text.get_text() for text in legend.get_texts()]
+        assert len(names) == named and ("the 9 other readings" in names) is (number == 10)
+        assert lines[0].get_linewidth() > 2.0 * lines[1].get_linewidth() or number == 5
+        assert drawn["springs"].get_xlabel().endswith("N/m)")
+
+
+def test_a_peak_narrower_than_the_panels_points_has_its_height() -> None:
+    """It is cut off where the axis ends, and the panel says so."""
+    parts = [{"kind": "gaussian", "mean": 1.0, "std": 0.3}]
+    parts += [{"kind": "gaussian", "mean": 0.5, "std": 1e-5}]
+    law = {"kind": "mixture", "components": parts, "weights": [0.7, 0.3]}
+    tables = {"contacts": {"thresholds": law}, "drive": {}}
+    found = verdict(toolkit.load_scene(tables, solved=False))
+    axes = panels(draw_verdict(found))["thresholds"]
+    density = axes.lines[0].get_ydata()
+    exact = 0.5 * float(found.own.contacts.thresholds.pdf(0.5))
+    assert density.max() == pytest.approx(exact, rel=1e-2)
+    assert axes.get_ylim()[1] < 0.01 * exact
+    assert [text.get_text() for text in axes.texts] == ["higher peaks are cut off"]
 
 
 def test_a_picture_of_a_sweep_has_a_line_for_each_value_of_the_second_quantity() -> None:

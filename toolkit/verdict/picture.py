@@ -1,6 +1,6 @@
 """The picture of a verdict: the friction trace, the threshold laws, and each reading's K* beside the spring."""
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from toolkit.pictures.axes import (
 )
 from toolkit.scene.scale import SHARED
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.kinds import NAMED, named
+from toolkit.verdict.finite import Finite
+from toolkit.verdict.kinds import named
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import apart
 from toolkit.verdict.words import sentence, warnings
@@ -27,10 +28,17 @@ _UNKNOWN = 0.1
 # of the largest force: curves nearer than that are one in the picture
 _ALIKE = 2e-3
 _DENSITY_POINTS = 400
+# of a breakpoint: so near on both sides of it P_c is drawn, as it may jump or diverge there
+_BESIDE = 1e-6
+# readings that are told apart by colour and named in the legend; of more the others are grey
+_NAMED = 5
 # of a density that is drawn: the axis ends at so many times what this share of its points stays below
 _HIGH, _MOST = 1.5, 0.98
 # of the panels below the trace: heights with one reading, and more for each other one (in), and widths
 _LOW, _EACH, _ONE_WIDE, _WIDE = 2.8, 0.2, (2.2, 1.0), (1.0, 1.0)
+
+
+_Traced = TypeVar("_Traced", Behaviour, Finite)
 
 
 def draw_verdict(verdict: Verdict) -> Any:
@@ -68,13 +76,14 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
         if not behaviour.success or behaviour.error >= _UNKNOWN:
             label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
         axes.plot(behaviour.drive, behaviour.force * scale.force, label=label, **style)
-    for number, finite in enumerate(apart(verdict).values(), start=len(known)):
-        if finite.drive.size:
-            label = f"{finite.contacts:,} contacts, {NAMED[finite.rule]}: {finite.kind}"
-            # thin, and above the others, which it may follow for long, as one of these another
-            style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
-            style["ls"] = DASHES[(number - len(known)) % len(DASHES)]
-            axes.plot(finite.drive, finite.force * scale.force, label=label, **style)
+    followed = [finite for finite in apart(verdict).values() if finite.drive.size]
+    for number, alike in enumerate(_alike(followed), start=len(known)):
+        finite, rules = alike[0], named([one.rule for one in alike])
+        label = f"{finite.contacts:,} contacts, {rules}: {finite.kind}"
+        # thin, and above the others, which it may follow for long, as one of these another
+        style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
+        style["ls"] = DASHES[(number - len(known)) % len(DASHES)]
+        axes.plot(finite.drive, finite.force * scale.force, label=label, **style)
     axes.margins(x=0.01, y=0.05)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 0.0), high)
@@ -90,9 +99,9 @@ def _known(verdict: Verdict) -> list[Behaviour]:
     return [one for one in each if one.error < _UNKNOWN or one.contacts is not None]
 
 
-def _alike(behaviours: list[Behaviour]) -> list[list[Behaviour]]:
+def _alike(behaviours: list[_Traced]) -> list[list[_Traced]]:
     """Behaviours in groups whose traces lie on one another, so that one curve stands for all of a group."""
-    groups = list[list[Behaviour]]()
+    groups = list[list[_Traced]]()
     for one in behaviours:
         alike = [group for group in groups if _on_one_curve(one, group[0])]
         if alike:
@@ -102,7 +111,7 @@ def _alike(behaviours: list[Behaviour]) -> list[list[Behaviour]]:
     return groups
 
 
-def _on_one_curve(one: Behaviour, other: Behaviour) -> bool:
+def _on_one_curve(one: Behaviour | Finite, other: Behaviour | Finite) -> bool:
     """Whether two traces have the same points, as far as a picture shows."""
     if one.kind != other.kind or one.drive.shape != other.drive.shape:
         return False
@@ -116,15 +125,20 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
     top = highest = 0.0
     for number, answer in enumerate(verdict.answers):
         x, density = _density(answer.contacts)
-        style = style_of(number) | {"lw": 1.3 if number else 2.2, "ms": 4}
-        # marks of different curves at different places
-        style["markevery"] = (7 * number % 40, 40)
-        axes.plot(x, density, label=answer.name, **style)
+        style = _style_of(number, verdict) | {"lw": 1.3 if number else 2.2, "ms": 4}
+        # marks of different curves at different places, at even distances on the axes
+        style["markevery"] = (0.013 * (number % 8), 0.1)
+        label = answer.name
+        if number and len(verdict.answers) > _NAMED:
+            style |= {"lw": 0.8, "marker": "", "zorder": 1}
+            label = "" if number > 1 else f"the {len(verdict.answers) - 1} other readings"
+        axes.plot(x, density, label=label or None, **style)
         # where contacts share one value the density is infinite
         whole: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style["color"]}
-        axes.vlines(answer.contacts.thresholds.atoms[0], 0.0, 1.0, **whole)
-        # of a density that diverges the highest points hang on where it is drawn
-        top = max(top, min(density.max(), _HIGH * np.quantile(density, _MOST)))
+        axes.vlines(answer.contacts.thresholds.atoms[0], 0.0, 1.0, lw=style["lw"], **whole)
+        # of a density that diverges the highest points hang on where it is drawn; a narrow peak leaves the rest flat
+        evenly = np.interp(np.geomspace(x[0], x[-1], _DENSITY_POINTS), x, density)
+        top = max(top, min(density.max(), _HIGH * np.quantile(evenly, _MOST)))
         highest = max(highest, density.max())
     if highest > 1.1 * top:
         above: dict[str, Any] = {"transform": axes.transAxes, "va": "top", "fontsize": "small"}
@@ -135,11 +149,23 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
     axes.set_ylabel(r"$x_s\,P_c(x_s)$, per unit of $\ln x_s$")
 
 
+def _style_of(number: int, verdict: Verdict) -> dict[str, Any]:
+    """Colour, dashes and mark of a reading: of many, all but the scene's own are grey."""
+    if number and len(verdict.answers) > _NAMED:
+        return style_of(number) | {"color": "0.6", "ls": "-", "marker": "o"}
+    return style_of(number)
+
+
 def _density(contacts: Contacts) -> tuple[Any, Any]:
     """x and x P_c(x), the density of ln x."""
     law = contacts.thresholds
     low, high = float(law.ppf(1e-3)), float(law.isf(1e-4))
-    x = np.geomspace(max(low, 1e-6 * high), 1.05 * high, _DENSITY_POINTS)
+    low, high = max(low, 1e-6 * high), 1.05 * high
+    # a peak may be narrower than a step of the axis: quantiles lie as close as its weight asks for
+    dense = law.ppf(np.linspace(1e-3, 1.0 - 1e-4, _DENSITY_POINTS))
+    beside = np.multiply.outer([1.0 - _BESIDE, 1.0 + _BESIDE], law.breakpoints).ravel()
+    x = np.unique(np.concatenate([np.geomspace(low, high, _DENSITY_POINTS), dense, beside]))
+    x = x[(x >= low) & (x <= high)]
     density = x * law.pdf(x)
     finite = np.isfinite(density)
     return x[finite], density[finite]
@@ -149,7 +175,7 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
     """K* of each reading as a mark with its error, and the machine's spring."""
     rows, scale = list(enumerate(verdict.answers)), verdict.own.scale
     for row, answer in rows:
-        _draw_spring(axes, row, answer)
+        _draw_spring(axes, row, answer, _style_of(row, verdict))
     axes.set_yticks([row for row, _ in rows], [one.name for _, one in rows], fontsize="small")
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.set_xscale("log")
@@ -169,7 +195,7 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
     name_axis(axes.xaxis, said, "" if unit == SHARED else unit)
 
 
-def _draw_spring(axes: Any, row: int, answer: Answer) -> None:
+def _draw_spring(axes: Any, row: int, answer: Answer, style: dict[str, Any]) -> None:
     """One reading's K*; an infinite one is said in words, as is one of 0."""
     value = answer.critical_spring.value * answer.scale.spring
     if answer.smoothed or answer.critical_spring.lost or not 0.0 < value < np.inf:
@@ -186,6 +212,5 @@ def _draw_spring(axes: Any, row: int, answer: Answer) -> None:
         axes.text(0.02, row, said, fontsize="small", **place)
         return
     error = max(answer.critical_spring.error, answer.critical_spring.sampling or 0.0)
-    style = style_of(row)
     bars: dict[str, Any] = {"fmt": style["marker"], "color": style["color"], "ms": 7, "capsize": 4}
     axes.errorbar([value], [row], xerr=[error * answer.scale.spring], **bars)
