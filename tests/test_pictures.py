@@ -14,6 +14,7 @@ from scenes import GAUSSIAN, ROUGH, scene
 import origins
 import toolkit
 from toolkit.judge.compare import compare
+from toolkit.judge.lines import table
 from toolkit.judge.picture import draw_comparison
 from toolkit.pictures.axes import OKABE_ITO, name_axis, style_of
 from toolkit.pictures.points import plot_points_spring
@@ -26,6 +27,7 @@ from toolkit.pictures.run import (
 from toolkit.pictures.thresholds import plot_density, plot_samples
 from toolkit.results.beside import deviation
 from toolkit.results.records import sample_curve
+from toolkit.scene.scale import written
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.picture import draw_verdict
 
@@ -450,6 +452,41 @@ def test_a_sweep_over_springs_marks_where_they_pass_k_star() -> None:
     expected = result.newtons(result.sweep.critical_spring[0])
     np.testing.assert_allclose(mark.get_xdata(), expected, rtol=1e-9)
     assert force.get_legend() is not None
+
+
+def test_a_sweep_on_which_k_star_does_not_depend_says_so_in_place_of_a_flat_line() -> None:
+    drive = {"to": 2.0, "points": 5, "spring": 0.9}
+    for swept, flat in (
+        ({"drive.spring": [0.6, 0.9]}, True),
+        ({"contacts.thresholds.std": [0.1, 0.2]}, False),
+    ):
+        sweep = swept | {"critical_spring": True}
+        result = toolkit.run(scene(GAUSSIAN | {"std": 0.2}, drive=drive, sweep=sweep))
+        figure = draw_run(result, Figure())
+        drawn_there = any("critical spring" in axes.get_ylabel() for axes in figure.axes)
+        said = f"K* = {result.sweep.critical_spring[0]:.4g} N_c<k>, which does not depend on spring"
+        assert drawn_there is not flat and (said in figure.get_suptitle()) is flat
+
+
+def test_a_critical_spring_below_its_numerical_error_is_not_compared() -> None:
+    """Neither in the table nor in the picture; it may still be told below what it is."""
+    verdicts = compare(
+        [toolkit.load_scene(scene(ROUGH, drive={"area": 1e-6}, master=None), solved=False)]
+    )
+    (own, *others) = verdicts[0].readings
+    errors = {
+        key: dataclasses.replace(number, error=1.5 * number.value)
+        for key, number in own.numbers.items()
+        if key.startswith("critical_spring")
+    }
+    lost = dataclasses.replace(own, numbers=own.numbers | errors, unknown=True)
+    (one,) = [dataclasses.replace(verdicts[0], readings=(lost, *others))]
+    most = 2.5 * own.spring("N/m").value
+    text = "\n".join(table([one]))
+    assert f"not known, below {most:.2g}" in text and f"{own.spring('N/m').value:.3g}" not in text
+    springs = draw_comparison([one]).axes[1]
+    assert not springs.patches
+    assert springs.texts[0].get_text() == f"not known, below {written(most, 'N/m', digits=2)}"
 
 
 def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:

@@ -37,13 +37,15 @@ class Read:
     that is known, nan for what other thresholds than a surface's do not have.
 
     springs : N_c<k> by unit: "N_c<k>", "N/m" of drive.area, "N/m³", per nominal area
-    softer : whether the machine's spring is softer than K*; None without one
+    softer : whether the machine's spring is softer than K*; None without one, and where K* is not known
+    unknown : whether the numerical error of K* is as large as itself
     """
 
     name: str
     numbers: dict[str, Number]
     springs: dict[str, float]
     softer: bool | None
+    unknown: bool = False
 
     def spring(self, unit: str) -> Number:
         """K* in this unit."""
@@ -203,7 +205,11 @@ def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Re
         error = (critical.error or 0.0) * factor
         numbers[SPRINGS[its_unit]] = Number(critical.value * factor, error, its_unit)
     machine = machine_number("spring", scene.drive_table or DriveTable(), contacts)
-    return Read(name, numbers, springs, None if machine is None else machine < critical.value)
+    unknown = critical.lost and not found.sampled
+    softer = None if machine is None else machine < critical.value
+    if unknown and machine is not None:
+        softer = None if machine < critical.value + (critical.error or 0.0) else False
+    return Read(name, numbers, springs, softer, unknown)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:

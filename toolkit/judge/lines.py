@@ -30,6 +30,8 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         cells, many = [str(rank), verdict.name], len(verdict.readings)
         for name in names:
             value, over = _cells([one.numbers[name] for one in verdict.readings])
+            if name in SPRINGS.values() and any(one.unknown for one in verdict.readings):
+                value, over = _of_known(verdict, name)
             if name == "onset_power" and value:
                 value = onset_in_words(verdict.own.numbers[name], 4)
             cells.append(value)
@@ -83,16 +85,28 @@ def _cells(each: Sequence[Number]) -> tuple[str, str]:
     return {"inf": "infinite", "not known": ""}.get(value, value), reach
 
 
+def _of_known(verdict: Verdict, name: str) -> tuple[str, str]:
+    """K*, and its range over the readings, where it is not known by some: these are in no range, and of the scene's own
+    reading it is told below which value it is."""
+    known = [one.numbers[name] for one in verdict.readings if not one.unknown]
+    value, over = _cells(known) if known else ("", "not known")
+    if verdict.own.unknown:
+        own, over = verdict.own.numbers[name], value if len(known) == 1 else over
+        value = f"not known, below {own.value + (own.error or 0.0):.2g}"
+    return value, over
+
+
 def disagreements(verdicts: Sequence[Verdict]) -> list[str]:
     """A sentence for each scene whose readings disagree on stick-slip of its machine."""
     said = list[str]()
     for verdict in verdicts:
-        slip = [one.name for one in verdict.readings if one.softer]
-        if 0 < len(slip) < len(verdict.readings) and verdict.own.softer is not None:
+        known = [one for one in verdict.readings if one.softer is not None]
+        slip = [one.name for one in known if one.softer]
+        if 0 < len(slip) < len(known) and verdict.own.softer is not None:
             own = "slips" if verdict.own.softer else "does not slip"
             said.append(
                 f"{verdict.name}: readings disagree on stick-slip: on its spring a slider slips by {len(slip)} of "
-                f"{len(verdict.readings)} readings; by its own, {verdict.own.name}, it {own}"
+                f"{len(known)} readings; by its own, {verdict.own.name}, it {own}"
             )
     return said
 

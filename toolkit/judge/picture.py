@@ -124,7 +124,9 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
     small: dict[str, Any] = {"va": "center", "fontsize": "small"}
     for row, (spring, one, reach) in enumerate(zip(springs, styled, over, strict=True)):
         color, value, error = one.style["color"], spring.value, spring.error or 0.0
-        axes.barh(row, min(max(value, low), high) - low, left=low, color=color, height=0.6)
+        unknown = one.verdict.own.unknown
+        if not unknown:
+            axes.barh(row, min(max(value, low), high) - low, left=low, color=color, height=0.6)
         off = error if np.isfinite(value + error) else 0.0
         ends = np.clip([min([*reach, value - off]), max([*reach, value + off])], low, high)
         if np.ptp(ends):  # below the bar, whose number is beside it
@@ -133,6 +135,11 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
         text = "infinite" if np.isinf(value) else f"{value:.3g}" if unit == SHARED else ""
         beyond = {"xytext": (12 if np.isinf(value) else 5, 0), "textcoords": "offset points"}
         place = (min(max(value, low), high), row)
+        if unknown:  # and its error reaches from the edge to where it is below
+            place, most = (low, row), value + error
+            text = f"not known, below {most:.2g}" if unit == SHARED else ""
+            text = text or f"not known, below {written(most, unit, digits=2)}"
+            beyond["xytext"] = (20, 0)
         axes.annotate(text or written(value, unit), place, **beyond, **small)
         if np.isinf(value):
             axes.plot(high, row, ">", color=color, ms=18, clip_on=False)

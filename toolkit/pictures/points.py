@@ -23,6 +23,7 @@ _LETTERS = 98  # of a legend above the panel, which is wider than others
 _MARKED = 30  # points of a line; with more, some carry a mark
 # of the largest value: a change of no account, which is not to fill the axis
 _FLAT = 0.01
+_ALIKE = 1e-6  # of K*: values nearer to each other are one, but for the tolerance of its search
 _LOG_FROM = 30.0  # largest over smallest value from which an axis is logarithmic
 _SYMBOLS = {"velocity": "speed $v$", "temperature": r"temperature $k_BT/\langle k\rangle$"}
 _SYMBOLS |= {"kelvin": "temperature $T$", "rate": "rate of ageing", "delay": r"delay $\tau$"}
@@ -151,6 +152,17 @@ def _axis_of(name: str, columns: dict[str, str], result: Result) -> tuple[str, s
 def plot_points_spring(axes: Any, result: Result) -> Any:
     """K* along the sweep, from 0: below it stick-slip."""
     return plot_points(axes, result, "critical_spring")
+
+
+def flat_spring(result: Result) -> str:
+    """That K* hangs on none of the keys swept, with its value, in a sentence; "" where it does, or is not known."""
+    sweep: Any = result.sweep
+    value, error = _with_error(result, "critical_spring")
+    known = np.isfinite(value).all() and error.max() <= _FLAT * value.max()
+    if not known or np.ptp(value) > max(2.0 * error.max(), _ALIKE * value.max()):
+        return ""
+    told = written(float(np.median(value)), result.scale.spring_unit, digits=4)
+    return f"K* = {told}, which does not depend on {', '.join(_short([*sweep.along]).values())}"
 
 
 def plot_points_swing(axes: Any, result: Result) -> Any:

@@ -21,6 +21,7 @@ from toolkit.pictures.axes import (
 )
 from toolkit.pictures.legs import mark_legs, write_along
 from toolkit.pictures.points import (
+    flat_spring,
     plot_points,
     plot_points_spring,
     plot_points_swing,
@@ -237,7 +238,8 @@ def draw_run(result: Result, figure: Any) -> Any:
     if solved is not None and result.eq is not None and not is_coupled(result.eq):
         below.append(plot_deviation)
     swept: list[Any] = [plot_points] if result.curves and result.sweep is not None else []
-    if with_spring(result.sweep):
+    flat = flat_spring(result) if with_spring(result.sweep) else ""
+    if with_spring(result.sweep) and not flat:
         swept.append(plot_points_spring)
     if with_swing(result.sweep):
         swept.append(plot_points_swing)
@@ -256,7 +258,8 @@ def draw_run(result: Result, figure: Any) -> Any:
     for draw, above in zip(below, ["F", *(draw.__name__ for draw in below)], strict=False):
         places[draw.__name__].sharex(places["F"])
         places[above].set_xlabel("")
-    figure.suptitle(in_lines(result.title or result.name), parse_math=False)
+    title = "\n".join(map(in_lines, filter(None, [result.title or result.name, flat])))
+    figure.suptitle(title, parse_math=False)
     return figure
 
 

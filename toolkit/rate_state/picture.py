@@ -20,16 +20,17 @@ SHOWN, BEFORE = 6.0, 0.15
 
 
 def draw_rate_state(judged: Judged) -> Any:
-    """The steps and the rests on a figure of its own."""
+    """The steps and, where there are some, the rests on a figure of its own."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(12, 5.4), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    draw_steps(left, judged)
-    draw_rests(right, judged)
-    for axes in (left, right):
+    rests = bool(judged.found.rests)
+    figure = Figure(figsize=(12 if rests else 8, 5.4), layout="constrained")
+    panels = figure.subplots(1, 1 + rests, squeeze=False)[0]
+    for draw, axes in zip((draw_steps, draw_rests), panels, strict=False):
+        draw(axes, judged)
         name_over_load(axes, judged.scale)
-    figure.suptitle(in_lines(judged.title), fontsize="medium", parse_math=False)
+    title = judged.title if rests else f"{judged.title}; no rest was followed"
+    figure.suptitle(in_lines(title, 110 if rests else 75), fontsize="medium", parse_math=False)
     return figure
 
 
@@ -84,10 +85,6 @@ def _mark_numbers(axes: Any, judged: Judged, far: float) -> None:
 def draw_rests(axes: Any, judged: Judged) -> None:
     """The peak after a rest, the ageing law's, and the healing rate, against the time at rest."""
     found, scale = judged.found, judged.scale
-    if not found.rests:
-        axes.text(0.5, 0.5, "no rest was followed", ha="center", transform=axes.transAxes)
-        axes.set_axis_off()
-        return
     times = np.array([one.time for one in found.rests])
     peaks = {
         "largest force after a rest": np.array([one.peak for one in found.rests]),
