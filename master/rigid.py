@@ -53,7 +53,7 @@ PIECES_OF_START, PIECES_OF_LAW, MOST_SECONDS = 13, 6, 100.0
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 # Tightest tolerance, in changes of a survival over the last place of a position: rounding moves it by half of that, and
-# panels keep at least 0.4 of a tolerance. Tighter, panels of narrow laws are halved until `wall_time` is over.
+# panels keep at least 0.32 of a tolerance. Tighter, panels of narrow laws are halved until `wall_time` is over.
 FROM_ROUNDED_POSITIONS = 1.25
 # Farthest position that counts there, in mean thresholds: default tolerances stay what they are for laws wider than a
 # millionth.
@@ -127,7 +127,7 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
     if jump.size and jump.size == solved.error[panel]:
         when = "a travel of " if march.life.timeless and not march.births.delay else "t = "
         near = f"{near}: the number jumps by {jump.size:.1e} at {when}{jump.time:.6g}, on leg {jump.leg}"
-        near += " (from 0), where no edge is, or a sum over births is wrong from there on"
+        near += " (from 0), where no edge is, or a sum over births is wrong there, or before"
     parts = {
         f"a panel {near}": solved.error[panel],
         "survivals of the contacts' laws": march.survival_error,

@@ -24,7 +24,7 @@ FOR_BIRTHS, SMALLEST_FOR_BIRTHS = 3e-3, 1e-15
 class ErrorBudget:
     """The parts of a tolerance, beside which `solve_rigid` adds up force_error:
 
-        force_error = (worst panel + survivals + births + left out) * stretch/mean + round_off.
+        force_error = round_off + (survivals + worst panel + births + left out) * stretch/mean.
 
     | part | measured by | its part of the tolerance | along the path |
     |---|---|---|---|

@@ -125,8 +125,9 @@ class EarlierLegs:
         series = fitted.series[:, which]
         weights = self._births_leg.legendre_weights(pieces, series.shape[-1])
         # Left out are the coefficients c of degrees n + k, about |c_n| fall^k, with n the first that is left out; each
-        # is multiplied by the births' weight of its degree. Weights are known below n only: that of n + k is taken as
-        # large as that of n - 1 - k, which is no smaller as a rule: those of smooth births fall with the degree.
+        # is multiplied by the births' weight w of its degree: missed = |c_n| (sum over k of |w_(n + k)| fall^k). Of
+        # weights those below n alone are known, so that |w_(n - 1 - k)| is taken for |w_(n + k)|. It is no smaller as a
+        # rule, as weights of smooth births fall with the degree; tests hold the error of the number that comes of it.
         fading = fitted.fall[which, None] ** np.arange(series.shape[-1])[::-1]
         missed = fitted.left_out[which] * (np.abs(weights) * fading).sum(axis=1)
         return (series * weights).sum(axis=-1), missed

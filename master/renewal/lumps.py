@@ -60,5 +60,5 @@ def sums_of_lumps(
         still_unborn = amid[lump, row, None] & (t_leg < its_birth_leg)
         survivors = np.where(still_unborn, [[[1.0]], [[0.0]]], found.both)  # (2, pairs, columns)
         for total, added in zip(both, weight[lump, None] * survivors, strict=True):
-            np.add.at(total, row, added)
+            np.add.at(total, row, added)  # several lumps may be on one row, of which += keeps one
     return Sums(both, 0.0, survival_error)

@@ -194,10 +194,10 @@ class March:
 
         Fewer would cost time only, as `known_on` integrates the others. One more would be wrong: on another width
         PanelSums do not hold, which may not show; and of a leg before Past has the births: they would count twice."""
-        # two widths before: a panel's last breaks come one after its first, and a second one is for rounding
+        # one width before, as a panel's last breaks come one after its first; and one more, amply for rounding
         oldest = self._oldest_that_counts(self.solved.end, leg) - 2.0 * width
-        first_on_leg = float(self.motion.times[leg]) - SAME_BEGIN * width
-        return self.solved.count_same_width(width, max(oldest, first_on_leg))
+        leg_begins_path = float(self.motion.times[leg]) - SAME_BEGIN * width
+        return self.solved.count_same_width(width, max(oldest, leg_begins_path))
 
     def known_at(self, t: Array) -> Array:
         """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
@@ -214,7 +214,7 @@ class March:
         Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
         solved = self.solved
-        first_on_leg = self._past.enter(leg, solved)  # Past has the births of the panels before
+        first_panel_on_leg = self._past.enter(leg, solved)  # Past has the births before it
         # on the first leg a start that is as births at t = 0 is in their table
         in_table = leg == 0 and self._start_is_birth
         lumps = self.lumps[1:] if in_table else self.lumps
@@ -225,7 +225,7 @@ class March:
         t = float(self.motion.times[leg]) + t_leg
         first_that_counts = panel_at(solved.begin, self._oldest_that_counts(float(t.min()), leg))
         end = solved.count - same_width
-        born_on_leg = solved.pick(slice(max(first_that_counts, first_on_leg), end))
+        born_on_leg = solved.pick(slice(max(first_that_counts, first_panel_on_leg), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
         # breaks of all of them may be out, on whatever leg
         if self.births.delay > 0.0 and first_that_counts < end:
@@ -258,8 +258,8 @@ class March:
         # At a jump `known_on` gives the limit from the left to a row of times that ends there, and from the right to
         # one that begins there, both within a panel: their difference is what breaks.
         before, after = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
-        # Where the edge ends the leg the slider is taken to go on straight after it, as only the number at the edge is
-        # read: to ask on the next leg would make Past enter that too early. One row each, as they are not on one leg.
+        # Where the edge ends the leg the later times are asked for on it all the same: on the next leg Past would enter
+        # that too early. Only the number at the edge is read, which is right. One row each, as they are on two legs.
         asked = [[before, after]] if t < self.motion.times[leg + 1] else [[before], [after]]
         number = np.concatenate([self.known_on(leg, np.array(rows))[0] for rows in asked])
         broken = float(number[0, 1] - number[1, 0])

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 # Factor on the accuracy where a survival is a sum or followed by strands: so exact a sum over births would take long
 # (an eighth longer with heat of 0.1 <x_s>² on two turns).
-# Where it is closed, as that of growing thresholds without heat, sums so coarse make the number rough, and panels are
-# halved until all work is used up.
+# Where the survival is closed, as that of growing thresholds without heat, sums so coarse would make the number rough,
+# and panels would be halved until all work is used up.
 COARSER = 30.0
 # Births on a leg are left out where fewer than this part of the accuracy hold, as many legs may be left out; at least a
 # hundredth of the rounding of sums.
@@ -97,7 +97,8 @@ class Past:
             self._leave_out()
             leg_before, self._leg = self._leg, leg
             self._set_clock(leg)
-            earlier = self._panels_before(solved)
+            self._first_panel = self._count_before(solved)
+            earlier = solved.pick(slice(self._first_panel))
             if self._strands is not None:
                 self._follow_strands(self._strands, range(max(leg_before, 0), leg), earlier)
             else:
@@ -133,10 +134,9 @@ class Past:
         self._leg_begins_path = float(motion_path.times[leg])
         self._motion_leg = motion_path.counted_from(leg)
 
-    def _panels_before(self, solved: SolvedPanels) -> SolvedPanels:
-        """The panels whose births, one delay after their breaks, are on legs before the present one."""
-        self._first_panel = int(np.searchsorted(self._legs_of_births(solved), self._leg))
-        return solved.pick(slice(self._first_panel))
+    def _count_before(self, solved: SolvedPanels) -> int:
+        """How many panels there are whose births are on legs before the present one."""
+        return int(np.searchsorted(self._legs_of_births(solved), self._leg))
 
     def _follow_strands(
         self, strands: "Strands", legs_just_ended: range, earlier: SolvedPanels

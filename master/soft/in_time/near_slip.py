@@ -4,8 +4,9 @@ import numpy as np
 
 from master.soft.in_time.slider import Slider
 
-# A slip is undecided where it is foreseen within this many times the change of X from the last halving: its load
-# differs from that at the end by half of the slope of K X_T there times the way to it.
+# A slip is undecided where it is foreseen within this many times the change of X from the last halving. K X_T as a
+# function of X is a parabola with its top at the slip: on the way y to it the load rises by slope y/2, with the slope
+# at the end of the drive. A change d of X is one of the load by slope d, and more than that rise where y < 2 d.
 NEAR = 2.0
 # Rounding of a delay, as a part of it.
 AT_ONCE = 1e-9

@@ -165,7 +165,7 @@ class Steps:
         if speed:
             # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
             stuck = abs(speed) * self.spring / (1.0 + self.spring)
-            uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.coarsest
+            uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.lost
         self._count = StepCount(contacts.now, end, uniform, scales.time)
         self.section_end = end
 

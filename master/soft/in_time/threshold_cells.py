@@ -69,7 +69,8 @@ class ThresholdCells:
     def survival_and_force(
         self, integrals: Array, stretch: Array, least: Array, unmet: Array
     ) -> Array:
-        """Survival and force of the fraction `unmet`, whose thresholds lie beyond `least`, from A at the edges."""
+        """Survival and force of the fraction `unmet`, whose thresholds lie beyond `least`, from A at the edges: where
+        thresholds stay, `least` is the largest |x| so far; where they grow, the place of the largest hazard so far."""
         edges, every = self.edges, np.arange(least.size)
         weight = np.maximum(np.minimum(unmet[:, None], self.beyond[:-1]) - self.beyond[1:], 0.0)
         # of the cell in which the least threshold lies only the part beyond it counts; two edges follow, for _log_at
