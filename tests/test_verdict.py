@@ -882,6 +882,10 @@ def test_the_areas_own_contacts_slide_at_their_own_force_in_the_headline() -> No
             told + rest if told else sentence(with_contacts(known, replace(finite, late=1.0)))
         )
         assert ("sliding force of 300 contacts (instant)  1.043 N ± 2 mN" in text) is bool(told)
+    # of fewer contacts than there are nobody is told that the area's bear so much
+    fewer = with_contacts(own, replace(finite, message="as infinitely many do"))
+    assert sentence(fewer) == "smooth at 1.00 N" and "sliding force" not in "\n".join(page(fewer))
+    assert "at the end they bear 1.043 N" in "\n".join(page(fewer))
 
 
 def test_the_widest_uncertainty_stands_in_the_headline() -> None:

@@ -117,4 +117,6 @@ class Verdict:
         if own.smoothed:
             rows[-1] = ("critical spring K*", "not known: it hangs on the smoothing of P_c")
         rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
+        held = [one for one in self.finite if one.kind != "unknown"]
+        rows += [(f"{one.contacts:,} contacts, slip rule {one.rule}", one.kind) for one in held]
         return as_table(self.title, rows)

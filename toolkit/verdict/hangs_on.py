@@ -226,9 +226,13 @@ def _size_of(verdict: Verdict, remark: str) -> float:
 
 
 def _change_by(verdict: Verdict, many: Finite) -> float:
-    """By how much the forces of so many contacts differ from those of infinitely many."""
+    """By how much the forces of so many contacts differ from those of infinitely many; of more than were followed by
+    N^(-2/3) as much."""
     one = next(each for each in verdict.own.behaviours if each.rule == many.rule)
     told = many.late if np.isfinite(many.late) else many.before
+    if many.message and np.isfinite(many.late) and one.kind == "smooth":
+        share = many.contacts / (verdict.own.scale.contacts or many.contacts)
+        return abs(told - one.before) / abs(one.before) * min(share, 1.0) ** (2.0 / 3.0)
     if many.rule not in apart(verdict):
         return NOTHING
     alike = one.kind == many.kind or (one.kind == "smooth" and np.isfinite(many.late))

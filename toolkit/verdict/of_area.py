@@ -34,9 +34,10 @@ def apart(verdict: Verdict) -> dict[str, Finite]:
 
 
 def _pairs(verdict: Verdict) -> Iterator[tuple[Behaviour, Finite]]:
-    """Rules that are decided for both, infinitely many contacts and as many as there are."""
+    """Rules that are decided for both, infinitely many contacts and as many as there are; not where fewer were
+    followed, which say so: their forces are further from those of infinitely many."""
     for one, many in zip(verdict.own.behaviours, verdict.finite, strict=False):
-        if one.kind != "undecided" and many.kind != "unknown":
+        if one.kind != "undecided" and many.kind != "unknown" and not many.message:
             yield one, many
 
 
@@ -48,7 +49,7 @@ def _kinds_differ(verdict: Verdict, one: Behaviour, many: Finite) -> bool:
 
 def _slips_differ(verdict: Verdict, one: Behaviour, many: Finite) -> bool:
     """Whether all the contacts of the area slip as infinitely many do, and from a clearly other force."""
-    if not one.kind == many.kind == "stick-slip" or many.message:
+    if not one.kind == many.kind == "stick-slip":
         return False
     known = max(SEEN * abs(one.before), _error_of(verdict, one), 2.0 * many.before_error)
     return abs(many.before - one.before) > known
