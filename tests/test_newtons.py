@@ -15,7 +15,14 @@ from origins.errors import InputError
 from toolkit.judge.describe import Description, describe, onset_in_words, table_of
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.scene.interfaces import Number
-from toolkit.scene.scale import of_stretch, of_surface, of_units, with_uncertainty, written
+from toolkit.scene.scale import (
+    of_stretch,
+    of_surface,
+    of_units,
+    with_scatter,
+    with_uncertainty,
+    written,
+)
 from toolkit.scene.scene import load_scene
 
 AREA = 1e-6
@@ -135,6 +142,11 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert written(4.81e10, "N/m³") == "48.1 GN/m³" and written(2.5e5, "Pa") == "250 kPa"
     assert with_uncertainty(0.2512, 3e-3, "N") == "251 mN ± 3 mN"
     assert with_uncertainty(0.2512, 3e-9, "N") == "251.2 mN"
+    assert with_scatter(0.2512, 3e-4, "N") == "251.2 ± 0.3 mN"
+    assert with_scatter(0.2512, 9.8e-4, "N") == "251.2 ± 1.0 mN"
+    assert with_scatter(0.2512, 3e-6, "N") == "251.2 mN ± 3 µN"
+    assert with_scatter(0.0, 3e-6, "N") == with_uncertainty(0.0, 3e-6, "N")
+    assert with_scatter(1.25, 0.02, "N_c<k> length") == "1.25 ± 0.02 N_c<k> length"
     # the forces of one slider have no scatter
     assert with_uncertainty(0.2512, np.inf, "N") == "251.2 mN (error unknown)"
     assert of_surface(1e11, 200.0, 1e6, None).force == 2e13

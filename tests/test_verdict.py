@@ -803,7 +803,7 @@ def test_an_error_that_is_told_leaves_the_force_no_more_digits() -> None:
     scale = scale_of(contacts, None)
     answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
     found = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
-    assert found.startswith("smooth at 0.54 N_c<k> length ± 0.01 N_c<k> length")
+    assert found.startswith("smooth at 0.54 ± 0.01 N_c<k> length")
 
 
 def test_the_critical_spring_of_smoothed_islands_is_no_number(monkeypatch: Any) -> None:
@@ -852,13 +852,11 @@ def test_the_areas_own_contacts_stand_in_the_headline_and_in_the_table() -> None
         finite = Finite(own.rule, 300, "stick-slip", before, 1e-3, 0.0, 0.0, 5.0, period=70.0)
         found = with_contacts(own, finite)
         said, text = sentence(found), "\n".join(page(found))
-        first = "stick-slip: 700 mN ± 1 mN down to 0 N every 70.0 length, 70.0 time at 1.00 with the 300 contacts of "
+        first = "stick-slip: 700 ± 1 mN down to 0 N every 70.0 length, 70.0 time at 1.00 with the 300 contacts of "
         first += "the area (800 mN down to 500 mN for infinitely many)"
         assert said == (first if told else "stick-slip: 800 mN down to 500 mN")
         rows = dict(re.split(" {2,}", line)[:2] for line in text.splitlines() if "(reset)" in line)
-        assert (
-            rows.get("slips of 300 contacts, from (reset)") == "700 mN ± 1 mN down to 0 N"
-        ) is told
+        assert (rows.get("slips of 300 contacts, from (reset)") == "700 ± 1 mN down to 0 N") is told
         assert (rows.get("period of 300 contacts (reset)") == "70.0 length, 70.0 time") is told
         whose = ", infinitely many contacts" * told
         assert rows[f"force before a slip{whose} (reset)"] == "800 mN"
@@ -869,8 +867,8 @@ def test_the_areas_own_contacts_slide_at_their_own_force_in_the_headline() -> No
     own = replace(infinite("smooth", 0), rule="instant", before=1.0, after=1.0)
     finite = Finite("instant", 300, "smooth", late=1.043, late_error=2e-3)
     for late, error, rises, told in (
-        (1.043, 0.0, False, "smooth at 1.043 N ± 2 mN with"),
-        (1.043, 0.0, True, "smooth, at 1.043 N ± 2 mN and still rising with"),
+        (1.043, 0.0, False, "smooth at 1.043 ± 0.002 N with"),
+        (1.043, 0.0, True, "smooth, at 1.043 ± 0.002 N and still rising with"),
         (1.043, 0.06, False, ""),
         (1.009, 0.0, False, ""),
     ):
@@ -881,19 +879,43 @@ def test_the_areas_own_contacts_slide_at_their_own_force_in_the_headline() -> No
         assert sentence(found) == (
             told + rest if told else sentence(with_contacts(known, replace(finite, late=1.0)))
         )
-        assert ("sliding force of 300 contacts (instant)  1.043 N ± 2 mN" in text) is bool(told)
+        assert ("sliding force of 300 contacts (instant)  1.043 ± 0.002 N" in text) is bool(told)
     # of fewer contacts than there are nobody is told that the area's bear so much
     fewer = with_contacts(own, replace(finite, message="as infinitely many do"))
     assert sentence(fewer) == "smooth at 1.00 N" and "sliding force" not in "\n".join(page(fewer))
-    assert "at the end they bear 1.043 N" in "\n".join(page(fewer))
+    assert "at the end they bear 1.043 ± 0.002 N" in "\n".join(page(fewer))
+
+
+def test_where_the_areas_contacts_slip_otherwise_by_the_rule_the_lines_below_tell_their_forces() -> (
+    None
+):
+    """The headline has the forces of the rules only where they are the same."""
+    one = infinite("smooth", 0)
+    contacts = Contacts(gaussian(1.0, 0.3))
+    scale = replace(scale_of(contacts, None), contacts=300.0, force_unit="N")
+    number = answers.Quantity(1.0, 0.0)
+    both = one, replace(one, rule="instant")
+    answer = answers.Answer("a", contacts, scale, number, number, number, SOFT, both)
+    slips = Finite("reset", 300, "stick-slip", 0.7, 1e-3, 0.0, 0.0, 5.0)
+    begin = "disagree: 300 contacts stick and slip"
+    for other, told in (
+        (
+            replace(slips, rule="instant"),
+            f"{begin}, from 700 mN down to 0 N, infinitely many do not",
+        ),
+        (replace(slips, rule="instant", after=0.5), f"{begin}, infinitely many do not"),
+    ):
+        found = answers.Verdict("a", "a", 1.0, (answer,), (slips, other), {}, 1.0)
+        assert sentence(found) == told
+        assert "stick-slip: 700 ± 1 mN down to 0 N with the 300 contacts" in page(found)[3]
 
 
 def test_the_widest_uncertainty_stands_in_the_headline() -> None:
     """An error of one part in a hundred is told where readings agree better than that, else over what they reach."""
     own = replace(infinite("smooth", 0), before=1.0, after=1.0, error=0.01)
     finite = Finite("reset", 300, "smooth")
-    assert sentence(with_contacts(own, finite)) == "smooth at 1.00 N ± 10 mN"
-    assert sentence(with_contacts(own, finite, 0.995)) == "smooth at 1.00 N ± 10 mN"
+    assert sentence(with_contacts(own, finite)) == "smooth at 1.00 ± 0.01 N"
+    assert sentence(with_contacts(own, finite, 0.995)) == "smooth at 1.00 ± 0.01 N"
     said = sentence(with_contacts(own, finite, 0.4, 1.2))
     assert said == "smooth at 1.00 N; F_k of the 3 readings is 400 mN to 1.20 N"
     found = with_contacts(own, finite)
@@ -940,9 +962,9 @@ def test_a_fall_below_the_digits_of_the_forces_is_told_itself() -> None:
     """Not "from 0.2496 down to 0.2496"."""
     scale = Scale(force=1.0, force_unit="N", spring_unit="N/m", length_unit="m", time_unit="s")
     finite = Finite("instant", 1000, "now and then", 0.2496, 5e-4, 0.2496 - 1.2e-5, 5e-4, 0.75)
-    assert fall_of(finite, scale) == "249.6 mN ± 500 µN down by 12 µN"
+    assert fall_of(finite, scale) == "249.6 ± 0.5 mN down by 12 µN"
     finite = replace(finite, after=0.1)
-    assert fall_of(finite, scale) == "249.6 mN ± 500 µN down to 100.0 mN ± 500 µN"
+    assert fall_of(finite, scale) == "249.6 ± 0.5 mN down to 100.0 ± 0.5 mN"
 
 
 def test_doubts_about_the_input_stand_before_the_answer(capsys: Any) -> None:

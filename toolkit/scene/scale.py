@@ -13,6 +13,8 @@ from origins.thresholds.law import Thresholds
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 # units that take a prefix
 PREFIXED = ("N", "N/m", "N/m³", "m", "s", "Pa", "m/s")
+# of a value: a smaller error has a prefix of its own
+_BESIDE = 1e-4
 SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be
 # F_k/load of nearly parallel lattices and of glued contacts; <x_s> in m, from a nucleus to a fault's; m by which a
 # spring is stretched at most: beyond these a unit is wrong
@@ -139,10 +141,17 @@ def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) 
         known = int(np.clip(_known_digits(value, uncertainty), min(2, digits), digits))
     if unit not in PREFIXED or not value:
         return f"{_rounded(value, known)} {unit}".strip()
+    power = _power_of(value, unit)
+    return f"{_rounded(value / 10.0**power, known)} {PREFIXES[power]}{unit}"
+
+
+def _power_of(value: float, unit: str) -> int:
+    """The power of ten of the prefix of a value, which is not 0; 0 of units that take none."""
+    if unit not in PREFIXED:
+        return 0
     power = int(3 * np.floor((np.log10(abs(value)) + 1e-9) / 3))
     # of a second more than 1,000 stay seconds
-    power = min(max(power, -15), 0 if unit == "s" else 12)
-    return f"{_rounded(value / 10.0**power, known)} {PREFIXES[power]}{unit}"
+    return min(max(power, -15), 0 if unit == "s" else 12)
 
 
 def guarded(value: float, unit: str, uncertainty: float) -> str:
@@ -173,6 +182,15 @@ def with_uncertainty(value: float, error: float, unit: str, digits: int = 4) -> 
         return f"{said} (error unknown)"
     shown = error > 1e-6 * abs(value)
     return f"{said} ± {written(error, unit, digits=1)}" if shown else said
+
+
+def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
+    """As `with_uncertainty`, and both with one prefix, such as 251.2 ± 0.3 mN, where the error is a ten-thousandth of
+    the value or more."""
+    if not (value and _BESIDE * abs(value) <= error < np.inf):
+        return with_uncertainty(value, error, unit, digits)
+    number, _, prefixed = written(value, unit, error, digits).partition(" ")
+    return f"{number} ± {_rounded(error / 10.0 ** _power_of(value, unit), 1)} {prefixed}".strip()
 
 
 def _rounded(value: float, digits: int) -> str:

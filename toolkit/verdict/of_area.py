@@ -1,11 +1,12 @@
 """What the contacts of the area do where that is not what infinitely many do: they slip or slide otherwise, or at
 clearly other forces."""
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.scene.scale import Scale, guarded, with_uncertainty, written
+from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.finite import SMALL, Finite
 from toolkit.verdict.machine import Behaviour
@@ -121,7 +122,7 @@ def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
 def sliding_force(many: Finite, scale: Scale) -> str:
     """The force at the end of the way, with its error."""
     late, error = many.late * scale.force, many.late_error * scale.force
-    return with_uncertainty(late, error, scale.force_unit)
+    return with_scatter(late, error, scale.force_unit)
 
 
 def late_force_of(finite: Finite, kinetic: float, scale: Scale) -> str:
@@ -139,7 +140,7 @@ def fall_of(finite: Finite, scale: Scale) -> str:
     size = abs(finite.before)
     means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
     high, low = (
-        with_uncertainty(
+        with_scatter(
             mean * scale.force,
             error * scale.force if 1e-9 * size < error < np.inf else 0.0,
             scale.force_unit,
@@ -152,5 +153,5 @@ def fall_of(finite: Finite, scale: Scale) -> str:
 def falls(high: str, low: str, drop: float, unit: str) -> str:
     """A force down to another, both as written, with their errors or without; by how much where they are written
     alike."""
-    alike = high.partition(" ± ")[0] == low.partition(" ± ")[0]
+    alike = re.sub(r" ± \S+", "", high) == re.sub(r" ± \S+", "", low)
     return f"{high} down by {written(drop, unit, digits=2)}" if alike else f"{high} down to {low}"

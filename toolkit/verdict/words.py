@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.scene.interfaces import doubts
-from toolkit.scene.scale import guarded, of_stretch, spoken, written
+from toolkit.scene.scale import guarded, of_stretch, spoken, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence, why_smooth
 from toolkit.verdict.kinds import delay_decides, named, not_decided, others, out_of_time
 from toolkit.verdict.machine import NO_FORCES, Behaviour, half_a_swing
@@ -115,17 +116,26 @@ def _disagreement(verdict: Verdict) -> str:
     differ = disagreeing(verdict)
     if not differ:
         return ""
-    _, finite = differ[0]
+    kinds, unit = {finite.kind for _, finite in differ}, verdict.own.scale.force_unit
+    finite, force = differ[0][1], verdict.own.scale.force
     said = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}.get(
         finite.kind, "slip now and then"
     )
+    said = said if len(kinds) == 1 else "slip or slide otherwise, by the slip rule"
     every = len(differ) == len(verdict.own.behaviours)
     where = "" if every else f" if {_rules([one for one, _ in differ])}"
-    force, unit = verdict.own.scale.force, verdict.own.scale.force_unit
-    if np.isfinite(finite.after):  # else they slide
-        high, low = (written(end * force, unit) for end in (finite.before, finite.after))
-        said += f", from {falls(high, low, (finite.before - finite.after) * force, unit)}"
+    falls_of = {_plain_fall(one, force, unit) for _, one in differ}
+    if len(falls_of) == len(kinds) == 1 and all(falls_of):  # else the lines below tell them
+        said += f", from {falls_of.pop()}"
     return f"disagree: {finite.contacts:,} contacts {said}{where}, infinitely many do not"
+
+
+def _plain_fall(finite: Finite, force: float, unit: str) -> str:
+    """The forces before and after a slip of so many contacts, without errors; "" where they slide."""
+    if not np.isfinite(finite.after):
+        return ""
+    high, low = (written(end * force, unit) for end in (finite.before, finite.after))
+    return falls(high, low, (finite.before - finite.after) * force, unit)
 
 
 def _without_spring(verdict: Verdict) -> str:
@@ -233,13 +243,26 @@ def _behaved(
         why = f" ({in_units(last.message, scale)})" * (last.message == first.message)
         return f"not decided{why}"
     told = error if error > max(KNOWN, share_of(verdict)) * top else 0.0
-    off = f" ± {written(error, scale.force_unit, digits=1)}" * bool(told)
-    low = reach([one.after * scale.force for one in alike], scale.force_unit, told)
+
+    def with_error(values: Sequence[float]) -> str:
+        """As `reach`, with the error where that is told."""
+        said = reach(values, scale.force_unit, told)
+        if not told:
+            return said
+        if " to " in said:
+            return f"{said} ± {written(error, scale.force_unit, digits=1)}"
+        return with_scatter(values[0], error, scale.force_unit)
+
+    after = [one.after * scale.force for one in alike]
     if kind == "smooth":
         if bare:
-            return f"{low}{off}"
-        return f"smooth at {low}{off}{_of_damping(answer, last)}{_without_delay(answer, last)}"
-    high = reach([one.before * scale.force for one in alike], scale.force_unit, told) + off
+            return with_error(after)
+        beside = f"{_of_damping(answer, last)}{_without_delay(answer, last)}"
+        return f"smooth at {with_error(after)}{beside}"
+    high, low = (
+        with_error([one.before * scale.force for one in alike]),
+        reach(after, scale.force_unit, told),
+    )
     fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
