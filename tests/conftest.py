@@ -39,6 +39,18 @@ def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures are composed, but not rendered, which often takes longer than all the rest: where no test looks at the
+    file. Those of each kind are rendered in test_pictures and test_verdict."""
+    from matplotlib.figure import Figure
+
+    def save(_: Figure, path: Path, **__: object) -> None:
+        path.write_bytes(b"composed")
+
+    monkeypatch.setattr(Figure, "savefig", save)
+
+
+@pytest.fixture
 def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A test works in an empty folder of its own."""
     monkeypatch.chdir(tmp_path)

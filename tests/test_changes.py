@@ -16,7 +16,7 @@ from toolkit.scene.writing import with_defaults
 
 CHEAP = ("gaussian", "stick-slip", "slide-hold-slide", "kinetic-force", "gw-gaussian-mixed")
 
-pytestmark = pytest.mark.usefixtures("in_a_folder")
+pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
 
 @pytest.mark.parametrize("name", shipped_scenes())

@@ -25,7 +25,7 @@ from toolkit.scene.scene import shipped_scenes
 EQ = {"contacts": 200, "replicas": 4, "seed": 7}
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 
-pytestmark = pytest.mark.usefixtures("in_a_folder")
+pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
 
 def for_ever(*arguments: Any, **named: Any) -> None:
@@ -272,11 +272,9 @@ def test_compare_says_where_the_order_is_not_decided(capsys: Any) -> None:
     assert lines[-2].startswith("run times: strength ") and " s, amontons " in lines[-2]
     assert not any("time" in line for line in lines[:-2])
 
-    draws = np.random.default_rng(1).normal(1.0, 0.2, (2, 40)).tolist()
-    drawn = [
-        write(f"drawn{n}", thresholds={"kind": "from-samples", "x_s": one}, drive={"to": 4.0})
-        for n, one in enumerate(draws)
-    ]
+    one = np.random.default_rng(1).normal(1.0, 0.2, 40).tolist()
+    laws = {"kind": "from-samples", "x_s": one}, {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    drawn = [write(f"drawn{n}", thresholds=law, drive={"to": 4.0}) for n, law in enumerate(laws)]
     wide = write(
         "wide", thresholds={"kind": "gaussian", "mean": 1.0, "std": 0.8}, drive={"to": 4.0}
     )

@@ -21,7 +21,7 @@ WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 DRIVE = {"to": 6.0, "points": 61}
 OVER: dict[str, Any] = {"drive.spring": [0.3, 0.6], "contacts.thresholds.std": [0.1, 0.2, 0.3]}
 
-pytestmark = pytest.mark.usefixtures("in_a_folder")
+pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
 
 def swept(**more: Any) -> dict[str, Any]:
