@@ -221,7 +221,7 @@ def test_reform_after_lands_where_those_that_hold_balance(law, weakest, spring):
     def lack(x: float) -> float:
         return x * float(law.sf(x)) + born(x, 1) + spring * x - level
 
-    grid = np.linspace(first + 0.02, first + 1.5, 400)
+    grid = np.linspace(first + 0.02, first + 1.5, 100)
     after = int(np.argmax(np.array([lack(x) for x in grid]) > 0.0))
     land = brentq(lack, grid[after - 1], grid[after], xtol=1e-15)
     later = land + 0.02
