@@ -49,6 +49,7 @@ class Followed(NamedTuple):
     parts : at least one; `error` is their sum, at T = 0 without mass the largest of them
     stopped_because : why the path was not followed to its end, or steps were not halved further
     of_holding : the error of the share that holds (its size is a share of the contacts), and its source
+    note : what is to be said of how it was followed, "" where nothing is
     shares : array, the share of the contacts that break in each slip, nan where unknown; empty where none is known
     """
 
@@ -62,6 +63,7 @@ class Followed(NamedTuple):
     stopped_because: str = ""
     of_holding: ErrorPart = ErrorPart("the share that holds", 0.0)
     shares: Array = np.empty(0)
+    note: str = ""
 
     @property
     def holding_error(self) -> float:
@@ -104,6 +106,7 @@ class Followed(NamedTuple):
         if solved == drive.path.size:
             why = self.why_above(tolerance)
             reason = f"{self.stopped_because}; {why}" if self.stopped_because else why
-            return outcome(contacts, self.largest_error, tolerance, unknown + reason, self._whose)
+            done = outcome(contacts, self.largest_error, tolerance, unknown + reason, self._whose)
+            return done[0], f"{done[1]}; {self.note}" if self.note else done[1]
         last = f"{place} = {drive.path[solved - 1]:.6g}" if solved else "the first point"
         return False, f"{unknown}{self.stopped_because}: the path is cut at {last}"

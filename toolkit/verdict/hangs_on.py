@@ -157,6 +157,10 @@ def why_smooth(verdict: Verdict) -> list[str]:
             f"{said}the fall from F_s to F_k, {written(fall * force, unit)}, is too small to count as a slip of a "
             f"slider with mass (from {written(small * force, unit)} on, {SMALL:g} <x_s>)"
         ]
+    if not cold and not any(one.slips for one in smooth):
+        return [
+            f"{said}contacts break by themselves, and the slider creeps, ever faster, up to the speed of its drive"
+        ]
     ends = f"F_s, {written(fall * force, unit)} above F_k," if fall > 0.0 else "a rise to F_k"
     after = f"after {ends} " * cold
     return [

@@ -166,7 +166,8 @@ def _answer(
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
             share = budget.left() / left * (HEAVY if machine and machine.mass else 1.0)
             pulled = cast(Machine, machine)
-            behaviours.append(follow_islands(pulled, contacts, rule, before, share, rings))
+            same = _without_slip(behaviours, contacts, rule)
+            behaviours.append(same or follow_islands(pulled, contacts, rule, before, share, rings))
         unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
         if machine is not None and unknown == ["mass"]:
             # no solver takes the slider with its mass, or not in time: what it does without one, under each slip rule
@@ -189,6 +190,16 @@ def _answer(
         machine=machine,
         behaviours=tuple(behaviours),
     )
+
+
+def _without_slip(known: list[Behaviour], contacts: Contacts, rule: str) -> Behaviour | None:
+    """What a slider does under this rule where it is known to slide without a slip, as no rule acts then. That is told
+    by "reset" alone, by which F falls to 0 in the smallest slip. None where it is not known, or soon found."""
+    if not known or known[0].rule != "reset" or not contacts.in_time:
+        return None
+    told = known[0]
+    sure = told.kind == "smooth" and told.success and not told.slips and told.contacts is None
+    return replace(told, rule=rule, run_time=0.0) if sure else None
 
 
 def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:

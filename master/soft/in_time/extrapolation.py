@@ -22,8 +22,8 @@ from master.soft.followed import GIVE_WIDTH, LEAVE_HEAT, LOOSEN, ErrorPart, Foll
 from master.soft.in_time.contacts import COMPARED
 from master.soft.in_time.idle_heat import unresolved_heat
 from master.soft.in_time.near_slip import undecided_end
-from master.soft.in_time.slider import Node, Slider
-from master.soft.in_time.steps import CONTROL
+from master.soft.in_time.slider import Slider
+from master.soft.in_time.steps import CONTROL, Node
 from master.soft.slips import slips_of
 from origins import Contacts, Drive
 from origins.thresholds.law import Array

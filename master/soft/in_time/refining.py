@@ -9,6 +9,7 @@ from master.outcome import FaultError, Progress, StoppedError
 from master.soft.followed import Followed
 from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.contacts import COMPARED, MOST_STEPS, MOST_WORK, ContactsInSteps
+from master.soft.in_time.creep import creep_of, creeps, may_creep
 from master.soft.in_time.decohered import decohered
 from master.soft.in_time.extrapolation import extrapolated
 from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
@@ -87,12 +88,13 @@ def refined(
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     sliders, best, halvings = list[Slider](), None, 0
     needed = halvings_needed(contacts, drive, tolerance)
+    creep = creep_of(contacts, drive, motion, tolerance)
     while True:
         memory = memory_of(contacts, halvings, fastest)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
         least_drop = UNLISTED * tolerance * contacts.mean_threshold
         after_long_slips = decohered(contacts, drive, memory.starts)
-        slider = Slider(cohorts, drive, motion, needed, least_drop, after_long_slips)
+        slider = Slider(cohorts, drive, motion, needed, least_drop, after_long_slips, creep)
         try:
             slider.run()
         except StoppedError as why:
@@ -104,6 +106,8 @@ def refined(
             return best._replace(stopped_because=str(why))
         sliders = [*sliders[-2:], slider]
         found = extrapolated(sliders, contacts, drive, balance, asked)
+        if slider.creeps_from is not None:
+            found = found._replace(note=creeps(motion, slider.creeps_from))
         progress(found.error)
         if best is None or found.largest_error <= best.largest_error:
             best = found
@@ -134,6 +138,8 @@ def refuse_long_slides(contacts: Contacts, drive: Drive) -> None:
     """
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.stiffness == "independent"
     if drive.slip != "instant" or not (relaxed and contacts.laws == ("thermal",) and drive.forward):
+        return
+    if may_creep(contacts, drive_motion(drive, 0.0)):
         return
     law, memory = contacts.thresholds, memory_of(contacts, 0, 1.0)
     latest = law.moment(2) / law.mean() / float(drive.spring or 0.0)

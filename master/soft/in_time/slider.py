@@ -7,11 +7,12 @@ import numpy as np
 from master.motion import Motion
 from master.outcome import StoppedError
 from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
+from master.soft.in_time.creep import Creep
 from master.soft.in_time.decohered import Decohered
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
-from master.soft.in_time.steps import Steps
-from master.soft.in_time.unresolved import OF_SMALL_SLIPS
+from master.soft.in_time.steps import Node, Steps
+from master.soft.in_time.unresolved import OF_CREEP, OF_SMALL_SLIPS
 from origins.drive import Drive
 
 # A slip in which F falls by this part of the largest force at a slip so far is a large one: the drive then loads the
@@ -20,21 +21,6 @@ from origins.drive import Drive
 LARGE = 0.1
 # Least size of a step before the end of a section, in steps: rounding of times would make it 0.
 SHORTEST = 1e-6
-
-
-class Node(NamedTuple):
-    """The end of a step: its size, the sum of the sizes of its section's steps so far (see Steps), and the state; time
-    and position are counted from the beginning of the path, not of the section."""
-
-    size: float
-    time: float
-    force: float
-    holding: float
-    position: float
-
-    def shifted(self, time: float, position: float) -> "Node":
-        """The same state, later by this time and farther by this way."""
-        return self._replace(time=self.time + time, position=self.position + position)
 
 
 class Slip(NamedTuple):
@@ -54,6 +40,8 @@ class Slider:
     needed : halvings without which the tolerance is not met
     least_drop : change of F (a length) below which a slip is not listed, but counted as an error of F: after a slip the
         few contacts that come back first hold a soft spring for a moment and slip, as often as steps happen to fall
+    creep : how it goes on once its speed changes slowly; None where that is not known
+    creeps_from : the time from which on it does; None: not at all
     decohered : what a long slip under "instant" leads to; None where that is not known
     slips : in order
     """
@@ -66,10 +54,12 @@ class Slider:
         needed: int,
         least_drop: float,
         decohered: Decohered | None = None,
+        creep: Creep | None = None,
     ) -> None:
         """Before the first step; `run` takes all of them."""
         self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
-        self._decohered = decohered
+        self._decohered, self._creep = decohered, creep
+        self.creeps_from: float | None = None
         self._finer = max(needed - contacts.halvings, 0)
         self._rule, self._spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
@@ -113,13 +103,15 @@ class Slider:
         self.sections.append([self._node(0.0)])
         self._steps.begin_section(leg, end)  # steps of time are counted from now
         self._search.begin_section()  # no slip is foreseen yet
+        if self._creep is not None:
+            self._creep.begin_section()
         self.contacts.past_breaks.begin_section()  # no polynomial leads across
 
     def _slide(self, end: float) -> bool:
         """Take steps of the section just begun until `end`, or until a slip begins; returns whether one does."""
         contacts, steps, search = self.contacts, self._steps, self._search
         nodes, slips = self.sections[-1], False
-        while not slips and contacts.now < end:
+        while not slips and contacts.now < end and not self._creeps(nodes):
             size = min(self._size * search.shrink, max(steps.longest(), SHORTEST * self._size))
             trial, slips = search.up_to_slip(size)
             if trial.travel or trial.end > contacts.now:
@@ -127,6 +119,22 @@ class Slider:
                 contacts.take(trial)
                 nodes.append(self._node(done))
         return slips
+
+    def _creeps(self, nodes: list[Node]) -> bool:
+        """Whether the slider creeps steadily from the last of these nodes of a section to the end of the path, where it
+        then is."""
+        contacts, creep, motion = self.contacts, self._creep, self.motion
+        if creep is None or motion is None or nodes[0].time < motion.times[-2]:
+            return False
+        crept = creep.from_here(nodes, contacts.most_steps - contacts.steps)
+        if crept is None:
+            return False
+        self.creeps_from = contacts.now
+        contacts.unresolved.note(OF_CREEP, crept.error, contacts.now)
+        self.sections += crept.sections
+        end = crept.sections[-1][-1]
+        contacts.now, contacts.force, contacts.position = end.time, end.force, end.position
+        return True
 
     def _remember_if_new(self, new_since: int | None) -> None:
         """Remember the sections since all contacts were new, where the slip at their end has left all of them new."""

@@ -55,6 +55,21 @@ MOST_SECANTS = 40
 LEAST_UNIFORM = 1e-200
 
 
+class Node(NamedTuple):
+    """The end of a step: its size, the sum of the sizes of its section's steps so far (see Steps), and the state; time
+    and position are counted from the beginning of the path, not of the section."""
+
+    size: float
+    time: float
+    force: float
+    holding: float
+    position: float
+
+    def shifted(self, time: float, position: float) -> "Node":
+        """The same state, later by this time and farther by this way."""
+        return self._replace(time=self.time + time, position=self.position + position)
+
+
 class Guess(NamedTuple):
     """Where the search for a balanced step begins; it changes where that ends by its accuracy only.
 

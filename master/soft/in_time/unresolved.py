@@ -16,6 +16,7 @@ OF_BIRTHS = "births of one step, of which many break before its end"
 OF_SMALL_SLIPS = "slips that are too small to be listed"
 OF_BALANCE = "steps at whose ends the forces do not balance"
 OF_STEADY_SLIP = "the rest of a long slip, on which F is taken as steady"
+OF_CREEP = "steady creep, at whose begin F was not that of steady sliding at the slider's speed"
 # Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
 UNKNOWN_BELOW = 0.5
 

@@ -1,0 +1,275 @@
+"""Creep: how a slider on a soft spring goes on once contacts that heat breaks have forgotten their start.
+
+On the spring of a machine a slider moves by a million thresholds before the force is that of steady sliding, too many
+for steps. But while its speed changes little as it moves by the few thresholds that contacts live, F is F_k(V), the
+force of steady sliding at the speed V that it has, and the balance of forces an ordinary differential equation,
+
+    K (X_T - X) = F_k(V),    so that    F_k'(u) du/dt = K (v - V),    u = ln V,
+
+which leads to V = v. By s, ds = K max(v, V)/F_k'(u) dt, its solution is
+
+    V/v = 1/[1 + (v/V_0 - 1) e^(-s)]  from below,    V/v = 1 + (V_0/v - 1) e^(-s)  from above.
+
+Steps hand over where F - F_k(V) is steady along the last part of the way; F lags behind F_k(V) by little, in the first
+order of the change of V with X; F_k rises with the speed from V to v; and there steady sliding is stable on this spring
+(master/steady/response.py). From there on V follows from F, so that it does not matter that steps have it less well
+than F. The error is F - F_k(V) in the limit of short steps, by sliders with halved ones, or the lag if it is larger,
+and how much F - F_k(V) varied: as F_k rises with V, F is drawn to within that of F_k(V).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.interpolate import make_interp_spline
+from scipy.optimize import brentq
+
+from master.motion import Motion
+from master.soft.in_time.steps import Node
+from master.steady.kinetic import kinetic_curve
+from master.steady.response import is_stable, response
+from origins import Contacts, Drive
+from origins.thresholds.law import Array
+
+
+class CreepControl(NamedTuple):
+    """Numbers of the search for steady creep; none has a unit but mean thresholds, m, and tolerances.
+
+    lives : ways of a section, in mean stretches F/N_c<k>, from which on creep is looked for
+    more : by which factor the steps of the section have grown since it was looked for last
+    last_part : of the way, along which F is compared with F_k(V)
+    varies : by how much F - F_k(V) may vary along it, in dF_k/d ln V
+    halved : square of the ratio of the steps of two sliders, above which their limit is not told
+    lag : lag of F behind F_k(V) up to which it is left out, in tolerances
+    beyond : factors on the speeds seen, and on that of the drive, within which F_k is tabulated, tried in turn
+    degrees : of the polynomial of F_k in ln V, tried in turn
+    known : its last coefficients, in tolerances
+    slow : wave number (1/m) at which F_k' and the lag are read off the response
+    slope : of F_k' by the response and by the table, largest relative difference
+    fewest : steps along the last part of the way
+    per_step : steps of s; settled : s at which F is F_k(v) to rounding, e^-40
+    """
+
+    lives: float = 20.0
+    more: float = 1.2
+    last_part: float = 0.25
+    varies: float = 0.1
+    halved: float = 0.5
+    lag: float = 0.25
+    beyond: tuple[float, ...] = (20.0, 1e3, 1e5)
+    degrees: tuple[int, ...] = (12, 24, 48)
+    known: float = 1e-3
+    slow: float = 1e-2
+    slope: float = 0.02
+    fewest: int = 3
+    per_step: float = 0.125
+    settled: float = 40.0
+
+
+CONTROL = CreepControl()
+# Speeds at which the slope of F_k is looked at; and a time, of steps that took none.
+SLOPES, TINY = 65, 1e-300
+
+
+class Crept(NamedTuple):
+    """How a slider goes on by steady creep: its sections up to the end of the path, and the error of F (a length)."""
+
+    sections: list[list[Node]]
+    error: float
+
+
+class Apart(NamedTuple):
+    """F - F_k(V) along the last part of the way: its mean, by how much it differs from that (lengths), and the mean
+    way of a step (a length)."""
+
+    mean: float
+    varies: float
+    step: float
+
+    def at_step_0(self, before: "Apart | None") -> float:
+        """How large it is in the limit of short steps, of whose square it has an error, by that of a slider with longer
+        ones; where there is none, as it is."""
+        square = (self.step / before.step) ** 2 if before else 1.0
+        if before is None or square > CONTROL.halved:
+            return abs(self.mean)
+        return abs(self.mean - square * before.mean) / (1.0 - square)
+
+
+class Table(NamedTuple):
+    """F_k(V) along ln V: the ends (2,) of ln V, Chebyshev coefficients of F_k between them (lengths), and its error
+    (a length)."""
+
+    ends: Array
+    series: Array
+    error: float
+
+    def force(self, log_speed: Array, derivative: int = 0) -> Array:
+        """F_k, or its derivative in ln V, at ln V (n,)."""
+        low, high = self.ends
+        at = (2.0 * log_speed - low - high) / (high - low)
+        series = chebyshev.chebder(self.series, derivative) if derivative else self.series
+        return np.asarray(chebyshev.chebval(at, series) * (2.0 / (high - low)) ** derivative)
+
+    def log_speed(self, force: float) -> float:
+        """ln V at which F_k is this force; nan beyond the table."""
+        low, high = self.ends.tolist()
+        off = [float(self.force(np.array(end))) - force for end in (low, high)]
+        if off[0] * off[1] > 0.0:
+            return float("nan")
+        return float(brentq(lambda at: float(self.force(np.array(at))) - force, low, high))
+
+
+class Creep:
+    """Steady creep on the last leg of a drive that goes on at one speed; lengths are along the motion."""
+
+    def __init__(self, contacts: Contacts, drive: Drive, motion: Motion, tolerance: float) -> None:
+        """tolerance : of F, in mean thresholds."""
+        self._contacts, self._spring = contacts, float(drive.spring or 0.0)
+        self._unit, self._motion = contacts.mean_threshold, motion
+        self._speed, self._sign = abs(float(motion.speeds[-1])), float(np.sign(motion.speeds[-1]))
+        self._tolerance = tolerance * self._unit
+        self._table: Table | None = None
+        self._before: Apart | None = None  # of the slider with longer steps
+        self._looked = 0  # at so many nodes of the section
+
+    def begin_section(self) -> None:
+        """At the begin of a smooth section nothing of its way is known."""
+        self._looked = 0
+
+    def from_here(self, nodes: list[Node], most_steps: float) -> Crept | None:
+        """How the slider goes on from the last of the nodes of a section on the last leg; None where it goes on in
+        steps: where creep is not steady, or so many steps, as long as those of the section, do for what is left."""
+        last, sign = nodes[-1], self._sign
+        way = sign * (last.position - nodes[0].position)
+        if way < CONTROL.lives * abs(last.force) or len(nodes) < CONTROL.more * self._looked:
+            return None
+        self._looked = len(nodes)
+        longest = most_steps * way / len(nodes)
+        if self._speed * (self._motion.times[-1] - last.time) < longest:
+            return None
+        position, time, force = np.array([(n.position, n.time, n.force) for n in nodes]).T
+        late = np.flatnonzero(sign * (last.position - position) <= CONTROL.last_part * way)
+        speeds = sign * np.diff(position[late]) / np.maximum(np.diff(time[late]), TINY)
+        if speeds.size < CONTROL.fewest or speeds.min() <= 0.0:
+            return None
+        log_speeds = np.log(speeds)
+        table = self._tabulated(log_speeds, sign * last.force)
+        if table is None:
+            return None
+        begin = table.log_speed(sign * last.force)
+        off = 0.5 * sign * (force[late][1:] + force[late][:-1]) - table.force(log_speeds)
+        along = sign * (last.position - position[late[0]])
+        apart = Apart(float(off.mean()), float(np.ptp(off)), along / speeds.size)
+        lag = self._lag(begin, abs(log_speeds[-1] - log_speeds[0]) / along, table)
+        if apart.varies > CONTROL.varies * self._slope(begin, table) or np.isinf(lag):
+            return None
+        sections = self._sections(last, begin, table)
+        if sign * (sections[-1][-1].position - last.position) < longest or not self._stable(begin):
+            return None
+        before, self._before = self._before, apart
+        error = max(apart.at_step_0(before), lag) + apart.varies + table.error
+        return Crept(sections, float(error))
+
+    def _slope(self, begin: float, table: Table) -> float:
+        """dF_k/d ln V at ln V = begin (a length), where F_k rises with the speed from there to the drive's; else 0."""
+        slopes = table.force(np.linspace(begin, np.log(self._speed), SLOPES), 1)
+        return float(slopes[0]) if slopes.min() > 0.0 else 0.0
+
+    def _lag(self, begin: float, change: float, table: Table) -> float:
+        """By how much F lags behind F_k(V) at ln V = begin (a length), in the first order of the change of ln V with X
+        (1/length); inf where it matters, or is not known."""
+        wave, slope = CONTROL.slow / self._unit, self._slope(begin, table)
+        if not slope > 0.0:
+            return float("inf")
+        answer = complex(response(self._contacts, float(np.exp(begin)), np.array([wave]))[0])
+        if abs(answer.imag / wave - slope) > CONTROL.slope * slope:
+            return float("inf")
+        lag = abs(answer.real) / wave**2 * change
+        return float(lag) if lag <= CONTROL.lag * self._tolerance else float("inf")
+
+    def _stable(self, begin: float) -> bool:
+        """Whether steady sliding is stable from ln V = begin to the speed of the drive."""
+        ends = begin, np.log(self._speed)
+        speeds = np.exp(np.linspace(*ends, 2 + int(abs(ends[1] - ends[0]) / np.log(10.0))))
+        return all(is_stable(self._contacts, speed, self._spring) for speed in speeds.tolist())
+
+    def _tabulated(self, log_speeds: Array, force: float) -> Table | None:
+        """A table with these ln V, that of the drive, and that at which F_k is this force, also where steps are so long
+        that it is far from all of them; None where F_k is not smooth in ln V, or there is no such speed."""
+        needed = np.append(log_speeds, np.log(self._speed))
+        ends = np.array([needed.min(), needed.max()])
+        table = self._table
+        wide = table is not None and table.ends[0] <= ends[0] and ends[1] <= table.ends[1]
+        if table is not None and wide and not np.isnan(table.log_speed(force)):
+            return table
+        for beyond in CONTROL.beyond:
+            table = self._made(ends + np.log(beyond) * np.array([-1.0, 1.0]))
+            if table is not None and not np.isnan(table.log_speed(force)):
+                self._table = table
+                return table
+        return None
+
+    def _made(self, ends: Array) -> Table | None:
+        """The table between these ends of ln V, if it is known well enough."""
+        for degree in CONTROL.degrees:
+            nodes = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+            at = ends.mean() + 0.5 * np.diff(ends) * nodes
+            forces = kinetic_curve(self._contacts, np.exp(at)).force
+            series = np.asarray(chebyshev.chebfit(nodes, forces, degree), float)
+            error = float(np.abs(series[-2:]).sum())
+            if error <= CONTROL.known * self._tolerance:
+                return Table(ends, series, error)
+        return None
+
+    def _sections(self, begin: Node, log_speed: float, table: Table) -> list[list[Node]]:
+        """The sections from this node, at this ln V, to the end of the drive's path."""
+        drive, sign, end = np.log(self._speed), self._sign, float(self._motion.times[-1])
+        first = log_speed - drive
+        s = np.arange(0.0, abs(first) + CONTROL.settled, CONTROL.per_step)
+        log_ratio = -np.sign(-first) * np.log1p(np.expm1(abs(first)) * np.exp(-s))
+        per_s = table.force(log_ratio + drive, 1) / (
+            self._spring * self._speed * np.exp(np.maximum(log_ratio, 0.0))
+        )
+        time = begin.time + make_interp_spline(s, per_s, k=5).antiderivative()(s)
+        force = sign * table.force(log_ratio + drive)
+        if time[-1] > end:
+            at_end = make_interp_spline(time, np.stack([s, force], axis=1), k=3)(end)
+            until = time < end
+            s, time, force = (
+                np.append(known[until], last)
+                for known, last in zip((s, time, force), (at_end[0], end, at_end[1]), strict=True)
+            )
+        sections = [self._section(s, time, force)]
+        if time[-1] < end:
+            sections.append(self._section(s[:2], np.array([time[-1], end]), force[[-1, -1]]))
+        return sections
+
+    def _section(self, s: Array, time: Array, force: Array) -> list[Node]:
+        place = self._motion.at(time) - force / self._spring
+        each = zip(s.tolist(), time.tolist(), force.tolist(), place.tolist(), strict=True)
+        return [Node(size, at, borne, 1.0, x) for size, at, borne, x in each]
+
+
+def creep_of(
+    contacts: Contacts, drive: Drive, motion: Motion | None, tolerance: float
+) -> Creep | None:
+    """Steady creep of these contacts, None where it is not known."""
+    if motion is None or not may_creep(contacts, motion):
+        return None
+    return Creep(contacts, drive, motion, tolerance)
+
+
+def creeps(motion: Motion | None, since: float) -> str:
+    """In words, that the slider creeps steadily since a time."""
+    drive = float("nan") if motion is None else float(motion.at(np.array(since)))
+    return f"from X_T = {drive:.6g} on it creeps, at the speed at which F is that of steady sliding"
+
+
+def may_creep(contacts: Contacts, motion: Motion | None) -> bool:
+    """Whether steady creep is known: not with another law than heat, by the closure "paper", for exact thresholds,
+    which keep their order, for a drive that ends at rest, nor where F_k is infinite."""
+    thermal, law = contacts.thermal, contacts.thresholds
+    alone = thermal is not None and set(contacts.laws) <= {"thermal", "stiffness"}
+    if thermal is None or not alone or thermal.closure == "paper" or motion is None:
+        return False
+    return not law.atoms[0].size and bool(motion.speeds[-1]) and np.isfinite(law.moment(3))

@@ -1,0 +1,94 @@
+"""How the force of steady sliding answers a small disturbance of the slider's place, where heat breaks contacts.
+
+A slider at X = v t + ε e^(pX) bears F_k + ε G e^(pX). A contact that has come as far as a since its birth is off by
+ε (e^(pX) - e^(pX - pa)), and so is its rate h, by h' times this; what it has survived follows, and the births from the
+number of contacts, which stays. With E(a) the survival, C its integral, A the integral of h dt = h da/v,
+
+    w(a) = ∫ e^(-p (a - z)) dA(z) up to a,
+    G = (p/C) [ ∫ a E w da - (∫ E w da) (∫ a E e^(-pa) da)/(∫ E e^(-pa) da) ],
+
+sums over thresholds being understood. G -> p dF_k/d ln v for slow disturbances, and the part of the force that heat
+breaks for fast ones: what breaks at its threshold breaks at the same places, and answers nothing.
+
+On a spring K the disturbance grows where K + G(p) = 0 with a positive real part of p. As G has no poles there (a rigid
+slider forgets), none does if K + G(iq) does not pass the negative real axis as q goes from 0 to infinity (Nyquist).
+"""
+
+import numpy as np
+
+from origins import Contacts
+from origins.thresholds.law import Array
+from origins.thresholds.quadrature import gauss
+
+# Ranks between which thresholds are summed, by Gauss nodes: denser where few contacts are.
+_RANKS = np.array([0.0, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 1.0 - 1e-4, 1.0 - 1e-6])
+# A at the ends of steps along a: ln A rises evenly from where no contact breaks to where none is left.
+_LOG_LEAST, _LOG_MOST, _STEPS = -32.0, 3.8, 480
+# Wave numbers q per inverse mean threshold: slower disturbances see F_k(v), faster ones contacts that only stretch.
+_WAVES = np.geomspace(1e-3, 300.0, 64)
+# pa below which (1 - e^(-pa))/pa, and what is left of 1, over pa, are taken by their series, to 1e-8.
+_SMALL = 1e-4
+# Least angle of K + G to the negative real axis, as a sine; sums above are off by some 1e-3 (measured).
+_CLEAR = 0.02
+
+
+def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
+    """G(iq)/(N_c <k>), complex, at wave numbers q > 0 (1/length, shape (n,)), of contacts with heat and no other law,
+    which form again at once and relaxed; velocity: length per time. To some 1e-3 of its size."""
+    assert contacts.thermal is not None
+    law, rates, wave = contacts.thresholds, contacts.thermal.rates, 1j * np.asarray(waves)
+    ranks, weight = (each.ravel() for each in gauss(_RANKS[:-1], _RANKS[1:]))
+    x = np.asarray(law.ppf(ranks))
+    share = np.stack([weight, weight * contacts.relative_stiffness(x)]) / weight.sum()
+    stiffness, log_v, log_a = (
+        share[1] / share[0],
+        np.log(velocity),
+        np.linspace(_LOG_LEAST, _LOG_MOST, _STEPS),
+    )
+    with np.errstate(all="ignore"):
+        at = [rates.reached(log_v + each, 0.0, x, stiffness) for each in log_a]
+        most = np.exp(np.minimum(rates.log_passed(0.0, x, x, stiffness) - log_v, _LOG_MOST))
+    a = np.minimum(np.array([np.zeros(x.size), *at]), x)
+    passed = np.minimum(np.append(0.0, np.exp(log_a))[:, None], most)
+    held = np.exp(-passed)
+    fall = -np.diff(held, axis=0)
+    fall[-1] += held[-1]  # those that are left break at their thresholds
+    way, breaks = np.diff(a, axis=0), np.diff(passed, axis=0)
+    middle = 0.5 * (a[1:] + a[:-1])
+    # E and a E: their means on each step, and a twelfth of their changes, as those of w go along with them
+    both = np.stack([held, a * held])
+    on_step, along = 0.5 * (both[:, 1:] + both[:, :-1]), np.diff(both, axis=1) / 12.0
+    # sums over thresholds: of contacts, and of their stiffness
+    length = share[0] @ (on_step[0] * way).sum(axis=0)
+    broken = np.zeros((2, wave.size), dtype=complex)
+    stretched, answered, pulled = (np.zeros(wave.size, dtype=complex) for _ in range(3))
+    w = np.zeros((x.size, wave.size), dtype=complex)
+    for step in range(_STEPS):
+        p_a = way[step][:, None] * wave
+        turned = np.exp(-p_a)
+        mean, rest = 1.0 - 0.5 * p_a, 0.5 - p_a / 6.0
+        far = np.abs(p_a) > _SMALL
+        mean[far] = (1.0 - turned[far]) / p_a[far]
+        rest[far] = (1.0 - mean[far]) / p_a[far]
+        fell = np.exp(-a[step][:, None] * wave) * mean * fall[step][:, None]
+        broken += share @ fell
+        stretched += (share[1] * middle[step]) @ fell
+        # w along the step, on which h is constant: its mean, and its end
+        mean_w = w * mean + breaks[step][:, None] * rest
+        after = w * turned + breaks[step][:, None] * mean
+        weights = share * way[step]
+        answered += (weights[0] * on_step[0, step]) @ mean_w
+        answered += (weights[0] * along[0, step]) @ (after - w)
+        pulled += (weights[1] * on_step[1, step]) @ mean_w
+        pulled += (weights[1] * along[1, step]) @ (after - w)
+        w = after
+    survival, by_stiffness = (share.sum(axis=1)[:, None] - broken) / wave
+    first = (by_stiffness - stretched) / wave
+    return np.asarray(wave / length * (pulled - answered * first / survival))
+
+
+def is_stable(contacts: Contacts, velocity: float, spring: float) -> bool:
+    """Whether small disturbances of steady sliding at this speed decay on a spring K/(N_c <k>), clearly."""
+    answer = spring + response(contacts, velocity, _WAVES / contacts.mean_threshold)
+    back = answer.real < 0.0
+    return bool((answer.imag[back] > _CLEAR * np.abs(answer[back])).all())

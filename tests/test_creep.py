@@ -1,0 +1,146 @@
+"""Steady creep of a slider on a soft spring, whose contacts heat breaks; and when it is not told."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import master
+from master.rate_state.stability import transform
+from master.steady.response import is_stable, response
+from origins import Contacts, InputError, Thermal, gaussian
+from origins.laws.rate_law import RateLaw
+
+WIDE, NARROW = gaussian(1.0, 0.2), gaussian(1.0, 0.05)
+SPREAD = stats.weibull_min(2.0, scale=1.128379167)
+# F_k grows by 0.03 of its largest value for each factor e of the speed
+EYRING = Thermal("eyring", width=0.03)
+# a spring on which a slider moves by 10 thresholds while its speed grows by a factor e; softer, a million
+SPRING, SOFTEST = 3e-3, 1e-6
+
+
+def kinetic(contacts: Contacts, velocity: float) -> float:
+    """F_k/(N_c <k>)."""
+    return float(master.steady_state(contacts, velocity=velocity).force)
+
+
+@pytest.mark.parametrize("law", [WIDE, SPREAD])
+def test_the_response_is_that_to_a_small_step_of_the_speed(law: Any) -> None:
+    """With R(X), the change of F after a step for each factor e of the speed, G(iq) = iq T(iq), T its transform."""
+    contacts, step, waves = Contacts(law, thermal=EYRING), 0.02, np.array([0.3, 2.0, 6.0])
+    way = np.linspace(0.0, 8.0, 801)
+    runs = []
+    for ratio in (np.exp(-step), np.exp(step)):
+        # 30 thresholds at one speed, then on at another
+        path = np.append(np.linspace(0.0, 30.0, 31)[:-1], 30.0 + way)
+        time = np.append(np.linspace(0.0, 30.0, 31)[:-1], 30.0 + way / ratio) / 1e-4
+        runs.append(master.solve(contacts, path, 1e-7, time=time).force[30:])
+    mean = (runs[1] - runs[0]) / (2.0 * step)
+    told = response(contacts, 1e-4, waves)
+    assert told == pytest.approx(1j * waves * transform(way, mean, waves), abs=2e-3)
+
+
+@pytest.mark.parametrize("width", [0.01, 0.1])
+def test_slow_disturbances_see_the_slope_of_the_kinetic_force(width: float) -> None:
+    """G(iq) -> iq dF_k/d ln v; and fast ones elastic contacts, that all break by heat."""
+    for law in (WIDE, SPREAD):
+        contacts = Contacts(law, thermal=Thermal("eyring", width=width))
+        slow, fast = response(contacts, 1e-4, np.array([1e-3, 30.0 / width]))
+        up, down = (kinetic(contacts, 1e-4 * ratio) for ratio in (1.01, 1.0 / 1.01))
+        assert slow.imag / 1e-3 == pytest.approx((up - down) / (2.0 * np.log(1.01)), rel=2e-3)
+        assert fast.real == pytest.approx(1.0, abs=0.05)
+
+
+@dataclass(frozen=True)
+class CatchBonds(RateLaw):
+    """A rate that falls as contacts are stretched, h = e^(-x/a)."""
+
+    a: float = 0.1
+    name: ClassVar[str] = "catch"
+    scale: ClassVar[float] = 1.0
+
+    def log_rate(self, x: Any, threshold: Any, stiffness: Any) -> Any:
+        return -x / self.a + 0.0 * threshold
+
+    def log_passed(self, near: Any, far: Any, threshold: Any, stiffness: Any) -> Any:
+        with np.errstate(divide="ignore"):
+            return np.log(-self.a * np.expm1((near - far) / self.a)) - near / self.a
+
+    def reached(self, log_amount: Any, near: Any, threshold: Any, stiffness: Any) -> Any:
+        left = np.exp(-near / self.a) - np.exp(np.minimum(log_amount, 600.0)) / self.a
+        far = -self.a * np.log(np.maximum(left, 1e-300))
+        return np.minimum(far, threshold)
+
+
+def test_sliding_whose_force_answers_against_a_disturbance_is_unstable_on_a_soft_spring() -> None:
+    """Contacts that break less the more they are stretched: although F_k rises with the speed, G has a negative real
+    part where it has no imaginary one, so that swings of about a threshold grow. Eyring's heat is stable on every
+    spring."""
+    contacts, waves = Contacts(WIDE, thermal=CatchBonds()), np.geomspace(0.01, 20.0, 400)
+    answer = response(contacts, 0.1, waves)
+    turns = np.flatnonzero(np.diff(np.sign(answer.imag)))
+    critical = -answer.real[turns].min()
+    assert critical == pytest.approx(0.21, abs=0.01)
+    assert is_stable(contacts, 0.1, 2.0 * critical)
+    assert not is_stable(contacts, 0.1, 0.5 * critical)
+    for law in (WIDE, NARROW):
+        assert is_stable(Contacts(law, thermal=EYRING), 1e-4, SOFTEST)
+
+
+def soft(
+    contacts: Contacts, end: float, slip: Any, tolerance: float = 1e-2, sign: float = 1.0
+) -> Any:
+    """The slider on SPRING at points up to X_T = 240, and then at the end of its path."""
+    path = sign * np.append(np.linspace(0.0, 240.0, 41), [end] if end > 240.0 else [])
+    return master.solve(contacts, path, tolerance, velocity=1e-4, spring=SPRING, slip=slip)
+
+
+@pytest.mark.parametrize("slip", ["reset", "reform-after", "instant"])
+def test_steady_creep_goes_on_as_steps_do(slip: Any) -> None:
+    """Up to X_T = 240 steps do; on a path ten times as long creep takes over before."""
+    contacts = Contacts(SPREAD, thermal=EYRING)
+    steps, creep = (soft(contacts, end, slip) for end in (240.0, 2400.0))
+    assert steps.success and creep.success
+    assert "creeps" in creep.message and "creeps" not in steps.message
+    off = np.abs(creep.force[:41] - steps.force).max()
+    assert off < steps.force_error + creep.force_error
+    assert creep.force[-1] == pytest.approx(kinetic(contacts, 1e-4), rel=1e-6)
+    assert creep.regime.verdict == "smooth" and not creep.slips.drive.size
+
+
+def test_creep_backward_is_that_forward() -> None:
+    contacts = Contacts(SPREAD, thermal=EYRING)
+    there, back = (soft(contacts, 2400.0, "reset", sign=sign) for sign in (1.0, -1.0))
+    assert "creeps" in back.message
+    assert -back.force == pytest.approx(there.force, abs=1e-7)
+
+
+def test_on_the_spring_of_a_machine_the_force_is_the_kinetic_one() -> None:
+    """A million thresholds: F rises with the drive, and then as V/v = 1/(1 + e^-s), to F_k."""
+    contacts = Contacts(SPREAD, thermal=EYRING)
+    path = np.linspace(0.0, 2e6, 9)
+    told = master.solve(contacts, path, 1e-2, velocity=1e-4, spring=SOFTEST)
+    assert told.success and told.regime.verdict == "smooth", told.message
+    assert told.force[-1] == pytest.approx(kinetic(contacts, 1e-4), rel=1e-6)
+    assert told.force[1] == pytest.approx(SOFTEST * path[1], abs=1e-3)
+
+
+def test_narrow_thresholds_that_slip_all_at_once_are_not_smooth() -> None:
+    """Contacts that break nearly together slip before they have forgotten their start."""
+    told = soft(Contacts(NARROW, thermal=EYRING), 2400.0, "reset")
+    assert told.regime.verdict == "stick-slip" and told.slips.drive.size > 5
+
+
+def test_contacts_that_break_less_the_more_they_are_stretched_do_not_creep_smoothly() -> None:
+    """Steady sliding of them is unstable on soft springs, so that steady creep must not be told of them."""
+    contacts = Contacts(WIDE, thermal=CatchBonds())
+    assert kinetic(contacts, 0.2) > kinetic(contacts, 0.1)
+    try:
+        path = [0.0, 2e4]
+        told = master.solve(contacts, path, 1e-2, velocity=0.1, spring=1e-3, slip="instant")
+    except InputError as refused:
+        assert "steps" in str(refused)
+    else:
+        assert "creeps" not in told.message and told.regime.verdict != "smooth"
