@@ -784,6 +784,20 @@ def test_a_critical_spring_below_its_error_is_not_told() -> None:
         assert re.search(r"below the spring K\* +inf N_c<k>", told(machine, infinity)[0])
 
 
+def test_forces_under_two_rules_are_told_each_with_its_own_error() -> None:
+    """Of 0.04 of a unit of force one half may be known under one rule, and 1.5 to a thousandth under the other."""
+    contacts, number = Contacts(gaussian(1.0, 0.3)), answers.Quantity(2.0, 1e-6)
+    early = replace(infinite("stick-slip", 9), before=0.04, after=0.0, period=None, error=0.02)
+    full = replace(early, rule="reform-after", before=1.5, error=2e-3)
+    scale = scale_of(contacts, None)
+    own = answers.Answer("own", contacts, scale, number, number, number, SOFT, (early, full))
+    text = "\n".join(page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)))
+    assert "stick-slip: 0.040 ± 0.02 N_c<k> length to 1.500 ± 0.002 N_c<k> length down to 0" in text
+    assert re.search(r"^force before a slip \(reset\) +0.040 ± 0.02 N_c<k> length$", text, re.M)
+    assert re.search(r"^force before a slip \(reform-after\) +1.50\d? N_c<k> length$", text, re.M)
+    assert 'at most 5e-01 of these numbers, that of the forces under "reset" (' in text
+
+
 def test_a_reading_decided_under_some_slip_rules_alone_is_named() -> None:
     contacts, number = Contacts(gaussian(1.0, 0.3)), answers.Quantity(2.0, 1e-6)
     scale, late = scale_of(contacts, None), not_followed("instant", NO_TIME)

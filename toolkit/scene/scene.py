@@ -185,7 +185,8 @@ def read_scene(
     except InputError:
         raise
     except ValueError as bad:  # of tomllib: bad TOML, and whole numbers of thousands of digits
-        raise InputError(f"scene = {shown(str(scene))}: is not TOML: {bad} (1.5, not 1,5)") from bad
+        hint = "numbers are 1.5, not 1,5; with a unit they are text in quotes"
+        raise InputError(f"scene = {shown(str(scene))}: is not TOML: {bad} ({hint})") from bad
 
 
 def _find(scene: object) -> Path:

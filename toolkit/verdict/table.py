@@ -6,11 +6,11 @@ from itertools import zip_longest
 
 import numpy as np
 
-from toolkit.scene.scale import Scale, guarded, written
+from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Quantity, Verdict
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
-from toolkit.verdict.uncertainty import share_of
+from toolkit.verdict.uncertainty import WORTH_TELLING, share_of
 
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
@@ -113,12 +113,14 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         known = behaviour.error * mean / before if before and behaviour.error < np.inf else 0.0
         share = max(share_of(verdict), known)
         before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
-        told = {"force before a slip": guarded(before, force, share * before)}
+        # an error that other samples and readings do not hide is told beside its number
+        error = known * abs(before) if known > max(WORTH_TELLING, share_of(verdict)) else 0.0
+        told = {"force before a slip": _told(before, force, share * before, error)}
         if load:
             told["force before a slip"] += (
                 f", {guarded(before / load, '', share * before / load)} of the load"
             )
-        told["drop of a slip"] = guarded(drop, force, share * drop)
+        told["drop of a slip"] = _told(drop, force, share * drop, error)
         if (regained := regained_by(verdict, behaviour)) is not None:
             told["of it regained over a period"] = guarded(
                 regained * scale.force, force, share * regained * scale.force
@@ -133,6 +135,11 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
             rows.setdefault((name + whose, value), []).append(rule)
     for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
+
+
+def _told(value: float, unit: str, uncertainty: float, error: float) -> str:
+    """A value with its error, or to the digits that its uncertainty leaves where the error is 0."""
+    return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty)
 
 
 def _unfinished(behaviour: Behaviour) -> str:

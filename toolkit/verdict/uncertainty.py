@@ -74,17 +74,21 @@ def numerical_errors(verdict: Verdict) -> str:
     own = verdict.own
     told = not (own.smoothed or own.critical_spring.lost)
     known = [own.kinetic, own.static, *([own.critical_spring] if told else [])]
-    relative = [_relative(one) for one in known]
+    relative = {"": max(_relative(one) for one in known)}
     for behaviour in own.behaviours:
         if np.isfinite(behaviour.error) and behaviour.before:
             mean = own.contacts.mean_threshold
-            relative.append(behaviour.error * mean / abs(behaviour.before))
+            relative[behaviour.rule] = behaviour.error * mean / abs(behaviour.before)
     what = "numerical errors"
     if any(one.sampling for one in known):
         what = "without the scatter of other samples, errors"
-    most = max(relative)
+    least_known = max(relative, key=lambda rule: relative[rule])
+    most = relative[least_known]
+    which = f', that of the forces under "{least_known}"' * bool(
+        least_known and most > WORTH_TELLING
+    )
     worse = "".join(f"; {one}" for one in _less_known(verdict, max(most, SEEN)))
-    return f"{what} are at most {most:.0e} of these numbers{worse} (verdict.json has each)"
+    return f"{what} are at most {most:.0e} of these numbers{which}{worse} (verdict.json has each)"
 
 
 def _relative(quantity: Quantity) -> float:

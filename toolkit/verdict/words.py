@@ -245,13 +245,16 @@ def _behaved(
     told = error if error > max(KNOWN, share_of(verdict)) * top else 0.0
 
     def with_error(values: Sequence[float]) -> str:
-        """As `reach`, with the error where that is told."""
+        """As `reach`, of forces of `alike`, each with its own error where errors are told: that of one rule may be a
+        half of its force and a thousandth of that of another rule."""
         said = reach(values, scale.force_unit, told)
         if not told:
             return said
-        if " to " in said:
-            return f"{said} ± {written(error, scale.force_unit, digits=1)}"
-        return with_scatter(values[0], error, scale.force_unit)
+        if " to " not in said:
+            return with_scatter(values[0], error, scale.force_unit)
+        unit = answer.contacts.mean_threshold * scale.force
+        each = sorted(zip(values, (one.error * unit for one in alike), strict=True))
+        return " to ".join(with_scatter(*end, scale.force_unit) for end in (each[0], each[-1]))
 
     after = [one.after * scale.force for one in alike]
     if kind == "smooth":
