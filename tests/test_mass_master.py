@@ -9,7 +9,9 @@ from solving import oscillator
 import eq_model
 import master
 import origins
+from master.soft.inertia.closed import watch_closed
 from master.soft.inertia.delayed.foretold import refuse_long_ringing
+from master.soft.inertia.oscillation import Oscillation
 from origins import InputError
 
 WIDE = origins.Contacts(origins.gaussian(1.0, 0.2))
@@ -233,6 +235,22 @@ def test_heat_of_high_barriers_is_left_out_and_bounded(kind: str) -> None:
     assert found.slips.drive_error == pytest.approx(cold.slips.drive_error + bound / 0.3, rel=1e-6)
     rigid, without = (master.solve(one, np.linspace(0.1, 1.5, 29), 1e-7) for one in (hot, WIDE))
     assert 0.0 < np.abs(rigid.force - without.force).max() < bound
+
+
+@pytest.mark.parametrize("damping", [0.01, 10.0])
+def test_a_closed_motion_that_lasts_no_time_is_watched(damping: float) -> None:
+    """A turn far beyond critical damping may begin where the next contact breaks: this raised numpy's error."""
+
+    class Watch:
+        def watch(self, times: np.ndarray) -> None:
+            assert (times == 0.0).all() and times.size
+
+        def forget_fall(self) -> None:
+            raise AssertionError
+
+    motion = Oscillation.of(0.02, damping, 1.0, 0.5, 1e-3, 0.4, 0.0)
+    assert motion.swings == (damping < 1.0)
+    watch_closed(Watch(), motion, 0.0, lambda times: times)  # type: ignore[arg-type, return-value]
 
 
 def test_endless_ringing_says_so() -> None:

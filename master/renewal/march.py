@@ -77,7 +77,6 @@ class March:
         self.present, self._past = Present(births), Past(births)
         self.widths, self.steady_since = PanelWidth(self.life.quick), np.inf
         self.unfinished, self.fault = False, ""
-        self._continues_leg = False  # whether panels of its first leg are there already, see `cut`
         self.jump = Jump(0.0, 0, 0.0)
 
         # whether all contacts of the start are as if born at t = 0: G_0(t) = E(t, 0), in the table of the first leg
@@ -111,14 +110,12 @@ class March:
         return self
 
     def runs(self) -> Iterator[None]:
-        """Solve all panels, yielding after each run of them. A march that goes on after `cut` does not begin its leg
-        here, and keeps the width of its panels."""
+        """Solve all panels, yielding after each run of them."""
         previous_leg = -1  # there is none yet
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            goes_on = previous_leg < 0 and self._continues_leg
-            new_leg, previous_leg = leg != previous_leg and not goes_on, leg
+            new_leg, previous_leg = leg != previous_leg, leg
             leg_begins_path = float(self.motion.times[leg])
             yield from self._segment(leg, begin - leg_begins_path, end - leg_begins_path, new_leg)
 
@@ -278,10 +275,8 @@ class March:
         other.lumps += [lump for lump in self.lumps[1:] if lump.birth < t]
         other._past.count_errors_of(self._past)
         other.jump = self.jump
-        # work that is done: tables of survivals, which no motion changes, the width that panels have, and its count
+        # work that is done: tables of survivals, which no motion changes, and its count
         other.present = self.present.counted_on(births)
-        other.widths.widest = min(self.widths.widest, self.guess)
-        other._continues_leg = True
         births.work = self.births.work
         return other
 

@@ -20,7 +20,9 @@ def watch_closed(
 ) -> None:
     """Let the record watch a closed motion; `seen` tells the slider at times from its beginning on."""
     near = PERIODS * motion.period
-    if not motion.swings:
+    if not lasts:  # it begins at its end, where breaks begin
+        record.watch(seen(np.zeros(1)))
+    elif not motion.swings:
         # the difference of two exponentials and a constant changes its sign twice at most
         record.watch(seen(np.append(0.0, _spread(min(SHORTEST * near, 0.5 * lasts), lasts))))
     elif lasts <= 2.0 * near:
