@@ -186,6 +186,40 @@ def test_a_delay_far_below_a_step_does_next_to_nothing() -> None:
     assert apart < at_once.force_error + later.force_error + 2e-6
 
 
+@pytest.mark.parametrize(
+    "law", ["soft", "eyring", "ageing", pytest.param("delay", marks=pytest.mark.slow)]
+)
+def test_a_drive_that_turns_back_by_next_to_nothing_is_as_good_as_one_that_holds(law: str) -> None:
+    """The spring still pulls the slider on, while contacts break at rest: it moves against the drive."""
+    contacts, spring, hold = {
+        "soft": (Contacts(WIDE, thermal=Thermal("soft", 0.05, 0.1)), 0.3, 1e4),
+        "eyring": (
+            Contacts(WIDE, thermal=Thermal("eyring", width=0.05, attempt_frequency=10.0)),
+            0.2,
+            1e5,
+        ),
+        "ageing": (Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.3), 0.014)), 0.13, 500.0),
+        "delay": (Contacts(WIDE, thermal=Thermal("soft", 0.05, 0.1), delay=Delay(0.5)), 0.1, 1e3),
+    }[law]
+    far = 0.5 * (1.0 + 1.0 / spring)  # where F is 0.5 of the mean threshold, or nearly so
+    held, back = (
+        master.solve(contacts, [far, end], 2e-3, time=[far, far + hold], spring=spring)
+        for end in (far, far - 1e-6)
+    )
+    assert held.success and back.success, back.message
+    assert held.force[0] - held.force[1] > 0.02
+    assert np.abs(back.force - held.force).max() < held.force_error + back.force_error + 1e-6
+    assert (back.position[1] - back.position[0]) > 0.1
+
+
+def test_a_step_that_leads_against_the_motion_is_a_fault(monkeypatch: Any) -> None:
+    """Steps are counted along the motion: counted the other way their sizes are below 0, and their ends were lost."""
+    monkeypatch.setattr(Steps, "turn_round", lambda self: None)
+    contacts, far = Contacts(WIDE, thermal=Thermal("soft", 0.05, 0.1)), 0.5 * (1.0 + 1.0 / 0.3)
+    found = master.solve(contacts, [far, far - 1e-6], 2e-3, time=[far, far + 1e4], spring=0.3)
+    assert not found.success and "leads against the motion, a fault of the program" in found.message
+
+
 def test_contacts_that_broke_at_once_form_at_once_one_delay_later() -> None:
     """A jump by 0.9 breaks those with smaller thresholds, which are out for 0.25 while the slider rests."""
     contacts = Contacts(WIDE, delay=Delay(0.25), reforming=-0.1)

@@ -127,7 +127,7 @@ class EarlierLegs:
         # Left out are the coefficients c of degrees n + k, about |c_n| fall^k, with n the first that is left out; each
         # is multiplied by the births' weight w of its degree: missed = |c_n| (sum over k of |w_(n + k)| fall^k). Of
         # weights those below n alone are known, so that |w_(n - 1 - k)| is taken for |w_(n + k)|. It is no smaller as a
-        # rule, as weights of smooth births fall with the degree; tests hold the error of the number that comes of it.
+        # rule, as weights of smooth births fall with the degree: an estimate, which `make promise` tests.
         fading = fitted.fall[which, None] ** np.arange(series.shape[-1])[::-1]
         missed = fitted.left_out[which] * (np.abs(weights) * fading).sum(axis=1)
         return (series * weights).sum(axis=-1), missed

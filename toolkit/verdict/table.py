@@ -115,12 +115,12 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
         # an error that other samples and readings do not hide is told beside its number
         error = known * abs(before) if known > max(WORTH_TELLING, share_of(verdict)) else 0.0
-        told = {"force before a slip": _told(before, force, share * before, error)}
+        told = {"force before a slip": _with_error(before, force, share * before, error)}
         if load:
             told["force before a slip"] += (
                 f", {guarded(before / load, '', share * before / load)} of the load"
             )
-        told["drop of a slip"] = _told(drop, force, share * drop, error)
+        told["drop of a slip"] = _with_error(drop, force, share * drop, error)
         if (regained := regained_by(verdict, behaviour)) is not None:
             told["of it regained over a period"] = guarded(
                 regained * scale.force, force, share * regained * scale.force
@@ -137,7 +137,7 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
 
 
-def _told(value: float, unit: str, uncertainty: float, error: float) -> str:
+def _with_error(value: float, unit: str, uncertainty: float, error: float) -> str:
     """A value with its error, or to the digits that its uncertainty leaves where the error is 0."""
     return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty)
 

@@ -30,8 +30,9 @@ Clocks: all times here are on the path, from t = 0 on, `ContactsInSteps.now` and
 slider have clocks of their own, those of a soft one have not). Sizes and steps of time (`StepCount`, `Node.size`) are
 counted from the begin of a section; breaks and births from t = 0 or the last slip that replaced all contacts.
 
-Signs: `Trial.travel`, X, F and stretches have that of X. Along the motion, the way the spring pulls (`Steps.sign`),
-are counted sizes, `Steps.travelled`, imbalances, and all of `SlipSoFar`.
+Signs: `Trial.travel`, X, F and stretches have that of X. Along the slider's motion (`Steps.sign`), which is that of the
+drive or, where it creeps the other way, of the spring's pull, are counted sizes, `Steps.travelled`, imbalances, and all
+of `SlipSoFar`.
 
 Refinement (`refined`): the whole path is solved with steps, and the meshes of records, halved each time. Errors fall as
 the square of the steps: three solutions with as many slips give the limit, and an error from their changes, to which

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from master.motion import Motion
-from master.outcome import StoppedError
+from master.outcome import FaultError, StoppedError
 from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
 from master.soft.in_time.creep import Creep
 from master.soft.in_time.decohered import Decohered
@@ -21,6 +21,9 @@ from origins.drive import Drive
 LARGE = 0.1
 # Least size of a step before the end of a section, in steps: rounding of times would make it 0.
 SHORTEST = 1e-6
+# Of a step's size, by which rounding of its times may put it below 0. Of a size further below 0 the state at its end
+# would be left out where forces are read (`read` in extrapolation.py).
+ROUNDED_SIZE = 1e-6
 
 
 class Slip(NamedTuple):
@@ -114,8 +117,18 @@ class Slider:
         while not slips and contacts.now < end and not self._creeps(nodes):
             size = min(self._size * search.shrink, max(steps.longest(), SHORTEST * self._size))
             trial, slips = search.up_to_slip(size)
+            if steps.runs_back(trial):
+                steps.turn_round()
+                search.begin_section()
+                trial, slips = search.up_to_slip(size)
             if trial.travel or trial.end > contacts.now:
-                done = nodes[-1].size + max(steps.size(trial), 0.0)
+                taken = steps.size(trial)
+                if taken < -ROUNDED_SIZE * self._size:
+                    raise FaultError(
+                        f"the step from t = {contacts.now:.6g} to {trial.end:.6g} has the size {taken:.3g}: it "
+                        "leads against the motion, a fault of the program"
+                    )
+                done = nodes[-1].size + max(taken, 0.0)
                 contacts.take(trial)
                 nodes.append(self._node(done))
         return slips

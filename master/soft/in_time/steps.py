@@ -31,6 +31,7 @@ class StepControl(NamedTuple):
         travel, and need resolve the first changes only.
     lost : e-folds of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as
         of fresh contacts that heat breaks at rest, see `Steps.begin_section`.
+    back : travel against `Steps.sign`, in the steps of time beside it, from which on it is counted the other way
     time_fractions : fractions of a step's size that may be time, from the latest on: there a balance before exact
         thresholds break is looked for, which a secant from one guess may miss.
     """
@@ -40,6 +41,7 @@ class StepControl(NamedTuple):
     per_e_fold_of_hold: float = 2.0
     per_e_fold_of_move: float = 0.4
     lost: float = 0.5
+    back: float = 0.5
     time_fractions: tuple[float, ...] = (
         *(1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03),
     )
@@ -158,7 +160,8 @@ class Steps:
 
     contacts, spring : whose steps they are, and K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
-    sign : direction in which the spring pulls: travels and imbalances are counted along it
+    sign : that of the slider's motion, along which travels and imbalances are counted: that of the drive; in a hold
+        that of F, as the slider creeps the way the spring pulls; the other one after `turn_round`
     section_end : time up to which births are smooth
     first_guess : for the first step of all
     """
@@ -192,6 +195,18 @@ class Steps:
     def travelled(self, trial: Trial) -> float:
         """The part of a step's size that is travel."""
         return self.sign * trial.travel / self.length
+
+    def runs_back(self, trial: Trial) -> bool:
+        """Whether the slider runs against `sign` by so much that its travel, which then lowers the size, is no longer
+        small beside the steps of time: no step of a small size leads there, and the one that balances may be as long as
+        the section."""
+        travelled = self.travelled(trial)
+        return travelled < 0.0 and -travelled > CONTROL.back * (self.size(trial) - travelled)
+
+    def turn_round(self) -> None:
+        """Count travels and imbalances the other way: after a turn the spring may still pull the slider away from the
+        drive, and do so for as long as the drive is slow."""
+        self.sign = -self.sign
 
     def longest(self) -> float:
         """The largest size that is of use for the next step; inf in a hold.
