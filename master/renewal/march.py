@@ -16,7 +16,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from master.outcome import FaultError, StoppedError, stop_after
-from master.renewal.births import MOST_WORK, Births, Jump, Lump, panel_at, still_out
+from master.renewal.births import MOST_WORK, Births, Jump, Lump, panel_at
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
 from master.renewal.present import TARGETS, Present, Run, solve_run
@@ -122,28 +122,33 @@ class March:
     def _segment(self, leg: int, now_leg: float, edge_leg: float, new_leg: bool) -> Iterator[None]:
         """Solve from one edge to the next, yielding after each good run. The clocks of times are those of past.py."""
         leg_begins_path = float(self.motion.times[leg])
-        guess = self._duration(self.guess, leg)
+        guess_duration = self._duration(self.guess, leg)
         whole_life = self._duration(self.life.largest_stretch, leg)
         tolerance, widths = self.tolerance, self.widths
-        widths.begin(edge_leg - now_leg, guess, whole_life, tolerance, new_leg)
+        widths.begin(edge_leg - now_leg, guess_duration, whole_life, tolerance, new_leg)
         while not widths.reached(edge_leg - now_leg):
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
             run = self._run(leg, now_leg, proposal.width, proposal.panels)
 
             # Beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error:
-            # all of the run, since those behind a bad one, solved again at this width, would come out the same.
+            # all of the run, since those behind a rejected one, solved again at this width, would come out the same.
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(now_leg)
-            bad = np.flatnonzero(run.error > tolerance)
-            if bad.size and widths.too_narrow(now_leg) and run.error[bad[0]] > self.jump.size:
-                self.jump = Jump(leg_begins_path + now_leg, leg, float(run.error[bad[0]]))
-            good = int(bad[0]) if bad.size and not keep_all else run.error.size
             now_path = leg_begins_path + now_leg
-            self.solved.append(run, good, begin=now_path, begin_leg=now_leg, width=proposal.width)
+            kept = run.error.size
+            rejected = np.flatnonzero(run.error > tolerance)
+            if rejected.size:
+                first_rejected = int(rejected[0])
+                error = float(run.error[first_rejected])
+                if widths.too_narrow(now_leg) and error > self.jump.size:
+                    self.jump = Jump(now_path, leg, error)
+                if not keep_all:
+                    kept = first_rejected
+            self.solved.append(run, kept, begin=now_path, begin_leg=now_leg, width=proposal.width)
 
-            now_leg = now_leg + good * proposal.width if good < proposal.to_edge else edge_leg
-            if good < run.error.size:
-                widths.narrow(good, float(run.error[good]))
+            now_leg = now_leg + kept * proposal.width if kept < proposal.to_edge else edge_leg
+            if kept < run.error.size:
+                widths.narrow(kept, float(run.error[kept]))
             else:
                 broken = float(np.abs(run.breaks[:, -1]).max())
                 widths.widen(proposal, run.error, broken, unresolved=keep_all)
@@ -219,22 +224,17 @@ class March:
         if in_table:
             both += self.present.look_up(float(self.motion.speeds[leg]), grid_leg)
         t_leg = grid_leg.ravel()
-        t = float(self.motion.times[leg]) + t_leg
-        first_that_counts = panel_at(solved.begin, self._oldest_that_counts(float(t.min()), leg))
+        t_path = float(self.motion.times[leg]) + t_leg
+        oldest = self._oldest_that_counts(float(t_path.min()), leg)
+        first_that_counts = panel_at(solved.begin, oldest)
         end = solved.count - same_width
         born_on_leg = solved.pick(slice(max(first_that_counts, first_panel_on_leg), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
         # breaks of all of them may be out, on whatever leg
         if self.births.delay > 0.0 and first_that_counts < end:
-            out = self._out(t, solved.pick(slice(first_that_counts, end)))
+            out = solved.pick(slice(first_that_counts, end)).still_out(t_path, self.births.delay)
             both[0] += out.reshape(grid_leg.shape)
         return both
-
-    def _out(self, t: Array, panels: SolvedPanels) -> Array:
-        """Number of contacts that broke on these panels and are still out at times t, shape (n,)."""
-        begin, width = panels.begin[:, None], panels.width[:, None]
-        of_breaks = still_out(t, self.births.delay, begin, width)
-        return np.asarray(np.einsum("ptn,pn->t", of_breaks, panels.breaks))
 
     def births_on_leg(self, t_leg: Array, leg: int, panels: SolvedPanels) -> Array:
         """Number and force of births on a leg at times on it, (2, n); `panels`: those of the breaks, without gaps."""
@@ -246,23 +246,29 @@ class March:
         return self.present.sums(float(self.motion.speeds[leg]), t_leg, births_leg)
 
     def _break_lumps(self, t: float, end: float) -> None:
-        """Make a lump of the contacts that break together at the edge t, if any: the fall of the number there."""
+        """Make a lump of the contacts that break together at the edge t, if any; the next edge is `end`."""
         if not t > 0.0 or not len(self.life.atoms):
             return
+        number_until, number_from = self._numbers_at_edge(t, end)
+        broken = number_until - number_from
+        if broken > LEAST_LUMP:
+            # broken at t, they are out until they are born one delay later
+            self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
+
+    def _numbers_at_edge(self, t: float, end: float) -> tuple[float, float]:
+        """The number of contacts at the edge t: the limit from before, and that from after, where lumps are broken."""
         leg = int(self.motion.leg(t))
         edge_leg = t - self.motion.times[leg]
         beside = 0.5 * min(self.solved.width[-1], end - t)
         # At a jump `known_on` gives the limit from the left to a row of times that ends there, and from the right to
-        # one that begins there, both within a panel: their difference is what breaks.
-        before, after = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
+        # one that begins there, both within a panel.
+        until_edge, from_edge = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
         # Where the edge ends the leg the later times are asked for on it all the same: on the next leg Past would enter
         # that too early. Only the number at the edge is read, which is right. One row each, as they are on two legs.
-        asked = [[before, after]] if t < self.motion.times[leg + 1] else [[before], [after]]
+        amid_leg = t < self.motion.times[leg + 1]
+        asked = [[until_edge, from_edge]] if amid_leg else [[until_edge], [from_edge]]
         number = np.concatenate([self.known_on(leg, np.array(rows))[0] for rows in asked])
-        broken = float(number[0, 1] - number[1, 0])
-        if broken > LEAST_LUMP:
-            # broken at t, they are out until they are born one delay later
-            self.lumps.append(Lump(t + self.births.delay, broken, self.births.law))
+        return float(number[0, -1]), float(number[1, 0])
 
     def cut(self, t: float, births: Births) -> "March":
         """A march that has the contacts of this one at the time t, and none of its plans: set its edges before it runs.

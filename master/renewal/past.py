@@ -56,8 +56,8 @@ class Past:
     _leg : the present leg; -1 before the first
     _first_panel : the first panel whose births are on it
     _earlier : births on earlier legs, None where there are none; for contacts that age `_strands` in its place
-    _held_when_asked : by earlier leg, the share of all contacts that was born on it and held at the last time that `at`
-        was asked for
+    _held_at_latest : by earlier leg, the share of all contacts that was born on it and held at the latest of the times
+        that the last call of `at` asked for
     _legs_left_out : earlier legs that are left out for good
     """
 
@@ -71,7 +71,7 @@ class Past:
         self._leg, self._first_panel = -1, 0
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
-        self._legs_left_out, self._held_when_asked = set[int](), dict[int, float]()
+        self._legs_left_out, self._held_at_latest = set[int](), dict[int, float]()
         self._earlier: EarlierLegs | None = None
         self._strands = _strands(births, self._left_out_below)
         self._few = FewTimes(births.life)
@@ -115,18 +115,18 @@ class Past:
             found = self._summed(grid_leg, lumps)
         self.worst_sum = max(self.worst_sum, found.error)
         self.survival_error = max(self.survival_error, found.survival_error)
-        self._held_when_asked = found.held or {}
+        self._held_at_latest = found.held or {}
         return found.both
 
     def _leave_out(self) -> None:
         """Leave out legs of whose births hardly any held when `at` was last called, on the leg before. That call may
         have been for panels that were rejected, at any time of that leg: this is safe, as survivals only fall, so that
         fewer hold on the leg to come."""
-        for each, held in self._held_when_asked.items():
+        for each, held in self._held_at_latest.items():
             if held <= self._left_out_below:
                 self._legs_left_out.add(each)
                 self.left_out += abs(held)  # a sum of next to nothing may come out negative
-        self._held_when_asked = {}
+        self._held_at_latest = {}
 
     def _set_clock(self, leg: int) -> None:
         """Count times from the beginning of this leg. It is set first, as earlier births are told by it."""
@@ -165,9 +165,13 @@ class Past:
         return legs, panels.births_begin(self._births.motion.times[legs], self._births.delay)
 
     def _legs_of_births(self, panels: SolvedPanels) -> npt.NDArray[np.intp]:
-        """The leg of each panel's births, one delay after its breaks. None lie on two legs, as a panel ends one delay
-        before each knot (`needed` in edges.py), so that their middle tells; but not a leg before that of their begin:
-        the middle of the narrowest panels is rounded to their begin, a knot, where it belongs to the leg that ends."""
+        """The leg of each panel's births, one delay after its breaks.
+
+        (1) No panel has births on two legs: `needed` in edges.py ends a panel one delay before each knot. So the middle
+        of its births tells the leg.
+        (2) The middle of the narrowest panels is rounded to where their births begin. Where that is a knot, it belongs
+        to the leg that ends there, and the births to the one that begins. So the leg is not before that of the begin.
+        """
         motion_path, delay = self._births.motion, self._births.delay
         of_begin = np.searchsorted(motion_path.times, panels.begin + delay, "right") - 1
         return np.maximum(motion_path.leg(panels.middle_of_births(delay)), of_begin)

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from master.numerics import polynomials
 from master.outcome import FaultError
-from master.renewal.births import BirthPanels, panel_at
+from master.renewal.births import BirthPanels, panel_at, still_out
 from master.renewal.present import Run
 from origins.thresholds.law import Array
 
@@ -106,6 +106,11 @@ class SolvedPanels:
                 f"begin at {begin[panel]:.9g}, and end at {ends[panel + 1]:.9g}, a fault of the program"
             )
         return BirthPanels(ends, self.breaks @ polynomials.SLOPES.T)
+
+    def still_out(self, t: Array, delay: float) -> Array:
+        """Number of contacts that broke on these panels and are still out at times t of the path, shape (n,)."""
+        of_breaks = still_out(t, delay, self.begin[:, None], self.width[:, None])
+        return np.asarray(np.einsum("ptn,pn->t", of_breaks, self.breaks))
 
     def rates_from(self, t: float) -> Array:
         """Breaks per time at Gauss nodes of the panels from that on which t lies, shape (panels, nodes)."""

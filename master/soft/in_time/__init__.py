@@ -27,8 +27,9 @@ and what a slip does change the contacts. In a slip contacts are changed first, 
 their force.
 
 Clocks: all times here are on the path, from t = 0 on, `ContactsInSteps.now` and ends of trials, too (legs of a rigid
-slider have clocks of their own, those of a soft one have not). Sizes and steps of time (`StepCount`, `Node.size`) are
-counted from the begin of a section; breaks and births from t = 0 or the last slip that replaced all contacts.
+slider have clocks of their own, those of a soft one have not). Sizes (`Node.sizes_so_far`) and steps of time
+(`StepCount`) are counted from the begin of a section; breaks and births from t = 0 or the last slip that replaced all
+contacts.
 
 Signs: `Trial.travel`, X, F and stretches have that of X. Along the slider's motion (`Steps.sign`), which is that of the
 drive or, where it creeps the other way, of the spring's pull, are counted sizes, `Steps.travelled`, imbalances, and all

@@ -274,7 +274,7 @@ def _beside(times: Array, before: Array, now: Array) -> npt.NDArray[np.bool_]:
 
 def read(sections: list[list[Node]], asked: Array) -> Array:
     """Force (lengths) and the fraction that holds at times (n,), shape (2, n); at a slip, after it. By splines in the
-    size of all steps, in which the time, too, is smooth."""
+    sizes of the section's steps so far, in which the time, too, is smooth."""
     ends = np.array([section[-1].time for section in sections])
     which = np.minimum(np.searchsorted(ends, asked, side="right"), len(sections) - 1)
     out = np.empty((2, asked.size))

@@ -128,7 +128,7 @@ class Slider:
                         f"the step from t = {contacts.now:.6g} to {trial.end:.6g} has the size {taken:.3g}: it "
                         "leads against the motion, a fault of the program"
                     )
-                done = nodes[-1].size + max(taken, 0.0)
+                done = nodes[-1].sizes_so_far + max(taken, 0.0)
                 contacts.take(trial)
                 nodes.append(self._node(done))
         return slips

@@ -58,10 +58,10 @@ LEAST_UNIFORM = 1e-200
 
 
 class Node(NamedTuple):
-    """The end of a step: its size, the sum of the sizes of its section's steps so far (see Steps), and the state; time
-    and position are counted from the beginning of the path, not of the section."""
+    """The end of a step: the sum of the sizes of its section's steps so far (see Steps), and the state; time and
+    position are counted from the beginning of the path, not of the section."""
 
-    size: float
+    sizes_so_far: float
     time: float
     force: float
     holding: float
