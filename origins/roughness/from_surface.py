@@ -153,10 +153,10 @@ def _load_beyond(limit: float, size: Thresholds, load: Bend) -> float:
     beyond = float(size.sf(limit))
     if beyond == 0.0:
         return 0.0
-    borne, _ = scipy.integrate.quad(
-        lambda share: float(load(size.isf(share))), 0.0, beyond, epsabs=0.0, epsrel=1e-9
+    borne = scipy.integrate.tanhsinh(
+        lambda share: load(size.isf(share)), 0.0, beyond, atol=0.0, rtol=1e-9
     )
-    return min(borne / float(Powered(size, load).mean()), 1.0)
+    return min(float(borne.integral / Powered(size, load).mean()), 1.0)
 
 
 def _joined(size: Thresholds, load: Bend, area: Bend, fields: dict[str, Any]) -> Thresholds:
