@@ -73,6 +73,11 @@ class Motion:
         """Index of the leg on which all t lie; the smallest t may be the leg's first knot."""
         return int(self.leg(0.5 * (float(t.min()) + float(t.max()))))
 
+    def duration(self, length: float, leg: int) -> float:
+        """The time that the slider takes for a length at its speed on this leg; inf in a hold."""
+        speed = float(self.speeds[leg])
+        return length / abs(speed) if speed else np.inf
+
     def at(self, t: Array) -> Array:
         """X(t), same shape as t."""
         return np.interp(t, self.times, self.positions)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from master.motion import Motion
 from master.numerics import polynomials
 from master.outcome import Progress, outcome, unconserved
-from master.renewal.births import Births, reforming_law
+from master.renewal.births import Births, Jump, reforming_law
 from master.renewal.budget import ErrorBudget
 from master.renewal.edges import ROUNDED, SAME_TIME, edges
 from master.renewal.march import March
@@ -118,16 +118,15 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
     """Why the error is above the tolerance (both in mean thresholds): the largest part of it, and what to do.
     `rounding` is the round-off as a share of the contacts, as the other parts are."""
     above = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
-    solved, jump = march.solved, march.jump
+    solved = march.solved
     if not solved.count:
         known = "; no panel was solved, and F is not known even at X = 0"
         return f"{above}{known}; loosen the tolerance" + ", or give more time" * march.unfinished
     panel = int(np.argmax(solved.error))
     near = f"near X = {march.motion.at(solved.begin[panel]):.6g}"
-    if jump.size and jump.size == solved.error[panel]:
-        when = "a travel of " if march.life.timeless and not march.births.delay else "t = "
-        near = f"{near}: the number jumps by {jump.size:.1e} at {when}{jump.time:.6g}, on leg {jump.leg}"
-        near += " (from 0), where no edge is, or a sum over births is wrong there, or before"
+    largest = max(march.jumps, key=lambda jump: jump.size, default=None)
+    if largest is not None and largest.size == solved.error[panel]:
+        near = f"{near}: {_of_jumps(march, largest)}"
     parts = {
         f"a panel {near}": solved.error[panel],
         "survivals of the contacts' laws": march.survival_error,
@@ -138,6 +137,18 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
         return f"nothing is known of the force: its breaks are not resolved {near}"
     most = max(parts, key=lambda each: parts[each])
     return f"{above}, most of it that of {most}; loosen the tolerance"
+
+
+def _of_jumps(march: March, largest: Jump) -> str:
+    """In words, where the number jumps most, and first, and what may be wrong there."""
+    clock = "a travel of " if march.life.timeless and not march.births.delay else "t = "
+    said = f"the number jumps by {largest.size:.1e} at {clock}{largest.time:.6g}, on leg {largest.leg} (from 0)"
+    first = march.jumps[0]
+    if first.time < largest.time:
+        said += f", and first at {clock}{first.time:.6g}, on leg {first.leg}"
+    if first.behind_edge:
+        return f"{said}, right behind an edge: a sum over births is wrong there, or before"
+    return f"{said}, where no edge is, or a sum over births is wrong there, or before"
 
 
 def motion_of(drive: Drive, mean: float, timeless: bool = False) -> tuple[Motion, Array]:

@@ -118,11 +118,12 @@ def _rigid(
     contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
 ) -> Solution:
     """A rigid slider; where wall_time ends the work before a table is made, as far as it is known to ROUGH."""
+    # for the life alone, which tells whether time counts; where it does not, solve_rigid makes one of distances
     motion, _ = motion_of(drive, contacts.mean_threshold)
 
-    def solved_to(each: float) -> Solution:
-        life = life_of(contacts, each, motion, until)
-        return solve_rigid(contacts, drive, life, each, progress, until)
+    def solved_to(asked: float) -> Solution:
+        life = life_of(contacts, asked, motion, until)
+        return solve_rigid(contacts, drive, life, asked, progress, until)
 
     slow = contacts.thermal is not None and contacts.reforming is not None
     if not (slow and np.isfinite(until) and tolerance < ROUGH):

@@ -8,10 +8,11 @@ import pytest
 import master
 import origins
 from master import rigid
+from master.renewal.march import March
 from master.renewal.solved import SolvedPanels
 from master.soft.followed import ErrorPart, Followed
 from master.soft.slips import slips_of
-from origins import Contacts, Drive
+from origins import Contacts, Delay, Drive
 
 
 def test_a_jump_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -34,6 +35,16 @@ def test_a_jump_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
         "at a travel of 1, on leg 0 (from 0), where no edge is, or a sum over births is wrong"
         in said
     )
+
+
+def test_a_jump_right_behind_an_edge(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contacts that are still out one cycle later are left out, first where the slider has turned."""
+    contacts, path = Contacts(origins.gaussian(1.0, 0.2), delay=Delay(1.5)), [3.0, 4.0, 5.0, 2.0]
+    assert master.solve(contacts, path, tolerance=1e-6).success
+    true = March._longest_cycle
+    monkeypatch.setattr(March, "_longest_cycle", lambda self, leg: true(self, leg) - 1.5)
+    found = master.solve(contacts, path, tolerance=1e-6)
+    assert not found.success and "right behind an edge: a sum over births is wrong" in found.message
 
 
 def test_of_two_jumps_where_no_edges_are_the_larger_is_told(

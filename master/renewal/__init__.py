@@ -15,7 +15,7 @@ At an edge, where the breaks may jump, contacts that reach an exact threshold to
 (`March._break_lumps`).
 
 Times are counted from the beginning of the path, or, to keep digits, from that of a leg: their names then end in `_leg`
-or `_birth_leg` (past.py). Times that are asked for together stand in rows, each within one panel: on which side of a
+or `_own_leg` (past.py). Times that are asked for together stand in rows, each within one panel: on which side of a
 jump at its end it lies is told by its middle (`motion.middle_of`).
 
 The docstring of `master.solve` lists the files in the order in which they begin. To read, begin with `births.py` and

@@ -107,12 +107,17 @@ class Lump(NamedTuple):
 
 
 class Jump(NamedTuple):
-    """A panel that is as narrow as rounding allows and still not good: the number or the force jumps on it, where no
-    edge is. Time, leg (counted from 0) and error, a share of the contacts."""
+    """A panel that is as narrow as rounding allows and still not good: the number or the force jumps on it.
+
+    time, leg : where it begins, on the path; the leg is counted from 0
+    size : its error, a share of the contacts
+    behind_edge : whether it begins at an edge, so that none is missing there
+    """
 
     time: float
     leg: int
     size: float
+    behind_edge: bool
 
 
 class Nodes(NamedTuple):
@@ -156,7 +161,7 @@ class BirthPanels(NamedTuple):
     """Births on panels without gaps between them.
 
     ends : when each panel begins, and the last one ends, shape (n + 1,); widths may differ. Their clock is that of the
-        births as a whole, whose name ends in it (past.py): `births_leg`, `births_birth_leg`
+        births as a whole, whose name ends in it (past.py): `births_leg`, `births_own_leg`
     slopes : Legendre coefficients of the births' derivative by the place on the panel, shape (n, DEGREE + 1)
     """
 

@@ -62,8 +62,8 @@ class ErrorBudget:
         divided by the longest stretch (Run.error)
     births : of a piece of the births on earlier legs, a share of the contacts: the first coefficient that its
         polynomial leaves out, times the births on the piece, times the number of legs that count
-    survivals : error of a survival that is known before, a share of the contacts
-    round_off : of the force, in mean thresholds
+    survivals, round_off : what was taken off first: the error of a survival that is known before, a share of the
+        contacts, and that of the force by rounding, in mean thresholds. They are kept to be read, and steer nothing.
     """
 
     panels: float

@@ -16,13 +16,13 @@ def sums_of_lumps(
     births: Births,
     motion_leg: Motion,
     lumps: Sequence[Lump],
-    leg_begins_path: float,
+    leg_start_path: float,
     grid_leg: Array,
 ) -> Sums:
     """What lumps add to number and force at times; both of shape (2, *grid_leg.shape). Clocks: see past.py.
 
     motion_leg : that of the births
-    leg_begins_path : when the present leg begins
+    leg_start_path : when the present leg begins
     grid_leg : times in rows, each within one panel
 
     A lump counts on a panel by where its birth lies:
@@ -43,7 +43,7 @@ def sums_of_lumps(
         of_law = [lump for lump in lumps if lump.law is law]
         weight = np.array([lump.weight for lump in of_law])
         # (lumps, 1), against rows (rows,)
-        birth_leg = np.array([[lump.birth - leg_begins_path] for lump in of_law])
+        birth_leg = np.array([[lump.birth - leg_start_path] for lump in of_law])
         amid = (panel_begin < birth_leg) & (birth_leg < panel_end)
         unborn = (birth_leg > middle) & ~amid
         both[0] += (weight @ unborn)[:, None]
@@ -53,11 +53,11 @@ def sums_of_lumps(
         if not row.size:
             continue
         births.add_work(row.size)
-        t_leg, its_birth_leg = grid_leg[row], birth_leg[lump]  # (pairs, columns), (pairs, 1)
-        history = motion_leg.history(np.maximum(t_leg, its_birth_leg), its_birth_leg)
+        t_leg, its_own_leg = grid_leg[row], birth_leg[lump]  # (pairs, columns), (pairs, 1)
+        history = motion_leg.history(np.maximum(t_leg, its_own_leg), its_own_leg)
         found = births.life.survival_and_force(law, history)
         survival_error = max(survival_error, found.error)
-        still_unborn = amid[lump, row, None] & (t_leg < its_birth_leg)
+        still_unborn = amid[lump, row, None] & (t_leg < its_own_leg)
         survivors = np.where(still_unborn, [[[1.0]], [[0.0]]], found.both)  # (2, pairs, columns)
         for total, added in zip(both, weight[lump, None] * survivors, strict=True):
             np.add.at(total, row, added)  # several lumps may be on one row, of which += keeps one

@@ -55,7 +55,7 @@ class March:
     widths : how wide the next panels are
     steady_since : when the march ended because breaks were steady; inf where they were not
     unfinished, fault : whether it was stopped before the last edge, and the fault of the program if one stopped it
-    jump : the largest Jump, of size 0 where there is none
+    jumps : those on its panels, in the order of time
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class March:
         self.present, self._past = Present(births), Past(births)
         self.widths, self.steady_since = PanelWidth(self.life.quick), np.inf
         self.unfinished, self.fault = False, ""
-        self.jump = Jump(0.0, 0, 0.0)
+        self.jumps = list[Jump]()
 
         # whether all contacts of the start are as if born at t = 0: G_0(t) = E(t, 0), in the table of the first leg
         same_stretch = start.is_single and start.span == births.law.span
@@ -116,14 +116,14 @@ class March:
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
             new_leg, previous_leg = leg != previous_leg, leg
-            leg_begins_path = float(self.motion.times[leg])
-            yield from self._segment(leg, begin - leg_begins_path, end - leg_begins_path, new_leg)
+            leg_start_path = float(self.motion.times[leg])
+            yield from self._segment(leg, begin - leg_start_path, end - leg_start_path, new_leg)
 
     def _segment(self, leg: int, now_leg: float, edge_leg: float, new_leg: bool) -> Iterator[None]:
         """Solve from one edge to the next, yielding after each good run. The clocks of times are those of past.py."""
-        leg_begins_path = float(self.motion.times[leg])
-        guess_duration = self._duration(self.guess, leg)
-        whole_life = self._duration(self.life.largest_stretch, leg)
+        leg_start_path, begin_leg = float(self.motion.times[leg]), now_leg
+        guess_duration = self.motion.duration(self.guess, leg)
+        whole_life = self.motion.duration(self.life.largest_stretch, leg)
         tolerance, widths = self.tolerance, self.widths
         widths.begin(edge_leg - now_leg, guess_duration, whole_life, tolerance, new_leg)
         while not widths.reached(edge_leg - now_leg):
@@ -134,14 +134,15 @@ class March:
             # Beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error:
             # all of the run, since those behind a rejected one, solved again at this width, would come out the same.
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(now_leg)
-            now_path = leg_begins_path + now_leg
+            now_path = leg_start_path + now_leg
             kept = run.error.size
             rejected = np.flatnonzero(run.error > tolerance)
             if rejected.size:
                 first_rejected = int(rejected[0])
                 error = float(run.error[first_rejected])
-                if widths.too_narrow(now_leg) and error > self.jump.size:
-                    self.jump = Jump(now_path, leg, error)
+                if widths.too_narrow(now_leg):
+                    at_edge = now_leg == begin_leg and not first_rejected
+                    self.jumps.append(Jump(now_path, leg, error, behind_edge=at_edge))
                 if not keep_all:
                     kept = first_rejected
             self.solved.append(run, kept, begin=now_path, begin_leg=now_leg, width=proposal.width)
@@ -153,11 +154,6 @@ class March:
                 broken = float(np.abs(run.breaks[:, -1]).max())
                 widths.widen(proposal, run.error, broken, unresolved=keep_all)
                 yield
-
-    def _duration(self, length: float, leg: int) -> float:
-        """The time that the slider takes for a length; inf in a hold."""
-        speed = float(self.motion.speeds[leg])
-        return length / abs(speed) if speed else np.inf
 
     def _longest_cycle(self, leg: int) -> float:
         """The longest time from a break to the next one of the same contact, which is out for the delay, then holds."""
@@ -187,8 +183,8 @@ class March:
         of_panel = self.present.panel_sums(speed, width, same_width + count)
         targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
         known = self.known_on(leg, targets_leg, same_width)
-        earlier = self.solved.breaks[self.solved.count - same_width :]
-        return solve_run(of_panel, known, earlier, self.stretch)
+        breaks_same_width = self.solved.breaks[self.solved.count - same_width :]
+        return solve_run(of_panel, known, breaks_same_width, self.stretch)
 
     def _count_same_width(self, width: float, leg: int) -> int:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
@@ -198,16 +194,18 @@ class March:
         PanelSums do not hold, which may not show; and of a leg before Past has the births: they would count twice."""
         # one width before, as a panel's last breaks come one after its first; and one more, amply for rounding
         oldest = self._oldest_that_counts(self.solved.end, leg) - 2.0 * width
-        leg_begins_path = float(self.motion.times[leg]) - SAME_BEGIN * width
-        return self.solved.count_same_width(width, max(oldest, leg_begins_path))
+        earliest_on_leg = float(self.motion.times[leg]) - SAME_BEGIN * width
+        return self.solved.count_same_width(width, max(oldest, earliest_on_leg))
 
     def known_at(self, t: Array) -> Array:
-        """Number and force of all contacts at times t in rows, all on one leg and after the panels; (2, *t.shape)."""
+        """As `known_on`, at times t in rows, all on one leg; (2, *t.shape)."""
         leg = self.motion.leg_of_all(t)
         return self.known_on(leg, t - self.motion.times[leg])
 
     def known_on(self, leg: int, grid_leg: Array, same_width: int = 0) -> Array:
         """Number and force of all contacts whose births are known, at later times on a leg; (2, *grid_leg.shape).
+
+        It enters the leg for good (Past.enter), and counts errors: an earlier leg is never asked for afterwards.
 
         grid_leg : times in rows
         same_width : the last panels, so many, are left out: they have the width of the panels to be solved, and
@@ -280,7 +278,7 @@ class March:
         # it has made the start, the first lump; those that break at t, born at once (no delay), it finds again
         other.lumps += [lump for lump in self.lumps[1:] if lump.birth < t]
         other._past.count_errors_of(self._past)
-        other.jump = self.jump
+        other.jumps = self.jumps.copy()
         # work that is done: tables of survivals, which no motion changes, and its count
         other.present = self.present.counted_on(births)
         births.work = self.births.work
@@ -289,12 +287,12 @@ class March:
     def postpone_births(self, begin: float, end: float) -> None:
         """Add panels from begin to end without births: broken contacts are born together at the end."""
         number, _ = self.known_at(np.full((1, TARGETS.size), end))
-        leg_begins_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
+        leg_start_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         # breaks at the end are looked for over half of the last panel, which has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)
         run = Run.of_one_panel_without_contacts()
         for first, width in ((begin, nearly - begin), (nearly, end - nearly)):
             if width > 0.0:
-                begin_leg = first - leg_begins_path
+                begin_leg = first - leg_start_path
                 self.solved.append(run, 1, begin=first, begin_leg=begin_leg, width=width)
         self.lumps.append(Lump(end, 1.0 - float(number[0, 0]), self.births.law))

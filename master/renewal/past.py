@@ -9,8 +9,10 @@ panels ends in its clock (`leg` alone is an index):
 
 - `_path`: since the beginning of the path, the clock of the march: births.motion, SolvedPanels.begin, Lump.birth;
 - `_leg`: since the beginning of the present leg, to keep digits: here sums are taken;
-- `_birth_leg`: since the beginning of the leg on which a contact is born (SolvedPanels.births_begin), as are all
+- `_own_leg`: since the beginning of the leg on which a contact is born (SolvedPanels.births_begin), as are all
   times of strands of ageing contacts.
+
+In the march a time without such an ending (t, begin, end, edges) is on the path.
 
 Past.enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
 the second.
@@ -26,6 +28,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from master.outcome import FaultError
 from master.renewal.births import INSIDE, TINY, Births, Lump, Sums
 from master.renewal.earlier_legs import EarlierLegs
 from master.renewal.few_times import FewTimes
@@ -55,7 +58,8 @@ class Past:
 
     _leg : the present leg; -1 before the first
     _first_panel : the first panel whose births are on it
-    _earlier : births on earlier legs, None where there are none; for contacts that age `_strands` in its place
+    _earlier_legs : sums over births on earlier legs, None where there are none; for contacts that age `_strands` in its
+        place
     _held_at_latest : by earlier leg, the share of all contacts that was born on it and held at the latest of the times
         that the last call of `at` asked for
     _legs_left_out : earlier legs that are left out for good
@@ -64,7 +68,7 @@ class Past:
     def __init__(self, births: Births) -> None:
         """Before the first leg."""
         self._births = births
-        self._motion_leg, self._leg_begins_path = births.motion, 0.0
+        self._motion_leg, self._leg_start_path = births.motion, 0.0
         closed = births.life.pair_work == 1 and not births.life.has_strands
         self._accuracy = births.accuracy * (1.0 if closed else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
@@ -72,8 +76,8 @@ class Past:
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
         self._legs_left_out, self._held_at_latest = set[int](), dict[int, float]()
-        self._earlier: EarlierLegs | None = None
-        self._strands = _strands(births, self._left_out_below)
+        self._earlier_legs: EarlierLegs | None = None
+        self._strands = _made_strands(births, self._left_out_below)
         self._few = FewTimes(births.life)
 
     @property
@@ -90,19 +94,24 @@ class Past:
     def enter(self, leg: int, solved: SolvedPanels) -> int:
         """Make this leg the present one, if it is not yet; returns the first panel whose births are on it.
 
-        solved : all panels so far; those before that one are earlier births, which do not change while the slider is on
-            this leg
+        It is so for good: contacts are followed from leg to leg, so that FaultError is raised for an earlier leg.
+
+        solved : all panels so far; births on those before that one do not change while the slider is on this leg
         """
         if leg != self._leg:
             self._leave_out()
-            leg_before, self._leg = self._leg, leg
+            if leg < self._leg:
+                raise FaultError(
+                    f"leg {leg} is asked for after leg {self._leg}, a fault of the program: Past goes forward only"
+                )
+            self._leg = leg
             self._set_clock(leg)
             self._first_panel = self._count_before(solved)
-            earlier = solved.pick(slice(self._first_panel))
+            panels_before = solved.pick(slice(self._first_panel))
             if self._strands is not None:
-                self._follow_strands(self._strands, range(max(leg_before, 0), leg), earlier)
+                self._follow_strands(self._strands, panels_before)
             else:
-                self._sum_over_legs(earlier)
+                self._sum_over_legs(panels_before)
         return self._first_panel
 
     def at(self, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
@@ -129,33 +138,28 @@ class Past:
         self._held_at_latest = {}
 
     def _set_clock(self, leg: int) -> None:
-        """Count times from the beginning of this leg. It is set first, as earlier births are told by it."""
+        """Count times from the beginning of this leg. It is set first, as births before are told by it."""
         motion_path = self._births.motion
-        self._leg_begins_path = float(motion_path.times[leg])
+        self._leg_start_path = float(motion_path.times[leg])
         self._motion_leg = motion_path.counted_from(leg)
 
     def _count_before(self, solved: SolvedPanels) -> int:
         """How many panels there are whose births are on legs before the present one."""
         return int(np.searchsorted(self._legs_of_births(solved), self._leg))
 
-    def _follow_strands(
-        self, strands: "Strands", legs_just_ended: range, earlier: SolvedPanels
-    ) -> None:
-        """Follow contacts that age up to the beginning of the present leg; births on the legs that have just ended are
-        new among them."""
-        legs, begin_birth_leg = self._legs_and_begin(earlier)
-        self.left_out += strands.follow(
-            self._motion_leg, legs_just_ended, earlier, begin_birth_leg, legs
-        )
+    def _follow_strands(self, strands: "Strands", panels: SolvedPanels) -> None:
+        """Follow contacts that age up to the beginning of the present leg; `panels` : those of all births before it."""
+        legs, begin_own_leg = self._legs_and_begin(panels)
+        self.left_out += strands.follow(self._motion_leg, self._leg, panels, begin_own_leg, legs)
 
-    def _sum_over_legs(self, earlier: SolvedPanels) -> None:
-        """Make the sums over births on earlier legs, but for those left out."""
-        legs, begin_birth_leg = self._legs_and_begin(earlier)
+    def _sum_over_legs(self, panels: SolvedPanels) -> None:
+        """Make the sums over births on these panels, those before the present leg, but for legs left out."""
+        legs, begin_own_leg = self._legs_and_begin(panels)
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
-        self._earlier = None
+        self._earlier_legs = None
         if counted.size:
-            births_leg = earlier.births(self._motion_leg.times[legs] + begin_birth_leg)
-            self._earlier = EarlierLegs(
+            births_leg = panels.births(self._motion_leg.times[legs] + begin_own_leg)
+            self._earlier_legs = EarlierLegs(
                 self._births, self._motion_leg, self._leg, counted, births_leg, self._accuracy
             )
 
@@ -180,7 +184,7 @@ class Past:
         """As `_summed`, interpolated between few of the times; None where that is not tried, or not accurate. Errors of
         the interpolation are smooth, so that no panel shows them: its own estimate alone does."""
         abs_speed = abs(float(self._motion_leg.speeds[self._leg]))
-        if self._earlier is None or not self._few.are_tried(grid_leg, abs_speed):
+        if self._earlier_legs is None or not self._few.are_tried(grid_leg, abs_speed):
             return None
         summed = self._summed(grid_leg[:, FewTimes.ASKED], lumps)
         both, interpolation_error = self._few.interpolated(summed.both)
@@ -192,16 +196,16 @@ class Past:
     def _summed(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums:
         """The sums over both kinds of contacts."""
         of_lumps = sums_of_lumps(
-            self._births, self._motion_leg, lumps, self._leg_begins_path, grid_leg
+            self._births, self._motion_leg, lumps, self._leg_start_path, grid_leg
         )
-        earlier = self._strands if self._strands is not None else self._earlier
-        if earlier is None:
+        births_before = self._strands if self._strands is not None else self._earlier_legs
+        if births_before is None:
             return of_lumps
-        of_earlier = earlier.sums(self._inside_panels(grid_leg).ravel())
-        both = of_lumps.both + of_earlier.both.reshape(of_lumps.both.shape)
-        survival_error = max(of_lumps.survival_error, of_earlier.survival_error)
+        of_births = births_before.sums(self._inside_panels(grid_leg).ravel())
+        both = of_lumps.both + of_births.both.reshape(of_lumps.both.shape)
+        survival_error = max(of_lumps.survival_error, of_births.survival_error)
         # a sum over lumps is no quadrature: it has no error but that of survivals
-        return of_earlier._replace(both=both, survival_error=survival_error)
+        return of_births._replace(both=both, survival_error=survival_error)
 
     def _inside_panels(self, grid_leg: Array) -> Array:
         """The times of a grid, later than the leg's beginning, which belongs to the leg before. Where the births of a
@@ -213,7 +217,7 @@ class Past:
         return np.maximum(grid_leg, TINY)
 
 
-def _strands(births: Births, left_out_below: float) -> "Strands | None":
+def _made_strands(births: Births, left_out_below: float) -> "Strands | None":
     """The strands of contacts that age; None for all others."""
     if not births.life.has_strands:
         return None

@@ -132,22 +132,22 @@ class Present:
         return nodes, nodes.weight * self.look_up(speed, t[nodes.target, None] - nodes.time)
 
 
-def solve_run(of_panel: PanelSums, known: Array, earlier: Array, stretch: float) -> Run:
-    """Solve panels of one width: at each node, number of earlier births + own sums * breaks = 1.
+def solve_run(of_panel: PanelSums, known: Array, same_width: Array, stretch: float) -> Run:
+    """Solve panels of one width: at each node, number of births before + own sums * breaks = 1.
 
     known : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
-    earlier : breaks on the panels of this width that directly precede the first; stretch : the longest |x|
+    same_width : breaks on the panels of this width that directly precede the first; stretch : the longest |x|
     """
     count, size, targets = known.shape[1], polynomials.DEGREE + 1, TARGETS.size
-    before = min(of_panel.values.shape[0], len(earlier) + count) - 1
+    before = min(of_panel.values.shape[0], len(same_width) + count) - 1
     panels = np.zeros((before + count, size))
-    kept = min(len(earlier), before)
-    panels[before - kept : before] = earlier[len(earlier) - kept :]
+    kept = min(len(same_width), before)
+    panels[before - kept : before] = same_width[len(same_width) - kept :]
     # the farthest panels first, the order in which `panels` holds them
-    of_earlier = of_panel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
+    of_same_width = of_panel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
     sums = known.swapaxes(0, 1).reshape(count, -1)
     for panel in range(count):
-        sums[panel] += of_earlier @ panels[panel : panel + before].ravel()
+        sums[panel] += of_same_width @ panels[panel : panel + before].ravel()
         panels[panel + before, 1:] = of_panel.solve @ (1.0 - sums[panel, 1:size])
     sums += panels[before:] @ of_panel.values[0].T
     number, force = sums[:, :targets], sums[:, targets:]

@@ -34,26 +34,28 @@ class Strands:
         """Before the first leg. `left_out_below`: the share of all contacts, that were born on a leg and hold, below
         which they are left out for good; and the survival below which a single strand is not followed."""
         self._births, self._left_out_below = births, left_out_below
+        self._leg = 0
         self._of_legs = list[StrandBirths]()
 
     def follow(
         self,
         motion_leg: Motion,
-        new: range,
+        to_leg: int,
         panels: SolvedPanels,
-        begin_birth_leg: Array,
+        begin_own_leg: Array,
         legs: Rows,
     ) -> float:
-        """Make strands of the births on the `new` legs, and follow all strands to the leg that begins at t = 0 of this
-        motion; returns the share of all contacts that are left out from now on. `begin_birth_leg`: when the births of
-        each panel begin, on the leg `legs`."""
+        """Make strands of the births on the legs that have ended since it was called last, and follow all strands to
+        the leg `to_leg`, which begins at t = 0 of this motion; returns the share of all contacts that are left out from
+        now on. `begin_own_leg`: when the births of each panel begin, on the leg `legs`."""
         least, left_out = self._left_out_below, 0.0
-        for leg in new:
+        ended, self._leg = range(self._leg, to_leg), to_leg
+        for leg in ended:
             on_it = legs == leg
             number = float(np.abs(panels.breaks[on_it]).max(axis=1).sum())
             if number > least:
-                births_birth_leg = panels.pick(on_it).births(begin_birth_leg[on_it])
-                self._of_legs.append(StrandBirths(self._births, leg, births_birth_leg))
+                births_own_leg = panels.pick(on_it).births(begin_own_leg[on_it])
+                self._of_legs.append(StrandBirths(self._births, leg, births_own_leg))
                 left_out += least * self._of_legs[-1].births
             else:
                 left_out += number
@@ -82,12 +84,12 @@ class StrandBirths:
     survival_error : that of the survival at the strands, on all legs so far
     """
 
-    def __init__(self, births: Births, leg: int, births_birth_leg: BirthPanels) -> None:
+    def __init__(self, births: Births, leg: int, births_own_leg: BirthPanels) -> None:
         """Begin a strand at each node of the births on a leg, aged up to its end."""
         life, motion = births.life, births.motion
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
-        ends, speed = births_birth_leg.ends, float(motion.speeds[leg])
+        ends, speed = births_own_leg.ends, float(motion.speeds[leg])
         count = max(FEWEST_PIECES, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], polynomials.gauss(SIZE)
@@ -96,11 +98,11 @@ class StrandBirths:
         stretches = life.stretches(births.law)
         fresh = life.begin(stretches.nodes)
         fresh.until = births.until
-        self._strands = fresh.aged(speed, ages)
-        self._legs, self._known_error = life.follow(self._strands, leg + 1), stretches.error
+        self._passages = fresh.aged(speed, ages)
+        self._legs, self._known_error = life.follow(self._passages, leg + 1), stretches.error
         pieces = Pieces(np.arange(left.size), left, right)
         # of the pieces' nodes in a sum over all births
-        self._weight = births_birth_leg.legendre_weights(pieces, SIZE) @ basis.series.T
+        self._weight = births_own_leg.legendre_weights(pieces, SIZE) @ basis.series.T
 
     @property
     def births(self) -> float:
@@ -110,16 +112,16 @@ class StrandBirths:
     @property
     def holding(self) -> float:
         """Share of all contacts that were born on the leg and hold where the strands are now."""
-        return float(np.abs(self._weight).ravel() @ self._strands.surviving_shares()[0])
+        return float(np.abs(self._weight).ravel() @ self._passages.surviving_shares()[0])
 
     @property
     def survival_error(self) -> float:
         """By the stretches at birth, the first passages with splines between instants, and rounding."""
-        return self._known_error + self._strands.error + ROUNDING
+        return self._known_error + self._passages.error + ROUNDING
 
     def seen_from(self, motion: Motion, left_out_below: float) -> bool:
         """Follow the strands to the leg that begins at t = 0 of this motion; whether more than this share hold."""
-        leg, self._strands.dropped_below = int(motion.leg(np.finfo(float).tiny)), left_out_below
+        leg, self._passages.dropped_below = int(motion.leg(np.finfo(float).tiny)), left_out_below
         while self._seen < leg:
             self._seen += 1
             if not self.holding > left_out_below:

@@ -85,7 +85,7 @@ class Life:
     marks : array of shape (n,), where `quick`: |x| between which the survival is nearly a polynomial
     resolution_length : length over which the survival has to be resolved
     quick : whether `survival_and_force`, for births at one stretch, takes no longer than a look-up in a table
-    pair_work : work of `survival_and_force` for one birth at one instant, in look-ups in a table
+    pair_work : work of `survival_and_force` for one birth at one instant, in look-ups in a table; 1 if it is no sum
     timeless : whether the survival depends only on the distance moved, and not on the time that it took
     error : the least error of a survival that `survival_and_force` can return; each query returns its own, too
     neglected, error_is_relative : see `error_at`
