@@ -1,12 +1,70 @@
-"""Which slips of an ensemble's sliders are those of all contacts."""
+"""Which slips of an ensemble's sliders are those of all contacts, and how these differ from one to the next."""
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.drive import SLIP_SHARE
+
+# fewest values of which quartiles are told; of a slider, fewest slips of which the later half is told, else the last
+QUARTERED, HALVED = 8, 4
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How a number differs from slip to slip, in its own unit.
+
+    mean, std : over `number` slips; low, high : quartiles, of fewer than QUARTERED the smallest and the largest
+    """
+
+    mean: float
+    std: float
+    low: float
+    high: float
+    number: int
+
+    def times(self, factor: float) -> "Spread":
+        """The same in another unit."""
+        mean, std, low, high = (factor * one for one in (self.mean, self.std, self.low, self.high))
+        return Spread(mean, std, low, high, self.number)
+
+
+def spread_of(values: npt.NDArray[np.float64]) -> Spread:
+    """The spread of two values or more."""
+    ends = (0.25, 0.75) if values.size >= QUARTERED else (0.0, 1.0)
+    low, high = np.quantile(values, ends)
+    std = float(values.std(ddof=1))
+    return Spread(float(values.mean()), std, float(low), float(high), values.size)
+
+
+@dataclass(frozen=True)
+class LateSlips:
+    """Slips of all sliders of an ensemble once these have slipped for a while: `slips`, numbered as they were, and for
+    each the way of the drive since the one before, `gaps` (lengths; none before a slider's first slip)."""
+
+    slips: Any
+    gaps: npt.NDArray[np.float64]
+
+    def mean(self, name: str) -> tuple[float, float]:
+        """Mean of a field over the sliders, each of its own slips, and the standard error of that, no less than if all
+        slips were independent; inf for one slider."""
+        values, replica = getattr(self.slips, name), self.slips.replica
+        each = np.array([values[replica == one].mean() for one in np.unique(replica)])
+        if each.size < 2:
+            return float(each.mean()) if each.size else np.nan, np.inf
+        least = values.std(ddof=1) / values.size**0.5
+        return float(each.mean()), float(max(each.std(ddof=1) / each.size**0.5, least))
+
+
+def late_slips(slips: Any, sliders: int) -> LateSlips:
+    """The later half of the slips that all of so many sliders have had, and those after; of fewer than HALVED the last
+    one of these alone, or the first where some have had none."""
+    common = int(np.bincount(slips.replica, minlength=sliders).min())
+    kept = slips.number >= common // 2 if common >= HALVED else slips.number == max(common - 1, 0)
+    gaps = np.diff(slips.drive, prepend=np.nan)
+    return LateSlips(_only(slips, kept), gaps[kept & (slips.number > 0)])
 
 
 def main_slips(slips: Any) -> Any:
@@ -33,5 +91,9 @@ def _of(slips: Any, kept: npt.NDArray[np.bool_]) -> Any:
     for replica in np.unique(slips.replica):
         own = slips.replica == replica
         number[own] = np.cumsum(kept[own]) - 1
-    columns = {each.name: getattr(slips, each.name)[kept] for each in fields(slips)}
-    return replace(slips, **columns | {"number": number[kept]})
+    return replace(_only(slips, kept), number=number[kept])
+
+
+def _only(slips: Any, kept: npt.NDArray[np.bool_]) -> Any:
+    """The slips that are kept, with the numbers that they have."""
+    return replace(slips, **{each.name: getattr(slips, each.name)[kept] for each in fields(slips)})

@@ -59,7 +59,9 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
     """What so many contacts do, forces in the unit of the own reading."""
     out = {name: one for name, one in asdict(finite).items() if name not in ("drive", "force")}
     force = verdict.own.scale.force
-    forces = ("before", "before_error", "after", "after_error")
+    forces = ("before", "before_error", "after", "after_error", "late", "late_error", "fluctuation")
+    spreads = {name: getattr(finite, name) for name in ("befores", "drops")}
+    out |= {name: one and asdict(one.times(force)) for name, one in spreads.items()}
     return out | {name: out[name] * force for name in forces}
 
 

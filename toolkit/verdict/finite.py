@@ -2,13 +2,14 @@
 master equation."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.results.slips import large_slips, main_slips
+from toolkit.results.slips import Spread, large_slips, late_slips, main_slips, spread_of
 from toolkit.verdict.ensemble import (
     FEW,
     NOT_SLID,
@@ -27,6 +28,9 @@ FLOWING = ("instant", "mass")
 MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
+# loadings of few contacts, so that slips of two kinds are told apart, where these are no more breaks, some 0.1 s
+MANY_LOADINGS, CHEAP = 8.0, 4e6
+# of the path, and of its end, where the force of those that slide is looked at
 POINTS = 100
 # of BEYOND, for the scatter of the places at which sliders with mass begin to slide
 SCATTERED = 0.3
@@ -51,14 +55,19 @@ class Finite:
     kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
         where none does, on a way of some 40 mean thresholds, "now and then" between; "unknown" where they were not
         followed, or slip where nobody knows how often infinitely many do, for the reason in `message`
-    before, after : mean spring force before and after a slip, F/(N_c <k>) (lengths), with standard errors: of the last
-        slip that all sliders have had, or of the first where some have had none
+    before, after : mean spring force before and after late slips (`late_slips`), F/(N_c <k>) (lengths), with standard
+        errors
     slips : number of slips of a slider, mean
-    period : of the drive, between the last two slips that all sliders have had, mean (a length); None for fewer
+    period : of the drive, between late slips, mean (a length); None where there are none
     drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
-    late, late_error : mean force over the last part of the way (of BEYOND), and its standard error, of contacts that
-        re-form at once, F/(N_c <k>) (lengths); nan of others
+    late, late_error : mean force over the last part of the way (of BEYOND), and its standard error, where none slips or
+        contacts re-form at once, F/(N_c <k>) (lengths); nan of others, and with a mass, whose damping bears a part
     rises : whether the force still rises there, as the sliders do not yet go with the drive
+    fluctuation : standard deviation of the force there between sliders, which is that along the drive of each as they
+        slide steadily (a length), as `late`, and with a mass; nan of others
+    befores, drops, periods : how the force before a slip, its fall (F/(N_c <k>)), and the drive's way between two slips
+        differ from one late slip to the next (lengths); None for fewer than two
+    smaller : how many slips were left out beside main ones, of all sliders, see `main_slips`
     """
 
     rule: str
@@ -76,6 +85,11 @@ class Finite:
     late: float = float("nan")
     late_error: float = float("nan")
     rises: bool = False
+    fluctuation: float = float("nan")
+    befores: Spread | None = None
+    drops: Spread | None = None
+    periods: Spread | None = None
+    smaller: int = 0
 
 
 def follow_finite(
@@ -99,6 +113,10 @@ def follow_finite(
     loading += pulled_on * mean
     # in a slip that renews contacts all break once; contacts that re-form at once break at each threshold passed
     end = LOADINGS * loading if slips else loading + BEYOND * mean
+    longer = MANY_LOADINGS * loading
+    lasting = MANY_LOADINGS if slips else longer / mean
+    if rule not in FLOWING and SLIDERS * held * lasting < CHEAP:
+        end = max(end, longer)
     # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
     flowing = rule in FLOWING and not (rule == "mass" and contacts.waiting_time)
     lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
@@ -124,12 +142,15 @@ def follow_finite(
     if contacts.held_in_time:
         why = "single contacts are followed on a spring without heat and age only"
         return Finite(rule, held, "unknown", message=why)
-    path = contacts.start.mean() / machine.spring + np.linspace(0.0, end, POINTS)
+    steady = end - SETTLED * BEYOND * mean
+    way = np.unique(np.linspace([0.0, max(steady, 0.0)], end, POINTS))
+    path = contacts.start.mean() / machine.spring + way
     try:
         found = sliders(machine, contacts, rule, path, min(held, most), seconds)
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     drive, force = trace_of(found, 0)
+    every = found.slips.drive.size
     if settles:
         found = replace(found, slips=large_slips(found.slips, SMALL * mean))
     if slips:
@@ -145,37 +166,61 @@ def follow_finite(
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
-    last = int(max(counts.min() - 1, 0))
-    (before, error), (after, after_error) = (
-        found.slips.mean(f"force_{when}", last) if counts.any() else (np.nan, np.nan)
-        for when in ("before", "after")
-    )
-    if abs(after) < ROUNDING * before:
-        after = 0.0
     followed, message = found.contacts // SLIDERS, ""
     if followed < held:
         message = f"as infinitely many do, and so the {held:,} of the area, which lie between"
         if kind != infinite.kind:
             message = f"{held:,} take too long, and {followed:,} do something else than infinitely many: {kind}"
             return Finite(rule, held, "unknown", message=message)
-    mean = float(counts.mean())
-    slips, period = found.slips, None
-    if last:
-        begins = (slips.mean("drive", number)[0] for number in (last, last - 1))
-        period = float(np.subtract(*begins))
-    late, late_error, rises = np.nan, np.nan, False
-    if settles:
-        settled = path >= path[-1] - SETTLED * BEYOND * contacts.mean_threshold
-        each = found.forces[:, settled].mean(axis=1)
-        late, late_error = float(each.mean()), float(each.std(ddof=1)) / SLIDERS**0.5
-        first = int(np.argmax(settled)) - 1
-        rise = found.forces[:, -1] - found.forces[:, first]
-        jerks = JERKS * float(rise.std(ddof=1)) / SLIDERS**0.5  # of sliders that go on step by step
-        least = max(STILL * machine.spring * float(path[-1] - path[first]), jerks)
-        rises = float(rise.mean()) > least
-    forces = (before, error, after, after_error)
-    finite = Finite(rule, followed, kind, *forces, mean, message, drive, force, period)
-    return replace(finite, late=late, late_error=late_error, rises=rises)
+    finite = Finite(rule, followed, kind, message=message, drive=drive, force=force)
+    if counts.any():
+        main = found.slips if settles else main_slips(found.slips)
+        left_out = 0 if settles else every - main.drive.size
+        finite = _with_slips(replace(finite, smaller=left_out), main)
+        if not settles:
+            return finite
+    # the part of the way along which the force is taken as that of steady sliding
+    settled = path >= path[0] + steady
+    forces = found.forces[:, settled]
+    # at each place between sliders, as all of them may still rise, or swing as one
+    finite = replace(finite, fluctuation=float(np.sqrt(forces.var(axis=0, ddof=1).mean())))
+    return finite if rule == "mass" else _with_late_force(finite, machine, path[settled], forces)
+
+
+def _with_slips(finite: Finite, slips: Any) -> Finite:
+    """With the forces of late slips, and how these differ from one to the next."""
+    late = late_slips(slips, SLIDERS)
+    (before, error), (after, after_error) = (
+        late.mean(f"force_{when}") for when in ("before", "after")
+    )
+    if abs(after) < ROUNDING * before:
+        after = 0.0
+    each = late.slips.force_before, late.slips.drop, late.gaps
+    befores, drops, periods = (spread_of(one) if one.size > 1 else None for one in each)
+    return replace(
+        finite,
+        before=before,
+        before_error=error,
+        after=after,
+        after_error=after_error,
+        slips=slips.drive.size / SLIDERS,
+        period=float(late.gaps.mean()) if late.gaps.size else None,
+        befores=befores,
+        drops=drops,
+        periods=periods,
+    )
+
+
+def _with_late_force(finite: Finite, machine: Machine, drive: Array, forces: Array) -> Finite:
+    """With the mean of the sliders' forces, of shape (sliders, drive), and whether these still rise."""
+    each, rise = forces.mean(axis=1), forces[:, -1] - forces[:, 0]
+    jerks = JERKS * float(rise.std(ddof=1)) / SLIDERS**0.5  # of sliders that go on step by step
+    still = max(STILL * machine.spring * float(drive[-1] - drive[0]), jerks)
+    # no less than if each slider had another force at every mean threshold, in which its contacts form anew
+    least = finite.fluctuation / (SLIDERS * SETTLED * BEYOND) ** 0.5
+    error = max(float(each.std(ddof=1)) / SLIDERS**0.5, least)
+    rises = float(rise.mean()) > still
+    return replace(finite, late=float(each.mean()), late_error=error, rises=rises)
 
 
 def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:

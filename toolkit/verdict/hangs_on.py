@@ -10,11 +10,12 @@ from toolkit.scene.interfaces import of_celsius, remarks
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import MORE_TIME
+from toolkit.verdict.ensemble import SLIDERS
 from toolkit.verdict.finite import ABOVE, SMALL, Finite
 from toolkit.verdict.follow import DAMPED
 from toolkit.verdict.kinds import NAMED, delay_decides, named, not_decided, others, out_of_time
 from toolkit.verdict.lines import GENERAL, NOTHING, TURNS, UNSIZED, Line, by_reason, sorted_texts
-from toolkit.verdict.of_area import apart, fall_of, late_force_of
+from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
 from toolkit.verdict.table import drop_of, in_units, regained_by
 from toolkit.verdict.uncertainty import reach_of_kinetic, shares_of
 from toolkit.verdict.undone import left_undone, of_errors
@@ -256,8 +257,11 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
     late = late_force_of(finite, verdict.own.kinetic.value, verdict.own.scale)
     beside = f" ({finite.message})" * bool(finite.message) + late
     if finite.kind == "smooth":
-        return said + beside
+        return said + fluctuating(finite, verdict.own.scale) + beside
     said += f", from {fall_of(finite, verdict.own.scale)}"
+    if finite.smaller:
+        every = finite.smaller + round(finite.slips * SLIDERS)
+        said += f", beside far smaller falls, {finite.smaller} of {every}"
     if finite.kind == "stick-slip":
         return said + beside
     many = "1 slip" if finite.slips == 1.0 else f"{finite.slips:.2g} slips"

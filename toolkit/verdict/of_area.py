@@ -3,9 +3,11 @@ clearly other forces."""
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.finite import SMALL, Finite
@@ -15,6 +17,8 @@ from toolkit.verdict.uncertainty import SEEN, share_of
 # standard errors, and part of F_k, by which few contacts differ from infinitely many where it is told; the scatter of
 # four sliders is known to some 40 %
 CLEARLY, TOLD = 4.0, 0.01
+# of a mean: a standard deviation from slip to slip above which the range is told, as slips may be of several kinds
+WIDE = 0.3
 
 
 def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
@@ -24,14 +28,26 @@ def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
 
 def apart(verdict: Verdict) -> dict[str, Finite]:
     """What as many contacts as there are do, by the rules under which that is something else than what infinitely many
-    do, or the same at forces that differ by more than the errors of both."""
-    return {
-        one.rule: many
-        for one, many in _pairs(verdict)
-        if _kinds_differ(verdict, one, many)
-        or _slips_differ(verdict, one, many)
-        or _slides_apart(many, verdict.own.kinetic.value, _error_of(verdict, one))
-    }
+    do, or the same at forces that differ by more than the errors of both, or that scatter."""
+    told = dict[str, Finite]()
+    for one, many in _pairs(verdict):
+        if (
+            _kinds_differ(verdict, one, many)
+            or _slips_differ(verdict, one, many)
+            or _slides_apart(many, verdict.own.kinetic.value, _error_of(verdict, one))
+            or scatters(many)
+        ):
+            # where none slips, no rule acts: what is left between rules is chance
+            alike = [other for other in told.values() if _slide_alike(many, other)]
+            told[one.rule] = replace(alike[0], rule=one.rule) if alike else many
+    return told
+
+
+def _slide_alike(one: Finite, other: Finite) -> bool:
+    """Whether two slide smoothly at forces that differ by no more than their errors."""
+    if not one.kind == other.kind == "smooth" or one.rises != other.rises:
+        return False
+    return abs(one.late - other.late) <= one.late_error + other.late_error
 
 
 def _pairs(verdict: Verdict) -> Iterator[tuple[Behaviour, Finite]]:
@@ -75,21 +91,65 @@ def counted(verdict: Verdict, many: Finite) -> str:
 
 
 def behaved(verdict: Verdict, many: Finite) -> str:
-    """What so many contacts do, with their own forces and errors."""
-    scale = verdict.own.scale
+    """What so many contacts do, whose they are, and their own forces with errors and scatter."""
+    scale, whose = verdict.own.scale, f"with {counted(verdict, many)}"
     if many.kind == "smooth" or (many.kind == "now and then" and np.isfinite(many.late)):
+        beside = fluctuating(many, scale)
+        whose = f"{beside}{',' * bool(beside)} {whose}"
         if not np.isfinite(many.late):
-            return "smooth"
+            return f"smooth{whose}"
         force = sliding_force(many, scale)
-        return f"smooth, at {force} and still rising" if many.rises else f"smooth at {force}"
+        return (
+            f"smooth, at {force} and still rising{whose}"
+            if many.rises
+            else f"smooth at {force}{whose}"
+        )
     if many.kind == "now and then":
-        return f"slips now and then, from {fall_of(many, scale)}"
+        return f"slips now and then, from {fall_of(many, scale)} {whose}"
     said = f"stick-slip: {fall_of(many, scale)}"
     if many.period is None:
-        return said
+        return f"{said} {whose}"
     every, later = period_of(verdict, many.period)
     speed = written(verdict.velocity, "m/s" if scale.length_unit == "m" else "")
-    return f"{said} every {every}, {later} at {speed}"
+    return f"{said} every {every}{_of_periods(many, scale)}, {later} at {speed} {whose}"
+
+
+def scatters(many: Finite) -> bool:
+    """Whether the force of so many contacts, or their slips, differ along the path by TOLD of the mean or more."""
+    if many.kind != "stick-slip":
+        return many.fluctuation >= TOLD * abs(many.late)
+    each = ((many.befores, many.before), (many.drops, many.before), (many.periods, many.period))
+    return any(one is not None and one.std >= TOLD * abs(mean or 0.0) for one, mean in each)
+
+
+def fluctuating(many: Finite, scale: Scale) -> str:
+    """The standard deviation of the force of so many contacts that slide, along the path, and no error of the mean; ""
+    where it is small."""
+    if not scatters(many) or many.kind == "stick-slip":
+        return ""
+    return f", fluctuating by ± {_short(many.fluctuation * scale.force, scale.force_unit)}"
+
+
+def _scatter(each: Spread | None, least: float, unit: str, factor: float = 1.0) -> str:
+    """How a number differs from slip to slip, in brackets: by its standard deviation, or where that is WIDE of the mean
+    by the range, as slips of several kinds have no scatter about a mean; "" where it is below `least`."""
+    if each is None or each.std < least:
+        return ""
+    if each.std <= WIDE * abs(each.mean):
+        return f" (scatter ± {_short(each.std * factor, unit)})"
+    ends = " to ".join(_short(one * factor, unit) for one in (each.low, each.high))
+    return f" ({'half of them ' * (each.number >= QUARTERED)}{ends})"
+
+
+def _of_periods(many: Finite, scale: Scale) -> str:
+    """The scatter of the period, where it is TOLD of it or more."""
+    each = many.periods
+    return _scatter(each, TOLD * each.mean, scale.length_unit) if each is not None else ""
+
+
+def _short(value: float, unit: str) -> str:
+    """A number with two digits, as a scatter is known to a tenth at best."""
+    return written(float(f"{value:.1e}"), unit, digits=2)
 
 
 def period_of(verdict: Verdict, period: float, share: float = 0.0) -> tuple[str, str]:
@@ -108,14 +168,16 @@ def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
     over = (
         f", {written(many.late * scale.force / scale.load, '')} of the load" if scale.load else ""
     )
+    beside = fluctuating(many, scale)
     if np.isfinite(many.late) and many.kind != "stick-slip":
         still = ", still rising" * many.rises
-        return {f"sliding force of {whose}": f"{sliding_force(many, scale)}{still}{over}"}
+        return {f"sliding force of {whose}": f"{sliding_force(many, scale)}{still}{beside}{over}"}
     if not np.isfinite(many.before):
-        return {f"slips of {whose}": "none"}
+        return {f"slips of {whose}": f"none{beside}"}
     rows = {f"slips of {whose}, from": fall_of(many, scale)}
     if many.kind == "stick-slip" and many.period is not None:
-        rows[f"period of {whose}"] = ", ".join(period_of(verdict, many.period))
+        every, later = period_of(verdict, many.period)
+        rows[f"period of {whose}"] = f"{every}{_of_periods(many, scale)}, {later}"
     return rows
 
 
@@ -136,22 +198,24 @@ def late_force_of(finite: Finite, kinetic: float, scale: Scale) -> str:
 
 
 def fall_of(finite: Finite, scale: Scale) -> str:
-    """The mean forces before and after a slip of so many contacts, with their errors."""
-    size = abs(finite.before)
+    """The mean forces before and after a slip of so many contacts, with their errors and their scatter; the fall in
+    place of the force after it where that scatters by itself."""
+    size, unit, factor = abs(finite.before), scale.force_unit, scale.force
     means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
     high, low = (
-        with_scatter(
-            mean * scale.force,
-            error * scale.force if 1e-9 * size < error < np.inf else 0.0,
-            scale.force_unit,
-        )
+        with_scatter(mean * factor, error * factor if 1e-9 * size < error < np.inf else 0.0, unit)
         for mean, error in means
     )
-    return falls(high, low, (finite.before - finite.after) * scale.force, scale.force_unit)
+    drop = (finite.before - finite.after) * factor
+    scatter = [_scatter(one, TOLD * size, unit, factor) for one in (finite.befores, finite.drops)]
+    if scatter[1] and finite.after:
+        return f"{high}{scatter[0]} down by {_short(drop, unit)}{scatter[1]}"
+    return falls(high, low, drop, unit, scatter[0])
 
 
-def falls(high: str, low: str, drop: float, unit: str) -> str:
+def falls(high: str, low: str, drop: float, unit: str, scatter: str = "") -> str:
     """A force down to another, both as written, with their errors or without; by how much where they are written
-    alike."""
+    alike. The `scatter` of the former stands behind it."""
     alike = re.sub(r" ± \S+", "", high) == re.sub(r" ± \S+", "", low)
-    return f"{high} down by {written(drop, unit, digits=2)}" if alike else f"{high} down to {low}"
+    end = f"by {written(drop, unit, digits=2)}" if alike else f"to {low}"
+    return f"{high}{scatter} down {end}"

@@ -11,7 +11,7 @@ from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence, why_smooth
 from toolkit.verdict.kinds import delay_decides, named, not_decided, others, out_of_time
 from toolkit.verdict.machine import NO_FORCES, Behaviour, half_a_swing
-from toolkit.verdict.of_area import apart, behaved, counted, disagreeing, falls
+from toolkit.verdict.of_area import apart, behaved, disagreeing, falls
 from toolkit.verdict.table import drop_of, in_units, speed_unit, table
 from toolkit.verdict.uncertainty import numerical_errors, reach_of_kinetic, share_of, widest
 
@@ -182,7 +182,7 @@ def _told(verdict: Verdict, answer: Answer) -> list[str]:
         seen = one.rule if one.slips else "first" if one.message == first.message else ""
         own = ""
         if many := few.get(one.rule):
-            own = f"{behaved(verdict, many)} with {counted(verdict, many)}"
+            own = behaved(verdict, many)
         key = (one.kind, seen if one.kind == "undecided" else "", own)
         groups.setdefault(key, []).append(one)
     parts = list[str]()
