@@ -84,7 +84,7 @@ def solve_rigid(
     if worst_share > RESOLVED:
         worst_share = np.inf
     # a share of the contacts, times the longest stretch that one of them has, is a force
-    share_in_means = march.stretch / mean
+    share_in_means = march.longest_stretch / mean
     rounding_in_means = round_off(march.motion, mean, march.steady_since)
     error = float(worst_share * share_in_means + rounding_in_means)
     progress(error)

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 import master
 import origins
 from master.motion import Motion
+from master.soft.in_time import steps as steps_in_time
 from master.soft.in_time.breaks import BreaksInSteps
 from master.soft.in_time.cells import Cells
 from master.soft.in_time.contacts import ContactsInSteps
@@ -210,6 +211,30 @@ def test_a_drive_that_turns_back_by_next_to_nothing_is_as_good_as_one_that_holds
     assert held.force[0] - held.force[1] > 0.02
     assert np.abs(back.force - held.force).max() < held.force_error + back.force_error + 1e-6
     assert (back.position[1] - back.position[0]) > 0.1
+
+
+def test_the_steps_of_the_example_are_those_of_its_docstring() -> None:
+    """See the head of master/soft/in_time/steps.py."""
+    contacts = Contacts(WIDE, thermal=Thermal("soft", 0.05, 0.1))
+    state = ContactsInSteps(contacts, ThresholdMemory(contacts, 0), 0, np.inf)
+    steps = Steps(state, 0.2, Motion.along(np.array([0.0, 20.0])))
+    steps.begin_section(0, 20.0)
+    assert steps.length == pytest.approx(0.1013, abs=1e-4)
+    guess, taken = steps.first_guess, []
+    while not taken or taken[-1].has_balance:
+        begin, root = state.now, steps.step(1.0, guess)
+        taken.append(root.step)
+        if root.step.has_balance:
+            travel = root.step.trial.travel
+            assert travel == pytest.approx((1.0 - root.step.time_steps) * steps.length, rel=1e-9)
+            state.take(root.step.trial)
+            told = [root.step.time_steps, state.now - begin, travel, state.force]
+            if said := {1: [0.215, 0.477, 0.0796, 0.0796], 10: [0.079, 0.181, 0.0933, 0.6896]}.get(
+                len(taken)
+            ):
+                assert told == pytest.approx(said, abs=6e-4)
+                assert all(f"{number:.4g}" in str(steps_in_time.__doc__) for number in said)
+    assert len(taken) == 11 and taken[-1].time_steps < 0.0
 
 
 def test_a_step_that_leads_against_the_motion_is_a_fault(monkeypatch: Any) -> None:

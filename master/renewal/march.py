@@ -45,9 +45,9 @@ class March:
     start : law of the stretches at t = 0
     edges : sorted times at which the number of breaks may bend or jump; the first is 0
     tolerance : largest error of a panel, a share of the contacts: of the number of breaks, and of the force divided by
-        `stretch`, together; edges and tolerance are set anew by soft/moves.py, which plans a move piece by piece
+        `longest_stretch`, together; soft/moves.py, which plans a move piece by piece, sets edges and tolerance anew
     guess : the first guess of the width of a panel, a length
-    stretch : the longest |x|, or force per contact born: an error of the number times this is one of the force
+    longest_stretch : the longest |x|, or force per contact born: an error of the number times this is one of the force
 
     solved : the panels so far
     lumps : the start first; their times are on the path
@@ -65,12 +65,12 @@ class March:
         edges: Array,
         tolerance: float,
         guess: float,
-        stretch: float,
+        longest_stretch: float,
     ) -> None:
         """Begin with the start as the only lump, before the first panel."""
         self.births, self.life, self.motion = births, births.life, births.motion
         self.edges, self.tolerance = edges, tolerance
-        self.guess, self.stretch = guess, stretch
+        self.guess, self.longest_stretch = guess, longest_stretch
 
         self.solved = SolvedPanels()
         self.lumps = [Lump(0.0, 1.0, start)]
@@ -174,7 +174,7 @@ class March:
         rates = solved.rates_from(now - cycles)
         rates_agree = np.ptp(rates) < AGREE * self.tolerance * rates.mean()
         change = float(np.ptp(solved.force[-len(rates) :]))
-        return bool(rates_agree and change < AGREE * self.tolerance * self.stretch)
+        return bool(rates_agree and change < AGREE * self.tolerance * self.longest_stretch)
 
     def _run(self, leg: int, begin_leg: float, width: float, count: int) -> Run:
         """Solve panels of one width, the first of which begins at `begin_leg`."""
@@ -184,7 +184,7 @@ class March:
         targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
         known = self.known_on(leg, targets_leg, same_width)
         breaks_same_width = self.solved.breaks[self.solved.count - same_width :]
-        return solve_run(of_panel, known, breaks_same_width, self.stretch)
+        return solve_run(of_panel, known, breaks_same_width, self.longest_stretch)
 
     def _count_same_width(self, width: float, leg: int) -> int:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
@@ -272,7 +272,7 @@ class March:
         """A march that has the contacts of this one at the time t, and none of its plans: set its edges before it runs.
         `births` are along a motion that is the same up to t, of the same life, which is timeless."""
         start = self.lumps[0].law
-        other = March(births, start, self.edges, self.tolerance, self.guess, self.stretch)
+        other = March(births, start, self.edges, self.tolerance, self.guess, self.longest_stretch)
         # the contacts, and the errors with which they are known
         other.solved = self.solved.up_to(t, SAME_BEGIN * self.guess)
         # it has made the start, the first lump; those that break at t, born at once (no delay), it finds again

@@ -132,12 +132,12 @@ def _steepest_and_highest(march: March, cycle: Cycle) -> tuple[Largest, Largest]
     solved = march.solved
     begin, width = cycle.velocity * solved.begin, cycle.velocity * solved.width
     series = solved.force @ polynomials.TO_LEGENDRE.T
-    errors = (np.maximum(solved.error, BREAKS_ROUNDED) + march.unseen_error) * march.stretch
+    errors = (np.maximum(solved.error, BREAKS_ROUNDED) + march.unseen_error) * march.longest_stretch
     # births that earlier panels got wrong shift F later, by as much as their panel is wide beside the length
     # over which contacts break: conservation puts the number right at the panel's end
     shifted = np.maximum.accumulate(errors * np.minimum(width / cycle.resolution_length, 1.0))
     force = _largest(series, np.maximum(errors, shifted), begin, width)
-    rounding = ROUND_OFF * (march.stretch + float(march.motion.positions[-1]))
+    rounding = ROUND_OFF * (march.longest_stretch + float(march.motion.positions[-1]))
     force = force._replace(error=force.error + rounding)
     if len(march.lumps) > 1:
         return Largest(np.inf, 0.0, march.lumps[1].birth * cycle.velocity), force

@@ -175,7 +175,7 @@ def _remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> float:
     share = np.append(0.0, polynomials.NODES)
     solved = march.solved
     x = cycle.velocity * (solved.begin[:, None] + solved.width[:, None] * share)
-    off = (solved.error + march.unseen_error) * march.stretch
+    off = (solved.error + march.unseen_error) * march.longest_stretch
     apart = np.abs(solved.force - spectrum.force(x))
     significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
     # twice as much, as the terms left out may add up in phase elsewhere

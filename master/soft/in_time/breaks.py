@@ -13,10 +13,10 @@ NODES = 4
 
 
 class BirthsUpTo(NamedTuple):
-    """Births per contact up to the end of a step, as a linear function of the breaks up to there: slope times these
-    breaks, and a rest."""
+    """Births per contact up to the end of a step, as a linear function of the breaks up to there: `per_break` times
+    these breaks, and a rest."""
 
-    slope: float
+    per_break: float
     rest: float
 
 

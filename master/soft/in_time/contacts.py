@@ -43,7 +43,7 @@ MOST_STEPS, MOST_WORK, FIXED_WORK = 8e3, 1e9, 60
 COMPARED = 3
 # Rounding of the number of contacts, for each that formed: far above that of sums of thousands of steps, far below
 # what a contact lost or counted twice in one of them changes.
-LOST = 1e-9
+UNACCOUNTED = 1e-9
 # Share of the contacts born in a cohort below which it does not matter in which step they are born: far below errors.
 NEGLIGIBLE = 1e-11
 
@@ -148,12 +148,12 @@ class ContactsInSteps:
 
         Number conservation at its end, with J_0 the births before it, is
 
-            kept + survival (J - J_0) + B - J = 1,        J = slope B + rest,
+            kept + survival (J - J_0) + B - J = 1,        J = per_break B + rest,
 
         with `kept` the share of all that hold at its begin and end, and `survival` that of those born in it; so that,
-        with lost = 1 - survival,
+        with broken_again = 1 - survival,
 
-            B (1 - lost slope) = 1 - kept + survival J_0 + lost rest.
+            B (1 - broken_again per_break) = 1 - kept + survival J_0 + broken_again rest.
 
         In a step that takes no time no delay ends, so that nothing is born; nor in one so fast that contacts break as
         they form, which otherwise would be without end.
@@ -167,15 +167,15 @@ class ContactsInSteps:
         kept, force_of_kept = (held @ groups.weight).tolist()
         # of those born in this step, per contact born: survival and force at its end
         survival, force_of_new = (held[:, self._last_two] @ self._per_birth).tolist()
-        slope, rest = BirthsUpTo(0.0, self._births)
+        per_break, rest = BirthsUpTo(0.0, self._births)
         nothing_forms = (end == self.now) if self.delay else (survival <= 0.0)
         if not (without_births or nothing_forms):
-            slope, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
-        lost = 1.0 - survival  # of those born in this step, per contact born
-        breaks = 1.0 - kept + survival * self._births + lost * rest
-        # 1 - lost slope, in a form that keeps its digits where hardly any of those born hold
-        breaks /= (1.0 - slope) + survival * slope
-        new = slope * breaks + rest - self._births
+            per_break, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
+        broken_again = 1.0 - survival  # of those born in this step, per contact born
+        breaks = 1.0 - kept + survival * self._births + broken_again * rest
+        # 1 - broken_again per_break, in a form that keeps its digits where hardly any of those born hold
+        breaks /= (1.0 - per_break) + survival * per_break
+        new = per_break * breaks + rest - self._births
         force, holding = force_of_kept + force_of_new * new, kept + survival * new
         births = self._births + new
         return Trial(travel, end, groups, held, force, holding, breaks, births, kept)
@@ -209,7 +209,7 @@ class ContactsInSteps:
         not broken. Both hold to 5e-16 on thousands of steps (measured on six motions). This sees contacts that are lost
         or counted twice; no wrong number of births, to which `trial` fits the breaks: test_plain_in_time.py does."""
         formed, told = births * self._part_in_cohorts, 1.0 + births - self.past_breaks.total
-        most = LOST * (1.0 + births)
+        most = UNACCOUNTED * (1.0 + births)
         if abs(self._births_in_cohorts - formed) > most or abs(held - told) > most:
             raise FaultError(
                 f"number is not conserved: after t = {self.now:.6g}, X = {self.position:.6g} a share {held:.6g} of the "
@@ -219,15 +219,15 @@ class ContactsInSteps:
 
     def _without_dead(self, groups: Groups, survival: Array) -> Groups:
         """The groups of which some contacts hold; all groups of a cohort go together. The last cohort stays, as it
-        shares the births of the next step. FaultError where groups go of which more than LOST of the contacts hold:
-        at the next step these would count as broken, which _check_number cannot see."""
+        shares the births of the next step. FaultError where groups go of which more than UNACCOUNTED of the contacts
+        hold: at the next step these would count as broken, which _check_number cannot see."""
         count = self._at_birth.stretch.size
         alive = survival > DEAD
         cohorts = survival[self._of_start :].reshape(-1, count)
         alive[self._of_start :] = np.repeat(cohorts.max(axis=1) > DEAD, count)
         alive[self._newest] = True
         self._left_out += float(survival[~alive] @ groups.weight[~alive])
-        if self._left_out > LOST:
+        if self._left_out > UNACCOUNTED:
             raise FaultError(
                 f"number is not conserved: until t = {self.now:.6g}, X = {self.position:.6g} a share "
                 f"{self._left_out:.6g} of the contacts was left out while it held, a fault of the program"

@@ -63,7 +63,7 @@ class Slider:
         self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
         self._decohered, self._creep = decohered, creep
         self.creeps_from: float | None = None
-        self._finer = max(needed - contacts.halvings, 0)
+        self._halvings_to_come = max(needed - contacts.halvings, 0)
         self._rule, self._spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
         self.sections = list[list[Node]]()
@@ -91,7 +91,7 @@ class Slider:
                 end = min([*contacts.past_breaks.pending, last])
                 self._begin_section(leg, end)
                 if self._slide(end):
-                    self._slip(self._drive())
+                    self._slip(self._drive_position())
                     self._stop_if_too_many_steps(last)
                     self._remember_if_new(new_since)
                     new_since = None
@@ -167,7 +167,7 @@ class Slider:
             for section in known:
                 self.sections.append([node.shifted(later, farther) for node in section])
             contacts.repeat(steps, self.sections[-1][-1].time)  # which leaves all of them new
-            contacts.position = self._drive() - contacts.force / self._spring
+            contacts.position = self._drive_position() - contacts.force / self._spring
             self._list_slip(slip.force)
 
     def _stop_if_too_many_steps(self, end: float) -> None:
@@ -179,7 +179,7 @@ class Slider:
             return
         began = two[0].time
         count = sum(len(section) - 1 for section in self.sections if section[0].time >= began)
-        most = MOST_STEPS * 0.5**self._finer
+        most = MOST_STEPS * 0.5**self._halvings_to_come
         last = contacts.now + (contacts.now - began) * (most - contacts.steps) / count
         if last < end:
             steps = "1 step" if count == 1 else f"{count} steps"
@@ -187,16 +187,16 @@ class Slider:
             ends = f"the last slips begin at {began:.6g} and {two[1].time:.6g}"
             raise StoppedError(f"{told} lead to a time of some {last:.3g} only; {ends}")
 
-    def _drive(self) -> float:
+    def _drive_position(self) -> float:
         """Where the drive is now (a length)."""
         assert self.motion is not None
         return float(self.motion.at(np.array(self.contacts.now)))
 
-    def _node(self, size: float) -> Node:
+    def _node(self, sizes_so_far: float) -> Node:
         state = self.contacts
-        return Node(size, state.now, state.force, state.holding, state.position)
+        return Node(sizes_so_far, state.now, state.force, state.holding, state.position)
 
-    def _slip(self, drive: float) -> None:
+    def _slip(self, drive_position: float) -> None:
         """Let the slider slip while the drive holds at this position, by its rule:
 
         rule            without a delay                    with a delay
@@ -208,7 +208,7 @@ class Slider:
         if self._rule == "reset":
             contacts.relax()
             # relax has changed the force; X follows: the slider stops where the spring balances the new contacts
-            contacts.position = drive - contacts.force / self._spring
+            contacts.position = drive_position - contacts.force / self._spring
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)
         else:
@@ -217,7 +217,7 @@ class Slider:
 
     def _list_slip(self, before: float) -> None:
         """List the slip that ends now, if F changed by enough from what it was before."""
-        contacts, load = self.contacts, self._spring * self._drive()
+        contacts, load = self.contacts, self._spring * self._drive_position()
         drop = abs(before - contacts.force)
         if drop < self._least_drop:
             contacts.unresolved.note(OF_SMALL_SLIPS, drop, contacts.now)

@@ -43,12 +43,14 @@ class OnsetControl(NamedTuple):
     onset : accuracy of the begin of a slip, in sizes of steps: X_T is flat there, or has a kink.
     last_jump : accuracy of a size at which exact thresholds break, in sizes: F jumps there, so it is that of rounding.
     beyond_jump : factor on the size of the step that looks beyond a jump of P_c, where F falls at once.
-    far_from_slip : steps of time, in those of a slider that is stuck to the drive, above which no slip is near.
+    far_from_slip : times `StepControl.drive_weight` w: the part of a step's size above which, if it is time, no fold is
+        looked for. Of a slider that is stuck to the drive w/(1 + w) of each step is time, and more where heat or a hold
+        adds steps of time. A fold that is not looked for is met on the next step, which then has no balance.
     before_fold : factor on the size of the step that tells on which side of a fold a step ends.
     least_shrink : steps that become finer towards a slip, or to resolve breaks, are not below this factor on their
         size, as a slip that is foreseen may not come, and at a jump of P_c any step breaks many contacts.
-    most_lost : times the e-folds of contacts that break on a step which resolves breaks, `StepControl.lost`, above
-        which a slip on a step is not believed. Above 1, so that a step cut to that is, and half a step need not follow.
+    believed : times the e-folds of contacts that break on a step which resolves breaks, `StepControl.e_folds`, up to
+        which a slip on a step is believed. Above 1, so that a step cut to that is, and half a step need not follow.
     """
 
     onset: float = 1e-9
@@ -57,7 +59,7 @@ class OnsetControl(NamedTuple):
     far_from_slip: float = 0.3
     before_fold: float = 0.99
     least_shrink: float = 0.03
-    most_lost: float = 1.5
+    believed: float = 1.5
 
 
 ONSET = OnsetControl()
@@ -101,7 +103,7 @@ class SlipBegins:
     def up_to_slip(self, size: float) -> tuple[Trial, bool]:
         """The balanced step of this size, or a shorter one that resolves breaks, or that up to a slip that begins
         within it; and whether one does."""
-        steps, coarsest = self._steps, 0.5**self._steps.contacts.halvings
+        steps, own_size = self._steps, 0.5**self._steps.contacts.halvings
         while True:
             asked = self._solve(size)
             step = asked.step
@@ -113,7 +115,7 @@ class SlipBegins:
                 if self._resolves_breaks:
                     self.shrink = min(self.shrink, resolving)
                 return self._chosen(asked), False
-            if steps.contacts.memory.exact or size <= ONSET.most_lost * resolving * coarsest:
+            if steps.contacts.memory.exact or size <= ONSET.believed * resolving * own_size:
                 break
             size *= 0.5
             self._resolves_breaks = True
@@ -143,7 +145,6 @@ class SlipBegins:
 
     def _has_fold(self, root: Root, size: float) -> bool:
         """Whether a fold lies before the end of this step: τ(0.99 s) >= τ(s), or I(0.99 s, τ(s)) <= 0."""
-        # far from a slip the slider follows the drive, and this part of the size is time
         time_steps = root.step.time_steps
         if time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
@@ -172,13 +173,14 @@ class SlipBegins:
             self.shrink = min(max(nearing * sizes_left, ONSET.least_shrink), 1.0)
 
     def _resolving(self, trial: Trial, size: float) -> float:
-        """The factor on the coarsest size of steps at which as many contacts break on a step as is resolved, if they
-        break as fast as on this one, which has this size; at most 1."""
+        """The factor on the size of this slider's steps at which as many contacts break on a step as is resolved, if
+        they break as fast as on this one, which has this size; at most 1."""
         held = self._steps.contacts.holding
         if trial.kept >= held:
             return 1.0
-        lost = np.log(held / trial.kept) / size if trial.kept > 0.0 else np.inf
-        return float(np.clip(CONTROL.lost / lost, ONSET.least_shrink, 1.0))
+        # e-folds that break on a step of the size 1
+        loss = np.log(held / trial.kept) / size if trial.kept > 0.0 else np.inf
+        return float(np.clip(CONTROL.e_folds / loss, ONSET.least_shrink, 1.0))
 
     def _latest(self, size: float, longest: float) -> Root:
         """The step that takes the most time: that up to a fold or a kink of τ."""

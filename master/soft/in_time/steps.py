@@ -4,6 +4,13 @@ A step has a size, and two parts that add up to it: the travel of the slider, in
 time (see StepCount). The size is chosen; the balance of forces decides how much of it is time. So steps are even both
 where the slider creeps, and nearly all is time, and just before a slip, where dX/dt diverges and nearly all is travel
 (pseudo-arclength continuation).
+
+Steps of the size s = 1 on K = 0.2 at v = 1, of P_c(1, 0.2) with heat ("soft", 0.05, 0.1), from rest; `length` 0.1013
+(a test computes these numbers). Travel is (s - τ) `length`:
+
+    step 1:  τ = 0.215, the time 0.477, travel 0.0796, F = K (X_T - X) = 0.0796: stuck, the drive stretches the spring
+    step 10: τ = 0.079, the time 0.181, travel 0.0933, F = 0.6896: contacts break, the slider moves ever faster
+    step 11: τ < 0: no balance, as even in no time F falls below the pull of the spring: a slip
 """
 
 from collections.abc import Callable
@@ -29,8 +36,8 @@ class StepControl(NamedTuple):
     per_e_fold_of_hold, per_e_fold_of_move : steps of time in which the time since the begin of a section grows by a
         factor e. While the drive holds they are all there is; while it moves they stand beside the steps of its
         travel, and need resolve the first changes only.
-    lost : e-folds of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as
-        of fresh contacts that heat breaks at rest, see `Steps.begin_section`.
+    e_folds : of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as of
+        fresh contacts that heat breaks at rest, see `Steps.begin_section`.
     back : travel against `Steps.sign`, in the steps of time beside it, from which on it is counted the other way
     time_fractions : fractions of a step's size that may be time, from the latest on: there a balance before exact
         thresholds break is looked for, which a secant from one guess may miss.
@@ -40,7 +47,7 @@ class StepControl(NamedTuple):
     drive_weight: float = 0.25
     per_e_fold_of_hold: float = 2.0
     per_e_fold_of_move: float = 0.4
-    lost: float = 0.5
+    e_folds: float = 0.5
     back: float = 0.5
     time_fractions: tuple[float, ...] = (
         *(1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03),
@@ -167,7 +174,7 @@ class Steps:
     """
 
     def __init__(self, contacts: ContactsInSteps, spring: float, drive: Motion) -> None:
-        self.contacts, self.spring, self._drive = contacts, spring, drive
+        self.contacts, self.spring, self._drive_motion = contacts, spring, drive
         self.length = CONTROL.coarsest * contacts.memory.scales.length
         self.sign = 1.0
         slope = (1.0 + spring) * (1.0 + 1.0 / CONTROL.drive_weight) * self.length
@@ -175,7 +182,7 @@ class Steps:
 
     def begin_section(self, leg: int, end: float) -> None:
         """Begin steps on a leg of the drive's motion, smooth up to the time `end`."""
-        contacts, speed = self.contacts, float(self._drive.speeds[leg])
+        contacts, speed = self.contacts, float(self._drive_motion.speeds[leg])
         scales = contacts.memory.scales
         self.sign = float(np.sign(speed) or np.sign(contacts.force) or 1.0)
         # steps per time: as a stuck slider travels, and as fresh contacts break by heat
@@ -183,7 +190,7 @@ class Steps:
         if speed:
             # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
             stuck = abs(speed) * self.spring / (1.0 + self.spring)
-            uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.lost
+            uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.e_folds
         self._count = StepCount(contacts.now, end, uniform, scales.time)
         self.section_end = end
 
@@ -215,13 +222,13 @@ class Steps:
         to the end on which the slider moves as far as the drive has half of this; the factor of 2 leaves room for one
         on which it moves farther, as before a slip."""
         now, end = self.contacts.now, self.section_end
-        travel = float(np.abs(np.diff(self._drive.at(np.array([now, end])))[0]))
+        travel = float(np.abs(np.diff(self._drive_motion.at(np.array([now, end])))[0]))
         time_steps = self._count.steps(end) - self._count.steps(now)
         return 2.0 * (time_steps + travel / self.length) if travel else np.inf
 
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion (a length): above 0 the slider moves on."""
-        stretch = self._drive.at(np.array(trial.end)) - self.contacts.position - trial.travel
+        stretch = self._drive_motion.at(np.array(trial.end)) - self.contacts.position - trial.travel
         return float(self.sign * (self.spring * stretch - trial.force))
 
     def tried(self, size: float, time_steps: float, slope: float) -> TriedStep:
