@@ -112,22 +112,34 @@ def _rules(alike: Sequence[Behaviour]) -> str:
 
 
 def _disagreement(verdict: Verdict) -> str:
-    """The headline where the number of contacts decides; "" where it does not."""
+    """The headline where the number of contacts decides, that of the user's machine first; "" where it does not."""
     differ = disagreeing(verdict)
     if not differ:
         return ""
     kinds, unit = {finite.kind for _, finite in differ}, verdict.own.scale.force_unit
     finite, force = differ[0][1], verdict.own.scale.force
-    said = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}.get(
-        finite.kind, "slip now and then"
-    )
-    said = said if len(kinds) == 1 else "slip or slide otherwise, by the slip rule"
+    said = _verb(kinds)
     every = len(differ) == len(verdict.own.behaviours)
     where = "" if every else f" if {_rules([one for one, _ in differ])}"
     falls_of = {_plain_fall(one, force, unit) for _, one in differ}
     if len(falls_of) == len(kinds) == 1 and all(falls_of):  # else the lines below tell them
         said += f", from {falls_of.pop()}"
-    return f"disagree: {finite.contacts:,} contacts {said}{where}, infinitely many do not"
+    other = _verb(infinite := {one.kind for one, _ in differ})
+    at = {
+        guarded(one.after * force, unit, share_of(verdict) * one.after * force) for one, _ in differ
+    }
+    if infinite == {"smooth"} and len(at) == 1:
+        other += f" at {at.pop()}"
+    said = f"{finite.contacts:,} contacts {said}{where}"
+    return f"{said}; disagree: infinitely many would {other}"
+
+
+def _verb(kinds: set[str]) -> str:
+    """What sliders do of which so many kinds are told."""
+    if len(kinds) > 1:
+        return "slip or slide otherwise, by the slip rule"
+    told = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}
+    return told.get(min(kinds), "slip now and then")
 
 
 def _plain_fall(finite: Finite, force: float, unit: str) -> str:
