@@ -157,6 +157,25 @@ def test_mass_and_delay_decide_in_place_of_a_slip_rule(capsys: Any) -> None:
     assert -1.0 < slips["after"] / slips["before"] < -0.6
 
 
+@pytest.mark.slow
+def test_of_other_readings_in_heat_it_is_told_whether_they_slip(capsys: Any) -> None:
+    """A slider that creeps at F_k on a spring a million times softer than its contacts, by two contact models: that of
+    the scene is known to a thousandth, the other as well as it takes to tell a slip."""
+    heat = {"law": "eyring", "width": 0.03, "attempt_frequency": 1e12}
+    material = CONSTANTS | {"shear_strength": 5e7}
+    contacts = {"thresholds": ROUGH | {"material": material}, "thermal": heat}
+    asked = {"readings": ["gw/amontons", "gw/strength"]}
+    drive = MACHINE | {"spring": "50 N/m"}
+    status, page, found = judged(capsys, contacts=contacts, drive=drive, verdict=asked)
+    own, other = found["readings"]
+    assert status == 0 and "not decided" not in page
+    for reading, most in ((own, 1e-3), (other, 0.03)):
+        kinetic = reading["kinetic"]["value"]
+        for one in reading["behaviours"]:
+            assert one["kind"] == "smooth" and one["error"] < most
+            assert one["after"] == pytest.approx(kinetic, rel=1e-4)
+
+
 def test_a_mass_beside_heat_is_told_in_words(capsys: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(judge, "RULES", ("reset",))  # of those without mass, one will do
     heat = {"law": "soft", "temperature": 0.01}

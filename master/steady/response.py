@@ -22,8 +22,8 @@ from origins.thresholds.quadrature import gauss
 
 # Ranks between which thresholds are summed, by Gauss nodes: denser where few contacts are.
 _RANKS = np.array([0.0, 1e-6, 1e-4, 1e-2, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 1.0 - 1e-4, 1.0 - 1e-6])
-# A at the ends of steps along a: ln A rises evenly from where no contact breaks to where none is left.
-_LOG_LEAST, _LOG_MOST, _STEPS = -32.0, 3.8, 480
+# A at the ends of steps along a: ln A rises evenly from where 1e-7 of the contacts have broken to where none is left.
+_LOG_LEAST, _LOG_MOST, _STEPS = -16.0, 3.8, 266
 # Wave numbers q per inverse mean threshold: slower disturbances see F_k(v), faster ones contacts that only stretch.
 _WAVES = np.geomspace(1e-3, 300.0, 64)
 # pa below which (1 - e^(-pa))/pa, and what is left of 1, over pa, are taken by their series, to 1e-8.
@@ -63,6 +63,7 @@ def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
     broken = np.zeros((2, wave.size), dtype=complex)
     stretched, answered, pulled = (np.zeros(wave.size, dtype=complex) for _ in range(3))
     w = np.zeros((x.size, wave.size), dtype=complex)
+    until = np.ones_like(w)  # e^(-pa) at the begin of the step
     for step in range(_STEPS):
         p_a = way[step][:, None] * wave
         turned = np.exp(-p_a)
@@ -70,7 +71,7 @@ def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
         far = np.abs(p_a) > _SMALL
         mean[far] = (1.0 - turned[far]) / p_a[far]
         rest[far] = (1.0 - mean[far]) / p_a[far]
-        fell = np.exp(-a[step][:, None] * wave) * mean * fall[step][:, None]
+        fell = until * mean * fall[step][:, None]
         broken += share @ fell
         stretched += (share[1] * middle[step]) @ fell
         # w along the step, on which h is constant: its mean, and its end
@@ -82,6 +83,7 @@ def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
         pulled += (weights[1] * on_step[1, step]) @ mean_w
         pulled += (weights[1] * along[1, step]) @ (after - w)
         w = after
+        until *= turned
     survival, by_stiffness = (share.sum(axis=1)[:, None] - broken) / wave
     first = (by_stiffness - stretched) / wave
     return np.asarray(wave / length * (pulled - answered * first / survival))

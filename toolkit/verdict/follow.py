@@ -26,6 +26,8 @@ from toolkit.verdict.machine import (
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time; and the error up to which
 # a regime and its forces are told, the error beside them
 TOLERANCE, TOLERANCE_IN_TIME, ENOUGH = 1e-6, 1e-3, 0.05
+# the latter where it is only told whether the slider slips: slips of a third of it are listed
+WHETHER_IT_SLIPS = 0.03
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
 LENGTHS = (LOADINGS, 20.0, 60.0)
 # of critical damping, taken where none is given and the slider rings for too long
@@ -52,10 +54,12 @@ def follow(
     known: Known,
     wall_time: float,
     rings: bool = False,
+    in_time: float = TOLERANCE_IN_TIME,
 ) -> Behaviour:
     """Pull the slider until it has slipped five times or slides steadily.
 
     wall_time : s; rings : whether an undamped slider is known to ring for too long, and is followed with some damping
+    in_time : tolerance of the force where a law of the contacts depends on time, in mean thresholds
     A combination that the solver does not take is "undecided", and its message says why. Where the master equation does
     not decide within its part of the time, the ensemble is followed, or what a slider does that has forgotten its start
     is told; and an undamped slider is followed again with some damping.
@@ -66,7 +70,7 @@ def follow(
     cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
     undamped = machine.mass is not None and not machine.damping
     if undamped and rings:
-        return _damped(machine, contacts, rule, known, wall_time)
+        return _damped(machine, contacts, rule, known, wall_time, in_time)
     # without damping they ring on: while a slider is fast, contacts that form again break at once
     by_contacts = may_follow(machine, cold, rule, known) and not undamped
     first = FIRST if rule == "mass" else FIRST_OF_RULES
@@ -76,7 +80,9 @@ def follow(
         until = min(until, time.monotonic() + ENOUGH_OF_RULES)
     one_length = rule != "mass" and may_follow(machine, contacts, rule, known)
     lengths = LENGTHS[:1] if one_length else LENGTHS
-    found = _by_distribution(machine, contacts, rule, [each * loading for each in lengths], until)
+    tolerance = in_time if contacts.in_time else TOLERANCE
+    ways = [each * loading for each in lengths]
+    found = _by_distribution(machine, contacts, rule, ways, until, tolerance)
     if found.kind != "undecided":
         return found
     # the ensemble takes no heat on a spring: it is followed where what it leaves out is known to change little
@@ -89,18 +95,24 @@ def follow(
     if forgets:
         return _after_forgetting(machine, contacts, known, found)
     if undamped:
-        again = _damped(machine, contacts, rule, known, end - time.monotonic())
+        again = _damped(machine, contacts, rule, known, end - time.monotonic(), in_time)
         return again if again.kind != "undecided" else found
     return found
 
 
 def _damped(
-    machine: Machine, contacts: Contacts, rule: str, known: Known, wall_time: float
+    machine: Machine,
+    contacts: Contacts,
+    rule: str,
+    known: Known,
+    wall_time: float,
+    in_time: float,
 ) -> Behaviour:
     """What an undamped slider with mass does with DAMPED of its critical damping."""
     critical = 2.0 * float(np.sqrt(machine.spring * (machine.mass or 0.0)))
     damped = replace(machine, damping=DAMPED * critical)
-    return replace(follow(damped, contacts, rule, known, wall_time), damping=damped.damping)
+    found = follow(damped, contacts, rule, known, wall_time, in_time=in_time)
+    return replace(found, damping=damped.damping)
 
 
 def follow_other_delay(
@@ -134,14 +146,18 @@ def _without_heat(found: Behaviour, change: float) -> Behaviour:
 
 
 def _by_distribution(
-    machine: Machine, contacts: Contacts, rule: str, lengths: list[float], until: float
+    machine: Machine,
+    contacts: Contacts,
+    rule: str,
+    lengths: list[float],
+    until: float,
+    tolerance: float,
 ) -> Behaviour:
     """What the master equation says along paths of these lengths, one after the other until one decides, by then, in s
     of the monotonic clock. A slider with mass is not called smooth before its swing has died away."""
     import master
 
     begin = contacts.start.mean() / machine.spring
-    tolerance = TOLERANCE_IN_TIME if contacts.in_time else TOLERANCE
     found, swings = not_followed(rule, NO_TIME), False
     settled = settling_way(machine, contacts.mean_threshold)
     if lengths[-1] < settled < np.inf:

@@ -10,7 +10,7 @@ from origins.thresholds.families import identical
 from origins.thresholds.mixture import mixture
 from toolkit.scene.interfaces import of_smoothing
 from toolkit.verdict.ensemble import follow_by_contacts
-from toolkit.verdict.follow import follow
+from toolkit.verdict.follow import TOLERANCE_IN_TIME, follow
 from toolkit.verdict.machine import Behaviour, Known, Machine
 
 # barriers in a bin of the law of these, and most bins: more change F by less than the sampling of 20,000 barriers does
@@ -51,11 +51,12 @@ def follow_islands(
     known: Known,
     wall_time: float,
     rings: bool = False,
+    in_time: float = TOLERANCE_IN_TIME,
 ) -> Behaviour:
     """As `follow`; but where slips hang on the smoothing of P_c, as under the rules that renew contacts after one, the
     ensemble tells of them, with the barriers themselves."""
     barriers = with_barriers(contacts)
     if barriers is contacts or contacts.held_in_time or rule not in ("reset", "reform-after"):
-        return follow(machine, contacts, rule, known, wall_time, rings)
+        return follow(machine, contacts, rule, known, wall_time, rings, in_time)
     loading = known.static / machine.spring + contacts.mean_threshold
     return follow_by_contacts(machine, barriers, rule, loading, time.monotonic() + wall_time, known)

@@ -22,7 +22,7 @@ from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
 from toolkit.verdict.budget import WALL_TIME, Budget
 from toolkit.verdict.finite import Finite, follow_finite, with_more
-from toolkit.verdict.follow import follow_other_delay
+from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS, follow_other_delay
 from toolkit.verdict.islands import follow_islands, with_barriers
 from toolkit.verdict.machine import (
     NO_FORCES,
@@ -35,7 +35,7 @@ from toolkit.verdict.machine import (
     not_followed,
     rules_of,
 )
-from toolkit.verdict.readings import readings_of
+from toolkit.verdict.readings import Reading, readings_of
 
 # of the time that is left, for the scene's own reading, and then for the number of its contacts
 OWN = 0.5
@@ -74,7 +74,9 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             progress(f"reading {solved} of {many}: {reading.name}")
         # the scene's own is the answer; what it does not need is left to the number of contacts, and to the others
         alone = len(readings) == 1 and bool(scene.contacts.held_in_time)
-        part = budget.part(OWN if reading.own and not alone else 1.0 / (len(readings) - number))
+        # the others in order, twice their share, as most leave a part of it to those after them
+        many_left = len(readings) - number
+        part = budget.part(OWN if reading.own and not alone else 2.0 / (many_left + 1))
         deadline = time.monotonic() + budget.left()
         try:
             if reading.contacts is None:
@@ -82,7 +84,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             with within(deadline, scene, "this reading", budget.left):
                 # what the own reading's slider does without damping, those of the others do
                 rings = any(one.damping is not None for each in answers for one in each.behaviours)
-                found = _answer(table, reading.name, reading.contacts, rules, part, rings)
+                found = _answer(table, reading, rules, part, rings)
             if found.critical_spring.unknown and not reading.own:
                 raise InputError(NO_FORCES)
             answers.append(found)
@@ -140,17 +142,14 @@ def _turned(own: Answer, budget: Budget) -> Behaviour | None:
 
 
 def _answer(
-    table: DriveTable,
-    name: str,
-    contacts: Contacts,
-    rules: tuple[str, ...],
-    budget: Budget,
-    rings: bool,
+    table: DriveTable, reading: Reading, rules: tuple[str, ...], budget: Budget, rings: bool
 ) -> Answer:
-    """The answer of one reading, about within the budget; `rings`: see `follow`."""
+    """The answer of one reading with contacts, about within the budget; `rings`: see `follow`. Of the sliders of
+    readings other than the scene's own nothing is told but whether they slip."""
     import master
 
-    velocity = table.velocity
+    velocity, contacts = table.velocity, cast(Contacts, reading.contacts)
+    in_time = TOLERANCE_IN_TIME if reading.own else WHETHER_IT_SLIPS
     kinetic = static = critical = UNKNOWN
     scale = scale_of(contacts, table.area)
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
@@ -164,10 +163,14 @@ def _answer(
         critical = Quantity(found.critical_spring, found.critical_spring_error)
         before = known_of(contacts, steady, found, scale.contacts)
         for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
-            share = budget.left() / left * (HEAVY if machine and machine.mass else 1.0)
+            # the first one may tell that no rule acts, see _without_slip
+            parts = min(left, 2) if contacts.in_time else left
+            share = budget.left() / parts * (HEAVY if machine and machine.mass else 1.0)
             pulled = cast(Machine, machine)
             same = _without_slip(behaviours, contacts, rule)
-            behaviours.append(same or follow_islands(pulled, contacts, rule, before, share, rings))
+            behaviours.append(
+                same or follow_islands(pulled, contacts, rule, before, share, rings, in_time)
+            )
         unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
         if machine is not None and unknown == ["mass"]:
             # no solver takes the slider with its mass, or not in time: what it does without one, under each slip rule
@@ -181,7 +184,7 @@ def _answer(
     why = NO_FORCES if critical.unknown else NO_TIME
     behaviours += [not_followed(rule, why) for rule in asked[len(behaviours) :]]
     return Answer(
-        name,
+        reading.name,
         contacts,
         scale=scale,
         kinetic=kinetic,

@@ -131,6 +131,7 @@ class Creep:
         self._table: Table | None = None
         self._before: Apart | None = None  # of the slider with longer steps
         self._looked = 0  # at so many nodes of the section
+        self._stable_at = dict[float, bool]()  # by ln V; sliders with halved steps ask for the same
 
     def begin_section(self) -> None:
         """At the begin of a smooth section nothing of its way is known."""
@@ -188,10 +189,16 @@ class Creep:
         return float(lag) if lag <= CONTROL.lag * self._tolerance else float("inf")
 
     def _stable(self, begin: float) -> bool:
-        """Whether steady sliding is stable from ln V = begin to the speed of the drive."""
-        ends = begin, np.log(self._speed)
-        speeds = np.exp(np.linspace(*ends, 2 + int(abs(ends[1] - ends[0]) / np.log(10.0))))
-        return all(is_stable(self._contacts, speed, self._spring) for speed in speeds.tolist())
+        """Whether steady sliding is stable from ln V = begin to the speed of the drive, looked at once a decade."""
+        drive = float(np.log(self._speed))
+        decade = np.copysign(np.log(10.0), begin - drive)
+        for at in [*np.arange(drive, begin, decade).tolist(), begin]:
+            if at not in self._stable_at:
+                speed = float(np.exp(at))
+                self._stable_at[at] = is_stable(self._contacts, speed, self._spring)
+            if not self._stable_at[at]:
+                return False
+        return True
 
     def _tabulated(self, log_speeds: Array, force: float) -> Table | None:
         """A table with these ln V, that of the drive, and that at which F_k is this force, also where steps are so long
