@@ -242,6 +242,35 @@ def test_an_interrupted_table_holds_what_is_known(
     assert (folder / "stability.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("known", [2, 0])
+def test_a_map_ends_with_the_wall_time_of_its_scene(
+    known: int, tmp_path: Path, monkeypatch: Any, capsys: Any
+) -> None:
+    """It is over in the third case: what two have answered is written, and what is left is named; or in the first."""
+    asked = iter([rows] * known)
+
+    def until_it_is_over(case: Case | Question) -> list[Row]:
+        ask = next(asked, None)
+        if ask is None:
+            signal.setitimer(signal.ITIMER_REAL, 1e-6)  # as if the time were over
+            signal.pause()
+            raise AssertionError("it was not heeded")
+        return ask(case)
+
+    monkeypatch.setattr("toolkit.stability.table.rows", until_it_is_over)
+    folder = tmp_path / "out"
+    status = main(["stability", "gaussian", "--set", "wall_time=1e6", "--out", str(folder)])
+    if not known:
+        said = "mesofriction: wall_time = 1000000.0: is over before the scene as it is is answered; give more"
+        assert status == 2 and capsys.readouterr().err.splitlines()[-1] == said
+        return
+    assert status == 0 and json.loads((folder / "stability.json").read_text())["rows"]
+    *_, told, last = (folder / "stability.txt").read_text().splitlines()
+    assert told.startswith("wall_time is over: not asked: what follows on x 1e-1: ")
+    assert "contacts.thresholds.mean; " in told and "contacts.thresholds.std" in told
+    assert "within tolerance" in last
+
+
 def test_few_contacts_that_slip_where_infinitely_many_slide_are_no_second_road(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

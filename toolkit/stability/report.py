@@ -5,14 +5,15 @@ from contextlib import closing
 from dataclasses import asdict
 from typing import Any
 
+from origins.errors import refuse
 from toolkit.judge.files import save_judgement
-from toolkit.processes.signals import Terminated
+from toolkit.processes.signals import Terminated, TimeIsUp, no_longer_than
 from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
 from toolkit.scene.scene import Scene
 from toolkit.stability.case import Row
 from toolkit.stability.coverage import Coverage, ask, coverage, plain_coverage, told
-from toolkit.stability.scene_map import draw_map, scene_map
+from toolkit.stability.scene_map import draw_map, not_asked, scene_map, trusted
 from toolkit.stability.table import columns, draw_table, extreme_cases, stability, summary
 
 Say = Callable[[str], None]
@@ -23,9 +24,10 @@ def report_stability(
 ) -> list[Row]:
     """The rows of the shipped extreme cases, or of those around `scene`; each line is given to `say` as it is known.
     Writes stability.txt, .csv, .json and .png into `folder`, which is checked before the work, and the picture in
-    `formats`, too; of an interrupted table the rows that are known. Raises InputError."""
+    `formats`, too; of an interrupted table, or where the scene's wall_time is over, the rows that are known. Raises
+    InputError, also where none is known by then."""
     check_folder(folder)
-    lines, found = list[str](), list[Row]()
+    lines, found, numbers = list[str](), list[Row](), dict[str, Any]()
 
     def say_and_keep(line: str) -> None:
         lines.append(line)
@@ -40,7 +42,15 @@ def report_stability(
             if scene is None:
                 stability(extreme_cases(), say_and_keep, found, bar.count)
             else:
-                scene_map(scene, say_and_keep, found, bar.count)
+                with no_longer_than(scene.wall_time):
+                    scene_map(scene, say_and_keep, found, bar.count)
+    except TimeIsUp:
+        if scene is None or not found:
+            hint = "is over before the scene as it is is answered; give more"
+            refuse("wall_time", scene and scene.wall_time, hint)
+        for line in [*trusted(found), f"wall_time is over: {not_asked(scene, found)}"]:
+            say_and_keep(line)
+        numbers = {"stopped_by_wall_time": True}
     except (KeyboardInterrupt, Terminated) as stop:
         if found:
             lines.append(f"interrupted after {len(found)} answers: {summary(found)}")
@@ -48,7 +58,7 @@ def report_stability(
             stop.add_note(f"the {len(found)} answers so far are written to {folder}")
         raise
     say_and_keep(summary(found))
-    write({})
+    write(numbers)
     return found
 
 

@@ -89,6 +89,15 @@ def _not_asked(group: str, name: str) -> Row:
     return Row(group, name, "master", "slow", np.nan, np.nan, np.nan, 0.0, "", said)
 
 
+def not_asked(scene: Scene, found: list[Row]) -> str:
+    """What of a map that ends with these rows was not asked, in words."""
+    last, keys = found[-1], [key for key, _ in numbers(tomllib.loads(scene.text))]
+    begun = [key for key in keys if any(row.group == key for row in found)]
+    left = ", ".join(keys[len(begun) :])
+    after = f"what follows on {last.case} of {last.group}" if begun else ""
+    return f"not asked: {'; '.join(filter(None, (after, left)))}"
+
+
 def trusted(found: list[Row]) -> Iterator[str]:
     """Between which factors each number may be trusted, in words; rows of the ensemble do not count."""
     good = ("exact", "within tolerance")
