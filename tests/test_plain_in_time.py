@@ -223,8 +223,8 @@ def test_the_steps_of_the_example_are_those_of_its_docstring() -> None:
     guess, taken = steps.first_guess, []
     while not taken or taken[-1].has_balance:
         begin, root = state.now, steps.step(1.0, guess)
-        taken.append(root.step)
-        if root.step.has_balance:
+        taken.append(root)
+        if root.has_balance:
             travel = root.step.trial.travel
             assert travel == pytest.approx((1.0 - root.step.time_steps) * steps.length, rel=1e-9)
             state.take(root.step.trial)
@@ -234,7 +234,7 @@ def test_the_steps_of_the_example_are_those_of_its_docstring() -> None:
             ):
                 assert told == pytest.approx(said, abs=6e-4)
                 assert all(f"{number:.4g}" in str(steps_in_time.__doc__) for number in said)
-    assert len(taken) == 11 and taken[-1].time_steps < 0.0
+    assert len(taken) == 11 and taken[-1].step.time_steps < 0.0
 
 
 def test_a_step_that_leads_against_the_motion_is_a_fault(monkeypatch: Any) -> None:

@@ -131,7 +131,7 @@ class SlipBegins:
     def _has_slip(self, root: Root, size: float) -> bool:
         """Whether a slip begins on this step, which has this size, or just beyond: on the three conditions at the head
         of this file, in that order."""
-        if not root.step.has_balance:
+        if not root.has_balance:
             return True
         if self._steps.contacts.jumps:
             return self._falls_beyond(root, size)
@@ -153,7 +153,7 @@ class SlipBegins:
 
     def _search_up_to(self, root: Root, size: float) -> float:
         """The longest step that may lead to the slip on this one: where F falls beyond a jump, a longer one."""
-        falls_beyond = root.step.has_balance and self._steps.contacts.jumps
+        falls_beyond = root.has_balance and self._steps.contacts.jumps
         return ONSET.beyond_jump * size if falls_beyond else size
 
     def _foresee(self, time_fraction: float, size: float) -> None:
@@ -197,9 +197,9 @@ class SlipBegins:
         low, high = 0.0, longest
         while high - low > ONSET.last_jump * size:
             middle = 0.5 * (low + high)
-            step = self._solve(middle).step
-            if step.has_balance:
-                low, fraction = middle, step.time_steps / middle
+            root = self._solve(middle)
+            if root.has_balance:
+                low, fraction = middle, root.step.time_steps / middle
                 self._guess = self._guess._replace(time_fraction=fraction)
             else:
                 high = middle

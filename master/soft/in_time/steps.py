@@ -103,11 +103,6 @@ class TriedStep(NamedTuple):
     trial: Trial
     imbalance: float
 
-    @property
-    def has_balance(self) -> bool:
-        """Of a balanced step, whether there is a balance from now on; else the slider slips at once."""
-        return self.time_steps > 0.0
-
 
 class Root(NamedTuple):
     """What a search for a balanced step found.
@@ -120,6 +115,11 @@ class Root(NamedTuple):
     step: TriedStep
     slope: float
     converged: bool
+
+    @property
+    def has_balance(self) -> bool:
+        """Whether there is a balance from now on; else the slider slips at once."""
+        return self.step.time_steps > 0.0
 
 
 class StepCount:

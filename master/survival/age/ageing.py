@@ -231,7 +231,7 @@ class AgeingLife(ChangingLife):
         return Passage(contacts.thresholds, contacts.ageing, fastest, stretch, aim)
 
     def begin(self, nodes: StretchNodes) -> Passages:
-        """A strand of contacts that are born now."""
+        """Passages of one strand, the contacts that are born now."""
         # a tenth: it is one of several parts of the error of a strand
         return Passages(self._passage, *nodes, 0.1 * self.accuracy)
 
