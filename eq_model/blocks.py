@@ -7,7 +7,7 @@ that the same blocks with the same streams are run on any number of ranks and th
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -53,6 +53,16 @@ class Blocks(NamedTuple):
         while several and ends[0] > 1:
             ends.insert(0, (ends[0] + 1) // 2)
         return [range(begin, end) for begin, end in pairwise([0, *ends])]
+
+
+class DroppedError(Exception):
+    """A block that was not followed to its end, as nobody waits for it any more."""
+
+
+def check_dropped(dropped: Callable[[], bool] | None) -> None:
+    """Raise DroppedError where a block is to be dropped; None: never."""
+    if dropped is not None and dropped():
+        raise DroppedError
 
 
 def joined(done: list[range]) -> list[range]:

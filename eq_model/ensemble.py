@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.blocks import Blocks, State, meeting, rank_and_size, share
+from eq_model.blocks import Blocks, DroppedError, State, meeting, rank_and_size, share
 from eq_model.coupled.ensemble import Replicas
 from eq_model.coupled.mass.sliders import HeavySliders
 from eq_model.engine import Engine
@@ -34,10 +34,13 @@ class Ensemble:
     Attributes: `total`, number of all contacts; `expected`, the number that will be followed, which with a tolerance
     is estimated after each round; `blocks`, their division, with a spring one block for each replica; `state`, the
     results of this rank so far, from which another run can continue; `clock`, a function that returns seconds, for
-    wall time and run time. It may be replaced, on the class or before the first block, to count work instead.
+    wall time and run time. It may be replaced, on the class or before the first block, to count work instead;
+    `interrupted`, a function that may be replaced, too: once it is true, also the replica on a spring that is being
+    followed is given up, as all are but the first when the wall time is over. Nothing is kept of it.
     """
 
     clock: Callable[[], float] = staticmethod(perf_counter)
+    interrupted: Callable[[], bool] = staticmethod(lambda: False)
 
     def __init__(
         self,
@@ -64,6 +67,7 @@ class Ensemble:
         if comm is not None and not hasattr(comm, "Get_rank"):
             refuse("comm", comm, "must be a communicator of mpi4py, as MPI.COMM_WORLD, or None")
         self.comm, self._threads, self._stopped = comm, whole("threads", threads, 1), False
+        self._begun, self._followed, self._nobody_waits = np.inf, 0, False
         each = whole("n_contacts", n_contacts, 1)
         self._replicas = whole("n_replicas", n_replicas, 1)
         if self._replicas >= 1 << 28:
@@ -89,7 +93,7 @@ class Ensemble:
         self._work: Engine | Replicas | HeavySliders
         if coupled:
             kind = Replicas if self.drive.mass is None else HeavySliders
-            self._work = kind(contacts, self.drive, replicas, seed, slip_fraction)
+            self._work = kind(contacts, self.drive, replicas, seed, slip_fraction, self._dropped)
         else:
             self._work = Engine(contacts, self.drive, replicas, seed, histograms)
         self.blocks = self._work.blocks
@@ -116,7 +120,7 @@ class Ensemble:
         With a tolerance, further rounds follow until it is reached. All ranks must iterate to the end.
         """
         rank, ranks = rank_and_size(self.comm)
-        begun, done = self.clock(), 0
+        self._begun, done = self.clock(), 0
         for one_round in self.blocks.rounds(self._tolerance is not None):
             mine = share(one_round, self._before, rank, ranks)
             total, late = done + sum(map(self.blocks.size, mine)), False
@@ -129,9 +133,13 @@ class Ensemble:
                 self.state = replace(self.state.joined(found), run_time=seconds)
                 started = self.clock()
                 done += size
+                self._followed = done
                 yield done, total
-                if late := self._stopped or self.clock() - begun > self._wall_time:
+                if late := self._stopped or self._over():
                     break
+            if done < total and not late:  # the rest was given up
+                late = True
+                yield done, total
             for _ in meeting(self.comm):
                 yield done, total
             if self._enough(one_round, late or self._stopped):
@@ -144,7 +152,21 @@ class Ensemble:
             for first in range(0, len(blocks), at_once):
                 some = blocks[first : first + at_once]
                 results = (map if self._threads == 1 else pool.map)(self._work.follow, some)
-                yield from zip(some, results, strict=True)
+                try:
+                    yield from zip(some, results, strict=True)
+                except DroppedError:
+                    return
+                finally:
+                    self._nobody_waits = True  # unless ended here, threads follow others yet
+                self._nobody_waits = False
+
+    def _over(self) -> bool:
+        """Whether the wall time is over."""
+        return self.clock() - self._begun > self._wall_time
+
+    def _dropped(self) -> bool:
+        """Whether a replica that is being followed is given up. The first one is not, where only the time is over."""
+        return self._nobody_waits or self.interrupted() or (self._followed > 0 and self._over())
 
     def stop(self) -> None:
         """Begin no further block of this rank's share: the result will be that of the finished blocks."""

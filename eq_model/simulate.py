@@ -74,7 +74,8 @@ def simulate(
         Largest standard error of the force, in units of the mean threshold: the number of contacts is doubled until it
         is reached or all n_contacts * n_replicas are followed.
     wall_time : float, optional
-        Seconds after which no further block is begun; the result then depends on the machine.
+        Seconds after which no further block is begun, and on a spring replicas but the first are given up; the result
+        then depends on the machine.
     histograms : array of int
         Indices of points of the path at which stretches and thresholds of the contacts that hold are counted; at most
         2,000, of 32 kB each.

@@ -119,6 +119,37 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
             assert (getattr(other.slips, name) == getattr(whole.slips, name)).all()
 
 
+@pytest.mark.parametrize("mass", [{}, {"mass": 0.01, "damping": 0.01}])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_replica_that_nobody_waits_for_is_given_up_on_its_way_and_followed_anew(mass, threads):
+    """Once two are done and a third is on its way the run is interrupted, or its wall time is over: not the first."""
+    rule = {} if mass else {"slip": "reset"}
+    asked = {"spring": 0.5, "n_contacts": 1000, "n_replicas": 4, "threads": threads} | mass | rule
+    path, contacts = np.linspace(0.0, 90.0, 10), CONTACTS["narrow"]
+    whole = eq_model.simulate(contacts, path, **asked)
+    for kind in ("interrupted", "over"):
+        first = eq_model.Ensemble(contacts, path, **asked, wall_time=5.0)
+        looks, all_yields = [], []
+
+        def after_two(first=first, looks=looks):
+            looks.append(first.state.contacts)
+            return first.state.contacts >= 2000 and looks.count(looks[-1]) > 4
+
+        if kind == "interrupted":
+            first.interrupted = after_two
+        else:
+            first.clock = lambda after_two=after_two: 10.0 * after_two()
+        for yielded in first:
+            all_yields.append(yielded)
+        kept = first.state.contacts
+        assert kept == 2000 if threads == 1 else kept >= 2000
+        assert all_yields[-1] == (kept, 4000)
+        assert threads == 2 or looks.count(2000) >= 5  # once at its begin, else on its way
+        rest = eq_model.Ensemble(contacts, path, **asked, earlier=[first.state])
+        list(rest)
+        assert (rest.result().forces == whole.forces).all()
+
+
 # -- beside the master equation, extrapolated to infinitely many contacts --------------------------
 
 SIZES = np.array([4_000, 32_000, 256_000])

@@ -1,10 +1,11 @@
 """Replicas of coupled contacts, N of them on one soft slider each: following one, and the result of all."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from eq_model.blocks import Blocks, State
+from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.engine import Reach
 from eq_model.result import SIZES, CoupledSlips, means
 from eq_model.whole_drive import durations
@@ -16,12 +17,14 @@ from origins.thresholds.law import Array
 
 LARGEST = 2.0**61  # largest position, in units: sums of two are whole numbers of 64 bits
 
-MOST_BREAKS = 1e11  # of one slider: 40 minutes at 25 ns a break, in which a run cannot be stopped
+MOST_BREAKS = (
+    1e11  # of one slider: 40 minutes at 25 ns a break, of which nothing is kept if a run is stopped
+)
 
 
 class Replicas:
     """Follows replicas, a block each, on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
-    the contacts (None: 0.2)."""
+    the contacts (None: 0.2). `dropped` says, asked now and then, whether to give up the one that is followed."""
 
     MOST = 1 << 31  # largest number of contacts of a replica
     nothing = State()
@@ -33,6 +36,7 @@ class Replicas:
         blocks: Blocks,
         seed: int,
         slip_fraction: float | None,
+        dropped: Callable[[], bool] | None = None,
     ) -> None:
         """Choose the unit and the buckets of waiting breaks; InputError for what is not followed on a soft slider."""
         from eq_model.coupled.ages import SLOWER
@@ -41,6 +45,7 @@ class Replicas:
 
         check_coupled(contacts, drive)
         self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
+        self._dropped = dropped
         self._n = n = blocks.each
         self.slip_fraction, self._unit = checked_slip_fraction(slip_fraction), unit_of(contacts)
         self._births = births_of(contacts, self._unit)
@@ -92,7 +97,7 @@ class Replicas:
     def follow(self, replica: int) -> State:
         """Follow a replica while its slider is pulled to the end of the path; -1 only compiles.
 
-        Raises InputError where contacts would break while the drive moves back to its first point.
+        Raises InputError where contacts would break while the drive moves back to its first point, and DroppedError.
         """
         from eq_model.coupled import slide_kernel as kernel
         from eq_model.coupled.ages import ages_of
@@ -106,6 +111,7 @@ class Replicas:
             few = Contacts(identical(1.0)), Drive([3.0], spring=1.0), Blocks(2, 2)
             Replicas(*few, seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
+        check_dropped(self._dropped)
         n, unit, contacts = self._n, self._unit, self._contacts
         stream = make_stream(self._seed, replica)
         mean = contacts.mean_threshold / unit if contacts.stiffness == "linked" else 0.0
@@ -124,6 +130,7 @@ class Replicas:
                     "reforming: contacts that form again stretched forward take the slider far beyond the drive; use a "
                     "stiffer spring, or stretches closer to 0"
                 )
+            check_dropped(self._dropped)
         x, force, held = pull.at_points
         numbers = replica, s["breaks"], pull.clock_drive[0] * unit
         row = np.r_[numbers, pull.avalanches, x * unit, force * each, held / n]

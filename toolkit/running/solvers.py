@@ -41,13 +41,19 @@ def follow(
     """Run an ensemble from its first block to its result; all ranks of its communicator must call.
 
     SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then act as usual: as a
-    rule they end the program. A rank that gets one informs the others, which end too. `progress` includes contacts
-    `done_before`, and takes the other ranks to be as far as this one. After the `deadline`, s of the monotonic clock,
-    no block begins.
+    rule they end the program; a replica on a spring, which may take minutes, is given up. A rank that gets one informs
+    the others, which end too. `progress` includes contacts `done_before`, and takes the other ranks to be as far as
+    this one. After the `deadline`, s of the monotonic clock, no block begins, and replicas but the first are given up.
     """
-    comm, shown = ensemble.comm, (-1, -1)
+    comm, shown, done = ensemble.comm, (-1, -1), 0
     ranks = 1 if comm is None else comm.Get_size()
     with deferred() as asked:
+
+        def interrupted() -> bool:
+            late = done > 0 and deadline is not None and time.monotonic() > deadline
+            return late or asked.signal is not None
+
+        ensemble.interrupted = interrupted
         for done, _ in ensemble:
             now = min(done_before + done * ranks, ensemble.expected), ensemble.expected
             if progress is not None and now != shown:

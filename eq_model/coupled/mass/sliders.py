@@ -1,10 +1,11 @@
 """Replicas of coupled contacts on a slider with mass: following one, and the result of all."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from eq_model.blocks import Blocks, State
+from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.coupled.ensemble import check_coupled, checked_slip_fraction, unit_of
 from eq_model.result import SIZES, Energy, HeavySlips, means
 from origins import Contacts, Drive, identical
@@ -21,7 +22,8 @@ ENERGIES = "drive", "damped", "released", "contacts", "spring", "kinetic"
 
 class HeavySliders:
     """Follows replicas, a block each, on the slider with mass that `drive` pulls; a slip breaks at least
-    `slip_fraction` of the contacts (None: 0.2)."""
+    `slip_fraction` of the contacts (None: 0.2). `dropped` says, asked now and then, whether to give up the one that is
+    followed."""
 
     MOST = 1 << 31  # largest number of contacts of a replica
     nothing = State()
@@ -33,6 +35,7 @@ class HeavySliders:
         blocks: Blocks,
         seed: int,
         slip_fraction: float | None,
+        dropped: Callable[[], bool] | None = None,
     ) -> None:
         """Choose the unit of length; InputError for what is not followed, and for what would take too long."""
         from eq_model.draws.births import births_of
@@ -40,6 +43,7 @@ class HeavySliders:
         check_coupled(contacts, drive)
         self.slip_fraction = checked_slip_fraction(slip_fraction)
         self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
+        self._dropped = dropped
         self._n, self._unit = blocks.each, unit_of(contacts)
         self._births = births_of(contacts, self._unit)
         self._check_length()
@@ -117,7 +121,7 @@ class HeavySliders:
     def follow(self, replica: int) -> State:
         """Follow a replica to the end of the path; -1 only compiles.
 
-        Raises InputError where it takes too many breaks.
+        Raises InputError where it takes too many breaks, and DroppedError.
         """
         from eq_model.coupled.mass import kernel, state
         from eq_model.draws.streams import make_stream
@@ -127,6 +131,7 @@ class HeavySliders:
             few = Contacts(identical(1.0)), Drive([3.0], spring=1.0, mass=1.0), Blocks(2, 2)
             HeavySliders(*few, seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
+        check_dropped(self._dropped)
         n, unit, stream = self._n, self._unit, make_stream(self._seed, replica)
         first, later = (make_supply(births, stream) for births in self._births)
         spring = self._drive.spring or 0.0
@@ -148,6 +153,7 @@ class HeavySliders:
                     f"path[-1] = {self._drive.path[-1]:g}: takes more than {MOST_BREAKS:.0e} breaks of {n} contacts, "
                     f"so many by X_T = {drive:g}; shorten the path, or give fewer contacts or a longer delay"
                 )
+            check_dropped(self._dropped)
         curves = pull.at_points * self._scales()
         curves[state.ENERGIES + state.STORED, -1] = self._stored(s, contacts) / n * unit * unit
         force, speed = curves[state.FORCE], curves[state.SPEED]
