@@ -136,8 +136,12 @@ def test_precision_of_a_spring_leaves_slips_out_and_shows_how_late_few_contacts_
     notes = "\n".join(found["notes"])
     assert "explicit, closest: left out; they take a rigid slider" in notes
     assert "independent of the master equation is the ensemble; on a spring" in notes
-    errors = errors_of(found, "master")
-    assert all(e < 2.0 * s for e, s in zip(errors, SHORT["master"], strict=True))
+    solved = [p for p in found["points"] if p["method"] == "master"]
+    assert solved[-1]["setting"] == 1e-10
+    assert all((p["error"] or 0.0) < 2.0 * p["setting"] for p in solved)
+    # tolerances that let the solver do the same share a row
+    claims = [p["claimed_error"] for p in solved]
+    assert len(set(claims)) == len(claims) < len(SHORT["master"])
     few, more, most = errors_of(found, "ensemble")
     assert few < 0.2 and 0.0 < most < more and most < 0.005  # a slip drops F by some 0.9
 

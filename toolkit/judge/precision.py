@@ -251,8 +251,12 @@ def _climb(
             if not np.isfinite(answer.force).all():
                 notes.append(f"{method}: no answer at {setting:.3g}")
                 break
+            missed = method == "master" and answer.found.force_error > setting
+            if method == "master" and runs and _is_same(answer, runs[-1].answer):
+                before = runs.pop()  # the tightest tolerance that is met tells of all
+                run = run._replace(setting=before.setting if missed else setting)
             runs.append(run)
-            if method == "master" and answer.found.force_error > setting:
+            if missed:
                 notes.append(f"{method}: no finer than {setting:.3g}; {answer.found.message}")
                 break
     except TooMuchWork:
@@ -260,6 +264,11 @@ def _climb(
     except InputError as error:
         notes.append(f"{method}: {f'no further; {error}' if runs else f'left out; {error}'}")
     return runs
+
+
+def _is_same(one: Answer, other: Answer) -> bool:
+    """Whether two tolerances gave one answer, as where each lets the solver take the same panels or steps."""
+    return one.claimed == other.claimed and np.array_equal(one.force, other.force)
 
 
 def _timed(
