@@ -51,7 +51,9 @@ def solve(
     `survival.make`, `survival.life`, `renewal.births`, `renewal.budget`, `renewal.edges`,
     `renewal.panel_width`, `renewal.march`, `renewal.solved`, `renewal.present`, `renewal.past`, `renewal.few_times`,
     `outcome`, `renewal.straight`, `numerics.polynomials`, `renewal.lumps` and, for a start with a width,
-    `numerics.averages`; the head of each says what it does, and docs/equations.md derives the equation.
+    `numerics.averages`; the head of each says what it does, and docs/equations.md derives the equation. These are of a
+    path forward without laws in time: after a turn there are `renewal.earlier_legs`, or `renewal.strand_births` of
+    contacts that age, and each law has its survival in `survival`.
 
     Parameters
     ----------

@@ -58,8 +58,8 @@ QUESTIONS = {
         "master:solve",
         "master:March",
     ),
-    "number conservation solved at the nodes of a panel": ("master:solve_run",),
-    "force_error of a path; of a panel": ("master:solve_rigid", "master:solve_run"),
+    "number conservation solved at the nodes of a panel": ("master:solve_batch",),
+    "force_error of a path; of a panel": ("master:solve_rigid", "master:solve_batch"),
     "F_k, the force of steady sliding; at many speeds": (
         "master:Cycle.force",
         "master:kinetic_curve",
@@ -72,8 +72,9 @@ QUESTIONS = {
         "master:SlipBegins.up_to_slip",
     ),
     "a delay: its law": ("origins:Delay",),
-    "a delay on a rigid slider: the solver; births one delay after breaks": (
+    "a delay on a rigid slider: the solver; births one delay after breaks; who is out": (
         "master:solve_rigid",
+        "master:SolvedPanels.births_begin",
         "master:still_out",
     ),
     "a delay under a spring without mass: the slider; its contacts; births": (

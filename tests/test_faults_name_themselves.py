@@ -70,10 +70,10 @@ def test_a_gap_between_panels(monkeypatch: pytest.MonkeyPatch) -> None:
     """The second run of panels begins one width too late."""
     true, runs = SolvedPanels.append, list[float]()
 
-    def late(self, run, good, *, begin, begin_leg, width):
+    def late(self, run, good, *, begin, begin_own_leg, width):
         runs.append(begin)
         later = begin + width * (len(runs) == 2)
-        true(self, run, good, begin=later, begin_leg=begin_leg, width=width)
+        true(self, run, good, begin=later, begin_own_leg=begin_own_leg, width=width)
 
     monkeypatch.setattr(SolvedPanels, "append", late)
     found = master.solve(Contacts(origins.gaussian(1.0, 0.1)), [1.5, 0.5])

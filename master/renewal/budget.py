@@ -30,7 +30,7 @@ class ErrorBudget:
     |---|---|---|---|
     | round-off | `round_off` in `master/rigid.py`, from the path | taken off first | one for all |
     | survivals | each query of a life (`Survivors.error`) | what is known beforehand is taken off, too | the largest |
-    | panels | residuals between the nodes (`Run.error`) | the rest, 0.4 of all or more (sums: 0.32) | the largest |
+    | panels | residuals between the nodes (`Batch.error`) | the rest, 0.4 of all or more (sums: 0.32) | the largest |
     | births | coefficients left out (`Past.worst_sum`) | 0.003 of a panel's for each piece, on top | the largest |
     | left out | contacts of earlier legs (`Past.left_out`) | 3e-6 of a panel's for each leg, on top | adds up |
 
@@ -59,7 +59,7 @@ class ErrorBudget:
     for the changes that it does not follow (master/renewal/march.py).
 
     panels : largest error of a panel, a share of the contacts: that of the number of breaks, plus that of the force
-        divided by the longest stretch (Run.error)
+        divided by the longest stretch (Batch.error)
     births : of a piece of the births on earlier legs, a share of the contacts: the first coefficient that its
         polynomial leaves out, times the births on the piece, times the number of legs that count
     survivals, round_off : what was taken off first: the error of a survival that is known before, a share of the

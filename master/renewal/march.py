@@ -19,7 +19,7 @@ from master.outcome import FaultError, StoppedError, stop_after
 from master.renewal.births import MOST_WORK, Births, Jump, Lump, panel_at
 from master.renewal.panel_width import PanelWidth
 from master.renewal.past import Past
-from master.renewal.present import TARGETS, Present, Run, solve_run
+from master.renewal.present import TARGETS, Batch, Present, solve_batch
 from master.renewal.solved import SolvedPanels
 from master.survival.life import NO_SURVIVAL
 from origins.start import Start
@@ -40,7 +40,7 @@ LEAST_LUMP = 1e-15
 
 
 class March:
-    """Breaks and force on panels, by number conservation (paper, Eq. Q5c), run after run.
+    """Breaks and force on panels, by number conservation (paper, Eq. Q5c), batch after batch.
 
     start : law of the stretches at t = 0
     edges : sorted times at which the number of breaks may bend or jump; the first is 0
@@ -97,7 +97,7 @@ class March:
     def run(self) -> "March":
         """Solve all panels; on a single leg, those until breaks have become steady."""
         try:
-            for _ in self.runs():
+            for _ in self.batches():
                 if self.motion.one_leg and self._steady():
                     # The later changes that `_steady` allows are added to the error, as going on would cost digits.
                     # F is read amid the last panel, where rounding puts no time behind its end.
@@ -109,8 +109,8 @@ class March:
             self.fault = str(why) if isinstance(why, FaultError) else ""
         return self
 
-    def runs(self) -> Iterator[None]:
-        """Solve all panels, yielding after each run of them."""
+    def batches(self) -> Iterator[None]:
+        """Solve all panels, yielding after each batch of them."""
         previous_leg = -1  # there is none yet
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
@@ -120,8 +120,8 @@ class March:
             yield from self._segment(leg, begin - leg_start_path, end - leg_start_path, new_leg)
 
     def _segment(self, leg: int, now_leg: float, edge_leg: float, new_leg: bool) -> Iterator[None]:
-        """Solve from one edge to the next, yielding after each good run. The clocks of times are those of past.py."""
-        leg_start_path, begin_leg = float(self.motion.times[leg]), now_leg
+        """Solve from one edge to the next, yielding after each good batch. The clocks of times are those of past.py."""
+        leg_start_path, segment_begin_leg = float(self.motion.times[leg]), now_leg
         guess_duration = self.motion.duration(self.guess, leg)
         whole_life = self.motion.duration(self.life.largest_stretch, leg)
         tolerance, widths = self.tolerance, self.widths
@@ -129,30 +129,32 @@ class March:
         while not widths.reached(edge_leg - now_leg):
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
-            run = self._run(leg, now_leg, proposal.width, proposal.panels)
+            batch = self._solve_batch(leg, now_leg, proposal.width, proposal.panels)
 
             # Beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error:
-            # all of the run, since those behind a rejected one, solved again at this width, would come out the same.
+            # all of the batch, since those behind a rejected one, solved again at this width, would come out the same.
             keep_all = self.births.work > MOST_WORK or widths.too_narrow(now_leg)
             now_path = leg_start_path + now_leg
-            kept = run.error.size
-            rejected = np.flatnonzero(run.error > tolerance)
+            kept = batch.error.size
+            rejected = np.flatnonzero(batch.error > tolerance)
             if rejected.size:
                 first_rejected = int(rejected[0])
-                error = float(run.error[first_rejected])
+                error = float(batch.error[first_rejected])
                 if widths.too_narrow(now_leg):
-                    at_edge = now_leg == begin_leg and not first_rejected
+                    at_edge = now_leg == segment_begin_leg and not first_rejected
                     self.jumps.append(Jump(now_path, leg, error, behind_edge=at_edge))
                 if not keep_all:
                     kept = first_rejected
-            self.solved.append(run, kept, begin=now_path, begin_leg=now_leg, width=proposal.width)
+            self.solved.append(
+                batch, kept, begin=now_path, begin_own_leg=now_leg, width=proposal.width
+            )
 
             now_leg = now_leg + kept * proposal.width if kept < proposal.to_edge else edge_leg
-            if kept < run.error.size:
-                widths.narrow(kept, float(run.error[kept]))
+            if kept < batch.error.size:
+                widths.narrow(kept, float(batch.error[kept]))
             else:
-                broken = float(np.abs(run.breaks[:, -1]).max())
-                widths.widen(proposal, run.error, broken, unresolved=keep_all)
+                broken = float(np.abs(batch.breaks[:, -1]).max())
+                widths.widen(proposal, batch.error, broken, unresolved=keep_all)
                 yield
 
     def _longest_cycle(self, leg: int) -> float:
@@ -176,7 +178,7 @@ class March:
         change = float(np.ptp(solved.force[-len(rates) :]))
         return bool(rates_agree and change < AGREE * self.tolerance * self.longest_stretch)
 
-    def _run(self, leg: int, begin_leg: float, width: float, count: int) -> Run:
+    def _solve_batch(self, leg: int, begin_leg: float, width: float, count: int) -> Batch:
         """Solve panels of one width, the first of which begins at `begin_leg`."""
         self.births.work += WORK_OF_PANEL * count
         speed, same_width = float(self.motion.speeds[leg]), self._count_same_width(width, leg)
@@ -184,7 +186,7 @@ class March:
         targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
         known = self.known_on(leg, targets_leg, same_width)
         breaks_same_width = self.solved.breaks[self.solved.count - same_width :]
-        return solve_run(of_panel, known, breaks_same_width, self.longest_stretch)
+        return solve_batch(of_panel, known, breaks_same_width, self.longest_stretch)
 
     def _count_same_width(self, width: float, leg: int) -> int:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
@@ -209,7 +211,7 @@ class March:
 
         grid_leg : times in rows
         same_width : the last panels, so many, are left out: they have the width of the panels to be solved, and
-            solve_run adds them by PanelSums
+            solve_batch adds them by PanelSums
 
         Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
@@ -290,9 +292,9 @@ class March:
         leg_start_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         # breaks at the end are looked for over half of the last panel, which has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)
-        run = Run.of_one_panel_without_contacts()
+        batch = Batch.of_one_panel_without_contacts()
         for first, width in ((begin, nearly - begin), (nearly, end - nearly)):
             if width > 0.0:
-                begin_leg = first - leg_start_path
-                self.solved.append(run, 1, begin=first, begin_leg=begin_leg, width=width)
+                begin_own_leg = first - leg_start_path
+                self.solved.append(batch, 1, begin=first, begin_own_leg=begin_own_leg, width=width)
         self.lumps.append(Lump(end, 1.0 - float(number[0, 0]), self.births.law))

@@ -1,7 +1,7 @@
 """Panel width: the step-size controller of the march. It proposes widths and learns from the errors of solved panels.
 
 From one edge to the next panels have equal widths as long as they are good. A panel whose error is above the tolerance
-ends its run: the next panels are narrower. Panels whose errors are far below the tolerance make the next ones wider.
+ends its batch: the next panels are narrower. Panels whose errors are far below the tolerance make the next ones wider.
 """
 
 from dataclasses import dataclass
@@ -26,9 +26,9 @@ class WidthRules:
 
     of_hold : in a hold, part of the time to its first edge that the first panel takes: contacts break by heat at
         rates that no length tells
-    first_run, longest_run : panels solved together at an edge, and at most. A run costs one evaluation of earlier
-        births; later panels are lost where an early one is bad, so that runs grow by `run_growth` as they are good
-    run_after_narrowing : panels of the next run after a bad one: the new width may be too large, too
+    first_batch, largest_batch : panels solved together at an edge, and at most. A batch costs one evaluation of earlier
+        births; later panels are lost where an early one is bad, so that batches grow by `batch_growth` as they are good
+    batch_after_narrowing : panels of the next batch after a bad one: the new width may be too large, too
     narrowing, far_narrowing : factor on the width after a bad panel, and where its error is `far_off` times the
         tolerance: two halvings of a polynomial of degree 16 reduce it 1e9 times, but behind a root of t only twice
     aim : of the tolerance, the error at which the width aims where two bad widths show by what power of it errors fall
@@ -52,10 +52,10 @@ class WidthRules:
     """
 
     of_hold: float = 0.25
-    first_run: int = 16
-    longest_run: int = 256
-    run_growth: int = 2
-    run_after_narrowing: int = 2
+    first_batch: int = 16
+    largest_batch: int = 256
+    batch_growth: int = 2
+    batch_after_narrowing: int = 2
     narrowing: float = 0.5
     far_narrowing: float = 0.25
     far_off: float = 100.0
@@ -114,7 +114,7 @@ class PanelWidth:
         self.duration, self.tolerance = duration, tolerance
         self._guess, self._whole_life = guess, whole_life
         self._narrowest = min(guess, duration) * (rules.least_quick if self._quick else rules.least)
-        self._width, self._run = 0.0, rules.first_run
+        self._width, self._batch_size = 0.0, rules.first_batch
         self._good_panels = 0  # in a row, with errors that let panels widen
         self._bad_width = self._bad_error = 0.0  # of the last attempt, 0 if that was good
 
@@ -130,14 +130,14 @@ class PanelWidth:
         # the same width, to the last bit, finds its sums again
         if abs(remaining / to_edge - self._width) > rules.same * self._width:
             self._width = remaining / to_edge
-        return Proposal(self._width, min(self._run, to_edge), to_edge)
+        return Proposal(self._width, min(self._batch_size, to_edge), to_edge)
 
     def too_narrow(self, t: float) -> bool:
         """Whether panels at t, counted from the leg's beginning, are so narrow that halving resolves only rounding."""
         return self._width < max(self._narrowest, self.rules.least_of_time * t)
 
     def narrow(self, good: int, error: float) -> None:
-        """Learn that a run of panels had `good` ones, and then one with an error above the tolerance."""
+        """Learn that a batch of panels had `good` ones, and then one with an error above the tolerance."""
         rules, error = self.rules, error / self.tolerance
         factor = rules.far_narrowing if error > rules.far_off else rules.narrowing
         if not good and error < rules.progress * self._bad_error:
@@ -146,7 +146,7 @@ class PanelWidth:
             factor = min(factor, (rules.aim / error) ** (1.0 / power))
         self._bad_width, self._bad_error = self._width, error
         self.widest = factor * self._width
-        self._run, self._good_panels = rules.run_after_narrowing, 0
+        self._batch_size, self._good_panels = rules.batch_after_narrowing, 0
 
     def widen(self, proposal: Proposal, errors: Array, broken: float, unresolved: bool) -> None:
         """Learn that all panels of a proposal were kept, with these errors, and at most a share `broken` of the
@@ -165,7 +165,7 @@ class PanelWidth:
         spare = self.tolerance * (rules.spare_soon if soon else rules.spare_late)
         spare = max(spare, rules.rounding)
         self._good_panels = self._good_panels + errors.size if largest < spare else 0
-        self._run = min(rules.run_growth * self._run, rules.longest_run)
+        self._batch_size = min(rules.batch_growth * self._batch_size, rules.largest_batch)
         # a new width pays at once where panels are narrow or hardly any contact breaks, else if it serves many panels
         patience = 0 if calm or narrow else rules.patience
         easy = self._good_panels > patience and proposal.to_edge - errors.size >= patience
@@ -173,7 +173,7 @@ class PanelWidth:
             return
         factor = rules.far_widening if largest < rules.far_below * spare else rules.widening
         self.widest = min((rules.calm_widening if calm else factor) * width, self._whole_life)
-        self._run = 1 if soon else max(1, self._run // 4)
+        self._batch_size = 1 if soon else max(1, self._batch_size // 4)
         self._good_panels = 0
 
 

@@ -35,7 +35,7 @@ class PanelSums(NamedTuple):
     solve: Array
 
 
-class Run(NamedTuple):
+class Batch(NamedTuple):
     """Solved panels of one width: breaks since a panel's beginning, and force, at 0 and nodes, shape (panels,
     DEGREE + 1); error, shape (panels,): estimate, by residuals, of that of breaks, and of force/longest stretch."""
 
@@ -44,7 +44,7 @@ class Run(NamedTuple):
     error: Array
 
     @classmethod
-    def of_one_panel_without_contacts(cls) -> "Run":
+    def of_one_panel_without_contacts(cls) -> "Batch":
         """One panel on which nothing holds, so that nothing breaks or pulls."""
         nothing = np.zeros((1, polynomials.DEGREE + 1))
         return cls(breaks=nothing, force=nothing, error=np.zeros(1))
@@ -132,7 +132,7 @@ class Present:
         return nodes, nodes.weight * self.look_up(speed, t[nodes.target, None] - nodes.time)
 
 
-def solve_run(of_panel: PanelSums, known: Array, same_width: Array, stretch: float) -> Run:
+def solve_batch(of_panel: PanelSums, known: Array, same_width: Array, stretch: float) -> Batch:
     """Solve panels of one width: at each node, number of births before + own sums * breaks = 1.
 
     known : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
@@ -156,4 +156,4 @@ def solve_run(of_panel: PanelSums, known: Array, same_width: Array, stretch: flo
     # a sum, see ErrorBudget: the residual of conservation is the share of contacts that are miscounted, which bear the
     # longest stretch at most, and the force between the nodes adds its own
     error = np.nan_to_num(BETWEEN_CHECKS * (of_number + of_force / stretch), nan=np.inf)
-    return Run(panels[before:], force[:, :size], error)
+    return Batch(panels[before:], force[:, :size], error)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from master.numerics import polynomials
 from master.outcome import FaultError
 from master.renewal.births import BirthPanels, panel_at, still_out
-from master.renewal.present import Run
+from master.renewal.present import Batch
 from origins.thresholds.law import Array
 
 # Parts of a panel's width, and of the time, by which rounding may put the next one beside its end: the controller takes
@@ -28,15 +28,16 @@ def _no_rows() -> Array:
 class SolvedPanels:
     """Panels in the order of time, without gaps; arrays with one entry or row a panel.
 
-    begin, begin_leg : the panel's beginning, a time on the path; and counted from that of its leg, to keep all digits
+    begin, begin_own_leg : the panel's beginning, a time on the path; and counted from that of its leg, to keep all
+        digits
     width : a time
     breaks : since the panel's beginning, a share of the contacts, at the place 0 and the nodes
-    force, error : as in Run
+    force, error : as in Batch
     slack : a time by which the last panel may end too early, as one that began hardly before a cut was left out
     """
 
     begin: Array = field(default_factory=_none)
-    begin_leg: Array = field(default_factory=_none)
+    begin_own_leg: Array = field(default_factory=_none)
     width: Array = field(default_factory=_none)
     breaks: Array = field(default_factory=_no_rows)
     force: Array = field(default_factory=_no_rows)
@@ -53,9 +54,12 @@ class SolvedPanels:
         """The time at which the last one ends; 0 without any."""
         return float(self.begin[-1] + self.width[-1]) if self.count else 0.0
 
-    def append(self, run: Run, good: int, *, begin: float, begin_leg: float, width: float) -> None:
-        """Add the first `good` panels of a run that begins at `begin` on the clock of the path, which is `begin_leg` on
-        that of its leg; on the first leg both are the same. Their names are asked for, as no type tells them apart.
+    def append(
+        self, batch: Batch, good: int, *, begin: float, begin_own_leg: float, width: float
+    ) -> None:
+        """Add the first `good` panels of a batch that begins at `begin` on the clock of the path, which is
+        `begin_own_leg` on that of its leg; on the first leg both are the same. Their names are asked for, as no type
+        tells them apart.
 
         Raises FaultError where that is not the end of the panels so far: each of them conserves the number by itself,
         and no residual would tell of breaks that are left out in between, or counted twice.
@@ -69,14 +73,14 @@ class SolvedPanels:
             )
         steps = width * np.arange(good)
         self.begin = np.append(self.begin, begin + steps)
-        self.begin_leg = np.append(self.begin_leg, begin_leg + steps)
+        self.begin_own_leg = np.append(self.begin_own_leg, begin_own_leg + steps)
         self.width = np.append(self.width, np.full(good, width))
-        self.breaks = np.concatenate([self.breaks, run.breaks[:good]])
-        self.force = np.concatenate([self.force, run.force[:good]])
-        self.error = np.append(self.error, run.error[:good])
+        self.breaks = np.concatenate([self.breaks, batch.breaks[:good]])
+        self.force = np.concatenate([self.force, batch.force[:good]])
+        self.error = np.append(self.error, batch.error[:good])
 
     def _stored(self) -> list[Array]:
-        return [self.begin, self.begin_leg, self.width, self.breaks, self.force, self.error]
+        return [self.begin, self.begin_own_leg, self.width, self.breaks, self.force, self.error]
 
     def pick(self, which: slice | npt.NDArray[np.bool_]) -> "SolvedPanels":
         """Some of the panels."""
@@ -87,11 +91,15 @@ class SolvedPanels:
         return self.begin + 0.5 * self.width + delay
 
     def births_begin(self, leg_begins: Array | float, delay: float) -> Array:
-        """When their births begin, counted from the beginning of the leg on which these are. `leg_begins`: that, a time
-        on the path; one for all panels, or an array with that of each, so that each has a clock of its own. Of panels
-        that lie on a leg before, as births are a delay later, it is a difference of times on the path."""
-        on_same_leg = self.begin >= leg_begins
-        return np.where(on_same_leg, self.begin_leg, self.begin - leg_begins) + delay
+        """When their births begin, one delay after the breaks, counted from the beginning of the leg on which the
+        births are. `leg_begins`: that, a time on the path; one for all panels, or an array with that of each.
+
+        The begin of the breaks on that clock is the stored one, with all digits, where they are on the same leg; else a
+        difference of times on the path, below 0. The delay is added to both.
+        """
+        broken_on_same_leg = self.begin >= leg_begins
+        breaks_begin = np.where(broken_on_same_leg, self.begin_own_leg, self.begin - leg_begins)
+        return breaks_begin + delay
 
     def births(self, begin: Array) -> BirthPanels:
         """Their births, which begin at these times. FaultError where those of a panel begin before those of the panel

@@ -268,7 +268,7 @@ class Move:
 
     def _advance(self) -> bool:
         """Solve some more panels; False at the end of the plan."""
-        return next(self._runs, self) is not self
+        return next(self._batches, self) is not self
 
     def stopped(self, y: float, error: float) -> LoadingHistory:
         """The history after the travel y; `error` is that of the force due to it."""
@@ -297,4 +297,4 @@ class Move:
         if plan.too_many_jumps:
             raise StoppedError("stopped as exact thresholds break too often to be followed")
         self._kinks, march.edges = tuple(plan.kinks), plan.times
-        self._march, self._runs = march, march.runs()
+        self._march, self._batches = march, march.batches()

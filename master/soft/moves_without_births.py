@@ -6,7 +6,7 @@ import numpy as np
 
 from master.numerics import polynomials
 from master.renewal.edges import Kink
-from master.renewal.present import TARGETS, Run
+from master.renewal.present import TARGETS, Batch
 from master.soft.curve import SlipBegin, SteadyForce
 from master.soft.moves import STILL, LoadingHistory, Move, SlipEnd
 from master.survival.life import NO_SURVIVAL
@@ -57,18 +57,20 @@ class MoveWithoutBirths(Move):
         if not WORTH_PASSING * self._widest < travel < np.inf:
             return False
         bound = self._force + stiffness * travel * np.append(0.0, polynomials.NODES)[None]
-        run = Run(np.zeros_like(bound), self.direction * bound, np.zeros(1))
-        self._append(begin, travel, run, 1)
+        batch = Batch(np.zeros_like(bound), self.direction * bound, np.zeros(1))
+        self._append(begin, travel, batch, 1)
         number, force = march.known_at(np.full((1, TARGETS.size), begin + travel))[:, 0, 0]
         self._held, self._force = float(number), self.direction * float(force)
         return True
 
-    def _append(self, begin: float, width: float, run: Run, count: int) -> None:
+    def _append(self, begin: float, width: float, batch: Batch, count: int) -> None:
         """Keep so many panels of a run, of this width, the first of which begins there."""
         motion = self._march.motion
         leg_begin = float(motion.times[motion.leg(begin + 0.5 * width)])
-        begin_leg = begin - leg_begin
-        self._march.solved.append(run, count, begin=begin, begin_leg=begin_leg, width=width)
+        begin_own_leg = begin - leg_begin
+        self._march.solved.append(
+            batch, count, begin=begin, begin_own_leg=begin_own_leg, width=width
+        )
 
     def _advance(self) -> bool:
         """See Move: some panels on which nothing is born, as wide as polynomials allow."""
@@ -103,7 +105,7 @@ class MoveWithoutBirths(Move):
         elif error.max() <= max(0.5**polynomials.DEGREE * tolerance, ROUNDING):
             self._widest *= 2.0
         self._together = min(2 * self._together, MOST_TOGETHER) if good == count else 1
-        self._append(begin, width, Run(np.zeros_like(force), force, error), good)
+        self._append(begin, width, Batch(np.zeros_like(force), force, error), good)
         return True
 
     def held(self, y: float) -> float:
