@@ -213,6 +213,26 @@ def test_a_drive_that_turns_back_by_next_to_nothing_is_as_good_as_one_that_holds
     assert (back.position[1] - back.position[0]) > 0.1
 
 
+@pytest.mark.parametrize("law", ["jumps", "delay"])
+def test_a_slip_in_a_hold_comes_as_well_while_the_drive_moves_by_next_to_nothing(law: str) -> None:
+    """Either way, while contacts creep to the slip: the drive tells nothing of how far the slider goes."""
+    heat = Thermal("soft", 0.05, 0.1)
+    contacts, spring, far, hold, rule = {
+        "jumps": (Contacts(stats.uniform(0.7, 0.6), thermal=heat), 0.5, 2.1, 100.0, "reset"),
+        "delay": (Contacts(WIDE, thermal=heat, delay=Delay(0.5)), 0.3, 3.0, 1e4, "reform-after"),
+    }[law]
+    drives = {"time": [far, far + hold], "spring": spring, "slip": rule}
+    held, *moved = (
+        master.solve(contacts, [far, far + by], 2e-3, **drives) for by in (0.0, -1e-6, 1e-6)
+    )
+    assert held.success and held.slips.drive.size == 1 and held.force[0] - held.force[1] > 0.5
+    for found in moved:
+        assert found.success, found.message
+        apart = np.abs(found.force - held.force).max()
+        assert apart < held.force_error + found.force_error + 1e-6
+        assert found.slips.drive == pytest.approx(held.slips.drive, abs=1e-6)
+
+
 def test_the_steps_of_the_example_are_those_of_its_docstring() -> None:
     """See the head of master/soft/in_time/steps.py."""
     contacts = Contacts(WIDE, thermal=Thermal("soft", 0.05, 0.1))

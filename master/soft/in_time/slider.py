@@ -117,10 +117,6 @@ class Slider:
         while not slips and contacts.now < end and not self._creeps(nodes):
             size = min(self._size * search.shrink, max(steps.longest(), SHORTEST * self._size))
             trial, slips = search.up_to_slip(size)
-            if steps.runs_back(trial):
-                steps.turn_round()
-                search.begin_section()
-                trial, slips = search.up_to_slip(size)
             if trial.travel or trial.end > contacts.now:
                 taken = steps.size(trial)
                 if taken < -ROUNDED_SIZE * self._size:

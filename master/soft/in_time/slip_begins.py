@@ -93,6 +93,16 @@ class SlipBegins:
         self._guess = self._guess._replace(slope=root.slope)
         return root
 
+    def _solve_along_motion(self, size: float) -> Root:
+        """The same; where the slider runs against the motion, steps are counted the other way from here on. Up to where
+        the section cuts it, such a step may have a size below 0, and no slip is to be looked for on it."""
+        root = self._solve(size)
+        if self._steps.runs_back(root.step.trial):
+            self._steps.turn_round()
+            self.begin_section()
+            root = self._solve(size)
+        return root
+
     def _chosen(self, root: Root) -> Trial:
         """Where the step leads that will be taken. The imbalance of one that did not converge is an error of F."""
         contacts = self._steps.contacts
@@ -105,7 +115,7 @@ class SlipBegins:
         within it; and whether one does."""
         steps, own_size = self._steps, 0.5**self._steps.contacts.halvings
         while True:
-            asked = self._solve(size)
+            asked = self._solve_along_motion(size)
             step = asked.step
             if step.trial.end > steps.contacts.now:  # it may have been cut at the section's end
                 size = min(size, steps.size(step.trial))

@@ -38,9 +38,9 @@ class StepControl(NamedTuple):
         travel, and need resolve the first changes only.
     e_folds : of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as of
         fresh contacts that heat breaks at rest, see `Steps.begin_section`.
+    creep : part of a step up to which the slider may creep beyond its drive, see `Steps.longest`
     back : travel against `Steps.sign`, in the steps of time beside it, from which on it is counted the other way
-    time_fractions : fractions of a step's size that may be time, from the latest on: there a balance before exact
-        thresholds break is looked for, which a secant from one guess may miss.
+    time_fractions : of a step's size, from the latest on, where a balance before exact thresholds break is looked for
     """
 
     coarsest: float = 0.5
@@ -48,6 +48,7 @@ class StepControl(NamedTuple):
     per_e_fold_of_hold: float = 2.0
     per_e_fold_of_move: float = 0.4
     e_folds: float = 0.5
+    creep: float = 0.03
     back: float = 0.5
     time_fractions: tuple[float, ...] = (
         *(1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03),
@@ -211,20 +212,20 @@ class Steps:
         return travelled < 0.0 and -travelled > CONTROL.back * (self.size(trial) - travelled)
 
     def turn_round(self) -> None:
-        """Count travels and imbalances the other way: after a turn the spring may still pull the slider away from the
-        drive, and do so for as long as the drive is slow."""
+        """Count travels and imbalances the other way, as the spring may pull the slider away from a slow drive."""
         self.sign = -self.sign
 
     def longest(self) -> float:
         """The largest size that is of use for the next step; inf in a hold.
 
         No step takes time beyond the section's end: what a size has left there would be travel without balance. A step
-        to the end on which the slider moves as far as the drive has half of this; the factor of 2 leaves room for one
-        on which it moves farther, as before a slip."""
+        to the end on which the slider moves as far as the drive has half of this. It may move farther before a slip,
+        and where it creeps beside a slow drive: then by a small part of a step, if that passes no exact threshold."""
         now, end = self.contacts.now, self.section_end
         travel = float(np.abs(np.diff(self._drive_motion.at(np.array([now, end])))[0]))
         time_steps = self._count.steps(end) - self._count.steps(now)
-        return 2.0 * (time_steps + travel / self.length) if travel else np.inf
+        least = 0.0 if self.contacts.memory.exact else CONTROL.creep * 0.5**self.contacts.halvings
+        return max(2.0 * (time_steps + travel / self.length), least) if travel else np.inf
 
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion (a length): above 0 the slider moves on."""
