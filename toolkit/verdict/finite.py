@@ -1,8 +1,10 @@
 """What finitely many contacts do: sliders of as many contacts as the area holds, beside the infinitely many of the
 master equation."""
 
+import time
 from dataclasses import dataclass, field, replace
-from typing import Any
+from itertools import pairwise
+from typing import Any, cast
 
 import numpy as np
 
@@ -17,7 +19,6 @@ from toolkit.verdict.ensemble import (
     SLIDERS,
     has_slid,
     sliders,
-    told_by,
     trace_of,
 )
 from toolkit.verdict.machine import Behaviour, Machine
@@ -26,6 +27,8 @@ from toolkit.verdict.machine import Behaviour, Machine
 FLOWING = ("instant", "mass")
 # most contacts of each slider; most breaks of all, some 10 s at 25 ns each
 MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
+# of the latter, as they are estimated: so many do, too
+MORE = 1.01
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
 # loadings of few contacts, so that slips of two kinds are told apart, where these are no more breaks, some 0.1 s
@@ -43,8 +46,20 @@ STILL = 0.5
 # standard errors, by the scatter of the sliders, above which a rise is no chance
 JERKS = 4.0
 # mean thresholds, times N^(-2/3), by which the drive pulls contacts that re-form at once beyond the force of infinitely
-# many: theirs is above it by 3 (thresholds 1 ± 0.2) to 9 (exponential ones) on K = 1e-3, and by more on softer springs
-ABOVE = 10.0
+# many, one after the other until they slide at an even force: theirs is above it by 3 (thresholds 1 ± 0.2) to 9
+# (exponential ones, 16 on K = 1e-5), so that from LEAST_ABOVE on they may slide
+ABOVE, LEAST_ABOVE = (7.5, 12.5, 17.5, 22.5), 3.0
+# mean thresholds that each slider has moved by once it slides, and does not only stretch its contacts: between two
+# slips on a soft spring the force rises with the drive; and times as long as a step of ABOVE that the next may take
+FAR, LONGER = 100.0, 3.0
+
+
+@dataclass(frozen=True)
+class _Way:
+    """The drive's way for sliders of some contacts (a length), and the breaks of all of them on it, at most."""
+
+    end: float
+    breaks: float
 
 
 @dataclass(frozen=True)
@@ -104,32 +119,72 @@ def follow_finite(
 
     static : F_s/(N_c <k>) (a length); seconds : to be done by then, else they are not followed
     """
+    until, found = time.monotonic() + seconds, None
+    for least, above in pairwise((LEAST_ABOVE, *ABOVE)):
+        began = time.monotonic()
+        again = _pulled(
+            machine, contacts, number, infinite, static, until - began, above, above - least
+        )
+        if found is not None and again.kind == "unknown":
+            return found if found.kind != "unknown" else again
+        found, now = again, time.monotonic()
+        slid = not (found.rises or found.message == NOT_SLID)
+        # those that begin to slide take longer the further they are pulled
+        if slid or not _settles(contacts, infinite) or until - now < LONGER * (now - began):
+            break
+    return cast(Finite, found)
+
+
+def _settles(contacts: Contacts, infinite: Behaviour) -> bool:
+    """Whether contacts that re-form at once go on to slide."""
+    slips = infinite.kind == "stick-slip"
+    return infinite.rule == "instant" and not slips and not contacts.waiting_time
+
+
+def _pulled(
+    machine: Machine,
+    contacts: Contacts,
+    number: float,
+    infinite: Behaviour,
+    static: float,
+    seconds: float,
+    above: float,
+    sliding: float,
+) -> Finite:
+    """As `follow_finite`, with contacts that re-form at once pulled `above` the force of infinitely many, and `sliding`
+    along a part of that at most, both in mean thresholds times N^(-2/3)."""
     rule, slips = infinite.rule, infinite.kind == "stick-slip"
-    settles = rule == "instant" and not slips and not contacts.waiting_time
+    settles = _settles(contacts, infinite)
     held = max(round(number), 1)
     mean = contacts.mean_threshold
-    loading = static / machine.spring + mean
-    pulled_on = ABOVE * held ** (-2.0 / 3.0) / machine.spring if settles else 0.0
-    loading += pulled_on * mean
-    # in a slip that renews contacts all break once; contacts that re-form at once break at each threshold passed
-    end = LOADINGS * loading if slips else loading + BEYOND * mean
-    longer = MANY_LOADINGS * loading
-    lasting = MANY_LOADINGS if slips else longer / mean
-    if rule not in FLOWING and SLIDERS * held * lasting < CHEAP:
-        end = max(end, longer)
     # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
     flowing = rule in FLOWING and not (rule == "mass" and contacts.waiting_time)
-    lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
-    lives += pulled_on  # as long as that they slide, at most
-    if (
-        flowing and not slips
-    ):  # the spring relaxes to the force of sliding, to none where that is not known
-        relaxed = infinite.after if np.isfinite(infinite.after) else 0.0
-        lives += max(static - relaxed, 0.0) / machine.spring / mean
-    most = int(min(MOST_CONTACTS, MOST_BREAKS / (SLIDERS * lives)))
-    if most < min(held, FEW):
-        breaks = SLIDERS * held * lives
-        why = f"some {breaks:.1g} breaks are more than are followed here"
+
+    def planned(number: int) -> _Way:
+        """The way of the drive for so many contacts, and how often each breaks on it, at most."""
+        softness = number ** (-2.0 / 3.0) / machine.spring if settles else 0.0
+        loading = static / machine.spring + (1.0 + above * softness) * mean
+        end = LOADINGS * loading if slips else loading + BEYOND * mean
+        longer = MANY_LOADINGS * loading
+        lasting = MANY_LOADINGS if slips else longer / mean
+        if rule not in FLOWING and SLIDERS * number * lasting < CHEAP:
+            end = max(end, longer)
+        # in a slip that renews contacts all break once; contacts that re-form at once do at each threshold passed
+        lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
+        lives += sliding * softness
+        if flowing and not slips:
+            # the spring relaxes to the force of sliding, to none where that is not known
+            relaxed = infinite.after if np.isfinite(infinite.after) else 0.0
+            lives += max(static - relaxed, 0.0) / machine.spring / mean
+        return _Way(end, SLIDERS * number * lives)
+
+    # fewer contacts have to be pulled further
+    followed, way = min(held, MOST_CONTACTS), planned(held)
+    every = way.breaks
+    while followed >= min(held, FEW) and (way := planned(followed)).breaks > MORE * MOST_BREAKS:
+        followed = int(followed * MOST_BREAKS / way.breaks)
+    if followed < min(held, FEW):
+        why = f"some {every:.1g} breaks are more than are followed here"
         return Finite(rule, held, "unknown", message=why)
     # the static force of so many scatters by some N^(-1/2) of itself
     further = static / np.sqrt(held) / machine.spring / mean
@@ -142,11 +197,11 @@ def follow_finite(
     if contacts.held_in_time:
         why = "single contacts are followed on a spring without heat and age only"
         return Finite(rule, held, "unknown", message=why)
-    steady = end - SETTLED * BEYOND * mean
-    way = np.unique(np.linspace([0.0, max(steady, 0.0)], end, POINTS))
-    path = contacts.start.mean() / machine.spring + way
+    steady = way.end - SETTLED * BEYOND * mean
+    points = np.unique(np.linspace([0.0, max(steady, 0.0)], way.end, POINTS))
+    path = contacts.start.mean() / machine.spring + points
     try:
-        found = sliders(machine, contacts, rule, path, min(held, most), seconds)
+        found = sliders(machine, contacts, rule, path, followed, seconds)
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     drive, force = trace_of(found, 0)
@@ -184,7 +239,11 @@ def follow_finite(
     forces = found.forces[:, settled]
     # at each place between sliders, as all of them may still rise, or swing as one
     finite = replace(finite, fluctuation=float(np.sqrt(forces.var(axis=0, ddof=1).mean())))
-    return finite if rule == "mass" else _with_late_force(finite, machine, path[settled], forces)
+    if rule == "mass":
+        return finite
+    finite = _with_late_force(finite, machine, path[settled], forces)
+    moved = float((found.positions[:, -1] - found.positions[:, 0]).min())
+    return replace(finite, rises=finite.rises and moved < FAR * mean)
 
 
 def _with_slips(finite: Finite, slips: Any) -> Finite:
@@ -221,27 +280,3 @@ def _with_late_force(finite: Finite, machine: Machine, drive: Array, forces: Arr
     error = max(float(each.std(ddof=1)) / SLIDERS**0.5, least)
     rises = float(rise.mean()) > still
     return replace(finite, late=float(each.mean()), late_error=error, rises=rises)
-
-
-def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
-    """A behaviour that fewer sliders of the ensemble told with the numbers of these, of more contacts; `unit`: the mean
-    threshold, a length. Where they are all that there are, their error is that of their scatter alone."""
-    fewer = behaviour.contacts
-    same = finite.kind == behaviour.kind == "stick-slip" and finite.period is not None
-    if fewer is None or not same or finite.contacts <= fewer:
-        return behaviour
-    error = max(finite.before_error, finite.after_error) / unit
-    if finite.message:
-        error += behaviour.error * (fewer / finite.contacts) ** (2.0 / 3.0)
-    return replace(
-        behaviour,
-        before=finite.before,
-        after=finite.after,
-        period=finite.period,
-        slips=int(finite.slips),
-        error=error,
-        message=told_by(finite.contacts),
-        contacts=finite.contacts,
-        drive=finite.drive,
-        force=finite.force,
-    )

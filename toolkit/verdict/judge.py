@@ -21,7 +21,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
 from toolkit.verdict.budget import WALL_TIME, Budget
-from toolkit.verdict.finite import Finite, follow_finite, with_more
+from toolkit.verdict.finite import Finite, follow_finite
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS, follow_other_delay
 from toolkit.verdict.islands import follow_islands, with_barriers
 from toolkit.verdict.machine import (
@@ -35,6 +35,7 @@ from toolkit.verdict.machine import (
     not_followed,
     rules_of,
 )
+from toolkit.verdict.of_area import with_more
 from toolkit.verdict.readings import Reading, readings_of
 
 # of the time that is left, for the scene's own reading, and then for the number of its contacts

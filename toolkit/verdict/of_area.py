@@ -10,6 +10,7 @@ import numpy as np
 from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Verdict
+from toolkit.verdict.ensemble import told_by
 from toolkit.verdict.finite import SMALL, Finite
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.uncertainty import SEEN, share_of
@@ -219,3 +220,27 @@ def falls(high: str, low: str, drop: float, unit: str, scatter: str = "") -> str
     alike = re.sub(r" ± \S+", "", high) == re.sub(r" ± \S+", "", low)
     end = f"by {written(drop, unit, digits=2)}" if alike else f"to {low}"
     return f"{high}{scatter} down {end}"
+
+
+def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
+    """A behaviour that fewer sliders of the ensemble told with the numbers of these, of more contacts; `unit`: the mean
+    threshold, a length. Where they are all that there are, their error is that of their scatter alone."""
+    fewer = behaviour.contacts
+    same = finite.kind == behaviour.kind == "stick-slip" and finite.period is not None
+    if fewer is None or not same or finite.contacts <= fewer:
+        return behaviour
+    error = max(finite.before_error, finite.after_error) / unit
+    if finite.message:
+        error += behaviour.error * (fewer / finite.contacts) ** (2.0 / 3.0)
+    return replace(
+        behaviour,
+        before=finite.before,
+        after=finite.after,
+        period=finite.period,
+        slips=int(finite.slips),
+        error=error,
+        message=told_by(finite.contacts),
+        contacts=finite.contacts,
+        drive=finite.drive,
+        force=finite.force,
+    )
