@@ -271,3 +271,20 @@ def test_a_billion_oscillations_after_a_slip_are_refused_before_the_work(damping
     assert master.solve(WIDE, [500.0], 1e-3, **light).success
     fades = origins.Drive([500.0, 1600.0], **(light | {"damping": 2e-10}))
     refuse_long_ringing(WIDE, fades)
+
+
+def test_the_error_of_durations_bounds_it_and_is_not_known_of_a_slip_that_fades() -> None:
+    """Beside a solution to a hundredth of the tolerance. Beyond critical damping, on contacts that form again at once,
+    the speed of a slip falls to that of the drive as e^(-t/τ), and its end hangs on the last digit."""
+    swings = {"spring": 0.1, "mass": 0.1, "damping": 0.02}
+    found, finer = (
+        master.solve(WIDE, [15.0], tolerance, **swings).slips for tolerance in (1e-4, 1e-6)
+    )
+    assert found.duration.size == finer.duration.size > 0
+    off = float(np.abs(found.duration - finer.duration).max())
+    assert off < found.duration_error < 0.01 * found.duration.min()
+    narrower = origins.Contacts(origins.gaussian(1.0, 0.135))
+    fades = {"spring": 0.0314, "mass": 0.00877, "damping": 0.11}
+    found, finer = (master.solve(narrower, [80.0], tol, **fades).slips for tol in (1e-3, 1e-5))
+    assert found.duration.size == 1 and abs(finer.duration[0] - found.duration[0]) > 1.0
+    assert np.isinf([found.duration_error, finer.duration_error]).all()

@@ -22,6 +22,11 @@ from origins.thresholds.law import Array
 
 # Part of a run's tolerance that each panel of F may take; and the least, a share of the contacts: round-off.
 OF_PANELS, LEAST_OF_PANELS = 0.01, 1e-13
+# Differences of two runs below this many mean thresholds are rounding.
+ROUNDING = 1e-14
+# An error of a duration is told up to this part of it, and where two runs differ in it by no more than so many times
+# what their forces differ by, as a part of the fall: up to 5 times as a rule, hundreds of times in a slip that fades.
+KNOWN, FOLLOWS = 0.1, 30.0
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,8 @@ class SlipsInTime(Slips):
 
     time : when the slider begins to be faster than the drive; duration : until it is slower again, shape (n,)
     top_speed : largest dX/dt on the way (length per time), shape (n,)
+    duration_error : estimate from above of the largest error of `duration`, a time; inf where it is not known, as
+        of a slip that fades without a swing, whose end, the speed of the drive, is reached slowly.
 
     The slider sticks where the force rises by 0.02 mean thresholds while it stays within two of them, a fifth of the
     contacts at least hold it and fewer break. From where it last stuck to the end of the fall contacts break a fifth
@@ -40,6 +47,7 @@ class SlipsInTime(Slips):
     time: Array
     duration: Array
     top_speed: Array
+    duration_error: float = np.inf
 
     __repr__ = brief
 
@@ -91,8 +99,8 @@ class Run:
         count = solved.size if solved.all() else int(np.argmin(solved))
         self.force = spring * (drive.path[:count] - self.record.place[:count])
 
-    def slips(self, drive_error: float) -> SlipsInTime:
-        """The slips."""
+    def slips(self, drive_error: float, duration_error: float = np.inf) -> SlipsInTime:
+        """The slips with these errors, of X_T and of their durations."""
         found = self.record.slips
         begin, end = (np.reshape([slip[at] for slip in found], (-1, 5)).T for at in (0, 1))
         top = np.array([slip.top_speed for slip in found])
@@ -106,6 +114,7 @@ class Run:
             time=begin[0],
             duration=end[0] - begin[0],
             top_speed=top,
+            duration_error=duration_error,
         )
 
     def differ(self, other: "Run") -> tuple[float, float]:
@@ -123,6 +132,22 @@ class Run:
         )
         both = self.record.contact_force[:n], other.record.contact_force[:n]
         return float(force / self._unit), float(np.abs(both[0] - both[1]).max() / self._unit)
+
+    def duration_error(self, other: "Run", error: float) -> float:
+        """Estimate from above of the largest error of the slips' durations, where that of the force is `error` (mean
+        thresholds), by the difference from another run, which shows how durations follow the force; where this is by
+        chance none, as much of a duration as the error is of the slip's fall. inf for other numbers of slips, and
+        where it does not follow the force in proportion, as at the end of a slip that fades."""
+        ours, theirs = self.slips(0.0), other.slips(0.0)
+        differ, _ = self.differ(other)
+        if not np.isfinite(differ) or not np.isfinite(error):
+            return np.inf
+        lasts, change = ours.duration, np.abs(ours.duration - theirs.duration)
+        per_force = change / max(differ, ROUNDING) + lasts * self._unit / np.abs(ours.drop)
+        off = error * per_force
+        of_fall = np.maximum(differ, ROUNDING) * self._unit / np.abs(ours.drop)
+        follows = (off <= KNOWN * lasts) & (change <= FOLLOWS * of_fall * lasts)
+        return float(off.max(initial=0.0)) if follows.all() else np.inf
 
     def parting(self, other: "Run", most: float) -> str:
         """From where on the spring's force differs from that of another run by more than this (mean thresholds), in

@@ -92,6 +92,7 @@ def solve_inertial(
     unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
     best, parting = Run(contacts, drive, tolerance, TOLERANCES[0], until), ""
     error = of_contacts = np.inf
+    coarser = best
     stopped, nodes = best.stopped, best.nodes
     for part in TOLERANCES[1:]:
         if stopped or error <= tolerance or part * tolerance < LEAST:
@@ -99,7 +100,7 @@ def solve_inertial(
         before, run = best, Run(contacts, drive, tolerance, part, until)
         nodes, stopped = nodes + run.nodes, run.stopped
         if not stopped:
-            best = run
+            best, coarser = run, before
             differ, contacts_differ = best.differ(before)
             unseen = UNSEEN * part * tolerance
             safety = SAFETY_OF_DELAY if contacts.waiting_time else 1.0
@@ -118,7 +119,9 @@ def solve_inertial(
         balance=best.balance,
         force=best.force,
         holding=best.record.holding[: best.force.size],
-        slips=best.slips((error + left_out) * unit / spring),
+        slips=best.slips(
+            (error + left_out) * unit / spring, best.duration_error(coarser, error + left_out)
+        ),
         error=error + left_out,
         of_holding=ErrorPart("the share that holds", best.tolerance if np.isinf(error) else 0.0),
         nodes=nodes,
