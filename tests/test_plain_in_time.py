@@ -246,15 +246,15 @@ def test_the_steps_of_the_example_are_those_of_its_docstring() -> None:
         taken.append(root)
         if root.has_balance:
             travel = root.step.trial.travel
-            assert travel == pytest.approx((1.0 - root.step.time_steps) * steps.length, rel=1e-9)
+            assert travel == pytest.approx((1.0 - root.step.time_part) * steps.length, rel=1e-9)
             state.take(root.step.trial)
-            told = [root.step.time_steps, state.now - begin, travel, state.force]
+            told = [root.step.time_part, state.now - begin, travel, state.force]
             if said := {1: [0.215, 0.477, 0.0796, 0.0796], 10: [0.079, 0.181, 0.0933, 0.6896]}.get(
                 len(taken)
             ):
                 assert told == pytest.approx(said, abs=6e-4)
                 assert all(f"{number:.4g}" in str(steps_in_time.__doc__) for number in said)
-    assert len(taken) == 11 and taken[-1].step.time_steps < 0.0
+    assert len(taken) == 11 and taken[-1].step.time_part < 0.0
 
 
 def test_a_step_that_leads_against_the_motion_is_a_fault(monkeypatch: Any) -> None:

@@ -13,7 +13,7 @@ One step, of a chosen size (`Steps.step`):
    one; with a delay, births follow from past breaks (`BreaksInSteps`). Hence F.
 4. The division is changed until K (X_T - X) = F, by the secant method; the step is taken (`ContactsInSteps.take`).
 
-In formulas: s a step's size, τ how much of it is time (`TriedStep.time_steps`), I `TriedStep.imbalance`, B breaks
+In formulas: s a step's size, τ how much of it is time (`TriedStep.time_part`), I `TriedStep.imbalance`, B breaks
 (`Trial.breaks`) and J births (`Trial.births`) per contact up to its end, J_0 births up to its begin.
 
 A slip begins where a longer step would end earlier: the spring then pulls more than contacts can bear

@@ -88,7 +88,8 @@ class SlipBegins:
         self._last_time_fraction = np.nan
 
     def _solve(self, size: float) -> Root:
-        """Solve for the balanced step of this size, and keep its slope: the next search begins with it."""
+        """Solve for the balanced step of this size, and keep its slope: the next search begins with it. The order of
+        searches changes a root by its accuracy alone, `Memory.balance`."""
         root = self._steps.step(size, self._guess)
         self._guess = self._guess._replace(slope=root.slope)
         return root
@@ -119,22 +120,23 @@ class SlipBegins:
             step = asked.step
             if step.trial.end > steps.contacts.now:  # it may have been cut at the section's end
                 size = min(size, steps.size(step.trial))
-            resolving = self._resolving(step.trial, size)
+            resolving_factor = self._resolving_factor(step.trial, size)
             if not self._has_slip(asked, size):
-                self._foresee(step.time_steps / size, size)
+                self._foresee(step.time_part / size, size)
                 if self._resolves_breaks:
-                    self.shrink = min(self.shrink, resolving)
+                    self.shrink = min(self.shrink, resolving_factor)
                 return self._chosen(asked), False
-            if steps.contacts.memory.exact or size <= ONSET.believed * resolving * own_size:
+            if steps.contacts.memory.exact or size <= ONSET.believed * resolving_factor * own_size:
                 break
             size *= 0.5
             self._resolves_breaks = True
-        longest = self._search_up_to(asked, size)
-        latest = self._latest(size, longest)
-        last = self._last_before_exact(size, longest) if steps.contacts.memory.exact else None
-        if last is not None and last.step.trial.end > latest.step.trial.end:
-            latest = last
-        trial = self._chosen(latest)
+        longest_size = self._search_up_to(asked, size)
+        begin = self._at_fold(size, longest_size)
+        if steps.contacts.memory.exact:
+            before_exact = self._last_before_exact(size, longest_size)
+            if before_exact is not None and before_exact.step.trial.end > begin.step.trial.end:
+                begin = before_exact
+        trial = self._chosen(begin)
         # at the section's end, a slip may still be to come
         return trial, trial.end < steps.section_end
 
@@ -150,15 +152,15 @@ class SlipBegins:
     def _falls_beyond(self, root: Root, size: float) -> bool:
         """Whether a longer step takes less time, τ(1.01 s) < τ(s), as F falls at once where P_c jumps."""
         # the time of this step is its size less its travel, also if it was cut
-        time_steps = size - self._steps.travelled(root.step.trial)
-        return self._solve(ONSET.beyond_jump * size).step.time_steps < time_steps
+        time_part = size - self._steps.travelled(root.step.trial)
+        return self._solve(ONSET.beyond_jump * size).step.time_part < time_part
 
     def _has_fold(self, root: Root, size: float) -> bool:
         """Whether a fold lies before the end of this step: τ(0.99 s) >= τ(s), or I(0.99 s, τ(s)) <= 0."""
-        time_steps = root.step.time_steps
-        if time_steps > ONSET.far_from_slip * CONTROL.drive_weight * size:
+        time_part = root.step.time_part
+        if time_part > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
-        before = self._steps.tried(ONSET.before_fold * size, time_steps, root.slope)
+        before = self._steps.tried(ONSET.before_fold * size, time_part, root.slope)
         return before.imbalance <= 0.0
 
     def _search_up_to(self, root: Root, size: float) -> float:
@@ -182,7 +184,7 @@ class SlipBegins:
             sizes_left = -time_fraction * size / change
             self.shrink = min(max(nearing * sizes_left, ONSET.least_shrink), 1.0)
 
-    def _resolving(self, trial: Trial, size: float) -> float:
+    def _resolving_factor(self, trial: Trial, size: float) -> float:
         """The factor on the size of this slider's steps at which as many contacts break on a step as is resolved, if
         they break as fast as on this one, which has this size; at most 1."""
         held = self._steps.contacts.holding
@@ -192,24 +194,24 @@ class SlipBegins:
         loss = np.log(held / trial.kept) / size if trial.kept > 0.0 else np.inf
         return float(np.clip(CONTROL.e_folds / loss, ONSET.least_shrink, 1.0))
 
-    def _latest(self, size: float, longest: float) -> Root:
-        """The step that takes the most time: that up to a fold or a kink of τ."""
+    def _at_fold(self, size: float, longest_size: float) -> Root:
+        """The step that takes the most time: that up to a fold or a kink of τ, where -τ is the least."""
         found = minimize_scalar(
-            lambda at: -self._solve(at).step.time_steps,
-            bounds=(0.0, longest),
+            lambda at: -self._solve(at).step.time_part,
+            bounds=(0.0, longest_size),
             options={"xatol": ONSET.onset * size},
         )
         return self._solve(float(found.x))
 
-    def _last_before_exact(self, size: float, longest: float) -> Root | None:
+    def _last_before_exact(self, size: float, longest_size: float) -> Root | None:
         """The longest step after which there still is a balance, before exact thresholds break, by bisection; None
         where there is none at once."""
-        low, high = 0.0, longest
+        low, high = 0.0, longest_size
         while high - low > ONSET.last_jump * size:
             middle = 0.5 * (low + high)
             root = self._solve(middle)
             if root.has_balance:
-                low, fraction = middle, root.step.time_steps / middle
+                low, fraction = middle, root.step.time_part / middle
                 self._guess = self._guess._replace(time_fraction=fraction)
             else:
                 high = middle

@@ -16,7 +16,7 @@ from master.soft.in_time.steps import Steps
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
 # rise at first, as the weakest have broken.
 FIRST_TRAVELS = (0.003, 0.01, 0.03, 0.1, 0.4, 1.0)
-# Travel of a slip that none of them begins, in steps: next to none.
+# Travel of a slip that none of them begins: next to none. In steps of the slider, or SHORTEST_STEPs of the search.
 NO_SLIP = 1e-4
 # Accuracy of a slip's end, in mean thresholds: that of rounding.
 AT_END = 1e-15

@@ -58,7 +58,7 @@ class StepControl(NamedTuple):
 CONTROL = StepControl()
 # Fraction of a section's first step that is time, as long as none is known: travel and time count alike.
 FIRST_FRACTION = 0.5
-# Most steps of the secant method: bisection alone would reach round-off from any bracket in 52.
+# Most steps of the secant method; bisection, which takes the place of some, gains a factor of 2 with each.
 MOST_SECANTS = 40
 # Least product of the rate of uniform steps and `first`: below it the inverse would divide by 0, and steps are
 # logarithmic to all digits.
@@ -94,13 +94,13 @@ class Guess(NamedTuple):
 class TriedStep(NamedTuple):
     """A step of a chosen size, so much of it time, the rest travel.
 
-    time_steps : how much of its size are steps of time. Below 0 the step takes no time, and the imbalance goes on as a
+    time_part : how much of its size are steps of time. Below 0 the step takes no time, and the imbalance goes on as a
         straight line: of a balanced step this says that there is no balance from now on, and how far back it would be.
     trial : where it leads to
     imbalance : of the forces at its end, see Steps.imbalance (a length)
     """
 
-    time_steps: float
+    time_part: float
     trial: Trial
     imbalance: float
 
@@ -120,7 +120,7 @@ class Root(NamedTuple):
     @property
     def has_balance(self) -> bool:
         """Whether there is a balance from now on; else the slider slips at once."""
-        return self.step.time_steps > 0.0
+        return self.step.time_part > 0.0
 
 
 class StepCount:
@@ -197,8 +197,8 @@ class Steps:
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
-        time_steps = self._count.steps(trial.end) - self._count.steps(self.contacts.now)
-        return time_steps + self.travelled(trial)
+        time_part = self._count.steps(trial.end) - self._count.steps(self.contacts.now)
+        return time_part + self.travelled(trial)
 
     def travelled(self, trial: Trial) -> float:
         """The part of a step's size that is travel."""
@@ -208,8 +208,8 @@ class Steps:
         """Whether the slider runs against `sign` by so much that its travel, which then lowers the size, is no longer
         small beside the steps of time: no step of a small size leads there, and the one that balances may be as long as
         the section."""
-        travelled = self.travelled(trial)
-        return travelled < 0.0 and -travelled > CONTROL.back * (self.size(trial) - travelled)
+        time_part = self.size(trial) - self.travelled(trial)
+        return self.travelled(trial) < -CONTROL.back * time_part
 
     def turn_round(self) -> None:
         """Count travels and imbalances the other way, as the spring may pull the slider away from a slow drive."""
@@ -223,22 +223,22 @@ class Steps:
         and where it creeps beside a slow drive: then by a small part of a step, if that passes no exact threshold."""
         now, end = self.contacts.now, self.section_end
         travel = float(np.abs(np.diff(self._drive_motion.at(np.array([now, end])))[0]))
-        time_steps = self._count.steps(end) - self._count.steps(now)
+        time_part = self._count.steps(end) - self._count.steps(now)
         least = 0.0 if self.contacts.memory.exact else CONTROL.creep * 0.5**self.contacts.halvings
-        return max(2.0 * (time_steps + travel / self.length), least) if travel else np.inf
+        return max(2.0 * (time_part + travel / self.length), least) if travel else np.inf
 
     def imbalance(self, trial: Trial) -> float:
         """The spring's force minus that of the contacts, along the motion (a length): above 0 the slider moves on."""
         stretch = self._drive_motion.at(np.array(trial.end)) - self.contacts.position - trial.travel
         return float(self.sign * (self.spring * stretch - trial.force))
 
-    def tried(self, size: float, time_steps: float, slope: float) -> TriedStep:
+    def tried(self, size: float, time_part: float, slope: float) -> TriedStep:
         """The step of this size of which so much is time; `slope`: of the imbalance, where that is below 0."""
-        now, later = self.contacts.now, max(time_steps, 0.0)
+        now, later = self.contacts.now, max(time_part, 0.0)
         # the time after no steps may differ from now by rounding
         time = max(self._count.time(self._count.steps(now) + later), now) if later else now
         trial = self.contacts.trial(self.sign * self.length * (size - later), time)
-        return TriedStep(time_steps, trial, self.imbalance(trial) + slope * min(time_steps, 0.0))
+        return TriedStep(time_part, trial, self.imbalance(trial) + slope * min(time_part, 0.0))
 
     def step(self, size: float, guess: Guess) -> Root:
         """The balanced step of this size, or up to the section's end, looked for from a guess.
@@ -249,11 +249,11 @@ class Steps:
         """
         slope, accuracy = guess.slope, self.contacts.memory.balance * size
 
-        def tried(time_steps: float) -> TriedStep:
-            return self.tried(size, time_steps, slope)
+        def tried(time_part: float) -> TriedStep:
+            return self.tried(size, time_part, slope)
 
         root = secant(tried, guess.time_fraction * size, slope, accuracy)
-        if root.step.time_steps < 0.0 and self.contacts.memory.exact:
+        if root.step.time_part < 0.0 and self.contacts.memory.exact:
             # F jumps where exact thresholds break: the secant may have passed a balance just before that
             before = _before_exact(tried, size, accuracy)
             return root if before is None else Root(before, root.slope, converged=True)
@@ -268,8 +268,8 @@ def _before_exact(
     With less time and more travel contacts pull more, until exact thresholds break and F falls. So at the first of the
     fractions, from the latest on, at which they pull more than the spring, a balance lies between it and the one
     before; unless they do so at the latest, without travel: then that step is the last one."""
-    time_steps = size * np.array(CONTROL.time_fractions)
-    for high, low in pairwise(time_steps.tolist()):
+    time_part = size * np.array(CONTROL.time_fractions)
+    for high, low in pairwise(time_part.tolist()):
         if tried(low).imbalance < 0.0:
             last = tried(high)
             if last.imbalance <= 0.0:
@@ -287,7 +287,7 @@ def secant(
     low, high = -np.inf, np.inf
     step = tried(guess)
     for _ in range(MOST_SECANTS):
-        at, value = step.time_steps, step.imbalance
+        at, value = step.time_part, step.imbalance
         low, high = (at, high) if value < 0.0 else (low, at)
         after = at - value / slope
         if abs(after - at) <= accuracy:
