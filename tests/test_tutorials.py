@@ -52,8 +52,8 @@ def test_a_surface(page: str, capsys: Any) -> None:
     assert f"{told['mean'] * 1e9:.2f} nm on average" in page
     assert f"deviation of {told['standard_deviation'] * 1e9:.2f} nm" in page
     assert f"contacts of {told['mean_stiffness']:.0f} N/m" in page
-    assert f"friction is {told['kinetic_force_of_the_area']:.4f} N" in page
-    assert f"softer than {told['critical_spring_of_the_area']:,.0f} N/m" in page
+    assert f"friction is {told['kinetic_force_of_the_area'] * 1e3:.0f} mN" in page
+    assert f"softer than {told['critical_spring_of_the_area'] * 1e-3:.1f} kN/m" in page
 
 
 @pytest.mark.slow

@@ -1088,6 +1088,24 @@ def test_the_widest_uncertainty_stands_in_the_headline() -> None:
     assert sentence(found) == "smooth at 1.000 N; other samples would change F_k by ± 50 mN"
 
 
+def test_with_a_delay_the_headline_ends_with_the_reach_of_the_force_before_a_slip() -> None:
+    """F_k is that of a rigid slider as fast as the drive, which no slider that sticks reaches."""
+    own = infinite("stick-slip", 5)
+    found = with_contacts(own, Finite("reset", 300, "unknown"), 0.4, 1.2)
+    late = found.own.contacts.replace(delay=Delay(9.0))
+    forces = zip(found.answers, (0.8, 0.5, 0.9), strict=True)
+    each = tuple(
+        replace(one, contacts=late, behaviours=(replace(own, before=force),))
+        for one, force in forces
+    )
+    said = sentence(replace(found, answers=each))
+    told = "the force before a slip by the 3 of 3 readings that slip is 500 mN to 900 mN"
+    assert sentence(found).endswith("; F_k of the 3 readings is 400 mN to 1.20 N")
+    assert said.endswith(f"; {told}")
+    title = draw_verdict(found).get_suptitle()
+    assert title == "a\nstick-slip: 800 mN down to 500 mN"
+
+
 def test_what_the_verdict_hangs_on_is_sorted_by_how_much_it_changes(capsys: Any) -> None:
     """What turns the answer, the share of the load on contacts that would be plastic, readings that are nearer, what
     turns nothing; and most of the load on plastic contacts is a doubt before the answer."""

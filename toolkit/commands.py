@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from origins.errors import InputError, refuse
+from origins.roughness.interface import Interface
 from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
@@ -163,7 +164,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     }
     on_root(comm, lambda: write_folder(folder, writers, stale(["thresholds"], writers)))
     hidden = SHARED_NUMBERS if scene.scale.spring_unit != SHARED else ()
-    lines = table_of(found, scene.contacts.laws, hidden)
+    lines = table_of(found, scene.contacts.laws, hidden, isinstance(law.interface, Interface))
     print("\n".join([title, *lines, f"written to {folder}"]))
     return 0 if found.success else 1
 

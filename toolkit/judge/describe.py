@@ -13,12 +13,13 @@ from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
 from toolkit.running.resampled import like, of_resampled
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite, with_error
-from toolkit.scene.scale import SHARED, Scale, length_unit_of
+from toolkit.scene.scale import SHARED, Scale, length_unit_of, written
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
 # numbers in units of N_c<k>
 SHARED_NUMBERS = ("kinetic_force", "critical_spring")
 RESAMPLES = 20  # the relative error of the sampling error is then a sixth
+SEEN = 1e-3  # of a number: a larger error would be seen in three digits
 
 
 @dataclass(frozen=True)
@@ -183,9 +184,12 @@ def onset_in_words(number: Number, digits: int) -> str:
     return f"{max(value - error, min(value, 0.0)):.2g} to {value + error:.2g}"
 
 
-def table_of(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...]) -> list[str]:
+def table_of(
+    found: Description, laws: tuple[str, ...], hidden: tuple[str, ...], surface: bool = False
+) -> list[str]:
     """The table as lines of text without the numbers `hidden`, which are there in SI units, too; where contacts have
-    `laws`, the numbers of sliding say whether these are in them."""
+    `laws`, the numbers of sliding say whether these are in them. Those of a `surface` have three digits, as other
+    models and resolutions of it change them by far more than their numerical errors."""
     sliding = [name for name in found.numbers if name.startswith((*PROPENSITY, "kinetic_force"))]
     labels = dict.fromkeys(sliding, "with laws")
     labels |= dict.fromkeys(("friction_coefficient", "kinetic_stress"), "P_c alone")
@@ -195,9 +199,13 @@ def table_of(found: Description, laws: tuple[str, ...], hidden: tuple[str, ...])
             continue
         unit = number.unit
         if name == "onset_power":
-            value = onset_in_words(number, 8)
+            value = onset_in_words(number, 3 if surface else 8)
         elif name.startswith("critical_spring") and not found.sampled and number.lost:
             value, unit = "not known", ""
+        elif surface and (number.error or 0.0) <= SEEN * abs(number.value):
+            # F_s - F_k is a small part of F_s
+            digits = 5 if name == "static_to_kinetic" else 3
+            value, unit = written(number.value, unit, digits=digits), ""
         else:
             value = with_error(number.value, number.error or 0.0, 8)
             value = value.replace(" ± inf", ", error not known")

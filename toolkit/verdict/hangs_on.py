@@ -17,7 +17,7 @@ from toolkit.verdict.kinds import NAMED, delay_decides, named, not_decided, othe
 from toolkit.verdict.lines import GENERAL, NOTHING, TURNS, UNSIZED, Line, by_reason, sorted_texts
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
 from toolkit.verdict.table import drop_of, in_units, regained_by
-from toolkit.verdict.uncertainty import reach_of_kinetic, shares_of
+from toolkit.verdict.uncertainty import reach_of_force, shares_of
 from toolkit.verdict.undone import left_undone, of_errors
 
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
@@ -82,8 +82,8 @@ def _of_readings(verdict: Verdict) -> Iterator[Line]:
     if len(springs) > 1:
         factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
         said = f"K* differs by a factor of {factor:.3g} over {len(springs)} readings"
-        forces = f"F_k is {reach_of_kinetic(verdict)}"
-        yield Line(size, f"threshold law, contact model and resolution: {said}, and {forces}")
+        said += f", and {reach_of_force(verdict)}"
+        yield Line(size, f"threshold law, contact model and resolution: {said}")
     for kind, names in differ.items():
         yield Line(size, f"of these, {kind}: {', '.join(names)}")
     missing = not_decided(verdict)

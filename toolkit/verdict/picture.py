@@ -1,5 +1,6 @@
 """The picture of a verdict: the friction trace, the threshold laws, and each reading's K* beside the spring."""
 
+import re
 from typing import Any, TypeVar
 
 import numpy as np
@@ -60,7 +61,10 @@ def draw_verdict(verdict: Verdict) -> Any:
     if len(verdict.answers) > 1:
         handles, labels = places["thresholds"].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
-    title = "\n".join(map(in_lines, [verdict.title, *warnings(verdict), sentence(verdict)]))
+    # the page has the rest: numbers of infinitely many contacts and of other readings, and why not to trust it
+    answer = re.sub(r" \([^()]*for infinitely many\)", "", sentence(verdict)).partition("; ")[0]
+    doubt = ["do not trust this: the page says why"] * bool(warnings(verdict))
+    title = "\n".join(map(in_lines, [verdict.title, *doubt, answer]))
     figure.suptitle(title, fontsize="medium", parse_math=False)
     return figure
 

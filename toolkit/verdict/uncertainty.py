@@ -57,15 +57,23 @@ def widest(verdict: Verdict) -> list[str]:
     if shares.sampling > shares.readings:
         error = written((own.kinetic.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
         return [f"other samples would change F_k by ± {error}"]
-    return [f"F_k of the {len(verdict.answers)} readings is {reach_of_kinetic(verdict)}"]
+    return [reach_of_force(verdict, f" of the {len(verdict.answers)} readings")]
 
 
-def reach_of_kinetic(verdict: Verdict) -> str:
-    """F_k over all readings, from the least to the largest."""
-    scale, share = verdict.own.scale, share_of(verdict)
-    forces = [one.kinetic.value * one.scale.force for one in verdict.answers]
+def reach_of_force(verdict: Verdict, whose: str = "") -> str:
+    """F_k over all readings, whose they are, from the least to the largest; where contacts depend on time, and stick
+    and slip, the force before a slip of readings that do, as F_k is that of a rigid slider as fast as the drive."""
+    scale, share, answers = verdict.own.scale, share_of(verdict), verdict.answers
+    forces, what = [one.kinetic.value * one.scale.force for one in answers], f"F_k{whose}"
+    befores = [
+        [abs(each.before) * one.scale.force for each in one.behaviours if each.kind == "stick-slip"]
+        for one in answers
+    ]
+    if verdict.own.contacts.in_time and befores[0]:
+        forces, slip = [one for each in befores for one in each], sum(map(bool, befores))
+        what = f"the force before a slip by the {slip} of {len(answers)} readings that slip"
     ends = (guarded(one, scale.force_unit, share * one) for one in (min(forces), max(forces)))
-    return " to ".join(dict.fromkeys(ends))
+    return f"{what} is {' to '.join(dict.fromkeys(ends))}"
 
 
 def numerical_errors(verdict: Verdict) -> str:

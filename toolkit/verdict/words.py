@@ -13,7 +13,7 @@ from toolkit.verdict.kinds import delay_decides, named, not_decided, others, out
 from toolkit.verdict.machine import NO_FORCES, Behaviour, half_a_swing
 from toolkit.verdict.of_area import apart, behaved, disagreeing, falls
 from toolkit.verdict.table import drop_of, in_units, speed_unit, table
-from toolkit.verdict.uncertainty import numerical_errors, reach_of_kinetic, share_of, widest
+from toolkit.verdict.uncertainty import numerical_errors, reach_of_force, share_of, widest
 
 # of a force: a larger error of it is told beside it
 KNOWN = 1e-3
@@ -92,7 +92,7 @@ def _not_known_of(verdict: Verdict) -> list[str]:
     late = " in time" * all(out_of_time(one) for one in missing)
     one = "is" if len(missing) == 1 else "are"
     count = f"the other {len(missing)} {one} not decided{late}"
-    return [f"this is of {whose}, {count}; F_k of all {many} is {reach_of_kinetic(verdict)}"]
+    return [f"this is of {whose}, {count}; {reach_of_force(verdict, f' of all {many}')}"]
 
 
 def _kinds(verdict: Verdict) -> list[str]:
