@@ -3,10 +3,12 @@
 import io
 import json
 import re
+import shlex
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from scenes import said
 
@@ -54,6 +56,14 @@ def test_a_surface(page: str, capsys: Any) -> None:
     assert f"contacts of {told['mean_stiffness']:.0f} N/m" in page
     assert f"friction is {told['kinetic_force_of_the_area'] * 1e3:.0f} mN" in page
     assert f"softer than {told['critical_spring_of_the_area'] * 1e-3:.1f} kN/m" in page
+    # of 0.1 kg on 50 N/m, with 0.5 N s/m
+    static = told["kinetic_force_of_the_area"] * told["static_to_kinetic"]
+    fast, zeta = static / 5.0**0.5, 0.25 / 5.0**0.5
+    left = np.exp(-np.pi * zeta / (1.0 - zeta**2) ** 0.5)
+    assert f"F_s = {static * 1e3:.0f} mN" in page and f"(K M)^(1/2) = {fast * 1e3:.0f} mm/s" in page
+    assert f"<x_s>/V = {told['mean'] / fast * 1e9:.0f} ns" in page and f"ζ = {zeta:.2f}" in page
+    assert f"(M/K)^(1/2) = {np.pi * 0.002**0.5 * 1e3:.0f} ms" in page
+    assert f"leaves {left:.2f}: the force falls by {1.0 + left:.2f} of itself" in page
 
 
 @pytest.mark.slow
@@ -65,6 +75,27 @@ def test_the_verdict_on_a_surface(page: str, capsys: Any) -> None:
     (told,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
     assert status == 0 and told in "\n".join(out)
     assert "22.9 kN/m to 7.11 MN/m" in "\n".join(out) and "22.9 kN/m to 7.11 MN/m" in page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["tutorial-thresholds.md"], indirect=True)
+def test_the_verdict_on_a_surface_with_a_mass(page: str, capsys: Any) -> None:
+    """Its forces are means over sliders, of as many contacts as there is time for."""
+    pytest.importorskip("SurfaceTopography")
+    run(python(page)[0], {})
+    (given,) = re.findall(r"    mesofriction (verdict polymer.toml --set .*)", page)
+    more = ["--set", 'verdict.readings=["gw/amontons"]', "--set", "verdict.steps=[1]"]
+    status, out, _ = said(capsys, *shlex.split(given), *more)
+    kind, high, low = re.findall(
+        r"\"([a-z-]+): (\d+) ± \d mN down to (-\d+) mN every 4.850 mm", page
+    )[0]
+    found = json.loads(Path("polymer-output/verdict.json").read_text(encoding="utf-8"))
+    (slips,) = found["readings"][0]["behaviours"]
+    assert status == 0 and slips["kind"] == kind == "stick-slip"
+    assert slips["before"] * 1e3 == pytest.approx(float(high), rel=0.01)
+    assert slips["after"] * 1e3 == pytest.approx(float(low), rel=0.01)
+    assert slips["period"] == pytest.approx(4.85e-3, rel=0.01)
+    assert "form again at once would make it smooth at 253.3 mN" in "\n".join(out)
 
 
 @pytest.mark.parametrize("page", ["tutorial-ensemble.md"], indirect=True)
