@@ -467,6 +467,12 @@ WRONG: list[tuple[str, Any, str]] = [
         {"time": 1.0},
         "contacts.delays: unknown key; did you mean delay? known here: thr",
     ),
+    ("contacts.area", 1e-6, "contacts.area: unknown key; it stands in [drive]; known here: thr"),
+    (
+        "contacts.thresholds.area",
+        1e-6,
+        "contacts.thresholds.area = 1e-06: unknown key; it stands in [drive]; gaussian takes mean, std",
+    ),
     ("contacts.delay", {}, "contacts.delay.time: is missing; it takes time"),
     (
         "contacts.thermal",

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from origins.errors import InputError, positive, refuse
 from origins.roughness.stated import BOLTZMANN
-from toolkit.scene.tables import did_you_mean
+from toolkit.scene.tables import did_you_mean, what_is_meant
 
 
 def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
@@ -167,7 +167,7 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
     takes = f"{title} takes {', '.join(keys)}"
     for key, value in arguments.items():
         if key not in keys and (not others or key == "kind"):  # no function means a kind
-            refuse(f"{where}.{key}", value, f"unknown key; {did_you_mean(key, keys)}{takes}")
+            refuse(f"{where}.{key}", value, f"unknown key; {what_is_meant(key, keys)}{takes}")
     for key, parameter in keys.items():
         if parameter.default is parameter.empty and key not in arguments:
             raise InputError(f"{where}.{key}: is missing; {takes}")

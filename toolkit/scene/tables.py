@@ -137,7 +137,7 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         if "field" in expected:
             key = f"{where}.{expected.split('`')[1]}".lstrip(".")
             known = _TABLES.get(where, RangeTable).__struct_encode_fields__
-            meant = did_you_mean(key.rpartition(".")[2], known)
+            meant = what_is_meant(key.rpartition(".")[2], known)
             said = f"unknown key; {meant}known here: {', '.join(known)}"
             raise InputError(f"{key}: {'is missing' if 'missing' in expected else said}") from error
         value: Any = tables
@@ -162,6 +162,14 @@ def _with_quoted_keys(tables: Any) -> Any:
     own = {name: value for name, value in sweep.items() if "." not in name}
     quoted = {name: value for name, value in sweep.items() if "." in name}
     return {**tables, "sweep": own | ({QUOTED: quoted} if quoted else {})}
+
+
+def what_is_meant(key: str, known: Iterable[str]) -> str:
+    """For a message on an unknown key: the table that has it, if one does; else the known key nearest to it."""
+    tables = [
+        name for name, table in _TABLES.items() if name and key in table.__struct_encode_fields__
+    ]
+    return f"it stands in [{tables[0]}]; " if len(tables) == 1 else did_you_mean(key, known)
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
