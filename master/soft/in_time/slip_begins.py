@@ -96,11 +96,20 @@ class SlipBegins:
 
     def _solve_along_motion(self, size: float) -> Root:
         """The same; where the slider runs against the motion, steps are counted the other way from here on. Up to where
-        the section cuts it, such a step may have a size below 0, and no slip is to be looked for on it."""
+        the section cuts it, such a step may have a size below 0, and no slip is to be looked for on it.
+
+        A secant may lead to a balance far back, where contacts have broken on the way, and from the other side to the
+        near one, of the first direction: that is looked for once more, from there."""
+        steps = self._steps
         root = self._solve(size)
-        if self._steps.runs_back(root.step.trial):
-            self._steps.turn_round()
+        for _ in range(2):
+            trial = root.step.trial
+            if not steps.runs_back(trial):
+                break
+            steps.turn_round()
             self.begin_section()
+            near = min(max(steps.travelled(trial) / size, 0.0), FIRST_FRACTION)
+            self._guess = self._guess._replace(time_fraction=1.0 - near)
             root = self._solve(size)
         return root
 
