@@ -138,7 +138,7 @@ PLANTED: dict[str, tuple[str, float, str]] = {
     "small slips": ("refining.UNLISTED", 1e6, r"slips that are too small to be .*X_T = 3\.0777"),
     "births": ("unresolved.UNKNOWN_BELOW", 1.0, "births of one step, of which many break before"),
     "near slips": ("near_slip.NEAR", 1e12, r"a slip that may come .*X_T = 4\.2; turn or end the"),
-    "steps": ("steps.MOST_SECANTS", 2, "steps, by which F and loads at slips changed as they"),
+    "steps": ("steps.MOST_SECANTS", 3, "steps, by which F and loads at slips changed as they"),
 }
 
 
