@@ -17,9 +17,8 @@ from origins.thresholds.law import Array
 
 LARGEST = 2.0**61  # largest position, in units: sums of two are whole numbers of 64 bits
 
-MOST_BREAKS = (
-    1e11  # of one slider: 40 minutes at 25 ns a break, of which nothing is kept if a run is stopped
-)
+# Breaks of one slider: 40 minutes at 25 ns each, of which nothing is kept if the run is stopped.
+MOST_BREAKS = 1e11
 
 
 class Replicas:

@@ -27,7 +27,7 @@ from toolkit.verdict.machine import Behaviour, Machine
 FLOWING = ("instant", "mass")
 # most contacts of each slider; most breaks of all, some 10 s at 25 ns each
 MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
-# of the latter, as they are estimated: so many do, too
+# times MOST_BREAKS: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
@@ -52,6 +52,23 @@ ABOVE, LEAST_ABOVE = (7.5, 12.5, 17.5, 22.5), 3.0
 # mean thresholds that each slider has moved by once it slides, and does not only stretch its contacts: between two
 # slips on a soft spring the force rises with the drive; and times as long as a step of ABOVE that the next may take
 FAR, LONGER = 100.0, 3.0
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Of which contacts, on which machine, it is asked what `number` of them do: the arguments of `follow_finite`."""
+
+    machine: Machine
+    contacts: Contacts
+    number: float
+    infinite: Behaviour
+    static: float
+
+    @property
+    def settles(self) -> bool:
+        """Whether contacts that re-form at once go on to slide."""
+        slips = self.infinite.kind == "stick-slip"
+        return self.infinite.rule == "instant" and not slips and not self.contacts.waiting_time
 
 
 @dataclass(frozen=True)
@@ -119,43 +136,33 @@ def follow_finite(
 
     static : F_s/(N_c <k>) (a length); seconds : to be done by then, else they are not followed
     """
+    asked = _Asked(machine, contacts, number, infinite, static)
     until, found = time.monotonic() + seconds, None
     for least, above in pairwise((LEAST_ABOVE, *ABOVE)):
         began = time.monotonic()
-        again = _pulled(
-            machine, contacts, number, infinite, static, until - began, above, above - least
-        )
+        again = _pulled(asked, until - began, above, above - least)
         if found is not None and again.kind == "unknown":
             return found if found.kind != "unknown" else again
         found, now = again, time.monotonic()
         slid = not (found.rises or found.message == NOT_SLID)
         # those that begin to slide take longer the further they are pulled
-        if slid or not _settles(contacts, infinite) or until - now < LONGER * (now - began):
+        if slid or not asked.settles or until - now < LONGER * (now - began):
             break
     return cast(Finite, found)
 
 
-def _settles(contacts: Contacts, infinite: Behaviour) -> bool:
-    """Whether contacts that re-form at once go on to slide."""
-    slips = infinite.kind == "stick-slip"
-    return infinite.rule == "instant" and not slips and not contacts.waiting_time
-
-
-def _pulled(
-    machine: Machine,
-    contacts: Contacts,
-    number: float,
-    infinite: Behaviour,
-    static: float,
-    seconds: float,
-    above: float,
-    sliding: float,
-) -> Finite:
+def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Finite:
     """As `follow_finite`, with contacts that re-form at once pulled `above` the force of infinitely many, and `sliding`
     along a part of that at most, both in mean thresholds times N^(-2/3)."""
+    machine, contacts, infinite, static = (
+        asked.machine,
+        asked.contacts,
+        asked.infinite,
+        asked.static,
+    )
     rule, slips = infinite.rule, infinite.kind == "stick-slip"
-    settles = _settles(contacts, infinite)
-    held = max(round(number), 1)
+    settles = asked.settles
+    held = max(round(asked.number), 1)
     mean = contacts.mean_threshold
     # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
     flowing = rule in FLOWING and not (rule == "mass" and contacts.waiting_time)
@@ -180,11 +187,11 @@ def _pulled(
 
     # fewer contacts have to be pulled further
     followed, way = min(held, MOST_CONTACTS), planned(held)
-    every = way.breaks
+    breaks_of_all = way.breaks
     while followed >= min(held, FEW) and (way := planned(followed)).breaks > MORE * MOST_BREAKS:
         followed = int(followed * MOST_BREAKS / way.breaks)
     if followed < min(held, FEW):
-        why = f"some {every:.1g} breaks are more than are followed here"
+        why = f"some {breaks_of_all:.1g} breaks are more than are followed here"
         return Finite(rule, held, "unknown", message=why)
     # the static force of so many scatters by some N^(-1/2) of itself
     further = static / np.sqrt(held) / machine.spring / mean
@@ -205,7 +212,7 @@ def _pulled(
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
     drive, force = trace_of(found, 0)
-    every = found.slips.drive.size
+    all_slips = found.slips.drive.size
     if settles:
         found = replace(found, slips=large_slips(found.slips, SMALL * mean))
     if slips:
@@ -230,7 +237,7 @@ def _pulled(
     finite = Finite(rule, followed, kind, message=message, drive=drive, force=force)
     if counts.any():
         main = found.slips if settles else main_slips(found.slips)
-        left_out = 0 if settles else every - main.drive.size
+        left_out = 0 if settles else all_slips - main.drive.size
         finite = _with_slips(replace(finite, smaller=left_out), main)
         if not settles:
             return finite

@@ -247,6 +247,7 @@ def _change_by(verdict: Verdict, many: Finite) -> float:
 def _not_followed(verdict: Verdict, many: Finite) -> float:
     """By how much so many contacts may bear another force than infinitely many that do the same, about."""
     own = verdict.own
+    # the second of the forces to which sliders are pulled, which most bear
     above = ABOVE[1] * many.contacts ** (-2.0 / 3.0) * own.contacts.mean_threshold
     return above / own.kinetic.value if own.kinetic.value > 0.0 else UNSIZED
 

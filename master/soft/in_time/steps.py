@@ -219,8 +219,8 @@ class Steps:
         """The largest size that is of use for the next step; inf in a hold.
 
         No step takes time beyond the section's end: what a size has left there would be travel without balance. A step
-        to the end on which the slider moves as far as the drive has half of this. It may move farther before a slip,
-        and where it creeps beside a slow drive: then by a small part of a step, if that passes no exact threshold."""
+        to the end on which the slider moves as far as the drive has half of this. It moves farther before a slip, and
+        where it creeps under a drive that hardly moves: a part of a step is left for that, but for exact thresholds."""
         now, end = self.contacts.now, self.section_end
         travel = float(np.abs(np.diff(self._drive_motion.at(np.array([now, end])))[0]))
         time_part = self._count.steps(end) - self._count.steps(now)
