@@ -83,6 +83,15 @@ def test_every_turn_is_an_edge_however_many_there_are():
     assert np.isin(motion.times, found).all()
 
 
+def test_an_edge_is_just_at_its_turn_where_another_kink_comes_a_rounding_before():
+    """Contacts meet the jump of their thresholds at 0.5; a panel that ended there would lie on two legs."""
+    contacts, turn = Contacts(BOX), 0.5 * (1.0 + 4e-13)
+    motion = Motion.along(np.array([0.0, turn, -1.0]))
+    births = Births(ColdLife(contacts), reforming_law(contacts), motion)
+    found = edges(births, contacts.start, 1e-6).times
+    assert np.isin(motion.times, found).all() and not np.isin(0.5, found)
+
+
 def test_no_births_of_a_panel_lie_on_two_legs_however_many_there_are(monkeypatch):
     """With a delay a panel ends one delay before each turn, too: from 150 turns on these were left out as small."""
     contacts, path = Contacts(gaussian(1.0, 0.2), delay=Delay(0.137)), [0.0, 1.3, 0.1, 1.2, -0.2]

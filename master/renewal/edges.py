@@ -34,10 +34,16 @@ SAME_TIME, ROUNDED = 1e-12, 2e-15
 
 
 class Kink(NamedTuple):
-    """A time at which breaks jump or bend, and the share of contacts in it; for a bend, in a jump of equal effect."""
+    """A time at which breaks jump or bend.
+
+    size : share of contacts in the jump; for a bend, in a jump of equal effect
+    needed : whether a panel has to end there however small the kink is: no panel may lie on two legs, nor may the
+        births of its breaks, one delay later
+    """
 
     time: float
     size: float
+    needed: bool = False
 
 
 class Edges(NamedTuple):
@@ -65,7 +71,7 @@ def edges(
     chain = _Kinks(births, continued_from)
     first = [*known, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
-    most += len(chain.needed)
+    most += sum(kink.needed for kink in first)
     # where there are too many, the smallest are left to the panels' own errors: another decade of sizes each time
     while len(met := list(islice(chain.following(first, least), most + 1))) > most:
         least *= 10.0
@@ -100,10 +106,6 @@ class _Kinks:
         # contacts that have moved by more before `continued_from`, a thousandth for rounding, hold no more
         self._farthest = 1.001 * max([far, *self._bends])
         self._place = float(self.motion.at(np.array(continued_from)))
-        # times at which a panel has to end, however small the kink: no panel may lie on two legs, nor may the births of
-        # its breaks, one delay later
-        delay = births.delay
-        self.needed = {time for knot in self.motion.times[1:-1] for time in (knot, knot - delay)}
 
     def of_start(self, start: Start) -> list[Kink]:
         """Kinks that follow from t = 0: contacts of the start may break at once, and births begin a delay later."""
@@ -116,14 +118,14 @@ class _Kinks:
         one_stretch = self.births.law.is_single and not self.life.timeless
         knots = self.motion.times[1:-1].tolist()
         for time, speed_before in zip(knots, self.motion.speeds[:-1].tolist(), strict=True):
-            found.append(Kink(time, SMOOTHER))
+            found.append(Kink(time, SMOOTHER, needed=True))
             # contacts born in one hold share one stretch, and later break together: a jump
             in_hold = one_stretch and speed_before == 0.0
             if in_hold:
-                found.append(Kink(time - delay, 1.0))
+                found.append(Kink(time - delay, 1.0, needed=True))
             elif delay > 0.0:
                 # breaks one delay before a knot are born at it, where X(s) bends: twice as smooth as a jump of births
-                found.append(Kink(time - delay, SMOOTHER * SMOOTHER))
+                found.append(Kink(time - delay, SMOOTHER * SMOOTHER, needed=True))
         return found
 
     def broken(self, birth: float, size: float, law: Start) -> Iterator[Kink]:
@@ -147,22 +149,25 @@ class _Kinks:
         """All kinks, in the order of time, of a size above the least: the first ones, and those that follow.
 
         Kinks still to come wait in a heap. The next one is taken out, together with all at the same time; if it is
-        large enough, what follows from it is put in. Those that are `needed` are large enough in any case. After
-        `births.until` none is looked for: the march has ended.
+        large enough, or needed, what follows from it is put in. Together they are one kink at the time of the first
+        that is needed, or of the first of all. After `births.until` none is looked for: the march has ended.
         """
         end, delay = float(self.motion.times[-1]), self.births.delay
         coming = list(first)
         heapq.heapify(coming)
         while coming and clock.monotonic() <= self.births.until:
-            time, size = heapq.heappop(coming)
-            close, needed = self.close(time), time in self.needed
-            while coming and coming[0].time <= time + close:
+            time, size, needed = heapq.heappop(coming)
+            close = self.close(time)
+            together_until = time + close
+            while coming and coming[0].time <= together_until:
                 other = heapq.heappop(coming)
-                size, needed = min(size + other.size, 1.0), needed or other.time in self.needed
+                size = min(size + other.size, 1.0)
+                if other.needed and not needed:
+                    time, needed = other.time, True
             if time > end + close or not (size > least or needed):
                 continue
             if time > self.continued_from + close:
-                yield Kink(time, size)
+                yield Kink(time, size, needed)
             for kink in self.broken(time + delay, size, self.births.law):
                 heapq.heappush(coming, kink)
             if delay > 0.0:

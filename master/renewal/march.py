@@ -184,7 +184,7 @@ class March:
         speed, same_width = float(self.motion.speeds[leg]), self._count_same_width(width, leg)
         of_panel = self.present.panel_sums(speed, width, same_width + count)
         targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
-        known = self.known_on(leg, targets_leg, same_width)
+        known = self.enter_and_sum(leg, targets_leg, same_width)
         breaks_same_width = self.solved.breaks[self.solved.count - same_width :]
         return solve_batch(of_panel, known, breaks_same_width, self.longest_stretch)
 
@@ -192,19 +192,19 @@ class March:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
         survival depends on the lag alone. Panels from so long ago that none holds are left out.
 
-        Fewer would cost time only, as `known_on` integrates the others. One more would be wrong: on another width
+        Fewer would cost time only, as `enter_and_sum` integrates the others. One more would be wrong: on another width
         PanelSums do not hold, which may not show; and of a leg before Past has the births: they would count twice."""
         # one width before, as a panel's last breaks come one after its first; and one more, amply for rounding
         oldest = self._oldest_that_counts(self.solved.end, leg) - 2.0 * width
         earliest_on_leg = float(self.motion.times[leg]) - SAME_BEGIN * width
         return self.solved.count_same_width(width, max(oldest, earliest_on_leg))
 
-    def known_at(self, t: Array) -> Array:
-        """As `known_on`, at times t in rows, all on one leg; (2, *t.shape)."""
+    def enter_and_sum_at(self, t: Array) -> Array:
+        """As `enter_and_sum`, at times t in rows, all on one leg; (2, *t.shape)."""
         leg = self.motion.leg_of_all(t)
-        return self.known_on(leg, t - self.motion.times[leg])
+        return self.enter_and_sum(leg, t - self.motion.times[leg])
 
-    def known_on(self, leg: int, grid_leg: Array, same_width: int = 0) -> Array:
+    def enter_and_sum(self, leg: int, grid_leg: Array, same_width: int = 0) -> Array:
         """Number and force of all contacts whose births are known, at later times on a leg; (2, *grid_leg.shape).
 
         It enters the leg for good (Past.enter), and counts errors: an earlier leg is never asked for afterwards.
@@ -260,14 +260,14 @@ class March:
         leg = int(self.motion.leg(t))
         edge_leg = t - self.motion.times[leg]
         beside = 0.5 * min(self.solved.width[-1], end - t)
-        # At a jump `known_on` gives the limit from the left to a row of times that ends there, and from the right to
-        # one that begins there, both within a panel.
+        # At a jump `enter_and_sum` gives the limit from the left to a row of times that ends there, and that from the
+        # right to one that begins there, both within a panel.
         until_edge, from_edge = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
         # Where the edge ends the leg the later times are asked for on it all the same: on the next leg Past would enter
         # that too early. Only the number at the edge is read, which is right. One row each, as they are on two legs.
         amid_leg = t < self.motion.times[leg + 1]
         asked = [[until_edge, from_edge]] if amid_leg else [[until_edge], [from_edge]]
-        number = np.concatenate([self.known_on(leg, np.array(rows))[0] for rows in asked])
+        number = np.concatenate([self.enter_and_sum(leg, np.array(rows))[0] for rows in asked])
         return float(number[0, -1]), float(number[1, 0])
 
     def cut(self, t: float, births: Births) -> "March":
@@ -288,7 +288,7 @@ class March:
 
     def postpone_births(self, begin: float, end: float) -> None:
         """Add panels from begin to end without births: broken contacts are born together at the end."""
-        number, _ = self.known_at(np.full((1, TARGETS.size), end))
+        number, _ = self.enter_and_sum_at(np.full((1, TARGETS.size), end))
         leg_start_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         # breaks at the end are looked for over half of the last panel, which has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)

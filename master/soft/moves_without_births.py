@@ -59,7 +59,7 @@ class MoveWithoutBirths(Move):
         bound = self._force + stiffness * travel * np.append(0.0, polynomials.NODES)[None]
         batch = Batch(np.zeros_like(bound), self.direction * bound, np.zeros(1))
         self._append(begin, travel, batch, 1)
-        number, force = march.known_at(np.full((1, TARGETS.size), begin + travel))[:, 0, 0]
+        number, force = march.enter_and_sum_at(np.full((1, TARGETS.size), begin + travel))[:, 0, 0]
         self._held, self._force = float(number), self.direction * float(force)
         return True
 
@@ -86,7 +86,7 @@ class MoveWithoutBirths(Move):
             width = min(self._widest, room)
             count = min(count, max(int(room / width), 1))
             starts = begin + width * np.arange(count)[:, None]
-            known = march.known_at(starts + width * TARGETS)[..., : polynomials.DEGREE + 1]
+            known = march.enter_and_sum_at(starts + width * TARGETS)[..., : polynomials.DEGREE + 1]
             force = known[1]
             error = (
                 np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1) / life.largest_stretch
@@ -112,7 +112,9 @@ class MoveWithoutBirths(Move):
         """The share of the contacts that hold after the travel y."""
         if self.holds_none(y):
             return 0.0
-        return float(self._march.known_at(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0])
+        return float(
+            self._march.enter_and_sum_at(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0]
+        )
 
     def after_slip(self, y: float, error: float) -> LoadingHistory:
         """The history when the slip ends after the travel y, and broken contacts re-form; the error is that after."""

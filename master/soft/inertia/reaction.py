@@ -193,7 +193,7 @@ class Reaction(Move):
         march.present = Present(births)
         at = np.maximum(self.loaded.end + y, self.loaded.end + BEGUN * self.contacts.unit)
         different, back = np.unique(at, return_inverse=True)
-        return np.asarray(march.known_at(different[:, None])[1, :, 0][back])
+        return np.asarray(march.enter_and_sum_at(different[:, None])[1, :, 0][back])
 
 
 class _StoredLife(ColdLife):
