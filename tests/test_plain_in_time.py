@@ -143,13 +143,13 @@ def test_births_follow_from_the_breaks_one_delay_before() -> None:
 
     past = BreaksInSteps(0.25, 0.0)
     for n in range(1, 11):
-        past.add(0.1 * n, cubic(0.1 * n))
+        past.add(0.1 * n, cubic(0.1 * n), 1.0)
     past.begin_section()
-    past.add(1.0, 0.5)
+    past.add(1.0, 0.5, 0.0)
     past.repeat_jump(1.0)
     past.begin_section()
     for n in range(11, 15):
-        past.add(0.1 * n, line(0.1 * n))
+        past.add(0.1 * n, line(0.1 * n), 1.0)
     for end in (
         0.1,
         0.25,
@@ -161,17 +161,55 @@ def test_births_follow_from_the_breaks_one_delay_before() -> None:
         assert past.births_up_to(begin=end - 0.1, end=end) == pytest.approx(
             (0.0, cubic(max(end - 0.25, 0.0))), abs=1e-12
         )
-    assert past.births_up_to(begin=1.4, end=1.5) == pytest.approx((0.0, line(1.25)), abs=1e-12)
-    # a step longer than the delay: part of what breaks in it is born in it
-    slope, rest = past.births_up_to(begin=1.4, end=2.0)
-    assert slope * line(2.0) + rest == pytest.approx(line(1.75), abs=1e-12)
     # births jump a delay after the breaks, and bend after two; what jumps is due once
     assert past.pending == pytest.approx({1.25: 0.2, 1.5: 0.0}, abs=1e-12)
+    assert past.births_up_to(begin=1.2, end=1.25 + 1e-9) == pytest.approx((0.0, 0.3), abs=1e-12)
     assert (
         past.take_due(1.2) == 0.0
         and past.take_due(1.25) == pytest.approx(0.2)
         and past.take_due(1.25) == 0.0
     )
+    assert past.births_up_to(begin=1.2, end=1.25 - 1e-9) == pytest.approx((0.0, 0.5), abs=1e-12)
+    assert past.births_up_to(begin=1.4, end=1.5) == pytest.approx((0.0, line(1.25)), abs=1e-12)
+    # a step longer than the delay: part of what breaks in it is born in it
+    slope, rest = past.births_up_to(begin=1.4, end=2.0)
+    assert slope * line(2.0) + rest == pytest.approx(line(1.75), abs=1e-12)
+
+
+def test_breaks_that_come_ever_faster_are_read_back_between_steps() -> None:
+    """B goes as a root towards the fold at t = 1, the time as the square of the sizes; also where a search for it has
+    left a step of next to no size."""
+    past, sizes = BreaksInSteps(0.25, 0.0), np.append(np.linspace(0.0, 1.0, 6)[1:], 1.0 + 1e-9)
+    for size, before in zip(sizes, np.append(0.0, sizes), strict=False):
+        past.add(1.0 - (1.0 - size) ** 2, 0.5 * size, size - before)
+    for time in (0.9, 0.99, 0.9999):
+        births = past.births_up_to(begin=1.1, end=time + 0.25)
+        assert births == pytest.approx((0.0, 0.5 * (1.0 - np.sqrt(1.0 - time))), abs=1e-8)
+
+
+@pytest.mark.parametrize("delay", [1e-13, 1e-12, 1e-9, 1e-3])
+def test_a_delay_far_below_the_digits_of_the_time_does_next_to_nothing(delay: float) -> None:
+    """A million thresholds of drive lead to each slip. Contacts that had formed again after a slip were born with the
+    sign turned on the next step: up to 1.0496 of all held, between points of the path at which F was right."""
+    spring, path = 1e-6, np.linspace(0.0, 3.5e6, 51)[1:]
+    contacts = Contacts(WIDE, delay=Delay(delay))
+    found, at_once = (
+        master.solve(of, path, 1e-3, spring=spring, slip="reform-after")
+        for of in (contacts, Contacts(WIDE))
+    )
+    assert found.success and np.abs(found.holding - 1.0).max() < 1e-5
+    assert found.slips.drive.size == at_once.slips.drive.size == 5
+    assert np.abs(found.force - at_once.force).max() < found.force_error
+
+
+def test_a_narrow_law_slips_again_only_when_all_contacts_have_formed() -> None:
+    """Within a delay of a slip few contacts hold; births below 0 made them slip, and 0.013 more than all hold."""
+    contacts = Contacts(gaussian(1.0, 0.05), delay=Delay(1.0))
+    found = master.solve(
+        contacts, np.linspace(0.0, 350.0, 51)[1:], 1e-3, spring=0.01, slip="reform-after"
+    )
+    assert found.success and found.slips.drive.size == 3
+    assert found.holding.min() > -1e-3 and found.holding.max() < 1.0 + 1e-9
 
 
 def test_a_delay_far_below_a_step_does_next_to_nothing() -> None:
@@ -247,7 +285,7 @@ def test_the_steps_of_the_example_are_those_of_its_docstring() -> None:
         if root.has_balance:
             travel = root.step.trial.travel
             assert travel == pytest.approx((1.0 - root.step.time_part) * steps.length, rel=1e-9)
-            state.take(root.step.trial)
+            state.take(root.step.trial, steps.size(root.step.trial))
             told = [root.step.time_part, state.now - begin, travel, state.force]
             if said := {1: [0.215, 0.477, 0.0796, 0.0796], 10: [0.079, 0.181, 0.0933, 0.6896]}.get(
                 len(taken)
@@ -282,11 +320,11 @@ def test_contacts_that_broke_at_once_form_at_once_one_delay_later() -> None:
     contacts = Contacts(WIDE, delay=Delay(0.25), reforming=-0.1)
     cohorts, held = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf), WIDE.sf(0.9)
     cohorts.past_breaks.begin_section()
-    cohorts.take(cohorts.trial(0.9, 0.0, without_births=True))
+    cohorts.take(cohorts.trial(0.9, 0.0, without_births=True), 0.0)
     cohorts.past_breaks.repeat_jump(0.0)
     cohorts.past_breaks.begin_section()
     for now in (0.1, 0.2, 0.25):
-        cohorts.take(cohorts.trial(0.0, now))
+        cohorts.take(cohorts.trial(0.0, now), 1.0)
         cohorts.form_due()
         told = (1.0, 0.9 * held - 0.1 * (1.0 - held)) if now == 0.25 else (held, 0.9 * held)
         assert (cohorts.holding, cohorts.force) == pytest.approx(told, abs=1e-11)
@@ -378,7 +416,7 @@ def test_a_slip_begins_where_the_load_is_largest(spring: float) -> None:
     steps.begin_section(0, end)
     while not slips and cohorts.steps < 100:
         trial, slips = search.up_to_slip(size)
-        cohorts.take(trial)
+        cohorts.take(trial, 1.0)
 
     def rise(x: float) -> float:
         return float(WIDE.sf(x) - x * WIDE.pdf(x)) + spring
@@ -639,7 +677,9 @@ def test_contacts_that_are_left_out_while_they_hold_name_themselves(
 def test_breaks_that_are_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of the breaks are forgotten as a step is taken: more have formed and not broken than hold."""
     true = BreaksInSteps.add
-    monkeypatch.setattr(BreaksInSteps, "add", lambda of, now, breaks: true(of, now, 0.5 * breaks))
+    monkeypatch.setattr(
+        BreaksInSteps, "add", lambda of, now, breaks, size: true(of, now, 0.5 * breaks, size)
+    )
     found = master.solve(CASES["delay"], [1.0], 1e-3, velocity=VELOCITY, spring=SPRING)
     assert not found.success and "number is not conserved: after t = " in found.message
 

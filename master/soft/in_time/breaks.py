@@ -3,13 +3,22 @@
 from bisect import bisect_left
 from typing import NamedTuple
 
+import numpy as np
 from scipy.interpolate import KroghInterpolator
+from scipy.optimize import brentq
 
-# By this part of the time since the beginning a delay is prolonged, so that births that are due at an instant do not
-# come before it by rounding.
-LATE = 1e-13
-# Nodes of the polynomial through past breaks, of a higher order than the steps, which are of second order.
+# Nodes of the polynomials through past breaks, of a higher order than the steps, which are of second order.
 NODES = 4
+# A step that is this small beside the one before adds no node: polynomials through both ends would magnify rounding.
+NEARBY = 1e-3
+
+
+class StepEnd(NamedTuple):
+    """The end of a step: its time, the breaks up to there, and the sizes of its section's steps up to there."""
+
+    time: float
+    breaks: float
+    sizes_so_far: float
 
 
 class BirthsUpTo(NamedTuple):
@@ -20,47 +29,65 @@ class BirthsUpTo(NamedTuple):
     rest: float
 
 
+class Jump(NamedTuple):
+    """Breaks that jumped: the section of no time in which they did, when, and when births repeat it (times)."""
+
+    section: int
+    at: float
+    due_at: float
+
+
 class BreaksInSteps:
     """Breaks per contact since t = 0 or a reset, at the ends of steps.
 
     delay : time for which a broken contact is out
     pending : times at which the rate of births will change abruptly, and the fraction that is born at once there: above
         0 where breaks jumped a delay before, 0 where their rate did
+
+    _to_repeat, _repeated : jumps, in order, that births are still to repeat, and the last one that they have repeated.
+        Between two of them births are those of the breaks between both. Which these are is told by the jumps, as times
+        do not tell it to their last digit: a delay may be as short as that.
     """
 
     def __init__(self, delay: float, now: float) -> None:
         self.delay, self._counted_since = delay, now
         # ends of steps with the breaks up to there, in sections along which breaks are smooth
-        self._sections = [[(now, 0.0)]]
+        self._sections = [[StepEnd(now, 0.0, 0.0)]]
         self.pending: dict[float, float] = {}
+        self._to_repeat, self._repeated = list[Jump](), Jump(-1, -np.inf, -np.inf)
 
     @property
     def total(self) -> float:
         """Breaks up to the end of the last step."""
-        return self._sections[-1][-1][1]
+        return self._sections[-1][-1].breaks
 
-    def add(self, now: float, breaks: float) -> None:
-        """A step ended now, with so many breaks up to its end."""
-        self._sections[-1].append((now, breaks))
+    def add(self, now: float, breaks: float, size: float) -> None:
+        """A step of this size ended now, with so many breaks up to its end."""
+        section = self._sections[-1]
+        sizes_so_far = section[-1].sizes_so_far + size
+        if len(section) > 1 and size < NEARBY * (
+            section[-1].sizes_so_far - section[-2].sizes_so_far
+        ):
+            section.pop()
+        section.append(StepEnd(now, breaks, sizes_so_far))
 
     def births_up_to(self, *, begin: float, end: float) -> BirthsUpTo:
         """Births up to the end of a step from `begin`, the end of the last step, to `end`, times on the path. Their
         names are asked for, as no type tells them apart."""
         if not self.delay:
             return BirthsUpTo(1.0, 0.0)
-        broken_at = end - self.delay - LATE * (end - self._counted_since)
-        if broken_at <= self._counted_since:
+        last, coming = self._repeated, self._to_repeat[:1]
+        broken_at = min([max(end - self.delay, last.at), *(jump.at for jump in coming)])
+        if broken_at <= self._counted_since and last.section < 0:
             return BirthsUpTo(0.0, 0.0)
         if broken_at > begin:
             # within this step, on which B goes straight from `total`, that at its begin, to that at its end, which is
             # not known yet: B(broken_at) = (1 - fraction) total + fraction B(end)
             fraction = (broken_at - begin) / (end - begin)
             return BirthsUpTo(fraction, (1.0 - fraction) * self.total)
-        section = next(section for section in self._sections if section[-1][0] >= broken_at)
-        first = bisect_left(section, (broken_at,)) - NODES // 2
-        first = max(min(first, len(section) - NODES), 0)
-        times, breaks = zip(*section[first : first + NODES], strict=True)
-        return BirthsUpTo(0.0, float(KroghInterpolator(times, breaks)(broken_at)))
+        later = self._sections[last.section + 1 :]
+        section = next(section for section in later if section[-1].time >= broken_at)
+        return BirthsUpTo(0.0, _breaks_at(section, broken_at))
 
     def begin_section(self) -> None:
         """The rate of breaks, or their sum, may jump at this instant: no polynomial leads across. Called by
@@ -71,7 +98,7 @@ class BreaksInSteps:
 
         Not by `slip_with_births`: births follow at once there, and nobody asks for past breaks.
         """
-        self._sections.append(self._sections[-1][-1:])
+        self._sections.append([self._sections[-1][-1]._replace(sizes_so_far=0.0)])
 
     def repeat_bend(self, at: float) -> None:
         """The rate of breaks jumps: that of births jumps a delay later, and bends after two. Without a delay births
@@ -82,11 +109,31 @@ class BreaksInSteps:
 
     def repeat_jump(self, at: float) -> None:
         """Breaks jumped by those of the last section, which took no time: births repeat it a delay later."""
-        (_, before), (_, after) = self._sections[-1][0], self._sections[-1][-1]
+        before, after = self._sections[-1][0].breaks, self._sections[-1][-1].breaks
         self.repeat_bend(at)
         due_at = at + self.delay
+        self._to_repeat.append(Jump(len(self._sections) - 1, at, due_at))
         self.pending[due_at] = self.pending.get(due_at, 0.0) + after - before
 
     def take_due(self, now: float) -> float:
         """The fraction that is born at once now, which is pending no longer."""
+        while self._to_repeat and self._to_repeat[0].due_at <= now:
+            self._repeated = self._to_repeat.pop(0)
         return sum(self.pending.pop(at) for at in list(self.pending) if at <= now)
+
+
+def _breaks_at(section: list[StepEnd], time: float) -> float:
+    """Breaks up to a time in a section, from cubics of time and breaks over the sizes of steps, in which both are
+    smooth. Towards a slip breaks come ever faster, and a cubic of breaks over time swung by a hundredth of all contacts
+    there: births were below 0."""
+    after = bisect_left(section, time, key=lambda end: end.time)
+    first = max(min(after - NODES // 2, len(section) - NODES), 0)
+    times, breaks, sizes = np.array(section[first : first + NODES]).T
+    later, gaps = times - time, np.diff(sizes)
+    if after > 0 and gaps.min() > 0.0:
+        # 0 and 1 at the ends of the step in which the time is
+        at = (sizes - sizes[after - first - 1]) / gaps[after - first - 1]
+        both = KroghInterpolator(at, np.stack([later, breaks], axis=1))
+        if both(0.0)[0] < 0.0 < both(1.0)[0]:
+            return float(both(brentq(lambda at: both(at)[0], 0.0, 1.0))[1])
+    return float(np.interp(0.0, later, breaks))  # at the end of a step, but for rounding

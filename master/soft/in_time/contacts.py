@@ -180,9 +180,9 @@ class ContactsInSteps:
         births = self._births + new
         return Trial(travel, end, groups, held, force, holding, breaks, births, kept)
 
-    def take(self, trial: Trial) -> None:
-        """Take the step: its groups, with the births in it, become those of the contacts; the trial stays as it is.
-        StoppedError where there are too many steps."""
+    def take(self, trial: Trial, size: float) -> None:
+        """Take the step, of this size (0 in a slip): its groups, with the births in it, become those of the contacts;
+        the trial stays as it is. StoppedError where there are too many steps."""
         held, weight = trial.survival_and_force, trial.groups.weight.copy()
         self.are_new = False
         self.steps += 1
@@ -191,7 +191,7 @@ class ContactsInSteps:
         new = (trial.births - self._births) * self._per_birth
         weight[self._last_two] += new
         self._births_in_cohorts += float(new @ np.tile(self._survival_at_birth, 2))
-        self.past_breaks.add(trial.end, trial.breaks)
+        self.past_breaks.add(trial.end, trial.breaks, size)
         self._check_number(trial.births, float(held[0] @ weight))
         self.position, self.now = self.position + trial.travel, trial.end
         self.force, self.holding = trial.force, trial.holding

@@ -124,9 +124,9 @@ class Slider:
                         f"the step from t = {contacts.now:.6g} to {trial.end:.6g} has the size {taken:.3g}: it "
                         "leads against the motion, a fault of the program"
                     )
-                done = nodes[-1].sizes_so_far + max(taken, 0.0)
-                contacts.take(trial)
-                nodes.append(self._node(done))
+                taken = max(taken, 0.0)
+                contacts.take(trial, taken)
+                nodes.append(self._node(nodes[-1].sizes_so_far + taken))
         return slips
 
     def _creeps(self, nodes: list[Node]) -> bool:

@@ -38,7 +38,7 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     """
     contacts.past_breaks.begin_section()
     travel = _travel_to_balance(contacts, steps)
-    contacts.take(contacts.trial(travel, contacts.now, without_births=True))
+    contacts.take(contacts.trial(travel, contacts.now, without_births=True), 0.0)
     if not (contacts.holding or contacts.delay):
         return contacts.relax()
     contacts.past_breaks.repeat_jump(contacts.now)
@@ -84,7 +84,7 @@ def slip_with_births(
 
     first = _first_travel(imbalance, steps.sign * small)
     if not first:
-        contacts.take(contacts.trial(NO_SLIP * step, contacts.now))
+        contacts.take(contacts.trial(NO_SLIP * step, contacts.now), 0.0)
         return
     # a travel on the next step at which the slider still moves on
     low = first
@@ -98,7 +98,7 @@ def slip_with_births(
         if pull <= 0.0 and away:
             break
         away |= pull > 0.0 or abs(contacts.position - begin) > small
-        contacts.take(trial)
+        contacts.take(trial, 0.0)
         low = 0.0
         so_far.add(contacts, pull)
         to_end = pull / steps.spring  # the way on which the spring relaxes if F stays what it is
@@ -113,7 +113,7 @@ def slip_with_births(
             so_far.decohered_since = so_far.travelled[-1]
     if imbalance(low) > 0.0:
         low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
-    contacts.take(contacts.trial(low, contacts.now))
+    contacts.take(contacts.trial(low, contacts.now), 0.0)
 
 
 def _error_of_rest(
