@@ -110,8 +110,11 @@ def mean_survival(log: Array) -> Array:
     low, high = survival[:, :-1], survival[:, 1:]
     mean = 0.5 * (low + high)
     steep = np.abs(high - low) > FLAT
-    ends = log[:, :-1][steep], log[:, 1:][steep]
-    # the integral of e^-A over ln A is -E_1(A)
-    below, above = (exp1(np.exp(np.clip(end, LEAST_LOG, MOST_LOG))) for end in ends)
-    mean[steep] = (above - below) / (ends[0] - ends[1])
+    # the integral of e^-A over ln A is -E_1(A), which two cells beside each other share at the edge between them
+    wanted = np.zeros(log.shape, bool)
+    wanted[:, :-1] = steep
+    wanted[:, 1:] |= steep
+    integral = np.zeros(log.shape)
+    integral[wanted] = exp1(np.exp(np.clip(log[wanted], LEAST_LOG, MOST_LOG)))
+    np.divide(np.diff(integral), log[:, :-1] - log[:, 1:], out=mean, where=steep)
     return mean
