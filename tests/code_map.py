@@ -13,6 +13,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -203,6 +204,7 @@ def tests_of_folders() -> str:
     return "".join(rows)
 
 
+@cache
 def page() -> str:
     """The page as it should be."""
     found: dict[str, list[str]] = {}

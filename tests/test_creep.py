@@ -1,6 +1,7 @@
 """Steady creep of a slider on a soft spring, whose contacts heat breaks; and when it is not told."""
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,6 +20,7 @@ SPREAD = stats.weibull_min(2.0, scale=1.128379167)
 EYRING = Thermal("eyring", width=0.03)
 # a spring on which a slider moves by 10 thresholds while its speed grows by a factor e; softer, a million
 SPRING, SOFTEST = 3e-3, 1e-6
+CREEPING = Contacts(SPREAD, thermal=EYRING)
 
 
 def kinetic(contacts: Contacts, velocity: float) -> float:
@@ -26,7 +28,7 @@ def kinetic(contacts: Contacts, velocity: float) -> float:
     return float(master.steady_state(contacts, velocity=velocity).force)
 
 
-@pytest.mark.parametrize("law", [WIDE, SPREAD])
+@pytest.mark.parametrize("law", [WIDE, pytest.param(SPREAD, marks=pytest.mark.slow)])
 def test_the_response_is_that_to_a_small_step_of_the_speed(law: Any) -> None:
     """With R(X), the change of F after a step for each factor e of the speed, G(iq) = iq T(iq), T its transform."""
     contacts, step, waves = Contacts(law, thermal=EYRING), 0.02, np.array([0.3, 2.0, 6.0])
@@ -89,6 +91,7 @@ def test_sliding_whose_force_answers_against_a_disturbance_is_unstable_on_a_soft
         assert is_stable(Contacts(law, thermal=EYRING), 1e-4, SOFTEST)
 
 
+@cache
 def soft(
     contacts: Contacts, end: float, slip: Any, tolerance: float = 1e-2, sign: float = 1.0
 ) -> Any:
@@ -99,11 +102,11 @@ def soft(
 
 def test_steady_creep_goes_on_as_steps_do() -> None:
     """Up to X_T = 240 steps do; on a path ten times as long creep takes over before. By "reset" F would fall to 0 in
-    any slip: as there is none, steps are the same under all rules."""
-    contacts = Contacts(SPREAD, thermal=EYRING)
+    any slip: as there is none, steps are the same under another rule."""
+    contacts = CREEPING
     steps = soft(contacts, 240.0, "reset")
     assert steps.success and "creeps" not in steps.message and not steps.slips.drive.size
-    for slip in ("reset", "reform-after", "instant"):
+    for slip in ("reset", "instant"):
         creep = soft(contacts, 2400.0, slip)
         assert creep.success and "creeps" in creep.message
         off = np.abs(creep.force[:41] - steps.force).max()
@@ -113,8 +116,8 @@ def test_steady_creep_goes_on_as_steps_do() -> None:
 
 
 def test_creep_backward_is_that_forward() -> None:
-    contacts = Contacts(SPREAD, thermal=EYRING)
-    there, back = (soft(contacts, 2400.0, "reset", sign=sign) for sign in (1.0, -1.0))
+    there = soft(CREEPING, 2400.0, "reset")
+    back = soft(CREEPING, 2400.0, "reset", sign=-1.0)
     assert "creeps" in back.message
     assert -back.force == pytest.approx(there.force, abs=1e-7)
 

@@ -226,7 +226,8 @@ def test_a_delay_far_below_a_step_does_next_to_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    "law", ["soft", "eyring", "ageing", pytest.param("delay", marks=pytest.mark.slow)]
+    "law",
+    ["soft", "ageing", *(pytest.param(one, marks=pytest.mark.slow) for one in ("eyring", "delay"))],
 )
 def test_a_drive_that_turns_back_by_next_to_nothing_is_as_good_as_one_that_holds(law: str) -> None:
     """The spring still pulls the slider on, while contacts break at rest: it moves against the drive."""
@@ -251,7 +252,7 @@ def test_a_drive_that_turns_back_by_next_to_nothing_is_as_good_as_one_that_holds
     assert (back.position[1] - back.position[0]) > 0.1
 
 
-@pytest.mark.parametrize("law", ["jumps", "delay"])
+@pytest.mark.parametrize("law", [pytest.param("jumps", marks=pytest.mark.slow), "delay"])
 def test_a_slip_in_a_hold_comes_as_well_while_the_drive_moves_by_next_to_nothing(law: str) -> None:
     """Either way, while contacts creep to the slip: the drive tells nothing of how far the slider goes."""
     heat = Thermal("soft", 0.05, 0.1)
@@ -472,7 +473,10 @@ SLIPPING = {
 }
 
 
-@pytest.mark.parametrize("name", SLIPPING)
+# stiff heat is held to its twin above, and to the slips of others in test_soft_laws
+@pytest.mark.parametrize(
+    "name", ["heat", pytest.param("stiff heat", marks=pytest.mark.slow), "growth, heat"]
+)
 def test_with_heat_a_slip_comes_where_the_twin_loses_balance_and_new_contacts_follow(
     name: str,
 ) -> None:

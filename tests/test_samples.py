@@ -1,5 +1,6 @@
 """Thresholds from samples: against the law drawn from, exact where that is possible; sampling errors; scenes."""
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -78,7 +79,7 @@ def test_recovers_the_law_within_the_stated_errors() -> None:
     """The cdf in 95 % of 40 sets, the onset in 68 % and 95 %, less three times what chance takes off."""
     x = np.linspace(0.0, 3.0, 400)
     truth = LAWS["weibull 2.5"].cdf(x)
-    laws = [origins.from_samples(draws("weibull 2.5", 400, seed)) for seed in range(40)]
+    laws = [sampled(400, seed) for seed in range(40)]
     assert sum(np.abs(law.cdf(x) - truth).max() <= law.cdf_error for law in laws) >= 36
     assert all(law.cdf_misfit < law.cdf_error for law in laws)
     miss = np.array([abs(law.onset_power - 1.5) / law.onset_power_error for law in laws])
@@ -154,6 +155,7 @@ def test_rounded_values_stay_smooth(how: str) -> None:
 # -- sampling errors -------------------------------------------------------------------------------
 
 
+@cache
 def sampled(n: int, seed: int = 0) -> origins.Thresholds:
     return origins.from_samples(draws("weibull 2.5", n, seed))
 

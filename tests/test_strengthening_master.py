@@ -274,7 +274,11 @@ def left_one_by_one(law, beta, start, until, thermal):
 
 
 @pytest.mark.parametrize(
-    "thermal", [Thermal("eyring", width=0.05, attempt_frequency=3.0), Thermal("stiff", 0.1, 0.5)]
+    "thermal",
+    [
+        Thermal("eyring", width=0.05, attempt_frequency=3.0),
+        pytest.param(Thermal("stiff", 0.1, 0.5), marks=pytest.mark.slow),
+    ],
 )
 def test_with_heat_what_holds_on_a_path_that_turns_and_rests_is_a_sum_over_thresholds(thermal):
     """Of the first contacts alone: broken ones stay out. A coarse solution claims little, and is right to some 1e-6."""
