@@ -24,7 +24,7 @@ from master.soft.in_time.decohered import SlipSoFar, decohered
 from master.soft.in_time.extrapolation import read
 from master.soft.in_time.memory import ThresholdMemory
 from master.soft.in_time.near_slip import undecided_end
-from master.soft.in_time.refining import memory_of
+from master.soft.in_time.refining import memory_of, refined
 from master.soft.in_time.slider import Node, Slider, Slip
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.steps import CONTROL, StepCount, Steps
@@ -667,6 +667,18 @@ def test_after_a_reset_a_section_still_ends_one_delay_after_the_next_turn() -> N
     assert [slip.time for slip in slider.slips] == pytest.approx([3.08], abs=0.02)
     ends = np.array([section[-1].time for section in slider.sections])
     assert np.abs(ends - 4.0).min() < 1e-12 and np.abs(ends - 4.25).min() < 1e-12
+
+
+def test_the_share_that_holds_is_not_claimed_to_be_off_by_more_than_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where a point is one delay after a slip one slider has its contacts back, and another has not: times `safety`
+    that was a claim of 3."""
+    monkeypatch.setattr(ThresholdMemory, "safety", 1e9)
+    monkeypatch.setattr("master.soft.in_time.refining.MOST_STEPS", 300)
+    drive = Drive([1.0, 2.0], spring=SPRING)
+    found = refined(CASES["delay"], drive, 0.0, 1e-3, lambda error: None, np.inf)
+    assert found.holding_error == 1.0
 
 
 def test_contacts_that_are_left_out_while_they_hold_name_themselves(

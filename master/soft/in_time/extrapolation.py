@@ -181,7 +181,8 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
     if undecided is not None and undecided.size > total(parts):
         parts = [undecided]
     changes = _changes(np.array([one.holding[far] for one in answers]))
-    return Limit(answer, parts, _of_steps(last, changes, times[far], "the share that holds"))
+    of_holding = _of_steps(last, changes, times[far], "the share that holds")
+    return Limit(answer, parts, of_holding._replace(size=min(of_holding.size, 1.0)))
 
 
 def _at_step_0(answers: list[Answer], slips: ComparedSlips) -> Answer:
