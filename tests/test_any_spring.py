@@ -129,7 +129,7 @@ def test_what_would_not_end_is_refused_before_the_work(contacts, spring, rule, w
         assert found.slips.drive.size
 
 
-@pytest.mark.parametrize("delay", [3.0, 10.0])
+@pytest.mark.parametrize("delay", [3.0, pytest.param(10.0, marks=pytest.mark.slow)])
 def test_where_none_breaks_before_a_slip_the_next_is_later_by_the_delay(delay):
     """At the jump of P_c, X = 0.8, all break at once, X_T = 0.8 (1 + 1/K): until all form again the slider goes with
     its drive, and what follows is the first stick once more."""

@@ -18,7 +18,7 @@ SCRIPT = Path(__file__).with_name("order_of_panels.py")
 @pytest.mark.parametrize(
     ("degree", "counts"),
     [
-        (3, (128, 256, 512)),
+        pytest.param(3, (128, 256, 512), marks=pytest.mark.slow),
         pytest.param(4, (96, 192, 384), marks=pytest.mark.slow),
         (5, (80, 120, 180)),
     ],

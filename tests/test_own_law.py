@@ -389,7 +389,7 @@ def weakened(fresh, age):
     ("name", "twin", "other", "start", "delay"),
     [
         ("hardening", hardened, weakened, 0.0, 0.0),
-        ("weakening", weakened, hardened, 0.0, 0.0),
+        pytest.param("weakening", weakened, hardened, 0.0, 0.0, marks=pytest.mark.slow),
         ("weakening", weakened, hardened, -0.3, 0.2),
     ],
 )

@@ -117,7 +117,10 @@ def test_any_path(path):
     assert (found.holding == 1.0).all()
 
 
-@pytest.mark.parametrize("law", [origins.gaussian(1.0, 0.05), scipy.stats.gamma(0.5)])
+@pytest.mark.parametrize(
+    "law",
+    [origins.gaussian(1.0, 0.05), pytest.param(scipy.stats.gamma(0.5), marks=pytest.mark.slow)],
+)
 def test_a_tolerance_beyond_reach_is_said(law):
     contacts, path = origins.Contacts(law, 0.1), PATH[:121:20]
     solution = master.solve(contacts, path, 1e-17)
