@@ -134,6 +134,36 @@ def test_a_signal_to_one_rank_ends_all(mpirun: Callable[..., Any]) -> None:
     assert sorted(os.listdir("out/checkpoint")) == ["000-rank-00000.npz", "000-rank-00001.npz"]
 
 
+def test_a_signal_to_one_rank_ends_replicas_of_the_others(mpirun: Callable[..., Any]) -> None:
+    """Rank 1 gets it while rank 0 follows replicas, in two threads, that do not end by themselves."""
+    drive, eq = {"to": 7.0, "points": 71, "spring": 0.7}, {"contacts": 400, "replicas": 6}
+    write(**scene(drive=drive, master=None, eq=eq | {"threads": 2}))
+    endless = """
+import time
+from eq_model.coupled import slide_kernel
+
+def slide(*_):
+    time.sleep(0.001)
+    return slide_kernel.GOING_ON
+
+class Endless(eq_model.coupled.ensemble.Replicas):
+    def follow(self, replica):
+        slide_kernel.slide = real if replica < 0 else slide
+        return super().follow(replica)
+
+real = slide_kernel.slide
+if os.environ.get("PMI_RANK", os.environ.get("OMPI_COMM_WORLD_RANK")) == "0":
+    eq_model.ensemble.Replicas = Endless
+"""
+    program = f"{PROGRAM}{endless}\nsys.exit(run(sys.argv[2:], **json.loads(sys.argv[1])))\n"
+    fate = {"kills": int(signal.SIGTERM), "after": 1, "victims": [1]}
+    done = mpirun(2, program, json.dumps(fate), "run", "mine.toml", "--out", "out")
+    assert done.returncode == 143, done.stderr
+    kept = "mesofriction: terminated; its finished blocks are kept in out/checkpoint\n"
+    assert done.stderr == kept
+    assert sorted(os.listdir("out/checkpoint")) == ["000-rank-00000.npz", "000-rank-00001.npz"]
+
+
 # -- in one process -----------------------------------------------------------------------------------------
 
 

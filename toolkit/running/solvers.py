@@ -14,7 +14,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.laws.temperature import TooHot
 from origins.thresholds.law import Array
-from toolkit.processes.ranks import cores_of
+from toolkit.processes.ranks import Relay, cores_of
 from toolkit.processes.signals import TimeIsUp, deferred, no_longer_than
 from toolkit.results.points import SMOOTH, SweepRecord
 from toolkit.results.records import SolvedRecord, record_of
@@ -25,7 +25,6 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.sweep import QUANTITIES, Sweep
 from toolkit.scene.tables import EqTable
 
-_STOP = 7117  # tag of the message by which a rank passes a signal on to the others
 _SPRINGS = ("critical_spring", "critical_spring_error")
 _OWN = ("seed", "tolerance", "wall_time", "slip_fraction", "histograms")
 EQ_KEYS = {"n_contacts": "contacts", "n_replicas": "replicas"} | {name: name for name in _OWN}
@@ -42,14 +41,16 @@ def follow(
 
     SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then act as usual: as a
     rule they end the program; a replica on a spring, which may take minutes, is given up. A rank that gets one informs
-    the others, which end too. `progress` includes contacts `done_before`, and takes the other ranks to be as far as
-    this one. After the `deadline`, s of the monotonic clock, no block begins, and replicas but the first are given up.
+    the others, which end in the same way. `progress` includes contacts `done_before`, and takes the other ranks to be
+    as far as this one. After the `deadline`, s of the monotonic clock, no block begins, and replicas but the first are given up.
     """
     comm, shown, done = ensemble.comm, (-1, -1), 0
     ranks = 1 if comm is None else comm.Get_size()
     with deferred() as asked:
+        relay = Relay(comm, asked)
 
         def interrupted() -> bool:
+            relay.listen()
             late = done > 0 and deadline is not None and time.monotonic() > deadline
             return late or asked.signal is not None
 
@@ -61,11 +62,8 @@ def follow(
                 shown = now
             if deadline is not None and time.monotonic() > deadline:
                 ensemble.stop()
-            if ranks > 1 and asked.signal is None and comm.Iprobe(tag=_STOP):
-                asked.signal = comm.recv(tag=_STOP)
-            elif ranks > 1 and asked.signal is not None:
-                for rank in set(range(ranks)) - {comm.Get_rank()}:
-                    comm.isend(asked.signal, dest=rank, tag=_STOP)
+            relay.listen()
+            relay.pass_on()
             if checkpoint is not None and asked.signal is None:
                 checkpoint.keep(ensemble.state)
             elif asked.signal is not None:
