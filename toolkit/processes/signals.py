@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any, NamedTuple, NoReturn
 
 _AGAIN = 0.05  # s after which a signal comes again whose exception was lost
@@ -110,9 +111,16 @@ def no_longer_than(
     left: Callable[[], float] | None = None,
 ) -> Iterator[None]:
     """Raise `over` within once so many seconds are over, of TooMuchWork CPU time, which does not hang on what else the
-    machine does; in the main thread only, None for no limit. `left`, if given, says then how many more there are."""
+    machine does; in the main thread only, None for no limit. `left`, if given, says then how many more there are.
+
+    A module that is being imported is imported first, as one that is half there is broken for good, as numba is.
+    """
+    begun = _imports_in(sys._getframe())
 
     def ring(number: int, frame: Any) -> None:
+        if _imports_in(frame) > begun:
+            signal.setitimer(over.timer, _AGAIN)
+            return
         if left is None or (more := left()) <= 0.0:
             raise over
         signal.setitimer(over.timer, max(more, 0.1))
@@ -125,6 +133,15 @@ def no_longer_than(
         finally:
             if before:
                 signal.setitimer(over.timer, 0.0)
+
+
+def _imports_in(frame: FrameType | None) -> int:
+    """How many frames of Python's import are among this one and its callers."""
+    count = 0
+    while frame is not None:
+        count += frame.f_code.co_filename.startswith("<frozen importlib")
+        frame = frame.f_back
+    return count
 
 
 class Deferred:

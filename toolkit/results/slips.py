@@ -42,20 +42,30 @@ def spread_of(values: npt.NDArray[np.float64]) -> Spread:
 @dataclass(frozen=True)
 class LateSlips:
     """Slips of all sliders of an ensemble once these have slipped for a while: `slips`, numbered as they were, and for
-    each the way of the drive since the one before, `gaps` (lengths; none before a slider's first slip)."""
+    each the way of the drive since the one before, `gaps` (lengths; none before a slider's first slip), of the sliders
+    `gaps_of`."""
 
     slips: Any
     gaps: npt.NDArray[np.float64]
+    gaps_of: npt.NDArray[np.int_]
 
     def mean(self, name: str) -> tuple[float, float]:
         """Mean of a field over the sliders, each of its own slips, and the standard error of that, no less than if all
         slips were independent; inf for one slider."""
-        values, replica = getattr(self.slips, name), self.slips.replica
-        each = np.array([values[replica == one].mean() for one in np.unique(replica)])
-        if each.size < 2:
-            return float(each.mean()) if each.size else np.nan, np.inf
-        least = values.std(ddof=1) / values.size**0.5
-        return float(each.mean()), float(max(each.std(ddof=1) / each.size**0.5, least))
+        return _mean_of(getattr(self.slips, name), self.slips.replica)
+
+    def period(self) -> tuple[float, float]:
+        """Mean gap and its standard error, as `mean`."""
+        return _mean_of(self.gaps, self.gaps_of)
+
+
+def _mean_of(values: npt.NDArray[np.float64], replica: npt.NDArray[np.int_]) -> tuple[float, float]:
+    """Mean of values of these sliders, and its standard error: see `LateSlips.mean`."""
+    each = np.array([values[replica == one].mean() for one in np.unique(replica)])
+    if each.size < 2:
+        return float(each.mean()) if each.size else np.nan, np.inf
+    least = values.std(ddof=1) / values.size**0.5
+    return float(each.mean()), float(max(each.std(ddof=1) / each.size**0.5, least))
 
 
 def late_slips(slips: Any, sliders: int) -> LateSlips:
@@ -64,7 +74,8 @@ def late_slips(slips: Any, sliders: int) -> LateSlips:
     common = int(np.bincount(slips.replica, minlength=sliders).min())
     kept = slips.number >= common // 2 if common >= HALVED else slips.number == max(common - 1, 0)
     gaps = np.diff(slips.drive, prepend=np.nan)
-    return LateSlips(_only(slips, kept), gaps[kept & (slips.number > 0)])
+    follow_one = kept & (slips.number > 0)
+    return LateSlips(_only(slips, kept), gaps[follow_one], slips.replica[follow_one])
 
 
 def main_slips(slips: Any) -> Any:

@@ -8,8 +8,7 @@ from origins.contacts import Contacts
 from toolkit.results.html import as_table
 from toolkit.scene.interfaces import of_smoothing
 from toolkit.scene.scale import Scale, with_uncertainty
-from toolkit.verdict.finite import Finite
-from toolkit.verdict.machine import Behaviour, Machine
+from toolkit.verdict.machine import Behaviour, Finite, Machine
 
 
 @dataclass(frozen=True)

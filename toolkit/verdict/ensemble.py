@@ -11,10 +11,11 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
-from toolkit.results.slips import main_slips
+from toolkit.results.slips import late_slips, main_slips, spread_of
 from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.machine import (
     Behaviour,
+    Finite,
     Known,
     Machine,
     half_a_swing,
@@ -106,15 +107,19 @@ def follow_by_contacts(
     except InputError as refused:
         return not_followed(rule, str(refused))
     drive, force = trace_of(found, 0)
+    all_slips = found.slips.drive.size
     found = replace(found, slips=main_slips(found.slips))
-    slips, unit = found.slips, contacts.mean_threshold
+    smaller = all_slips - found.slips.drive.size
+    slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
     slipped = common > 1
-    before, scatter = slips.mean("force_before", common - 1) if slipped else (force[-1], np.inf)
-    after = slips.mean("force_after", common - 1)[0] if slipped else force[-1]
-    after = 0.0 if abs(after) < ROUNDING * abs(before) else after
-    error = scatter if slipped else float(found.force_standard_error[-1])
-    number = found.contacts // SLIDERS
+    before = after = float(force[-1])
+    error, many = float(found.force_standard_error[-1]), None
+    if slipped:
+        many = Finite(rule, number, "stick-slip", drive=drive, force=force, smaller=smaller)
+        many = with_late_slips(many, slips)
+        before, after = many.before, many.after
+        error = max(many.before_error, many.after_error, machine.spring * many.period_error)
     if slipped and number < (known.contacts or np.inf):
         few = found
         if number > FEW:
@@ -129,19 +134,46 @@ def follow_by_contacts(
     return Behaviour(
         rule=rule,
         kind="stick-slip" if slipped else "smooth",
-        before=float(before),
-        after=float(after),
-        period=float(np.diff(slips.drive[slips.replica == 0])[-1]) if slipped else None,
+        before=before,
+        after=after,
+        period=many.period if many else None,
         slips=common,
         error=float(error / unit),
         success=True,
         message=told_by(number),
         contacts=number,
+        sliders=many,
         run_time=found.run_time,
         slip_time=last_of(slips, "duration"),
         top_speed=last_of(slips, "top_speed"),
         drive=drive,
         force=force,
+    )
+
+
+def with_late_slips(finite: Finite, slips: Any) -> Finite:
+    """With the forces of late slips, and how these differ from one to the next."""
+    late = late_slips(slips, SLIDERS)
+    (before, error), (after, after_error) = (
+        late.mean(f"force_{when}") for when in ("before", "after")
+    )
+    if abs(after) < ROUNDING * before:
+        after = 0.0
+    each = late.slips.force_before, late.slips.drop, late.gaps
+    befores, drops, periods = (spread_of(one) if one.size > 1 else None for one in each)
+    period, period_error = late.period()
+    return replace(
+        finite,
+        before=before,
+        before_error=error,
+        after=after,
+        after_error=after_error,
+        slips=slips.drive.size / SLIDERS,
+        period=period if late.gaps.size else None,
+        period_error=period_error if late.gaps.size else np.nan,
+        befores=befores,
+        drops=drops,
+        periods=periods,
     )
 
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence
+from toolkit.verdict.machine import Finite
 from toolkit.verdict.words import details, sentence, turned, warnings
 
 
@@ -68,9 +68,8 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
 def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
     """What the slider does under one rule, without its trace, which friction.csv has: forces with their error; `error`
     and `heat_left_out` stay in mean thresholds."""
-    out = {
-        name: value for name, value in asdict(behaviour).items() if name not in ("drive", "force")
-    }
+    left_out = ("drive", "force", "sliders")  # of the sliders "finite" tells
+    out = {name: value for name, value in asdict(behaviour).items() if name not in left_out}
     out |= {name: out[name] * force for name in ("before", "after")}
     return out | {"force_error": behaviour.error * mean * force}
 

@@ -2,26 +2,26 @@
 master equation."""
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.results.slips import Spread, large_slips, late_slips, main_slips, spread_of
+from toolkit.results.slips import large_slips, main_slips
 from toolkit.verdict.ensemble import (
     FEW,
     NOT_SLID,
-    ROUNDING,
     SLIDERS,
     has_slid,
     sliders,
     trace_of,
+    with_late_slips,
 )
-from toolkit.verdict.machine import Behaviour, Machine
+from toolkit.verdict.machine import Behaviour, Finite, Machine
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
@@ -77,51 +77,6 @@ class _Way:
 
     end: float
     breaks: float
-
-
-@dataclass(frozen=True)
-class Finite:
-    """What sliders of `contacts` contacts each do under a slip rule.
-
-    contacts : of each slider; fewer than there are where these take too long, see `message`
-    kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
-        where none does, on a way of some 40 mean thresholds, "now and then" between; "unknown" where they were not
-        followed, or slip where nobody knows how often infinitely many do, for the reason in `message`
-    before, after : mean spring force before and after late slips (`late_slips`), F/(N_c <k>) (lengths), with standard
-        errors
-    slips : number of slips of a slider, mean
-    period : of the drive, between late slips, mean (a length); None where there are none
-    drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
-    late, late_error : mean force over the last part of the way (of BEYOND), and its standard error, where none slips or
-        contacts re-form at once, F/(N_c <k>) (lengths); nan of others, and with a mass, whose damping bears a part
-    rises : whether the force still rises there, as the sliders do not yet go with the drive
-    fluctuation : standard deviation of the force there between sliders, which is that along the drive of each as they
-        slide steadily (a length), as `late`, and with a mass; nan of others
-    befores, drops, periods : how the force before a slip, its fall (F/(N_c <k>)), and the drive's way between two slips
-        differ from one late slip to the next (lengths); None for fewer than two
-    smaller : how many slips were left out beside main ones, of all sliders, see `main_slips`
-    """
-
-    rule: str
-    contacts: int
-    kind: str
-    before: float = float("nan")
-    before_error: float = float("nan")
-    after: float = float("nan")
-    after_error: float = float("nan")
-    slips: float = 0.0
-    message: str = ""
-    drive: Array = field(default_factory=lambda: np.empty(0))
-    force: Array = field(default_factory=lambda: np.empty(0))
-    period: float | None = None
-    late: float = float("nan")
-    late_error: float = float("nan")
-    rises: bool = False
-    fluctuation: float = float("nan")
-    befores: Spread | None = None
-    drops: Spread | None = None
-    periods: Spread | None = None
-    smaller: int = 0
 
 
 def follow_finite(
@@ -238,7 +193,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     if counts.any():
         main = found.slips if settles else main_slips(found.slips)
         left_out = 0 if settles else all_slips - main.drive.size
-        finite = _with_slips(replace(finite, smaller=left_out), main)
+        finite = with_late_slips(replace(finite, smaller=left_out), main)
         if not settles:
             return finite
     # the part of the way along which the force is taken as that of steady sliding
@@ -251,30 +206,6 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     finite = _with_late_force(finite, machine, path[settled], forces)
     moved = float((found.positions[:, -1] - found.positions[:, 0]).min())
     return replace(finite, rises=finite.rises and moved < FAR * mean)
-
-
-def _with_slips(finite: Finite, slips: Any) -> Finite:
-    """With the forces of late slips, and how these differ from one to the next."""
-    late = late_slips(slips, SLIDERS)
-    (before, error), (after, after_error) = (
-        late.mean(f"force_{when}") for when in ("before", "after")
-    )
-    if abs(after) < ROUNDING * before:
-        after = 0.0
-    each = late.slips.force_before, late.slips.drop, late.gaps
-    befores, drops, periods = (spread_of(one) if one.size > 1 else None for one in each)
-    return replace(
-        finite,
-        before=before,
-        before_error=error,
-        after=after,
-        after_error=after_error,
-        slips=slips.drive.size / SLIDERS,
-        period=float(late.gaps.mean()) if late.gaps.size else None,
-        befores=befores,
-        drops=drops,
-        periods=periods,
-    )
 
 
 def _with_late_force(finite: Finite, machine: Machine, drive: Array, forces: Array) -> Finite:

@@ -11,10 +11,11 @@ from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.ensemble import SLIDERS
-from toolkit.verdict.finite import ABOVE, SMALL, Finite
+from toolkit.verdict.finite import ABOVE, SMALL
 from toolkit.verdict.follow import DAMPED
 from toolkit.verdict.kinds import NAMED, delay_decides, named, not_decided, others, out_of_time
 from toolkit.verdict.lines import GENERAL, NOTHING, TURNS, UNSIZED, Line, by_reason, sorted_texts
+from toolkit.verdict.machine import Finite
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
 from toolkit.verdict.table import drop_of, in_units, regained_by
 from toolkit.verdict.uncertainty import reach_of_force, shares_of
@@ -207,15 +208,27 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
         )
     yield from (Line(_size_of(verdict, one), one) for one in remarks(own.contacts.thresholds))
     known = [finite for finite in verdict.finite if finite.kind != "unknown"]
+    # what the headline tells already, in place of infinitely many, is not told again
+    alone = [one.sliders for one in own.behaviours if one.sliders and not one.sliders.message]
+    known = [finite for finite in known if not any(finite is one for one in alone)]
     for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in known).items():
         change = max(_change_by(verdict, one) for one in known if one.rule in rules)
         yield Line(change, said.replace(RULE, named(rules)))
-    unknown = [(finite.message, finite.rule) for finite in verdict.finite if finite not in known]
-    for why, rules in by_reason(unknown).items():
-        said = f"the number of contacts was not looked at if {named(rules)}: {why}"
-        yield Line(
-            max(_not_followed(verdict, one) for one in verdict.finite if one.rule in rules), said
-        )
+    unknown = [finite for finite in verdict.finite if finite.kind == "unknown"]
+    for why, rules in by_reason(_unknown(verdict, one) for one in unknown).items():
+        size = max(_not_followed(verdict, one) for one in unknown if one.rule in rules)
+        yield Line(size, why.replace(RULE, named(rules)))
+
+
+def _unknown(verdict: Verdict, many: Finite) -> tuple[str, str]:
+    """Why so many contacts were not followed, and under which rule; RULE stands for it. Where fewer of them tell in
+    place of infinitely many it says so."""
+    own = next(one for one in verdict.own.behaviours if one.rule == many.rule)
+    if own.contacts is None:
+        said = f"the number of contacts was not looked at if {RULE}"
+    else:
+        said = f"{own.contacts:,} contacts stand for the {many.contacts:,} of the area if {RULE}"
+    return f"{said}: {many.message}", many.rule
 
 
 def _size_of(verdict: Verdict, remark: str) -> float:

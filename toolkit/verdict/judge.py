@@ -21,7 +21,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
 from toolkit.verdict.budget import WALL_TIME, Budget
-from toolkit.verdict.finite import Finite, follow_finite
+from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS, follow_other_delay
 from toolkit.verdict.islands import follow_islands, with_barriers
 from toolkit.verdict.machine import (
@@ -29,6 +29,7 @@ from toolkit.verdict.machine import (
     NO_TIME,
     RULES,
     Behaviour,
+    Finite,
     Machine,
     known_of,
     machine_of,
@@ -95,10 +96,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             left_out[reading.name] = str(error)
         if reading.own:
             finite = _finite(scene, answers[0], budget.part(OWN), progress)
-            unit = answers[0].contacts.mean_threshold
-            pairs = zip(answers[0].behaviours, finite, strict=False)
-            more = tuple(with_more(one, many, unit) for one, many in pairs)
-            answers[0] = replace(answers[0], behaviours=more or answers[0].behaviours)
+            answers[0] = _with_more(answers[0], finite)
             turned = _turned(answers[0], budget.part(OWN))
     return Verdict(
         name=scene.name,
@@ -125,10 +123,22 @@ def _finite(
         return ()
     found, contacts = list[Finite](), with_barriers(own.contacts)
     for one in own.behaviours:
+        if one.sliders is not None and one.sliders.contacts == max(round(number), 1):
+            found.append(one.sliders)  # all of them were followed in place of infinitely many
+            continue
         progress(f"sliders of {number:,.0f} contacts, slip rule {one.rule}")
         static, left = own.static.value, budget.left()
         found.append(follow_finite(own.machine, contacts, number, one, static, left))
     return tuple(found)
+
+
+def _with_more(own: Answer, finite: tuple[Finite, ...]) -> Answer:
+    """The own reading's answer with the numbers of more contacts, where fewer told what its slider does."""
+    if own.machine is None or not finite:
+        return own
+    pulled = own.contacts.mean_threshold, own.machine.spring
+    pairs = zip(own.behaviours, finite, strict=False)
+    return replace(own, behaviours=tuple(with_more(one, many, *pulled) for one, many in pairs))
 
 
 def _turned(own: Answer, budget: Budget) -> Behaviour | None:

@@ -8,6 +8,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import refuse
 from origins.thresholds.law import Array
+from toolkit.results.slips import Spread
 from toolkit.scene.drive import machine_number
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
@@ -130,6 +131,53 @@ def known_of(contacts: Contacts, steady: Any, propensity: Any, number: float | N
 
 
 @dataclass(frozen=True)
+class Finite:
+    """What sliders of `contacts` contacts each do under a slip rule.
+
+    contacts : of each slider; fewer than there are where these take too long, see `message`
+    kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
+        where none does, on a way of some 40 mean thresholds, "now and then" between; "unknown" where they were not
+        followed, or slip where nobody knows how often infinitely many do, for the reason in `message`
+    before, after : mean spring force before and after late slips (`late_slips`), F/(N_c <k>) (lengths), with standard
+        errors
+    slips : number of slips of a slider, mean
+    period, period_error : of the drive, between late slips, mean and standard error (lengths); None and nan where there
+        are none
+    drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
+    late, late_error : mean force over the last part of the way (of BEYOND), and its standard error, where none slips or
+        contacts re-form at once, F/(N_c <k>) (lengths); nan of others, and with a mass, whose damping bears a part
+    rises : whether the force still rises there, as the sliders do not yet go with the drive
+    fluctuation : standard deviation of the force there between sliders, which is that along the drive of each as they
+        slide steadily (a length), as `late`, and with a mass; nan of others
+    befores, drops, periods : how the force before a slip, its fall (F/(N_c <k>)), and the drive's way between two slips
+        differ from one late slip to the next (lengths); None for fewer than two
+    smaller : how many slips were left out beside main ones, of all sliders, see `main_slips`
+    """
+
+    rule: str
+    contacts: int
+    kind: str
+    before: float = float("nan")
+    before_error: float = float("nan")
+    after: float = float("nan")
+    after_error: float = float("nan")
+    slips: float = 0.0
+    message: str = ""
+    drive: Array = field(default_factory=lambda: np.empty(0))
+    force: Array = field(default_factory=lambda: np.empty(0))
+    period: float | None = None
+    period_error: float = float("nan")
+    late: float = float("nan")
+    late_error: float = float("nan")
+    rises: bool = False
+    fluctuation: float = float("nan")
+    befores: Spread | None = None
+    drops: Spread | None = None
+    periods: Spread | None = None
+    smaller: int = 0
+
+
+@dataclass(frozen=True)
 class Behaviour:
     """What a slider does under one rule; forces F/(N_c <k>) and distances are lengths.
 
@@ -138,11 +186,12 @@ class Behaviour:
     before, after : spring force before and after a slip, the last main one (see Slips.main), also where it is
         undecided whether more follow; both the sliding force where it is smooth
     period : of the drive, between the last two main slips; slips : how many there were
+    sliders : what tells it of finitely many contacts, whose means of late slips the numbers are; None: no such slips
     slip_time, top_speed : of the last slip; None where slips take no time
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
-        sliders, and what fewer contacts than there are may change
+        sliders, of the forces or of K times the period, and what fewer contacts than there are may change
     cut : whether the path was not followed to its end
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of `error`;
         None where there is no heat, or it was followed
@@ -163,6 +212,7 @@ class Behaviour:
     top_speed: float | None = None
     damping: float | None = None
     contacts: int | None = None
+    sliders: Finite | None = None
     cut: bool = False
     heat_left_out: float | None = None
     drive: Array = field(default_factory=lambda: np.empty(0))

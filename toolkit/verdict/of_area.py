@@ -11,8 +11,8 @@ from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.ensemble import told_by
-from toolkit.verdict.finite import SMALL, Finite
-from toolkit.verdict.machine import Behaviour
+from toolkit.verdict.finite import SMALL
+from toolkit.verdict.machine import Behaviour, Finite
 from toolkit.verdict.uncertainty import SEEN, share_of
 
 # standard errors, and part of F_k, by which few contacts differ from infinitely many where it is told; the scatter of
@@ -153,14 +153,18 @@ def _short(value: float, unit: str) -> str:
     return written(float(f"{value:.1e}"), unit, digits=2)
 
 
-def period_of(verdict: Verdict, period: float, share: float = 0.0) -> tuple[str, str]:
-    """A period of the drive as a length and as a time, known to `share` of itself or worse."""
+def period_of(
+    verdict: Verdict, period: float, share: float = 0.0, told: bool = False
+) -> tuple[str, str]:
+    """A period of the drive as a length and as a time, known to `share` of itself or worse; to the digit of that where
+    it is `told` of the forces."""
     scale, share = verdict.own.scale, max(share, share_of(verdict))
-    later = period / verdict.velocity
-    return (
-        guarded(period, scale.length_unit, share * period),
-        guarded(later, scale.time_unit, share * later),
+    each = (period, scale.length_unit), (period / verdict.velocity, scale.time_unit)
+    every, later = (
+        written(one, unit, share * one, digits=4) if told else guarded(one, unit, share * one)
+        for one, unit in each
     )
+    return every, later
 
 
 def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
@@ -222,14 +226,15 @@ def falls(high: str, low: str, drop: float, unit: str, scatter: str = "") -> str
     return f"{high}{scatter} down {end}"
 
 
-def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
+def with_more(behaviour: Behaviour, finite: Finite, unit: float, spring: float) -> Behaviour:
     """A behaviour that fewer sliders of the ensemble told with the numbers of these, of more contacts; `unit`: the mean
-    threshold, a length. Where they are all that there are, their error is that of their scatter alone."""
+    threshold, a length; `spring`: of the machine, K/(N_c <k>). Where they are all that there are, their error is that
+    of their scatter alone."""
     fewer = behaviour.contacts
     same = finite.kind == behaviour.kind == "stick-slip" and finite.period is not None
     if fewer is None or not same or finite.contacts <= fewer:
         return behaviour
-    error = max(finite.before_error, finite.after_error) / unit
+    error = max(finite.before_error, finite.after_error, spring * finite.period_error) / unit
     if finite.message:
         error += behaviour.error * (fewer / finite.contacts) ** (2.0 / 3.0)
     return replace(
@@ -241,6 +246,7 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
         error=error,
         message=told_by(finite.contacts),
         contacts=finite.contacts,
+        sliders=finite,
         drive=finite.drive,
         force=finite.force,
     )

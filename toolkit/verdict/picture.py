@@ -17,9 +17,8 @@ from toolkit.pictures.axes import (
 )
 from toolkit.scene.scale import SHARED
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.finite import Finite
 from toolkit.verdict.kinds import named
-from toolkit.verdict.machine import Behaviour
+from toolkit.verdict.machine import Behaviour, Finite
 from toolkit.verdict.of_area import apart
 from toolkit.verdict.words import sentence, warnings
 

@@ -10,8 +10,10 @@ from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Quantity, Verdict
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
-from toolkit.verdict.uncertainty import WORTH_TELLING, share_of
+from toolkit.verdict.uncertainty import share_of
 
+# of a force: a larger error of it is told beside it
+KNOWN = 1e-3
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
 
@@ -67,8 +69,11 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
         yield row("the machine's spring K", each, springs, scale.spring_unit)
     if scale.contacts is not None:
-        held = [Quantity(one.scale.contacts or 0.0, 0.0) for one in answers]
-        yield row("contacts on the area", held, [1.0] * len(held), "")
+        held = [one.scale.contacts or 0.0 for one in answers]
+        ends = dict.fromkeys(f"{end:,.0f}" for end in (min(held), max(held)))
+        reach = " to ".join(ends) if len(ends) > 1 else "the same" * (len(held) > 1)
+        # as in sentences, which name the number of those that are followed
+        yield ["contacts on the area", f"{held[0]:,.0f}", "", reach]
     yield from _of_slips(verdict)
 
 
@@ -107,26 +112,25 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
     for behaviour in verdict.own.behaviours:
         if behaviour.kind == "undecided" and not behaviour.slips:
             rows.setdefault(("slips", "not known"), []).append(behaviour.rule)
-        if behaviour.kind == "smooth" or not behaviour.slips:
+        told_above = behaviour.rule in few and behaviour.sliders is few[behaviour.rule]
+        if behaviour.kind == "smooth" or not behaviour.slips or told_above:
             continue
         mean, before = verdict.own.contacts.mean_threshold, abs(behaviour.before)
         known = behaviour.error * mean / before if before and behaviour.error < np.inf else 0.0
         share = max(share_of(verdict), known)
         before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
         # an error that other samples and readings do not hide is told beside its number
-        error = known * abs(before) if known > max(WORTH_TELLING, share_of(verdict)) else 0.0
+        error = known * abs(before) if known > max(KNOWN, share_of(verdict)) else 0.0
         told = {"force before a slip": _with_error(before, force, share * before, error)}
         if load:
-            told["force before a slip"] += (
-                f", {guarded(before / load, '', share * before / load)} of the load"
-            )
+            over = to_digits(before / load, "", share * before / load, error / load)
+            told["force before a slip"] += f", {over} of the load"
         told["drop of a slip"] = _with_error(drop, force, share * drop, error)
         if (regained := regained_by(verdict, behaviour)) is not None:
-            told["of it regained over a period"] = guarded(
-                regained * scale.force, force, share * regained * scale.force
-            )
+            back = regained * scale.force
+            told["of it regained over a period"] = to_digits(back, force, share * back, error)
         if behaviour.period is not None:
-            told["period"] = ", ".join(period_of(verdict, behaviour.period, share))
+            told["period"] = ", ".join(period_of(verdict, behaviour.period, share, bool(error)))
         if behaviour.slip_time is not None:
             told["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         whose = ", infinitely many contacts" * (behaviour.rule in few)
@@ -140,6 +144,12 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
 def _with_error(value: float, unit: str, uncertainty: float, error: float) -> str:
     """A value with its error, or to the digits that its uncertainty leaves where the error is 0."""
     return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty)
+
+
+def to_digits(value: float, unit: str, uncertainty: float, told: float) -> str:
+    """A value to the digit of an error that is `told` beside it or beside what it follows from; where none is (0), to
+    one digit more than its uncertainty leaves."""
+    return written(value, unit, told, digits=4) if told else guarded(value, unit, uncertainty)
 
 
 def _unfinished(behaviour: Behaviour) -> str:

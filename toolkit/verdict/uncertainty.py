@@ -82,11 +82,14 @@ def numerical_errors(verdict: Verdict) -> str:
     own = verdict.own
     told = not (own.smoothed or own.critical_spring.lost)
     known = [own.kinetic, own.static, *([own.critical_spring] if told else [])]
-    relative = {"": max(_relative(one) for one in known)}
+    relative, scatter = {"": max(_relative(one) for one in known)}, dict[str, float]()
     for behaviour in own.behaviours:
         if np.isfinite(behaviour.error) and behaviour.before:
             mean = own.contacts.mean_threshold
-            relative[behaviour.rule] = behaviour.error * mean / abs(behaviour.before)
+            share = behaviour.error * mean / abs(behaviour.before)
+            # that of the ensemble is no bound
+            each = relative if behaviour.contacts is None else scatter
+            each[behaviour.rule] = share
     what = "numerical errors"
     if any(one.sampling for one in known):
         what = "without the scatter of other samples, errors"
@@ -96,6 +99,12 @@ def numerical_errors(verdict: Verdict) -> str:
         least_known and most > WORTH_TELLING
     )
     worse = "".join(f"; {one}" for one in _less_known(verdict, max(most, SEEN)))
+    if scatter:
+        rules = ", ".join(f'"{rule}"' for rule in scatter)
+        worse = (
+            f"; one standard error of forces and periods under {rules}, means of sliders, is some "
+            f"{max(scatter.values()):.0e} of them{worse}"
+        )
     return f"{what} are at most {most:.0e} of these numbers{which}{worse} (verdict.json has each)"
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.scene.scale import written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.follow import TOLERANCE_IN_TIME
 from toolkit.verdict.kinds import named
@@ -26,14 +27,20 @@ def left_undone(verdict: Verdict) -> Iterator[Line]:
 def of_errors(verdict: Verdict) -> Iterator[Line]:
     """Where the slider's force is less well known than asked for, and why."""
     own = verdict.own
-    for one in own.behaviours:
-        if one.contacts is not None:
-            yield Line(
-                _share(verdict, one),
-                f"the slips are means {one.message}, known to some {one.error:.0e} <x_s>: "
-                f"{_not_solved(verdict)}",
-            )
     scale, shares = own.scale, {one.rule: _share(verdict, one) for one in own.behaviours}
+    told = [one for one in own.behaviours if one.contacts is not None]
+    for who, rules in by_reason((one.message, one.rule) for one in told).items():
+        if all(one.kind == "smooth" for one in told if one.rule in rules):
+            said = f"the force is told {who}"
+        else:
+            said = f"the slips are means {who}"
+        error = max(one.error for one in told if one.rule in rules)
+        known = written(
+            error * own.contacts.mean_threshold * scale.force, scale.force_unit, digits=2
+        )
+        which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
+        said += f", their forces known to some {known} (one standard error){which}"
+        yield Line(max(shares[rule] for rule in rules), f"{said}: {_not_solved(verdict)}")
     missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
     for why, rules in by_reason(missed).items():
         most = max(shares[rule] for rule in rules)

@@ -7,16 +7,13 @@ import numpy as np
 from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, of_stretch, spoken, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.finite import Finite
 from toolkit.verdict.hangs_on import dependence, why_smooth
 from toolkit.verdict.kinds import delay_decides, named, not_decided, others, out_of_time
-from toolkit.verdict.machine import NO_FORCES, Behaviour, half_a_swing
+from toolkit.verdict.machine import NO_FORCES, Behaviour, Finite, half_a_swing
 from toolkit.verdict.of_area import apart, behaved, disagreeing, falls
-from toolkit.verdict.table import drop_of, in_units, speed_unit, table
+from toolkit.verdict.table import KNOWN, drop_of, in_units, speed_unit, table, to_digits
 from toolkit.verdict.uncertainty import numerical_errors, reach_of_force, share_of, widest
 
-# of a force: a larger error of it is told beside it
-KNOWN = 1e-3
 WORTH_TELLING = 0.01  # of the force of smooth sliding, what the damping bears
 
 
@@ -201,7 +198,9 @@ def _told(verdict: Verdict, answer: Answer) -> list[str]:
     for (kind, _, own), alike in groups.items():
         said = _behaved(verdict, answer, kind, alike, bare=own.startswith(kind))
         if own:
-            said = f"{own} ({said} for infinitely many)"
+            # of those that are followed in place of infinitely many nothing else is known
+            told = all(one.sliders is few[one.rule] for one in alike)
+            said = own if told else f"{own} ({said} for infinitely many)"
         parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
     told_there = bool(not_decided(verdict)) or answer is not verdict.own
     return parts if told_there else [*parts, *widest(verdict)]
@@ -243,11 +242,7 @@ def _behaved(
     def reach(values: Sequence[float], unit: str, told: float = 0.0) -> str:
         """One value, or the smallest and the largest where they differ as written; to the digit of an error that is
         `told` beside it."""
-        ends = (min(values), max(values))
-        if told:
-            said = [written(value, unit, told, digits=4) for value in ends]
-        else:
-            said = [guarded(value, unit, share * abs(value)) for value in ends]
+        said = [to_digits(end, unit, share * abs(end), told) for end in (min(values), max(values))]
         return " to ".join(dict.fromkeys(said))
 
     if kind == "undecided" and not last.slips:
@@ -288,7 +283,9 @@ def _behaved(
     said = f"stick-slip: {fall}"
     periods = [one.period for one in alike if one.period is not None]
     if periods:
-        every = reach(periods, scale.length_unit)
-        seconds = reach([period / verdict.velocity for period in periods], scale.time_unit)
+        # of a period known as well as the force
+        known, times = told and share, [period / verdict.velocity for period in periods]
+        every = reach(periods, scale.length_unit, known * max(periods))
+        seconds = reach(times, scale.time_unit, known * max(times))
         said += f" every {every}, {seconds} at {written(verdict.velocity, speed_unit(verdict))}"
     return said
