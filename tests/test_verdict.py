@@ -757,8 +757,8 @@ def test_the_ensembles_slips_of_a_narrow_peak_between_those_of_all_are_no_slips(
 
 
 def test_the_period_of_sliders_is_a_mean_as_their_force_is() -> None:
-    """A reset leaves no force, and the spring regains that of the next slip over the period, but for K <x_s>: one gap of
-    one slider differs from the mean by 1 % of few contacts, which an error of the mean did not hold."""
+    """A reset leaves no force, and the spring regains that of the next slip over the period, but for K <x_s>: one gap
+    of one slider differs from the mean by 1 % of few contacts, which an error of the mean did not hold."""
     known = replace(rigid(WIDE), contacts=500)
     told = follow(SOFT, WIDE, "reset", known, wall_time=0.0)
     assert told.period is not None and told.contacts == 500
@@ -768,7 +768,7 @@ def test_the_period_of_sliders_is_a_mean_as_their_force_is() -> None:
 def test_contacts_that_stand_for_infinitely_many_are_told_of_once(
     capsys: Any, monkeypatch: Any
 ) -> None:
-    """All contacts of the area tell the slips where the master equation does not: one force, one period, one line on it."""
+    """All contacts of the area tell the slips where the master equation does not: one force, one period, one line."""
 
     def refused(*arguments: Any, **named: Any) -> None:
         raise InputError("path: not in time")
@@ -965,6 +965,39 @@ def test_a_reading_decided_under_some_slip_rules_alone_is_named() -> None:
         text = "\n".join(page(answers.Verdict("a", "a", 1.0, each, (), {}, 1.0)))
         told = "decided under some slip rules, and not under others: c"
         assert (told in text) == (len(each) == 3)
+
+
+@pytest.mark.parametrize(
+    ("drive", "delay", "told", "not_told"),
+    [
+        ({}, 0.0, "give drive.mass, drive.damping and [contacts.delay]", "without the mass"),
+        ({}, 9.0, "give drive.mass and drive.damping", "[contacts.delay]"),
+        ({"mass": 1.0, "damping": 0.1}, 0.0, "not followed; give [contacts.delay]", "give drive"),
+        ({"mass": 1.0, "damping": 0.1}, 9.0, "the slider with it, which would decide", "give "),
+    ],
+)
+def test_what_is_given_is_not_asked_for(
+    drive: dict[str, float], delay: float, told: str, not_told: str
+) -> None:
+    number, rules = answers.Quantity(1.0, 0.0), [infinite("stick-slip", 5), infinite("smooth", 0)]
+    if drive:
+        rules = [not_followed("mass", NO_TIME), *rules]
+    contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(delay) if delay else None)
+    machine, scale = replace(SOFT, **drive), scale_of(contacts, None)
+    rules[-1] = replace(rules[-1], rule="instant")
+    answer = answers.Answer("a", contacts, scale, number, number, number, machine, tuple(rules))
+    text = page(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+    (line,) = (one for one in text if one.startswith("  the slip rule: "))
+    assert told in line and not_told not in line and "undecided" not in "\n".join(text)
+
+
+def test_with_a_delay_no_contact_is_said_to_re_form_at_once(capsys: Any) -> None:
+    """Those that break in a slip wait: "instant" is "reform-after", and is not solved twice."""
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "delay": {"time": 0.3}}
+    rules = {"rules": ["reform-after", "instant"]}
+    _, page, found = judged(capsys, contacts=contacts, drive={"spring": 0.3}, verdict=rules)
+    assert [one["rule"] for one in found["readings"][0]["behaviours"]] == ["reform-after"]
+    assert "at once" not in page and "instant" not in page
 
 
 def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
@@ -1234,6 +1267,13 @@ def test_a_busy_machine_is_given_more_of_the_clock(monkeypatch: Any) -> None:
     assert shared.part(0.5).left() == pytest.approx(40.0, rel=0.05)
     now["work"] = 80.0  # several threads: the clock counts
     assert shared.left() == 20.0
+
+
+def test_a_mass_without_time_is_not_told_to_shorten_its_path() -> None:
+    """The path is the verdict's own: more time is what the user can give."""
+    machine = Machine(spring=1e-3, mass=1e-3, damping=1e-3, velocity=1.0)
+    found = follow(machine, Contacts(gaussian(1.0, 0.3)), "mass", rigid(WIDE), 1e-3)
+    assert "raise wall_time" in found.message and "path" not in found.message
 
 
 def test_a_limit_of_time_leaves_no_module_half_imported(monkeypatch: Any) -> None:

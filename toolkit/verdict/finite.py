@@ -12,6 +12,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.results.slips import large_slips, main_slips
+from toolkit.scene.scale import length_unit_of, spoken
 from toolkit.verdict.ensemble import (
     FEW,
     NOT_SLID,
@@ -152,7 +153,10 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     further = static / np.sqrt(held) / machine.spring / mean
     if rule == "mass" and not slips and further > SCATTERED * BEYOND:
         scatter = f"F_s of such sliders scatters by some {held**-0.5:.1%}"
-        why = f"{scatter}, on so soft a spring {further:,.0f} <x_s> of the drive's way: too long to be followed"
+        far = spoken(further * mean, length_unit_of(contacts.thresholds))
+        why = (
+            f"{scatter}: they begin to slide {far} of the drive's way apart, too far to be followed"
+        )
         return Finite(rule, held, "unknown", message=why)
     if infinite.heat_left_out is not None:  # nor do as many contacts need it
         contacts = contacts.replace(thermal=None)

@@ -9,6 +9,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_known
+from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_follow
 from toolkit.verdict.machine import (
     NO_TIME,
@@ -232,7 +233,10 @@ def _after_forgetting(
 def _behaviour(rule: str, solved: Any) -> Behaviour:
     """What the solution of a soft slider says: no figure where its force is not known."""
     if not is_known(solved):
-        unknown = not_followed(rule, solved.message)
+        why = solved.message
+        if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
+            why = f"neither force nor slips are known in time: {MORE_TIME}"
+        unknown = not_followed(rule, why)
         left_out = solved.heat_left_out
         return replace(
             unknown, error=solved.force_error, run_time=solved.run_time, heat_left_out=left_out

@@ -47,12 +47,9 @@ def _of_rules(verdict: Verdict) -> Iterator[Line]:
     own = verdict.own
     kinds = {one.rule: one.kind for one in own.behaviours}
     if len(set(kinds.values())) > 1:
-        each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in kinds.items())
-        yield Line(
-            TURNS,
-            f"the slip rule: {each}. In nature mass, damping and the contacts' delay decide: "
-            "give drive.mass, drive.damping and [contacts.delay]",
-        )
+        light = {rule: kind for rule, kind in kinds.items() if rule != "mass"}
+        each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in light.items())
+        yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
     elif len(kinds) > 1 and "undecided" not in kinds.values():
         yield Line(NOTHING, "not the slip rule, for infinitely many contacts: all rules agree")
     elif len(kinds) == 1 and own.machine and own.machine.mass:
@@ -66,6 +63,22 @@ def _of_rules(verdict: Verdict) -> Iterator[Line]:
         elif known and verdict.turned and verdict.turned.kind != "undecided":
             said = f"{'without one' if given else 'with a long one'} it does the same"
             yield Line(NOTHING, f"not the contacts' delay: {said}")
+
+
+def _what_decides(own: Answer) -> str:
+    """What decides in place of the slip rules, and what of it is still to be given; of a slider with mass that was not
+    followed, that it was not."""
+    delay = "" if own.contacts.waiting_time else "[contacts.delay]"
+    if own.machine is not None and own.machine.mass is not None:
+        missing = [*([] if own.machine.damping else ["drive.damping"]), *([delay] if delay else [])]
+        give = f"; give {' and '.join(missing)}" * bool(missing)
+        return f"That is without the mass: the slider with it, which would decide, was not followed{give}"
+    give = (
+        "drive.mass, drive.damping and [contacts.delay]"
+        if delay
+        else "drive.mass and drive.damping"
+    )
+    return f"In nature mass, damping and the contacts' delay decide: give {give}"
 
 
 def _of_readings(verdict: Verdict) -> Iterator[Line]:

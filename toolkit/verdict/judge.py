@@ -31,6 +31,7 @@ from toolkit.verdict.machine import (
     Behaviour,
     Finite,
     Machine,
+    acting,
     known_of,
     machine_of,
     not_followed,
@@ -186,7 +187,8 @@ def _answer(
         if machine is not None and unknown == ["mass"]:
             # no solver takes the slider with its mass, or not in time: what it does without one, under each slip rule
             light = replace(machine, mass=None, damping=0.0)
-            for left, rule in zip(range(len(RULES), 0, -1), RULES, strict=True):
+            rules = acting(RULES, contacts)
+            for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
                 share = budget.left() / left
                 behaviours.append(follow_islands(light, contacts, rule, before, share))
         if sampled_parts(contacts.thresholds):

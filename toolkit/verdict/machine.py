@@ -1,5 +1,6 @@
 """What pulls a slider, what is known of it before it is followed, and what it does."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -81,8 +82,17 @@ def machine_of(table: DriveTable, contacts: Contacts) -> Machine | None:
     return Machine(spring, mass, damping or 0.0, table.velocity)
 
 
+def acting(rules: Sequence[str], contacts: Contacts) -> tuple[str, ...]:
+    """These slip rules, each once; with a delay contacts that break in a slip wait for it under all of them but
+    "reset", so that "instant" is "reform-after"."""
+    late = bool(contacts.waiting_time)
+    return tuple(
+        dict.fromkeys("reform-after" if late and rule == "instant" else rule for rule in rules)
+    )
+
+
 def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
-    """The slip rules to compare: those of [verdict], else all, that of [drive] first; with a mass
+    """The slip rules to compare, as they act: those of [verdict], else all, that of [drive] first; with a mass
     none of them, but "mass"."""
     if table.mass is not None:
         if table.slip is not None:
@@ -96,8 +106,8 @@ def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
         for rule in scene.verdict.rules:
             if rule not in RULES:
                 refuse("verdict.rules", rule, f"must be among {', '.join(RULES)}")
-        return tuple(dict.fromkeys(scene.verdict.rules))
-    return tuple(dict.fromkeys([table.slip or RULES[0], *RULES]))
+        return acting(scene.verdict.rules, scene.contacts)
+    return acting([table.slip or RULES[0], *RULES], scene.contacts)
 
 
 @dataclass(frozen=True)

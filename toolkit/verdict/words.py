@@ -96,7 +96,8 @@ def _kinds(verdict: Verdict) -> list[str]:
     """What happens under which rule of the own reading, else by that reading and by the others."""
     groups = _groups(verdict.own)
     if len(groups) > 1:
-        return [f"{kind} if {_rules(alike)}" for kind, alike in groups.items()]
+        words = {"undecided": "not decided"}
+        return [f"{words.get(kind, kind)} if {_rules(alike)}" for kind, alike in groups.items()]
     many = len(verdict.answers) - 1
     own = [f"{kind} by {verdict.own.name}" for kind in groups]
     return own + [
