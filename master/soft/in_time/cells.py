@@ -24,12 +24,12 @@ from origins.thresholds.law import Array
 class CellControl(NamedTuple):
     """Numbers of the choice of cells; none has a unit.
 
-    finer : each resolution divides cells by 2 to this power: errors, of fourth order in the cells, fall by 8 as those
-        of steps of third order do, which are halved beside them
+    finer : the next resolution divides cells by 2 to this power, 0.75: their errors, of fourth order, then fall by 8,
+        as those of this file's steps in time do, of third order, which are halved along with it
     far : fraction of thresholds beyond the last cell: as small as rounding
     most : cells; a step of one strand then takes some milliseconds
-    of_layer : width of the first cell, in thicknesses D/v of the density's edge at |x|: right after a birth it is
-        thinner
+    of_layer : width of the first cell, in thicknesses D/v of the layer at |x| in which the density falls to 0: right
+        after a birth it is thinner
     thinnest, least_thin : that width is between these, in narrowest widths of the laws. With first cells of 0.1 widths
         1e-3 of the contacts were missed; a layer far thinner than the least contains too few to matter
     growth : of the width of cells with the distance from y = 0
@@ -95,11 +95,11 @@ class Cells:
         least, most = CELLS.least_thin * self.width, CELLS.thinnest * self.width
         thinnest = float(np.clip(layer, least, most))
         far, bulk = (highest(law, ageing.final, share) for share in (CELLS.far, CELLS.beyond_bulk))
-        share_of_width = 2.0 ** (-CELLS.finer * resolution)
-        self.edges = _cell_edges(far, self.width, thinnest, bulk, share_of_width)
+        factor = 2.0 ** (-CELLS.finer * resolution)
+        self.edges = _cell_edges(far, self.width, thinnest, bulk, factor)
         self._face_density, self._face_slope = _at_faces(self.edges)
         self._drift = _drift(ageing, self.width, 2.0 * far)
-        self._none_break = np.zeros((2, self.edges.size - 1, cells_kernel.LANES))
+        self._no_breaking = np.zeros((2, self.edges.size - 1, cells_kernel.LANES))
 
     def fresh(self, stretch: Array) -> Array:
         """Weights of fresh thresholds above |stretch| (n,), one row of sum 1 for each."""
@@ -146,12 +146,13 @@ class Cells:
         flow = self._drift(level[:, None] + self.edges[:-1, None])
         flow *= times[:, None]
         flow += rise
-        # at least a cell wide: a thinner edge of the density need not be resolved
+        # so large that the layer at |x|, as thick as spread/rise, is at least as wide as the first cell, which ends at
+        # edges[1]: a thinner one need not be resolved
         spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(rise))
         # Fluxes per density at a lower face: what leaves the cell enters the cell below. With heat the tilt of each
         # cell (see `_early`) is counted with the flux that leaves it, and with that which enters it from above.
         leaving = entering = flow
-        breaking = self._none_break
+        breaking = self._no_breaking
         if self._thermal is not None:
             breaking, tilt = self._early(level, times)
             leaving = flow - tilt
@@ -175,23 +176,23 @@ class Cells:
         return mean, np.diff(self.edges)[:, None] * np.diff(at_ends, axis=1) / 12.0
 
     def shifted(self, weights: Array, rise: Array) -> Array:
-        """Weights that remain above |x| when it jumps by these rises (n,), of either sign."""
+        """Weights that remain above |x| when it jumps by these rises (n,), of either sign, and thresholds stay."""
         return np.asarray(self._kernel.shifted(np.ascontiguousarray(weights), self.edges, rise))
 
-    def held_above(self, weights: Array, level: Array) -> Array:
-        """The sums of the weights that `shifted` would leave after rises to these levels (n,), at least 0."""
-        return np.asarray(self._kernel.held_above(weights, self.edges, level))
+    def held_above(self, weights: Array, rise: Array) -> Array:
+        """The sums of the weights that `shifted` would leave after these rises (n,) >= 0; at least 0."""
+        return np.asarray(self._kernel.held_above(weights, self.edges, rise))
 
 
-def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, share: float) -> Array:
+def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, factor: float) -> Array:
     """Ends of cells from 0 to `reach`: their widths grow from `thinnest` with the distance to 0 until they are the
-    widest, and grow further beyond `bulk` (see CellControl); all are multiplied by `share`."""
+    widest, and grow further beyond `bulk` (see CellControl); all are multiplied by `factor`."""
     edges = [0.0]
     while edges[-1] < reach:
         widest = CELLS.widest * width + CELLS.growth_beyond * max(edges[-1] - bulk, 0.0)
         near = thinnest + CELLS.growth * edges[-1]
         # about the smaller of both
-        edges.append(edges[-1] + share / (1.0 / near + 1.0 / widest))
+        edges.append(edges[-1] + factor / (1.0 / near + 1.0 / widest))
         if len(edges) > CELLS.most:
             hint = f"need more than {CELLS.most} cells; use wider laws, or a larger tolerance"
             raise InputError(f"ageing: laws as sharp as {width:.3g} that reach {reach:.3g} {hint}")
@@ -223,6 +224,7 @@ def _drift(ageing: Ageing, width: float, far: float) -> Callable[[Array], Array]
     """D U' at thresholds from 0 to `far`, P_cf ~ e^-U; where the final law is not normal to some 1e-11 of it."""
     normal, final = ageing.normal, ageing.final
     if normal is not None:
+        # U = (x_s - mean)²/(2 std²); `ageing.rate` is D, while `normal.rate` is D/std², per time
         return lambda threshold: (threshold - normal.mean) * (ageing.rate / normal.std**2)
     furthest = float(np.log(far / width))
     # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power

@@ -40,7 +40,12 @@ def step(
     value: Array,
     slope: Array,
 ) -> Array:
-    """Weights of thresholds in cells at the end of a step, shape (cells, LANES).
+    """Weights of thresholds in cells at the end of a step, shape (cells, LANES): the last of the two stages w_0, w_1 of
+
+        w_a + sum over stages b of RADAU[a, b] L_b w_b = w at the beginning,
+
+    with L_b w the loss of each cell in the time of the step at the rates of stage b: what leaves through its lower
+    face, less what comes through the upper one, and what breaks.
 
     weights : array (cells, LANES) at its beginning
     leaving, entering : arrays (2, cells, LANES), at both stages: the flux out of a cell through its
@@ -178,13 +183,13 @@ def weight_below(weights: Array, edges: Array, cell: int, at: float) -> float:
 
 
 @compiled
-def held_above(weights: Array, edges: Array, level: Array) -> Array:
-    """Sums of the weights (strands, cells) above a level in y of each strand, at least 0; shape (strands,)."""
-    out = np.zeros(level.size)
-    for i in range(level.size):
-        if level[i] < edges[-1]:
-            cell = np.searchsorted(edges, level[i], "right") - 1
-            held = weights[i, cell] - weight_below(weights[i], edges, cell, level[i])
+def held_above(weights: Array, edges: Array, rise: Array) -> Array:
+    """Sums of the weights (strands, cells) that remain after the rise of each strand, at least 0; shape (strands,)."""
+    out = np.zeros(rise.size)
+    for i in range(rise.size):
+        if rise[i] < edges[-1]:
+            cell = np.searchsorted(edges, rise[i], "right") - 1
+            held = weights[i, cell] - weight_below(weights[i], edges, cell, rise[i])
             out[i] = held + weights[i, cell + 1 :].sum()
     return out
 

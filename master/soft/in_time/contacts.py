@@ -113,11 +113,11 @@ class ContactsInSteps:
         # weights in the last two cohorts per contact born in a step: half of its births belong to the cohort at its
         # begin, half to that at its end
         self._per_birth = 0.5 * np.tile(self._at_birth.weight, 2)
-        began, again = _per_survival(memory, start), self._at_birth
-        record, fresh = memory.start(start.stretch), memory.fresh(again.stretch, 0.0)
-        self._replace_all(began, record)
-        both = zip((*began, record), (*again, fresh), strict=True)
-        self.are_new = all(np.array_equal(*two) for two in both)
+        at_start, at_birth = _per_survival(memory, start), self._at_birth
+        record, fresh = memory.start(start.stretch), memory.fresh(at_birth.stretch, 0.0)
+        self._replace_all(at_start, record)
+        pairs = zip((*at_start, record), (*at_birth, fresh), strict=True)
+        self.are_new = all(np.array_equal(*pair) for pair in pairs)
 
     def relax(self) -> None:
         """Replace all contacts, also those that are out, by those just formed again."""
@@ -208,12 +208,12 @@ class ContactsInSteps:
         """FaultError unless the weights of all cohorts are those births, and as many contacts hold as have formed and
         not broken. Both hold to 5e-16 on thousands of steps (measured on six motions). This sees contacts that are lost
         or counted twice; no wrong number of births, to which `trial` fits the breaks: test_plain_in_time.py does."""
-        formed, told = births * self._part_in_cohorts, 1.0 + births - self.past_breaks.total
+        formed, expected = births * self._part_in_cohorts, 1.0 + births - self.past_breaks.total
         most = UNACCOUNTED * (1.0 + births)
-        if abs(self._births_in_cohorts - formed) > most or abs(held - told) > most:
+        if abs(self._births_in_cohorts - formed) > most or abs(held - expected) > most:
             raise FaultError(
                 f"number is not conserved: after t = {self.now:.6g}, X = {self.position:.6g} a share {held:.6g} of the "
-                f"contacts holds, {told:.6g} have formed and not broken, and of {formed:.6g} births "
+                f"contacts holds, {expected:.6g} have formed and not broken, and of {formed:.6g} births "
                 f"{self._births_in_cohorts:.6g} are in cohorts, a fault of the program"
             )
 

@@ -35,11 +35,12 @@ from origins.thresholds.law import Array
 class CreepControl(NamedTuple):
     """Numbers of the search for steady creep; none has a unit but mean thresholds, m, and tolerances.
 
-    lives : ways of a section, in mean stretches F/N_c<k>, from which on creep is looked for
-    more : by which factor the steps of the section have grown since it was looked for last
+    lives : way of a section, in mean stretches F/N_c<k>, from which on creep is looked for
+    more : factor on the number of the section's steps since it was looked for last, from which on it is again
     last_part : of the way, along which F is compared with F_k(V)
     varies : by how much F - F_k(V) may vary along it, in dF_k/d ln V
-    halved : square of the ratio of the steps of two sliders, above which their limit is not told
+    halved : largest square of the ratio of two sliders' steps (fine over coarse; halved steps have 1/4) by which the
+        limit of F - F_k(V) for steps of 0 is extrapolated
     lag : lag of F behind F_k(V) up to which it is left out, in tolerances
     beyond : factors on the speeds seen, and on that of the drive, within which F_k is tabulated, tried in turn
     degrees : of the polynomial of F_k in ln V, tried in turn
@@ -67,7 +68,8 @@ class CreepControl(NamedTuple):
 
 
 CONTROL = CreepControl()
-# Speeds at which the slope of F_k is looked at; and a time, of steps that took none.
+# Number of speeds at which the slope of F_k is looked at; and a time in place of 0 for steps that took none, by which
+# their speed stays finite.
 SLOPES, TINY = 65, 1e-300
 
 
@@ -78,25 +80,26 @@ class Crept(NamedTuple):
     error: float
 
 
-class Apart(NamedTuple):
-    """F - F_k(V) along the last part of the way: its mean, by how much it differs from that (lengths), and the mean
-    way of a step (a length)."""
+class Offset(NamedTuple):
+    """F - F_k(V) along the last part of the way: its mean, the largest minus the smallest (lengths), and the mean way
+    of a step (a length)."""
 
     mean: float
     varies: float
     step: float
 
-    def at_step_0(self, before: "Apart | None") -> float:
-        """How large it is in the limit of short steps, of whose square it has an error, by that of a slider with longer
-        ones; where there is none, as it is."""
+    def at_step_0(self, before: "Offset | None") -> float:
+        """The size of the mean in the limit of steps of 0. Its error goes as the square of the step, so that the offset
+        `before`, of a slider with longer steps, gives the limit; without that, or if its steps are hardly longer, the
+        size as it is."""
         square = (self.step / before.step) ** 2 if before else 1.0
         if before is None or square > CONTROL.halved:
             return abs(self.mean)
         return abs(self.mean - square * before.mean) / (1.0 - square)
 
 
-class Table(NamedTuple):
-    """F_k(V) along ln V: the ends (2,) of ln V, Chebyshev coefficients of F_k between them (lengths), and its error
+class KineticTable(NamedTuple):
+    """F_k(V) over ln V: the ends (2,) of ln V, Chebyshev coefficients of F_k between them (lengths), and its error
     (a length)."""
 
     ends: Array
@@ -128,8 +131,8 @@ class Creep:
         self._unit, self._motion = contacts.mean_threshold, motion
         self._speed, self._sign = abs(float(motion.speeds[-1])), float(np.sign(motion.speeds[-1]))
         self._tolerance = tolerance * self._unit
-        self._table: Table | None = None
-        self._before: Apart | None = None  # of the slider with longer steps
+        self._table: KineticTable | None = None
+        self._before: Offset | None = None  # of the slider with longer steps
         self._looked = 0  # at so many nodes of the section
         self._stable_at = dict[float, bool]()  # by ln V; sliders with halved steps ask for the same
 
@@ -138,15 +141,16 @@ class Creep:
         self._looked = 0
 
     def from_here(self, nodes: list[Node], most_steps: float) -> Crept | None:
-        """How the slider goes on from the last of the nodes of a section on the last leg; None where it goes on in
-        steps: where creep is not steady, or so many steps, as long as those of the section, do for what is left."""
+        """How the slider goes on from the last of the nodes of a section on the last leg. None where it goes on in
+        steps: where creep is not steady or not known to be, and where `most_steps`, as long on the average as those of
+        the section so far, lead to the end of the path."""
         last, sign = nodes[-1], self._sign
         way = sign * (last.position - nodes[0].position)
         if way < CONTROL.lives * abs(last.force) or len(nodes) < CONTROL.more * self._looked:
             return None
         self._looked = len(nodes)
-        longest = most_steps * way / len(nodes)
-        if self._speed * (self._motion.times[-1] - last.time) < longest:
+        way_of_steps = most_steps * way / len(nodes)
+        if self._speed * (self._motion.times[-1] - last.time) < way_of_steps:
             return None
         position, time, force = np.array([(n.position, n.time, n.force) for n in nodes]).T
         late = np.flatnonzero(sign * (last.position - position) <= CONTROL.last_part * way)
@@ -157,42 +161,45 @@ class Creep:
         table = self._tabulated(log_speeds, sign * last.force)
         if table is None:
             return None
-        begin = table.log_speed(sign * last.force)
-        off = 0.5 * sign * (force[late][1:] + force[late][:-1]) - table.force(log_speeds)
-        along = sign * (last.position - position[late[0]])
-        apart = Apart(float(off.mean()), float(np.ptp(off)), along / speeds.size)
-        lag = self._lag(begin, abs(log_speeds[-1] - log_speeds[0]) / along, table)
-        if apart.varies > CONTROL.varies * self._slope(begin, table) or np.isinf(lag):
+        # the speed from here on is that at which F is F_k, not the last one of the steps
+        now = table.log_speed(sign * last.force)
+        offsets = 0.5 * sign * (force[late][1:] + force[late][:-1]) - table.force(log_speeds)
+        late_way = sign * (last.position - position[late[0]])
+        offset = Offset(float(offsets.mean()), float(np.ptp(offsets)), late_way / speeds.size)
+        lag = self._lag(now, abs(log_speeds[-1] - log_speeds[0]) / late_way, table)
+        if offset.varies > CONTROL.varies * self._slope(now, table) or np.isinf(lag):
             return None
-        sections = self._sections(last, begin, table)
-        if sign * (sections[-1][-1].position - last.position) < longest or not self._stable(begin):
+        sections = self._sections(last, now, table)
+        way_ahead = sign * (sections[-1][-1].position - last.position)
+        if way_ahead < way_of_steps or not self._stable(now):
             return None
-        before, self._before = self._before, apart
-        error = max(apart.at_step_0(before), lag) + apart.varies + table.error
+        before, self._before = self._before, offset
+        error = max(offset.at_step_0(before), lag) + offset.varies + table.error
         return Crept(sections, float(error))
 
-    def _slope(self, begin: float, table: Table) -> float:
-        """dF_k/d ln V at ln V = begin (a length), where F_k rises with the speed from there to the drive's; else 0."""
-        slopes = table.force(np.linspace(begin, np.log(self._speed), SLOPES), 1)
+    def _slope(self, log_speed: float, table: KineticTable) -> float:
+        """dF_k/d ln V at this ln V (a length), where F_k rises with the speed from there to the drive's; else 0."""
+        slopes = table.force(np.linspace(log_speed, np.log(self._speed), SLOPES), 1)
         return float(slopes[0]) if slopes.min() > 0.0 else 0.0
 
-    def _lag(self, begin: float, change: float, table: Table) -> float:
-        """By how much F lags behind F_k(V) at ln V = begin (a length), in the first order of the change of ln V with X
-        (1/length); inf where it matters, or is not known."""
-        wave, slope = CONTROL.slow / self._unit, self._slope(begin, table)
+    def _lag(self, log_speed: float, change: float, table: KineticTable) -> float:
+        """By how much F lags behind F_k(V) at this ln V (a length), in the first order of the change of ln V with X
+        (1/length); inf where it matters, or is not known. By the response at small wave numbers q: its imaginary part
+        is q dF_k/d ln V, and its real part goes as q²."""
+        wave, slope = CONTROL.slow / self._unit, self._slope(log_speed, table)
         if not slope > 0.0:
             return float("inf")
-        answer = complex(response(self._contacts, float(np.exp(begin)), np.array([wave]))[0])
+        answer = complex(response(self._contacts, float(np.exp(log_speed)), np.array([wave]))[0])
         if abs(answer.imag / wave - slope) > CONTROL.slope * slope:
             return float("inf")
         lag = abs(answer.real) / wave**2 * change
         return float(lag) if lag <= CONTROL.lag * self._tolerance else float("inf")
 
-    def _stable(self, begin: float) -> bool:
-        """Whether steady sliding is stable from ln V = begin to the speed of the drive, looked at once a decade."""
+    def _stable(self, log_speed: float) -> bool:
+        """Whether steady sliding is stable from this ln V to that of the drive, looked at once a decade."""
         drive = float(np.log(self._speed))
-        decade = np.copysign(np.log(10.0), begin - drive)
-        for at in [*np.arange(drive, begin, decade).tolist(), begin]:
+        decade = np.copysign(np.log(10.0), log_speed - drive)
+        for at in [*np.arange(drive, log_speed, decade).tolist(), log_speed]:
             if at not in self._stable_at:
                 speed = float(np.exp(at))
                 self._stable_at[at] = is_stable(self._contacts, speed, self._spring)
@@ -200,7 +207,7 @@ class Creep:
                 return False
         return True
 
-    def _tabulated(self, log_speeds: Array, force: float) -> Table | None:
+    def _tabulated(self, log_speeds: Array, force: float) -> KineticTable | None:
         """A table with these ln V, that of the drive, and that at which F_k is this force, also where steps are so long
         that it is far from all of them; None where F_k is not smooth in ln V, or there is no such speed."""
         needed = np.append(log_speeds, np.log(self._speed))
@@ -216,7 +223,7 @@ class Creep:
                 return table
         return None
 
-    def _made(self, ends: Array) -> Table | None:
+    def _made(self, ends: Array) -> KineticTable | None:
         """The table between these ends of ln V, if it is known well enough."""
         for degree in CONTROL.degrees:
             nodes = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
@@ -225,19 +232,22 @@ class Creep:
             series = np.asarray(chebyshev.chebfit(nodes, forces, degree), float)
             error = float(np.abs(series[-2:]).sum())
             if error <= CONTROL.known * self._tolerance:
-                return Table(ends, series, error)
+                return KineticTable(ends, series, error)
         return None
 
-    def _sections(self, begin: Node, log_speed: float, table: Table) -> list[list[Node]]:
-        """The sections from this node, at this ln V, to the end of the drive's path."""
+    def _sections(self, begin: Node, log_speed: float, table: KineticTable) -> list[list[Node]]:
+        """The sections from this node, at this ln V, to the end of the drive's path: V(s) as at the head, and the time
+        by an integral over s. On the second one, if there is time left, V is the drive's speed."""
         drive, sign, end = np.log(self._speed), self._sign, float(self._motion.times[-1])
-        first = log_speed - drive
+        first = log_speed - drive  # ln V_0/v
         s = np.arange(0.0, abs(first) + CONTROL.settled, CONTROL.per_step)
-        log_ratio = -np.sign(-first) * np.log1p(np.expm1(abs(first)) * np.exp(-s))
-        per_s = table.force(log_ratio + drive, 1) / (
+        # ln V/v, for both signs of `first`
+        log_ratio = np.sign(first) * np.log1p(np.expm1(abs(first)) * np.exp(-s))
+        # dt/ds = F_k'(u)/(K max(v, V))
+        time_per_s = table.force(log_ratio + drive, 1) / (
             self._spring * self._speed * np.exp(np.maximum(log_ratio, 0.0))
         )
-        time = begin.time + make_interp_spline(s, per_s, k=5).antiderivative()(s)
+        time = begin.time + make_interp_spline(s, time_per_s, k=5).antiderivative()(s)
         force = sign * table.force(log_ratio + drive)
         if time[-1] > end:
             at_end = make_interp_spline(time, np.stack([s, force], axis=1), k=3)(end)
@@ -252,6 +262,7 @@ class Creep:
         return sections
 
     def _section(self, s: Array, time: Array, force: Array) -> list[Node]:
+        """Nodes in whose `sizes_so_far` s stands, over which `read` in extrapolation.py interpolates."""
         place = self._motion.at(time) - force / self._spring
         each = zip(s.tolist(), time.tolist(), force.tolist(), place.tolist(), strict=True)
         return [Node(size, at, borne, 1.0, x) for size, at, borne, x in each]
@@ -273,8 +284,8 @@ def creeps(motion: Motion | None, since: float) -> str:
 
 
 def may_creep(contacts: Contacts, motion: Motion | None) -> bool:
-    """Whether steady creep is known: not with another law than heat, by the closure "paper", for exact thresholds,
-    which keep their order, for a drive that ends at rest, nor where F_k is infinite."""
+    """Whether steady creep is known: where heat, by the closure "exact", is the only law, the drive moves to its end,
+    and F_k is finite; but not for exact thresholds, where births may repeat for ever."""
     thermal, law = contacts.thermal, contacts.thresholds
     alone = thermal is not None and set(contacts.laws) <= {"thermal", "stiffness"}
     if thermal is None or not alone or thermal.closure == "paper" or motion is None:

@@ -82,8 +82,8 @@ class ComparedSlips(NamedTuple):
         return np.asarray(np.any([_beside(times, *pair) for pair in pairwise(self.times)], axis=0))
 
     def as_far_from_slip(self, times: Array) -> Array:
-        """The times (n,) that are as long before or after the last slider's slip as these are from that at step 0,
-        the nearest. There must be a slip."""
+        """Where to read the last slider for an answer at step 0 at these times (n,): as long before or after its own
+        slip as each of them is from the same slip at step 0, the nearest one. There must be a slip."""
         _, middle, fine = self.times
         later = REST_OF_CHANGE * (fine - middle)
         nearest = np.abs(times[:, None] - fine - later).argmin(axis=1)
@@ -231,7 +231,7 @@ def _of_undecided_end(sliders: list[Slider], answer: Answer) -> ErrorPart | None
 
 def _of_steps(slider: Slider, changes: Array, times: Array, what: str) -> ErrorPart:
     """The error by the size of steps: the memory's safety times the smaller of the largest changes, of plain and of
-    extrapolated answers. Those have the shape (2, n), with what changes by them at these times (n,)."""
+    extrapolated answers. `changes`, of shape (2, n), are those at the times (n,), of `what`, in words."""
     changes = slider.contacts.memory.safety * changes
     largest = changes.max(axis=1, initial=0.0)
     smaller = int(largest.argmin())

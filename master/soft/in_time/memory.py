@@ -59,10 +59,10 @@ class Memory:
     largest_stretch : stretch at t = 0 or at birth beyond which no contact holds (a length)
     width : numbers in the record of a group
     scales : what steps have to resolve
-    starts : most nodes for a start with a width; they differ from halving to halving, so that their error shows
+    starts : most nodes for a start with a width; more with each halving of the steps, so that their error shows
     balance : accuracy of a step's balance, in sizes of steps: far below the error of a step
     nearing : steps are at most this part of the way to where a slip is foreseen; inf where they need not become finer
-    safety : times the last change in the error estimate, see `_of_steps` in extrapolation.py: changes of the answers
+    safety : factor on the last change in the error estimate, see `_of_steps` in extrapolation.py: changes of answers
         fall irregularly where births jump or P_c bends, and by a half where thresholds grow
     exact : whether there are exact thresholds
     resolves_heat : whether ln A is known at the next two edges above |x|, from which it is extrapolated
@@ -129,9 +129,9 @@ class ThresholdMemory(Memory):
 
 
 class MeanRateMemory(Memory):
-    """The paper's closure: all break at the mean rate H(x), and where |x| grows at their thresholds.
+    """Heat by the closure "paper": all break at the mean rate H(x), and where |x| grows at their thresholds.
 
-    Kept are the survival, and |x| at birth. A contact forgets the thresholds that it has
+    A record holds the survival so far, and |x| at birth. A contact forgets the thresholds that it has
     survived: one that goes out again may break at all that it has passed before (App. C).
     """
 
@@ -147,7 +147,7 @@ class MeanRateMemory(Memory):
         return np.stack([np.ones(stretch.size), np.abs(stretch)], axis=1)
 
     def advance(self, record: Array, leg: Leg) -> Array:
-        """See Memory; the mean of H over the move is that of Simpson's rule."""
+        """See Memory; H is averaged over the move by Simpson's rule."""
         life, (survival, born) = self._life, record.T
         ends, middle = np.abs([leg.begin, leg.end]), 0.5 * np.abs(leg.begin + leg.end)
         mean = (life.rate(ends).sum(axis=0) + 4.0 * life.rate(middle)) / 6.0

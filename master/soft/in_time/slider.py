@@ -114,7 +114,7 @@ class Slider:
         """Take steps of the section just begun until `end`, or until a slip begins; returns whether one does."""
         contacts, steps, search = self.contacts, self._steps, self._search
         nodes, slips = self.sections[-1], False
-        while not slips and contacts.now < end and not self._creeps(nodes):
+        while not slips and contacts.now < end and not self._crept_to_end(nodes):
             size = min(self._size * search.shrink, max(steps.longest(), SHORTEST * self._size))
             trial, slips = search.up_to_slip(size)
             if trial.travel or trial.end > contacts.now:
@@ -129,9 +129,9 @@ class Slider:
                 nodes.append(self._node(nodes[-1].sizes_so_far + taken))
         return slips
 
-    def _creeps(self, nodes: list[Node]) -> bool:
-        """Whether the slider creeps steadily from the last of these nodes of a section to the end of the path, where it
-        then is."""
+    def _crept_to_end(self, nodes: list[Node]) -> bool:
+        """Let the slider creep steadily from the last of these nodes of a section to the end of the path, if it does
+        so; whether it did. Then it is at the end, and no steps are left to take."""
         contacts, creep, motion = self.contacts, self._creep, self.motion
         if creep is None or motion is None or nodes[0].time < motion.times[-2]:
             return False

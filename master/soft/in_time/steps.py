@@ -38,7 +38,7 @@ class StepControl(NamedTuple):
         travel, and need resolve the first changes only.
     e_folds : of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as of
         fresh contacts that heat breaks at rest, see `Steps.begin_section`.
-    creep : part of a step up to which the slider may creep beyond its drive, see `Steps.longest`
+    creep : part of a step up to which the slider may go farther than its drive, see `Steps.longest` (not creep.py)
     back : travel against `Steps.sign`, in the steps of time beside it, from which on it is counted the other way
     time_fractions : of a step's size, from the latest on, where a balance before exact thresholds break is looked for
     """
@@ -119,7 +119,7 @@ class Root(NamedTuple):
 
     @property
     def has_balance(self) -> bool:
-        """Whether there is a balance from now on; else the slider slips at once."""
+        """Whether there is a balance later than now; else the slider slips at once."""
         return self.step.time_part > 0.0
 
 
@@ -234,10 +234,10 @@ class Steps:
 
     def tried(self, size: float, time_part: float, slope: float) -> TriedStep:
         """The step of this size of which so much is time; `slope`: of the imbalance, where that is below 0."""
-        now, later = self.contacts.now, max(time_part, 0.0)
+        now, taken = self.contacts.now, max(time_part, 0.0)
         # the time after no steps may differ from now by rounding
-        time = max(self._count.time(self._count.steps(now) + later), now) if later else now
-        trial = self.contacts.trial(self.sign * self.length * (size - later), time)
+        end = max(self._count.time(self._count.steps(now) + taken), now) if taken else now
+        trial = self.contacts.trial(self.sign * self.length * (size - taken), end)
         return TriedStep(time_part, trial, self.imbalance(trial) + slope * min(time_part, 0.0))
 
     def step(self, size: float, guess: Guess) -> Root:
