@@ -413,6 +413,17 @@ def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
     assert per_area == pytest.approx(1e6 * small, rel=1e-12)
 
 
+def test_compare_lists_the_mixed_readings_that_it_leaves_out(capsys: Any) -> None:
+    """Where few contacts are plastic they are not solved, and K* of them is in no range that is told."""
+    material = ROUGH["material"] | {"hardness": 1e9, "shear_strength": 5e7}
+    file = write("mine", thresholds=ROUGH | {"material": material}, master=None)
+    _, lines, _ = said(capsys, "compare", file)
+    left_out = read("compare-output/compare.json")["scenes"][0]["left_out"]
+    assert {"gw/amontons/mixed", "gw/strength/mixed", "gw/paper/mixed"} <= {*left_out}
+    (line,) = (one for one in lines if "left out: gw/amontons/mixed; " in one)
+    assert "list them in verdict.readings" in line
+
+
 def test_compare_shows_how_far_its_numbers_hang_on_the_readings(capsys: Any) -> None:
     """Readings that disagree on the machine's slips are the first sentence; numbers have the digits that they leave."""
     material = ROUGH["material"] | {"hardness": 1e8}

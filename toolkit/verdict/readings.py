@@ -20,6 +20,10 @@ READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "perss
 PLASTIC_TOO = ("gw/amontons/mixed", "gw/strength/mixed", "gw/paper/mixed")
 LAWS, REGIMES = ("amontons", "strength", "paper"), ("elastic", "plastic", "mixed")
 FEW = 0.1  # of the contacts; where fewer are plastic the jump of P_c between regimes is in its tail
+SLOW = (
+    f"K* takes seconds where fewer than {FEW:.0%} of the contacts are plastic, and may be larger by orders of "
+    "magnitude; list them in verdict.readings"
+)
 STEPS = (1, 2)  # of the scan's points: twice the distance shows what the resolution decides
 
 
@@ -39,10 +43,10 @@ class Reading:
 
 def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
     """The scene's own reading first, then those of its [verdict] table, or the usual ones of a surface, if
-    `quick` without mixed ones where few contacts are plastic, as K* takes seconds then.
+    `quick` without contacts of mixed ones where few are plastic, as K* takes seconds then.
 
-    Thresholds that are no surface's have one reading. A reading for which the material lacks a constant is kept with
-    the reason. Raises InputError for readings that are none.
+    Thresholds that are no surface's have one reading. A reading for which the material lacks a constant, or that is
+    left out as too slow, is kept with the reason. Raises InputError for readings that are none.
     """
     given = tomllib.loads(scene.text)
     asked, table = scene.verdict, given["contacts"]["thresholds"]
@@ -55,9 +59,10 @@ def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
     own_step = table.get("step", 1) if has_heights else 1
     words = [table["model"], table["law"], table.get("regime", "elastic")]
     own = ("/".join(words).removesuffix("/elastic"), own_step)
-    plastic_too = "hardness" in table["material"] and not (quick and _few_are_plastic(scene))
-    usual = READINGS + PLASTIC_TOO * plastic_too
-    names = list(usual) if asked is None or asked.readings is None else asked.readings
+    usual = READINGS + PLASTIC_TOO * ("hardness" in table["material"])
+    listed = None if asked is None else asked.readings
+    names = list(usual) if listed is None else listed
+    slow = PLASTIC_TOO if quick and listed is None and _few_are_plastic(scene) else ()
     steps = sorted({own_step * k for k in STEPS}) if has_heights else [1]
     steps = steps if asked is None or asked.steps is None else asked.steps
     for name in names:
@@ -65,7 +70,9 @@ def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
     each = [(name.removesuffix("/elastic"), step) for step in steps for name in names]
     found = [Reading(_title(*own, steps), True, scene.contacts)]
     for name, step in dict.fromkeys(each):
-        if (name, step) != own:
+        if (name, step) != own and name in slow:
+            found.append(Reading(_title(name, step, steps), False, None, SLOW))
+        elif (name, step) != own:
             found.append(_read(scene, given, name, step, _title(name, step, steps)))
     return found
 
