@@ -1,6 +1,7 @@
 """The one error type for bad input, and the checks that raise it."""
 
 import math
+import re
 from typing import NoReturn
 
 import numpy as np
@@ -31,12 +32,18 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def with_point(value: object) -> str:
+    """What to write in place of text with a decimal comma; "" for other values."""
+    comma = isinstance(value, str) and re.fullmatch(r"\s*[-+]?\d+,\d+(?:[eE][-+]?\d+)?\s*", value)
+    return f"write {str(value).strip().replace(',', '.')}, with a point" if comma else ""
+
+
 def finite(name: str, value: object, instead: str = "such as 1.0") -> float:
     """`value` as a finite float; else the message ends in what to write `instead`."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
-        refuse(name, value, f"must be a number, {instead}")
+        refuse(name, value, f"must be a number, {with_point(value) or instead}")
     try:
         number = float(value)
     except OverflowError:

@@ -416,7 +416,8 @@ def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
 def test_compare_lists_the_mixed_readings_that_it_leaves_out(capsys: Any) -> None:
     """Where few contacts are plastic they are not solved, and K* of them is in no range that is told."""
     material = ROUGH["material"] | {"hardness": 1e9, "shear_strength": 5e7}
-    file = write("mine", thresholds=ROUGH | {"material": material}, master=None)
+    machine = {"spring": "4e6 N/m", "area": 1e-6, "velocity": 1.0}
+    file = write("mine", thresholds=ROUGH | {"material": material}, drive=machine, master=None)
     _, lines, _ = said(capsys, "compare", file)
     left_out = read("compare-output/compare.json")["scenes"][0]["left_out"]
     assert {"gw/amontons/mixed", "gw/strength/mixed", "gw/paper/mixed"} <= {*left_out}

@@ -17,9 +17,11 @@ from toolkit.judge.describe import Description, describe, onset_in_words, table_
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import (
+    of_machine,
     of_stretch,
     of_surface,
     of_units,
+    scale_of,
     with_scatter,
     with_uncertainty,
     written,
@@ -305,6 +307,26 @@ def test_a_wrong_unit_is_asked_for_by_its_key(capsys: Any) -> None:
     drive["area"] = 1e-6
     _, _, said_first = said(capsys, "run", write(contacts=contacts, drive=drive), "--dry-run")
     assert not any("stretches the spring" in line for line in said_first)
+
+
+def test_a_mass_or_a_number_of_contacts_beyond_any_sliders_is_asked_about() -> None:
+    contacts = toolkit.load_scene(scene(contacts={"thresholds": ROUGH})).contacts
+    for area, mass, key in ((1e-6, 1e9, "drive.mass"), (1e-13, 1.0, "drive.area"), (1e-6, 0.1, "")):
+        scale = scale_of(contacts, area)
+        asked = of_machine(scale, mass / scale.spring)
+        assert [key in one for one in asked] == [True] * bool(key)
+    assert not of_machine(scale_of(contacts, None), 1e9)  # M/N_c<k> alone: no mass is known
+
+
+def test_constants_of_a_surface_are_asked_for_by_what_others_call_them(capsys: Any) -> None:
+    modulus = {"contact_modulus": None, "youngs_modulus": 3e9, "local_friction": 0.4}
+    for material, told in (
+        (modulus, "give contact_modulus, E* = E/(1 - nu²) on a rigid flat"),
+        ({"local_friction": "0,4"}, "local_friction = '0,4': must be a number, write 0.4"),
+    ):
+        own = {k: v for k, v in (ROUGH["material"] | material).items() if v is not None}
+        file = write(thresholds=ROUGH | {"material": own}, drive={"to": 1e-7, "points": 3})
+        assert told in refused(capsys, "run", file)
 
 
 def loaded(law: dict[str, Any], stated: dict[str, Any]) -> Any:

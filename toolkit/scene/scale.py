@@ -19,6 +19,8 @@ SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be
 # F_k/load of nearly parallel lattices and of glued contacts; <x_s> in m, from a nucleus to a fault's; m by which a
 # spring is stretched at most: beyond these a unit is wrong
 _COEFFICIENTS, _LENGTHS, _LONGEST = (1e-6, 10.0), (1e-15, 1e-2), 0.1
+# contacts of which forces scatter by half of themselves; kg, far above sliders of laboratories
+_FEWEST, _HEAVIEST = 10.0, 1e6
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,21 @@ def of_stretch(contacts: Contacts, spring: float) -> list[str]:
     return [
         f"F_k stretches the spring by {stretch:.2g} m: are drive.area (m²) and drive.spring right?"
     ]
+
+
+def of_machine(scale: Scale, mass: float | None) -> list[str]:
+    """Which keys to check where the area holds so few contacts that no distribution tells of them, or a mass M/(N_c
+    <k>) (time²; None: none) is beyond any slider's."""
+    told, held = list[str](), scale.contacts
+    if held is not None and held < _FEWEST:
+        told.append(f"drive.area holds {held:.2g} contacts: is it right, in m²?")
+    if (
+        mass is not None
+        and scale.spring_unit == "N/m"
+        and (heavy := mass * scale.spring) > _HEAVIEST
+    ):
+        told.append(f"the slider's mass is {heavy:.2g} kg: is drive.mass right?")
+    return told
 
 
 def without_stiffness(in_metres: bool) -> Scale:

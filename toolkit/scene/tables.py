@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-from origins.errors import InputError, refuse
+from origins.errors import InputError, refuse, with_point
 
 # nan and infinities lie outside of these
 Finite = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
@@ -126,6 +126,11 @@ _UNITS = FIXED_UNITS | dict.fromkeys(LENGTHS, "the scene's unit of length, m of 
 _UNITS |= {"time": "s where speeds are in m/s", "velocity": "m/s where lengths are in m"}
 
 
+# keys that others may look for, with the one that is meant, and how it follows
+_MODULUS = "contact_modulus", "E* = E/(1 - nu²) on a rigid flat, half of that for two equal bodies"
+_ALSO_CALLED = dict.fromkeys(["youngs_modulus", "elastic_modulus", "modulus", "E"], _MODULUS)
+
+
 def read_table(tables: Mapping[str, Any]) -> SceneTable:
     """The tables with their types checked and defaults filled in. Raises InputError with the path of the bad key."""
     try:
@@ -146,7 +151,11 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         said = expected.partition(", got")[0].replace(" | null", "").replace("`", "")
         said = said.replace(f" <= {sys.float_info.max}", ", finite").replace("str", "text")
         said = said.replace("int", "a whole number").replace("float", "a number")
-        refuse(where, value, f"{said[0].lower()}{said[1:]}")
+        above, unit = re.fullmatch(r"Expected (.*) > 0\.0(.*)", said), _UNITS.get(key)
+        if above:
+            said = f"must be {above[1]} above 0{above[2]}" + f", in {unit}" * (unit is not None)
+        point = f"; {with_point(value)}" * bool(with_point(value))
+        refuse(where, value, f"{said[0].lower()}{said[1:]}{point}")
 
 
 def _with_quoted_keys(tables: Any) -> Any:
@@ -169,6 +178,8 @@ def what_is_meant(key: str, known: Iterable[str]) -> str:
     tables = [
         name for name, table in _TABLES.items() if name and key in table.__struct_encode_fields__
     ]
+    if (other := _ALSO_CALLED.get(key)) and other[0] in known:
+        return f"give {other[0]}, {other[1]}; "
     return f"it stands in [{tables[0]}]; " if len(tables) == 1 else did_you_mean(key, known)
 
 
@@ -186,6 +197,7 @@ def _counted(value: Any, where: str = "") -> Any:
     key = where.rpartition(".")[2]
     if key in _UNITS and isinstance(value, str) and re.search(r"\d", value):
         hint = "only drive.spring, mass and damping take text with a unit"
+        hint = with_point(value) or hint
         refuse(where, value, f"must be a number alone, in {_UNITS[key]}; {hint}")
     whole = key in _COUNTS and isinstance(value, float) and value.is_integer()
     return int(value) if whole else value

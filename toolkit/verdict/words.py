@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.scene.interfaces import doubts
-from toolkit.scene.scale import guarded, of_stretch, spoken, with_scatter, written
+from toolkit.scene.scale import guarded, of_machine, of_stretch, spoken, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.hangs_on import dependence, why_smooth
 from toolkit.verdict.kinds import delay_decides, named, not_decided, others, out_of_time
@@ -33,6 +33,7 @@ def warnings(verdict: Verdict) -> list[str]:
     own, found = verdict.own, doubts(verdict.own.contacts)
     if own.machine is not None:
         found += of_stretch(own.contacts, own.machine.spring)
+        found += of_machine(own.scale, own.machine.mass)
     return [f"do not trust this: {doubt}" for doubt in found]
 
 
