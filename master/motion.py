@@ -39,8 +39,10 @@ class Motion:
         steps = np.diff(times)
         speeds = np.diff(positions) / steps
         # speeds that differ by 1e-9 count as equal: quotients of positions and times are rounded, to 1e-13 where a path
-        # has thousands of points; rounding of the times changes the speeds of short steps most, and late ones
-        rounded = 1e-9 + np.minimum(4.0 * np.finfo(float).eps * times[1:] / steps, 0.5)
+        # has thousands of points; rounding of times and positions changes the speeds of short steps most, and of steps
+        # late or far from 0
+        late, far = times[1:], np.maximum(*np.abs([positions[1:], positions[:-1]]))
+        rounded = 1e-9 + _rounded(late, steps) + _rounded(far, np.abs(np.diff(positions)))
         larger, rounding = (np.maximum(a[1:], a[:-1]) for a in (np.abs(speeds), rounded))
         turns = np.flatnonzero(np.abs(np.diff(speeds)) > rounding * larger) + 1
         kept = np.concatenate([[0], turns, [times.size - 1]])
@@ -91,6 +93,13 @@ class Motion:
     def history(self, t: Array, s: Array) -> "History":
         """The displacements from s to t of contacts born at s; all t lie on one leg, and so do the s of a row."""
         return History(self, t, s)
+
+
+def _rounded(ends: Array, steps: Array) -> Array:
+    """By which part of itself each step (n,) between rounded numbers may be off, that of the larger one; 1/2 at most,
+    as a hold is told from a move."""
+    off = 4.0 * np.finfo(float).eps * ends
+    return np.asarray(off / np.maximum(steps, 2.0 * off, out=np.ones(off.shape), where=off > 0.0))
 
 
 def drive_motion(drive: Drive, balance: float) -> Motion | None:

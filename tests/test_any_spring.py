@@ -161,3 +161,18 @@ def test_few_contacts_that_come_back_before_the_others_hold_a_soft_spring():
     assert -0.3 * delay < slips.drive[1] - 2.0 * slips.drive[0] < -0.05 * delay
     # contacts that are out as the slip begins pull no more: their part, times the way in which they broke
     assert -2.0 * delay < slips.drive[0] - before - static / spring < 0.0
+
+
+@pytest.mark.parametrize("rule", ["reset", "instant"])
+def test_points_on_one_straight_leg_far_from_0_are_read_only(rule):
+    """Positions near 3e5 are rounded to 6e-11: steps of 5e-4 seemed to change their speed, 300 times. With one point
+    nothing but the end is read."""
+    hot = origins.Contacts(WIDE, start=0.3, thermal=origins.Thermal("eyring", width=0.03))
+    found = []
+    for points in (1, 400):
+        way = np.linspace(0.0, 0.2, points + 1)[1:]
+        drive = {"spring": 1e-6, "slip": rule, "time": way / 1e-4}
+        found.append(master.solve(hot, 3e5 + way, 1e-4, **drive, wall_time=10.0))
+    assert all(one.success for one in found), [one.message for one in found]
+    assert found[0].nodes == found[1].nodes
+    assert found[0].force[-1] == pytest.approx(found[1].force[-1], abs=1e-12)
