@@ -55,6 +55,9 @@ def solve(
     path forward without laws in time: after a turn there are `renewal.earlier_legs`, or `renewal.strand_births` of
     contacts that age, and each law has its survival in `survival`.
 
+    With a spring `solve` calls `solve_soft` in `soft.solution`, or with a mass `solve_inertial` in
+    `soft.inertia.solution`; `soft` says in its `__init__` how they go on.
+
     Parameters
     ----------
     contacts : Contacts

@@ -36,7 +36,7 @@ SAME_TIME, ROUNDED = 1e-12, 2e-15
 class Kink(NamedTuple):
     """A time at which breaks jump or bend.
 
-    size : share of contacts in the jump; for a bend, in a jump of equal effect
+    size : of a jump, the share of the contacts in it; of a bend, that of a jump with the same effect on a panel
     needed : whether a panel has to end there however small the kink is: no panel may lie on two legs, nor may the
         births of its breaks, one delay later
     """
@@ -105,7 +105,7 @@ class _Kinks:
         )
         # contacts that have moved by more before `continued_from`, a thousandth for rounding, hold no more
         self._farthest = 1.001 * max([far, *self._bends])
-        self._place = float(self.motion.at(np.array(continued_from)))
+        self._continued_at = float(self.motion.at(np.array(continued_from)))  # a position
 
     def of_start(self, start: Start) -> list[Kink]:
         """Kinks that follow from t = 0: contacts of the start may break at once, and births begin a delay later."""
@@ -132,8 +132,8 @@ class _Kinks:
         """Kinks when contacts meet bends, if their births at the time `birth` have a jump or bend of this size.
         At a jump of P_c breaks are one order smoother; at an exact threshold they are as sharp, times the share of the
         contacts that have it."""
-        gone = abs(self._place - float(self.motion.at(np.array(birth))))
-        if birth < self.continued_from and gone > self._farthest + max(map(abs, law.span)):
+        moved = abs(self._continued_at - float(self.motion.at(np.array(birth))))
+        if birth < self.continued_from and moved > self._farthest + max(map(abs, law.span)):
             return
         # the ends of a narrow law are like a jump
         is_narrow = np.ptp(law.span) < NARROW * self.life.largest_stretch
@@ -141,7 +141,8 @@ class _Kinks:
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
                 if time > self.continued_from + self.close(time):
-                    # asked some 400 times the bins of a histogram: a survival each time is most of its cost
+                    # 0 at other bends and for nan. Asked some 400 times the bins of a histogram: a survival each time
+                    # is most of its cost
                     exact = self.life.atom_fraction(bend, stretch) if has_atoms else 0.0
                     yield Kink(time, size * (exact or SMOOTHER))
 
@@ -188,8 +189,9 @@ def same_time(motion: Motion, time: float) -> float:
 
 
 def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[tuple[float, float]]:
-    """When the |x| of contacts born then, at a stretch x, first passes each of the lengths `bends`, with that length;
-    and, with nan, when it comes back to its largest value so far."""
+    """Times at which the |x| of contacts born then, at a stretch x, first passes one of the lengths `bends`, each with
+    that length; and at which |x|, after a turn, comes back to its largest value so far, each with nan: there contacts
+    begin to break at their thresholds again, at which none breaks on the way back."""
     first = int(motion.leg(birth + same_time(motion, birth)))
     times, speeds = np.append(birth, motion.times[first + 1 :]), motion.speeds[first:]
     stretch = np.cumsum(np.append(x, speeds * np.diff(times)))

@@ -115,17 +115,17 @@ class March:
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            new_leg, previous_leg = leg != previous_leg, leg
+            is_new, previous_leg = leg != previous_leg, leg
             leg_start_path = float(self.motion.times[leg])
-            yield from self._segment(leg, begin - leg_start_path, end - leg_start_path, new_leg)
+            yield from self._segment(leg, begin - leg_start_path, end - leg_start_path, is_new)
 
-    def _segment(self, leg: int, now_leg: float, edge_leg: float, new_leg: bool) -> Iterator[None]:
-        """Solve from one edge to the next, yielding after each good batch. The clocks of times are those of past.py."""
+    def _segment(self, leg: int, now_leg: float, edge_leg: float, is_new: bool) -> Iterator[None]:
+        """Solve up to the next edge, yielding after each good batch; `is_new`: the leg begins now. Clocks: past.py."""
         leg_start_path, segment_begin_leg = float(self.motion.times[leg]), now_leg
         guess_duration = self.motion.duration(self.guess, leg)
         whole_life = self.motion.duration(self.life.largest_stretch, leg)
         tolerance, widths = self.tolerance, self.widths
-        widths.begin(edge_leg - now_leg, guess_duration, whole_life, tolerance, new_leg)
+        widths.begin(edge_leg - now_leg, guess_duration, whole_life, tolerance, is_new)
         while not widths.reached(edge_leg - now_leg):
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
@@ -196,8 +196,8 @@ class March:
         PanelSums do not hold, which may not show; and of a leg before Past has the births: they would count twice."""
         # one width before, as a panel's last breaks come one after its first; and one more, amply for rounding
         oldest = self._oldest_that_counts(self.solved.end, leg) - 2.0 * width
-        earliest_on_leg = float(self.motion.times[leg]) - SAME_BEGIN * width
-        return self.solved.count_same_width(width, max(oldest, earliest_on_leg))
+        leg_start_path = float(self.motion.times[leg])
+        return self.solved.count_same_width(width, max(oldest, leg_start_path - SAME_BEGIN * width))
 
     def enter_and_sum_at(self, t: Array) -> Array:
         """As `enter_and_sum`, at times t in rows, all on one leg; (2, *t.shape)."""
@@ -265,14 +265,14 @@ class March:
         until_edge, from_edge = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
         # Where the edge ends the leg the later times are asked for on it all the same: on the next leg Past would enter
         # that too early. Only the number at the edge is read, which is right. One row each, as they are on two legs.
-        amid_leg = t < self.motion.times[leg + 1]
-        asked = [[until_edge, from_edge]] if amid_leg else [[until_edge], [from_edge]]
+        leg_goes_on = t < self.motion.times[leg + 1]
+        asked = [[until_edge, from_edge]] if leg_goes_on else [[until_edge], [from_edge]]
         number = np.concatenate([self.enter_and_sum(leg, np.array(rows))[0] for rows in asked])
         return float(number[0, -1]), float(number[1, 0])
 
     def cut(self, t: float, births: Births) -> "March":
-        """A march that has the contacts of this one at the time t, and none of its plans: set its edges before it runs.
-        `births` are along a motion that is the same up to t, of the same life, which is timeless."""
+        """For master/soft: a march that has the contacts of this one at the time t, and none of its plans: set its
+        edges before it runs. `births` are along a motion that is the same up to t, of the same life, a timeless one."""
         start = self.lumps[0].law
         other = March(births, start, self.edges, self.tolerance, self.guess, self.longest_stretch)
         # the contacts, and the errors with which they are known
@@ -287,10 +287,10 @@ class March:
         return other
 
     def postpone_births(self, begin: float, end: float) -> None:
-        """Add panels from begin to end without births: broken contacts are born together at the end."""
+        """For soft/moves.py: add panels without births from begin to end, where broken contacts are born together."""
         number, _ = self.enter_and_sum_at(np.full((1, TARGETS.size), end))
         leg_start_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
-        # breaks at the end are looked for over half of the last panel, which has to be short
+        # `_numbers_at_edge` looks back from the end over half of the last panel, which therefore has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)
         batch = Batch.of_one_panel_without_contacts()
         for first, width in ((begin, nearly - begin), (nearly, end - nearly)):

@@ -5,7 +5,7 @@ follows from the slider's displacements (earlier_legs.py), or, where contacts ag
 leg (strand_births.py). Past adds both up, and forgets legs of whose births hardly any contact holds.
 
 Three clocks meet here, in earlier_legs.py and in lumps.py. The name of a time there, of a motion or of births on
-panels ends in its clock (`leg` alone is an index):
+panels ends in its clock (`leg`, `to_leg` are indices):
 
 - `_path`: since the beginning of the path, the clock of the march: births.motion, SolvedPanels.begin, Lump.birth;
 - `_leg`: since the beginning of the present leg, to keep digits: here sums are taken;
@@ -69,6 +69,7 @@ class Past:
         """Before the first leg."""
         self._births = births
         self._motion_leg, self._leg_start_path = births.motion, 0.0
+        # no sum over thresholds, nor followed by strands
         closed = births.life.pair_work == 1 and not births.life.has_strands
         self._accuracy = births.accuracy * (1.0 if closed else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)

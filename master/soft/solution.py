@@ -72,9 +72,9 @@ def solve_soft(
     a different X. Raises InputError where contacts that form again elsewhere than at x = 0 would be out in a slip, and
     where a drive in time does not begin at the balance; for too many steps, and exact thresholds with a wide start.
     """
-    began, again, slip = time.perf_counter(), contacts.reforming, drive.slip
-    out = slip == "reform-after" or (contacts.delay is not None and slip == "instant")
-    if again is not None and out:
+    began, reforming, slip = time.perf_counter(), contacts.reforming, drive.slip
+    out_in_slip = slip == "reform-after" or (contacts.delay is not None and slip == "instant")
+    if reforming is not None and out_in_slip:
         hint = 'takes contacts that form again at x = 0; leave out reforming, or use "reset"'
         refuse("slip", slip, hint)
     given = contacts
@@ -85,7 +85,8 @@ def solve_soft(
         contacts = idle.contacts
     else:
         idle = Idle(contacts)
-    if contacts.in_time or (again is not None and again.law.span[0] < 0.0 and not drive.forward):
+    backward = reforming is not None and reforming.law.span[0] < 0.0
+    if contacts.in_time or (backward and not drive.forward):
         if contacts.thresholds.atoms[0].size and not contacts.start.is_single:
             fault = "with a width reach exact thresholds one after the other, which steps in time do not resolve"
             raise InputError(
@@ -93,15 +94,15 @@ def solve_soft(
             )
         found = refined(contacts, drive, balance_of(contacts, drive), tolerance, progress, until)
         error = idle.error
-        later = error * contacts.mean_threshold / float(drive.spring or 0.0)
-        slips = replace(found.slips, drive_error=found.slips.drive_error + later)
+        of_drive = error * contacts.mean_threshold / float(drive.spring or 0.0)
+        slips = replace(found.slips, drive_error=found.slips.drive_error + of_drive)
         left_out = ErrorPart("heat that is left out", error, LOOSEN)
         found = found._replace(
             error=found.error + error, slips=slips, parts=(*found.parts, left_out)
         )
     else:
-        unknown = idle.effect * contacts.mean_threshold
-        found = ColdSlider(contacts, drive, tolerance, until, unknown).follow()
+        of_heat = idle.effect * contacts.mean_threshold
+        found = ColdSlider(contacts, drive, tolerance, until, of_heat).follow()
         progress(found.error)
     position = drive.path[: found.force.size] - found.force / float(drive.spring or 0.0)
     common = common_fields((given, contacts), drive, found, tolerance, until)

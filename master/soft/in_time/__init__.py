@@ -24,10 +24,11 @@ from one to the next section of the drive's motion, which end where it turns, ch
 a delay after such an instant, and at slips (`Slider`). What follows on a slip that leaves all contacts new
 is solved once on a leg of the drive.
 
-Order of calls: `Slider._begin_section`, which lets all begin anew that remember steps; then for each step
-`SlipBegins.up_to_slip`, which asks for many trials, and `ContactsInSteps.take` of the one that is chosen. Only `take`
-and what a slip does change the contacts. In a slip contacts are changed first, and X, or the slip's list, follows from
-their force.
+Order of calls: `solve_soft` (soft/solution.py); `refined`, which for each halving makes a Memory and the contacts, and
+calls `Slider.run`; there, at each begin of a section, `Slider._begin_section`, which lets all begin anew that remember
+steps; then for each step `SlipBegins.up_to_slip`, which asks for many trials, and `ContactsInSteps.take` of the one
+that is chosen. Only `take` and what a slip does change the contacts. In a slip contacts are changed first, and X, or
+the slip's list, follows from their force.
 
 Clocks: all times here are on the path, from t = 0 on, `ContactsInSteps.now` and ends of trials, too (legs of a rigid
 slider have clocks of their own, those of a soft one have not). Sizes (`Node.sizes_so_far`) and steps of time
@@ -44,8 +45,9 @@ those of the memory, rounding and what steps cannot resolve (`Unresolved`) are a
 above the tolerance the message names the largest of these parts (`Followed.why_above`).
 
 In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `decohered.py` (where a long
-slip leads to), `contacts.py`, `groups.py`, `breaks.py`, `unresolved.py`, `extrapolation.py`, and `near_slip.py`, which
-tells if steps leave open whether a slip comes before a turn.
+slip leads to), `contacts.py`, `groups.py`, `breaks.py`, `unresolved.py`, `extrapolation.py`, `near_slip.py` (whether
+steps leave open if a slip comes before a turn), and `creep.py`, by which a slider that creeps on a soft spring goes on
+to the end of the path without steps (`Slider._crept_to_end`).
 Then the memories: `memory.py` (what a memory is, and thresholds that stay), `threshold_cells.py` (integrals of rates at
 the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where
 they age; and `idle_heat.py`, for heat too weak for steps to see. A plain twin: `tests/plain_in_time.py`.
