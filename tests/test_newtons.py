@@ -1,6 +1,7 @@
 """Forces and springs of a surface in newtons of its area and pascals without one: results, tables and reports."""
 
 import json
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -11,11 +12,12 @@ import pytest
 from matplotlib.figure import Figure
 from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
 
+import origins
 import toolkit
 from origins.errors import InputError
 from toolkit.judge.describe import Description, describe, onset_in_words, table_of
 from toolkit.results.numbers import in_words, numbers_of
-from toolkit.scene.interfaces import Number
+from toolkit.scene.interfaces import Number, remarks
 from toolkit.scene.scale import (
     of_machine,
     of_stretch,
@@ -146,6 +148,32 @@ def test_the_table_of_thresholds_is_in_the_same_units(capsys: Any) -> None:
     surface = toolkit.load_scene(scene(ROUGH)).contacts.interface
     friction = surface.friction_coefficient * 1e6 * AREA
     assert found["kinetic_force_of_the_area"]["value"] == pytest.approx(friction, rel=1e-6)
+
+
+def test_thresholds_of_a_surface_tell_of_its_heights_slopes_and_summits(capsys: Any) -> None:
+    """Summits as they were given, and a slope that McCool's relations have: m4 = 0.14 pi/r², m2 = m4/(6 pi 3^½ D)."""
+    _, lines, _ = said(capsys, "thresholds", write(thresholds=ROUGH, master=None))
+    found = json.loads(Path("mine-output/thresholds.json").read_text())["numbers"]
+    own, curvature = ROUGH["surface"], np.pi * (0.375 / ROUGH["surface"]["radius"]) ** 2
+    assert found["summit_radius"]["value"] == pytest.approx(own["radius"])
+    assert found["summit_density"]["value"] == pytest.approx(own["density"])
+    slope = np.sqrt(2.0 * curvature / (6.0 * np.pi * 3**0.5 * own["density"]))
+    assert found["rms_slope"]["value"] == pytest.approx(slope)
+    assert found["rms_height"]["value"] > own["std"]  # summits are less high than the surface
+    assert any(re.fullmatch(r"  summit radius +1.00 µm", line) for line in lines)
+
+
+def test_the_critical_spring_of_smoothed_islands_is_not_told_by_thresholds() -> None:
+    own = {"critical_spring": Number(3.0, 1.0, "N_c<k>")}
+    (line, _) = table_of(Description(own, (), True, True, 1.0), (), (), smoothed=True)
+    assert line.endswith("not known: it hangs on the smoothing of P_c") and "N_c" not in line
+
+
+def test_beside_a_machine_no_other_springs_are_told_of_islands() -> None:
+    """Two waves at all angles: P_c diverges, and without a machine slips of stiff springs are told."""
+    law = origins.domains(law="equal", stiffness=1.0, sizes=[(4, 4)], lattice_constant=3.88)
+    (without,), (beside,) = remarks(law), remarks(law, machine=True)
+    assert "K = 100 N<k>" in without and without.startswith(beside) and "N<k>" not in beside
 
 
 def test_a_prefix_is_chosen_for_each_unit() -> None:

@@ -38,7 +38,7 @@ from toolkit.running.solvers import within
 from toolkit.saving import pictures as picture
 from toolkit.saving import read_formats, stale
 from toolkit.scene.changes import read_changes
-from toolkit.scene.interfaces import foreseen
+from toolkit.scene.interfaces import foreseen, of_smoothing
 from toolkit.scene.laws import inside
 from toolkit.scene.paper import numbers_in_paper
 from toolkit.scene.scale import SHARED
@@ -164,7 +164,8 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     }
     on_root(comm, lambda: write_folder(folder, writers, stale(["thresholds"], writers)))
     hidden = SHARED_NUMBERS if scene.scale.spring_unit != SHARED else ()
-    lines = table_of(found, scene.contacts.laws, hidden, isinstance(law.interface, Interface))
+    kinds = isinstance(law.interface, Interface), of_smoothing(law)
+    lines = table_of(found, scene.contacts.laws, hidden, *kinds)
     print("\n".join([title, *lines, f"written to {folder}"]))
     return 0 if found.success else 1
 

@@ -64,6 +64,11 @@ class SpectralMoments:
         return 0.5 * (self.m4_axes[0] + self.m4_axes[1])
 
     @property
+    def rms_height(self) -> float:
+        """Root mean square height about the trend, m0^(1/2), in metres."""
+        return float(np.sqrt(self.m0))
+
+    @property
     def rms_slope(self) -> float:
         """Root mean square slope of the surface, h'_rms = (2 m2)^(1/2)."""
         return float(np.sqrt(2.0 * self.m2))

@@ -185,11 +185,16 @@ def onset_in_words(number: Number, digits: int) -> str:
 
 
 def table_of(
-    found: Description, laws: tuple[str, ...], hidden: tuple[str, ...], surface: bool = False
+    found: Description,
+    laws: tuple[str, ...],
+    hidden: tuple[str, ...],
+    surface: bool = False,
+    smoothed: bool = False,
 ) -> list[str]:
     """The table as lines of text without the numbers `hidden`, which are there in SI units, too; where contacts have
     `laws`, the numbers of sliding say whether these are in them. Those of a `surface` have three digits, as other
-    models and resolutions of it change them by far more than their numerical errors."""
+    models and resolutions of it change them by far more than their numerical errors; K* of islands whose P_c is
+    `smoothed` is no number of theirs."""
     sliding = [name for name in found.numbers if name.startswith((*PROPENSITY, "kinetic_force"))]
     labels = dict.fromkeys(sliding, "with laws")
     labels |= dict.fromkeys(("friction_coefficient", "kinetic_stress"), "P_c alone")
@@ -200,6 +205,8 @@ def table_of(
         unit = number.unit
         if name == "onset_power":
             value = onset_in_words(number, 3 if surface else 8)
+        elif name.startswith("critical_spring") and smoothed:
+            value, unit = "not known: it hangs on the smoothing of P_c", ""
         elif name.startswith("critical_spring") and not found.sampled and number.lost:
             value, unit = "not known", ""
         elif surface and (number.error or 0.0) <= SEEN * abs(number.value):

@@ -18,8 +18,9 @@ from toolkit.scene.scene import Scene
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
 _UNITS |= {"mean_plane_separation": "m", "patch_area": "m2", "mean_area": "m2", "mean_load": "N"}
+_UNITS |= {"rms_height": "m", "summit_radius": "m", "summit_density": "1/m2"}
+_OF_SURFACE = "rms_height", "rms_slope", "summit_radius", "summit_density"
 _UNITS |= {"mean_force_threshold": "N", "contact_density": "1/m2", "mean_stiffness": "N/m"}
-
 
 # of the load: where plastic contacts bear more the elastic theory says nothing
 _MOSTLY = 0.5
@@ -54,7 +55,7 @@ def with_error(value: float, error: float, digits: int) -> str:
 
 
 def of_interface(interface: InSI) -> dict[str, Number]:
-    """The numbers of the interface in SI units, its fields and properties, without the law's mean."""
+    """Numbers of the interface in SI units, without the law's mean; of a rough one those of its surface, too."""
     names: list[str] = [
         field.name for field in fields(cast(Any, interface)) if field.name != "mean_threshold"
     ]
@@ -66,6 +67,9 @@ def of_interface(interface: InSI) -> dict[str, Number]:
             stated = name in ("pressure", "patch_area") or not isinstance(interface, Interface)
             error = None if stated else abs(value) * 1e-8
             numbers[name] = Number(value, error, _UNITS.get(name, ""))
+    if isinstance(interface, Interface):
+        for name in _OF_SURFACE:
+            numbers[name] = Number(getattr(interface.moments, name), None, _UNITS.get(name, ""))
     return numbers
 
 
@@ -82,10 +86,10 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
     )
 
 
-def remarks(law: Thresholds) -> list[str]:
+def remarks(law: Thresholds, machine: bool = False) -> list[str]:
     """Warnings where samples, surface, load or a mean below 0 are at the limits of the law, and about errors that are
-    not included; may be empty."""
-    said = of_samples(law) + of_islands(law) + of_units(law)
+    not included; may be empty. Beside a `machine` of its own spring slips are told of none other."""
+    said = of_samples(law) + of_islands(law, machine) + of_units(law)
     if isinstance(law, CutGaussian) and law.parent_mean <= 0.0:
         said.append(
             f"the normal law has its mean at {law.parent_mean:g} and is cut at 0, with half or more of its weight: "
@@ -209,8 +213,9 @@ def why_infinite(contacts: Contacts) -> str:
     return f"K* is infinite: {many} contacts break at one value, x = {x:.4g}, where F drops by {drop:.2g} F_k"
 
 
-def of_islands(law: Thresholds) -> list[str]:
-    """Notes on thresholds from islands: K* is infinite, with the slips of some springs, or depends on smoothing."""
+def of_islands(law: Thresholds, machine: bool = False) -> list[str]:
+    """Notes on thresholds from islands: K* is infinite, with the slips of some springs but beside a `machine` of its
+    own, or depends on smoothing."""
     if law.domains is None:
         return []
     angles = law.domains.angles
@@ -229,14 +234,16 @@ def of_islands(law: Thresholds) -> list[str]:
         peaks = law.breakpoints[np.isinf(law.pdf(law.breakpoints))]
     if not peaks.size:
         return []
+    why = "K* is infinite: P_c peaks as an inverse square root where a barrier stands still in the angle"
+    if machine:
+        return [why]
     drops = []
     for spring in (1.0, 10.0, 100.0):
         slip = longest_slip(law, peaks, spring) / law.mean()
         at = f"a slip of {slip:.2g} <x_s> at K = {spring:g} N<k>"
         drops.append(f"{spring * slip:.2g} <x_s> in {at}")
     return [
-        "K* is infinite: P_c peaks as an inverse square root where a barrier stands still in the angle; as relaxed "
-        f"contacts break for the first time, F/(N<k>) drops at most by about {', '.join(drops)}"
+        f"{why}; as relaxed contacts break for the first time, F/(N<k>) drops at most by about {', '.join(drops)}"
     ]
 
 

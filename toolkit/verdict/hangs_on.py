@@ -219,7 +219,10 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
             f"only where it is above some {SMOOTH_ABOVE:g}",
         )
-    yield from (Line(_size_of(verdict, one), one) for one in remarks(own.contacts.thresholds))
+    yield from (
+        Line(_size_of(verdict, one), one)
+        for one in remarks(own.contacts.thresholds, machine is not None)
+    )
     known = [finite for finite in verdict.finite if finite.kind != "unknown"]
     # what the headline tells already, in place of infinitely many, is not told again
     alone = [one.sliders for one in own.behaviours if one.sliders and not one.sliders.message]
