@@ -83,7 +83,9 @@ def by_law(choose: Callable[[type], Any]) -> Any:
     def function(law, *rest):  # type: ignore[no-untyped-def]
         raise NotImplementedError
 
+    # those of compiling.inlined
     options: Any = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
+    options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
     @overload(function, jit_options=options, strict=False)
     def found(law, *rest):  # type: ignore[no-untyped-def]

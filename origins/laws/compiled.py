@@ -32,7 +32,9 @@ def inlined(function: Callable[..., Any]) -> Any:
     from numba import njit
 
     jit: Any = njit  # its type hints do not know all of its options
-    return jit(nogil=True, error_model="numpy", _nrt=False, forceinline=True)(function)
+    options = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
+    # nobody else calls it, and each wrapper takes the compiler longer than a short function
+    return jit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)(function)
 
 
 @cache
