@@ -108,7 +108,8 @@ class _Kinks:
         self._continued_at = float(self.motion.at(np.array(continued_from)))  # a position
 
     def of_start(self, start: Start) -> list[Kink]:
-        """Kinks that follow from t = 0: contacts of the start may break at once, and births begin a delay later."""
+        """Kinks that follow from t = 0: contacts of the start may break at once, and births begin a delay later. These
+        are taken for granted: where none breaks so early, they and what follows from them cost a few panels."""
         beginnings = [Kink(0.0, SMOOTHER), Kink(self.births.delay, SMOOTHER)]
         return [*self.broken(0.0, 1.0, start), *beginnings]
 

@@ -139,18 +139,22 @@ def solve_batch(of_panel: PanelSums, known: Array, same_width: Array, stretch: f
     same_width : breaks on the panels of this width that directly precede the first; stretch : the longest |x|
     """
     count, size, targets = known.shape[1], polynomials.DEGREE + 1, TARGETS.size
+    # how many panels before a panel count for it, at most: of farther ones none holds, or they are not of this width
     before = min(of_panel.values.shape[0], len(same_width) + count) - 1
+    # breaks of those before the first panel, in the order of time, 0 where there are fewer; then of those to be solved
     panels = np.zeros((before + count, size))
     kept = min(len(same_width), before)
     panels[before - kept : before] = same_width[len(same_width) - kept :]
     # the farthest panels first, the order in which `panels` holds them
     of_same_width = of_panel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
+    # of each panel to be solved, number at all TARGETS, then force
     sums = known.swapaxes(0, 1).reshape(count, -1)
     for panel in range(count):
         sums[panel] += of_same_width @ panels[panel : panel + before].ravel()
         panels[panel + before, 1:] = of_panel.solve @ (1.0 - sums[panel, 1:size])
-    sums += panels[before:] @ of_panel.values[0].T
+    sums += panels[before:] @ of_panel.values[0].T  # what breaks on a panel itself adds to it
     number, force = sums[:, :targets], sums[:, targets:]
+    # beyond `size` lie the check points between the nodes: there the number is to be 1, and the force its polynomial
     of_number = np.abs(number[:, size:] - 1.0).max(axis=1)
     of_force = np.abs(force[:, :size] @ polynomials.AT_CHECKS.T - force[:, size:]).max(axis=1)
     # a sum, see ErrorBudget: the residual of conservation is the share of contacts that are miscounted, which bear the

@@ -92,6 +92,7 @@ def solve_soft(
             raise InputError(
                 f"contacts.start: stretches {fault}; give the exact values a width, too"
             )
+        # not the balance above: without the heat a wide start has other nodes, and F(0) differs a little
         found = refined(contacts, drive, balance_of(contacts, drive), tolerance, progress, until)
         error = idle.error
         of_drive = error * contacts.mean_threshold / float(drive.spring or 0.0)

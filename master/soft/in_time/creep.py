@@ -146,10 +146,12 @@ class Creep:
         the section so far, lead to the end of the path."""
         last, sign = nodes[-1], self._sign
         way = sign * (last.position - nodes[0].position)
+        # too early, or just looked at
         if way < CONTROL.lives * abs(last.force) or len(nodes) < CONTROL.more * self._looked:
             return None
         self._looked = len(nodes)
         way_of_steps = most_steps * way / len(nodes)
+        # the drive is so near to its end that steps lead there
         if self._speed * (self._motion.times[-1] - last.time) < way_of_steps:
             return None
         position, time, force = np.array([(n.position, n.time, n.force) for n in nodes]).T
@@ -170,6 +172,7 @@ class Creep:
         if offset.varies > CONTROL.varies * self._slope(now, table) or np.isinf(lag):
             return None
         sections = self._sections(last, now, table)
+        # the slider's own way to the end may be shorter than the drive's
         way_ahead = sign * (sections[-1][-1].position - last.position)
         if way_ahead < way_of_steps or not self._stable(now):
             return None

@@ -129,7 +129,7 @@ class StepCount:
 
     begin, end : times between which the motion is smooth
     rate : uniform steps per time; 0 while the drive holds
-    first : the shortest time over which contacts change at the begin; inf where nothing changes then
+    first : the time from which on logarithmic steps grow: the shortest over which contacts change; inf for no change
     """
 
     def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
