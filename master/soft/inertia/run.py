@@ -8,8 +8,8 @@ from master.motion import Motion, drive_motion
 from master.outcome import StoppedError
 from master.soft.in_time.refining import AT_BALANCE
 from master.soft.inertia.body import RINGS
-from master.soft.inertia.delayed.foretold import enough_damping
 from master.soft.inertia.delayed.slider import DelayedSlider
+from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
 from master.soft.moves import ColdContacts

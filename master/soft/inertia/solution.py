@@ -13,7 +13,7 @@ from master.soft.followed import LOOSEN, ErrorPart, Followed
 from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
-from master.soft.inertia.delayed.foretold import refuse_long_ringing, refuse_short_delay
+from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
 from master.soft.inertia.run import OF_PANELS, Run
@@ -172,9 +172,7 @@ def _check(contacts: Contacts, drive: Drive, idle: Idle) -> None:
         refuse_long_ringing(contacts, drive)
         return
     weights = contacts.thresholds.atoms[1]
-    if not weights.size:
-        refuse_short_delay(contacts, drive)
-    elif not contacts.start.is_single or weights.sum() < ALL_ATOMS:
+    if weights.size and (not contacts.start.is_single or weights.sum() < ALL_ATOMS):
         fault = "exact thresholds beside others, or a start with a width, break at ever new places"
         raise InputError(
             f"contacts: with a mass and a delay {fault}; give the exact values a width"

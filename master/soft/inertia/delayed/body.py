@@ -79,17 +79,24 @@ class DelayedBody:
         self.energies = Energies(0.0, 0.0, 0.0)
 
     def take_panel(
-        self, panel: TimePanel, end: State, contacts: Cohorts, formed: float, spent: Energies
+        self,
+        panel: TimePanel,
+        end: State,
+        contacts: Cohorts,
+        formed: float,
+        spent: Energies,
+        steady: bool = False,
     ) -> None:
         """Be where a panel ends, with these contacts, of which a share `formed` on it, and with what was spent on it.
 
         The order counts: the breaks and births of the panel are told first, as those who are due by them, and have not
-        formed, form now. FaultError where more or fewer contacts hold than have formed and not broken, or
-        where they pull by another force than the panel told.
+        formed, form now; after a `steady` panel they wait, as its births are those of the speed, which differ from the
+        breaks one delay before by what both miss. FaultError where more or fewer contacts hold than have formed and not
+        broken, or where they pull by another force than the panel told.
         """
         self.past.add(panel)
         self.past.formed += formed
-        self._go_to(end, contacts, spent)
+        self._go_to(end, contacts, spent, form_rest=not steady)
         self._check_number()
         self._check_force(float(panel.at(panel.end, FORCE)))
 
@@ -118,12 +125,14 @@ class DelayedBody:
         """Be where a closed motion ends, with what was spent on it."""
         self._go_to(state, contacts, spent)
 
-    def _go_to(self, state: State, contacts: Cohorts, spent: Energies) -> None:
+    def _go_to(
+        self, state: State, contacts: Cohorts, spent: Energies, form_rest: bool = True
+    ) -> None:
         """Be there, with this spent on the way; the few contacts that are due, and formed on no panel, do so now."""
         self.state, self.contacts = state, contacts
         self.energies = self.energies.and_then(spent)
         rest = self.past.born(state.t) - self.past.formed
-        if abs(rest) > LEAST_REST:
+        if form_rest and abs(rest) > LEAST_REST:
             self._form(rest)
             self.past.formed += rest
 

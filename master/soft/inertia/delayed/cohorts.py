@@ -84,7 +84,8 @@ class Cohorts:
     def moved(self, x: float) -> "Cohorts":
         """After a straight move to this position; without those of which none holds any more."""
         largest = np.maximum(self.largest, np.abs(x - self.born))
-        alive = self.weight * self.survival.sf(largest * (1.0 + TIE)) > DEAD
+        # a weight may be below 0: what panels miss of the number that holds is made up for by the next births
+        alive = np.abs(self.weight * self.survival.sf(largest * (1.0 + TIE))) > DEAD
         return replace(
             self, born=self.born[alive], largest=largest[alive], weight=self.weight[alive]
         )
@@ -103,12 +104,13 @@ class Cohorts:
         born at one place where that changes the force by less than `least_force`."""
         x, weight = panel.nodes(POSITION), panel.weights * birth_rate
         end = float(x[-1])
-        later, born = self.moved(end), float(weight.sum())
-        if not born > 0.0:
+        later, size = self.moved(end), float(np.abs(weight).sum())
+        if size == 0.0:
             return later
         width = self.survival.width
-        if born * (np.ptp(x) / width) ** 2 * width <= least_force:
-            x, weight = np.array([float(weight @ x) / born]), np.array([born])
+        if size * (np.ptp(x) / width) ** 2 * width <= least_force:
+            x = np.array([float(np.abs(weight) @ x) / size])
+            weight = weight.sum(keepdims=True)
         return later.and_born(x, weight, end)
 
     def reach(self, x: float, way: int, least: float, least_force: float) -> float:

@@ -6,7 +6,7 @@ With W the speeds at the nodes and A the matrix of integrals up to them, X = X_0
 
 Births up to a node are the breaks up to one delay before, so that none is lost whatever their rate is in between. Where
 that lies on the same panel, they follow from the last guess. Those born on the panel have survivals S(X_i - X_j), which
-integrals up to the node i are taken of.
+integrals up to the node i are taken of. Where sliding is nearly steady births follow from the speed (`Sliding`).
 """
 
 from typing import NamedTuple
@@ -24,8 +24,9 @@ from master.soft.inertia.delayed.panel import (
     TO_NODES,
     TimePanel,
 )
-from master.soft.inertia.delayed.panel_births import PanelBirths
+from master.soft.inertia.delayed.panel_births import PanelBirths, SteadyBirths
 from master.soft.inertia.delayed.past_breaks import PastBreaks
+from master.soft.inertia.delayed.pull import Pull, PullOnPanel, Sliding
 from origins.thresholds.law import Array
 
 # Most steps of Newton's method; it takes three or four, more where births depend on breaks of the same panel.
@@ -88,29 +89,12 @@ class Missed(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """A panel, the rate of births at its nodes, what it misses, and whether the slider is so `fast` that contacts form
-    and break on it (see FastSliding)."""
+    """A panel, the rate of births at its nodes, what it misses, and how those born on it were followed."""
 
     panel: TimePanel
     birth_rate: Array
     missed: Missed
-    fast: bool
-
-
-class Pull(NamedTuple):
-    """What all contacts do at the nodes i of a panel.
-
-    holding, force : share that holds, and force (a length), shape (n,)
-    by_place : derivatives of the forces by the places X_j, shape (i, j)
-    by_speed : derivative of each force by the speed there, shape (n,)
-    missed : error of the force (a length)
-    """
-
-    holding: Array
-    force: Array
-    by_place: Array
-    by_speed: Array
-    missed: float = 0.0
+    sliding: Sliding
 
 
 class Begin(NamedTuple):
@@ -155,19 +139,28 @@ class Collocation:
         # shortest travel on a panel on which contacts form and break
         self._shortest = LEAST_PASSAGE * sliding.passage
 
-    def solve(self, state: State, width: float, drive: Array, guess: Array) -> Solved | None:
+    def solve(
+        self, state: State, width: float, drive: Array, guess: Array, steady: bool = False
+    ) -> Solved | None:
         """The motion over a time `width`, or None where that is too long to be found.
 
         drive : X_T at the nodes; guess : speeds there
+        steady : whether sliding is nearly steady at the beginning; it is followed so on panels longer than the delay,
+            on which the slider passes a mean threshold
         """
         held, past = self._contacts.response(np.array([state.x])), self._past
         force, holding = float(held.force[0]), float(held.holding[0])
         begin = Begin(state, force, holding, past.holding(past.formed, 0.0))
-        births = PanelBirths(past, state.t, width)
+        births: PanelBirths | SteadyBirths = PanelBirths(past, state.t, width)
         distance = width * abs(float(TO_NODES[-1] @ guess))
-        fast = bool(births.all_known and births.born[-1] and distance >= self._shortest)
-        found = self._newton(begin, width, drive, guess, births, fast)
-        return found and self._judged(begin, width, found, births, fast)
+        how = Sliding.SLOW
+        if steady and width > past.delay and distance >= self._machine.unit:
+            how, births = Sliding.STEADY, SteadyBirths(width)
+        elif births.all_known and births.born[-1] and distance >= self._shortest:
+            how = Sliding.FAST
+        pull = PullOnPanel(self._contacts, self._sliding, width, past.delay, state.w)
+        found = self._newton(begin, width, drive, guess, births, how, pull)
+        return found and self._judged(begin, width, found, births, how)
 
     def _newton(
         self,
@@ -175,8 +168,9 @@ class Collocation:
         width: float,
         drive: Array,
         guess: Array,
-        births: PanelBirths,
-        fast: bool,
+        births: PanelBirths | SteadyBirths,
+        how: Sliding,
+        contacts: PullOnPanel,
     ) -> Iterate | None:
         """Newton's method for the speeds at the nodes; None where it does not converge. `lack` is the left side at the
         head of this file; as X = X_0 + A W, its derivative by W is M + A (γ + dF/dW + (dF/dX + K) A)."""
@@ -189,11 +183,11 @@ class Collocation:
             x = x_0 + integral @ w
             if not np.isfinite(x).all():
                 return None
-            pull = (self._fast if fast else self._slow)(x, w, births.rate, width)
+            pull = contacts.at(how, x, w, births)
             if pull is None:
                 return None
             lack = m * (w - w_0) + integral @ (g * w + pull.force + k * (x - drive))
-            by_speed = np.diag(g + pull.by_speed) + (pull.by_place + k * UNIT) @ integral
+            by_speed = g * UNIT + pull.by_speed + (pull.by_place + k * UNIT) @ integral
             try:
                 change = np.linalg.solve(m * UNIT + integral @ by_speed, lack)
             except np.linalg.LinAlgError:
@@ -208,21 +202,31 @@ class Collocation:
         return None
 
     def _judged(
-        self, begin: Begin, width: float, found: Iterate, births: PanelBirths, fast: bool
+        self,
+        begin: Begin,
+        width: float,
+        found: Iterate,
+        births: PanelBirths | SteadyBirths,
+        how: Sliding,
     ) -> Solved | None:
-        """The panel, and what it misses; None where a `fast` one is too short to be one."""
+        """The panel, and what it misses; None where one with fast sliding is too short to be one."""
         t, x_0, _ = begin.state
         values = np.empty((3, PLACES.size))
         values[:, 0] = x_0, begin.broken, begin.force
         values[:, 1:] = x_0 + width * TO_NODES @ found.speed, found.broken, found.pull.force
         panel = TimePanel.through(t, width, values)
-        if fast and np.ptp(values[0]) < self._shortest / GUESSED:
+        if how is Sliding.FAST and np.ptp(values[0]) < self._shortest / GUESSED:
             return None
-        missed = self._missed(begin, panel, found, births, fast)
-        return Solved(panel, births.rate, missed, fast)
+        missed = self._missed(begin, panel, found, births, how)
+        return Solved(panel, births.rate, missed, how)
 
     def _missed(
-        self, begin: Begin, panel: TimePanel, found: Iterate, births: PanelBirths, fast: bool
+        self,
+        begin: Begin,
+        panel: TimePanel,
+        found: Iterate,
+        births: PanelBirths | SteadyBirths,
+        how: Sliding,
     ) -> Missed:
         """What a panel misses of the force.
 
@@ -239,10 +243,13 @@ class Collocation:
         """
         unit, past, x = self._machine.unit, self._past, panel.nodes(POSITION)
         place, breaks, force = panel.last().tolist()
+        # stiffness of the contacts; where sliding is nearly steady their force does not hang on the place
         holding = max(begin.holding, float(found.pull.holding.max()))
+        if how is Sliding.STEADY:
+            holding = 0.0
         travel = float(np.ptp(np.append(begin.state.x, x)))
         born, unresolved = float(births.born[-1]), 0.0
-        if born and not fast:
+        if born and how is Sliding.SLOW:
             survival = self._contacts.survival.sf(np.abs(x[-1] - x))
             unresolved = unit * abs(born * float(LAST_OF_NODES @ survival)) * INTEGRAL_OF_LAST
         # where some break on the panel itself no closed motion lies one delay before it
@@ -256,45 +263,3 @@ class Collocation:
             unresolved=unresolved,
             late=abs(due) * min(travel, unit),
         )
-
-    def _fast(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull | None:
-        """The contacts' pull at the places X and speeds, where those born on the panel break on it; None where the
-        slider turns."""
-        travel, way = width * TO_NODES @ w, _way(w)
-        if (way * w <= 0.0).any():
-            return None
-        old = self._contacts.response(x)
-        new = self._sliding.at(way * travel, birth_rate, way * w, width)
-        drag = -new.force / np.abs(w)
-        force = old.force + way * new.force
-        return Pull(old.holding + new.holding, force, np.diag(old.slope), drag, new.missed)
-
-    def _slow(self, x: Array, w: Array, birth_rate: Array, width: float) -> Pull:
-        """The same where those born on the panel are summed node by node.
-
-        The integral over births up to the node i is taken of the polynomial through all nodes, which needs S also for
-        births after i, at stretches below 0. There 2 - S(|y|) goes on with the value and the slope of S; S(|y|) would
-        have a kink where P_c(0) > 0, which costs breaks and force a power of the panel's width each."""
-        old, no_drag = self._contacts.response(x), np.zeros(x.size)
-        # of births around the node j, those that count at i
-        counted = width * TO_NODES * birth_rate
-        if not counted.any():
-            return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
-        way = _way(w)
-        stretch = way * (x[:, None] - x)
-        survival, density = self._contacts.survival.sf_and_pdf(np.abs(stretch))
-        survival = np.where(stretch < 0.0, 2.0 - survival, survival)
-        # of the force at i by X_i - X_j: y S(y) has the slope S - y P_c
-        slope = counted * (survival - stretch * density)
-        return Pull(
-            holding=old.holding + (counted * survival).sum(axis=1),
-            force=old.force + way * (counted * stretch * survival).sum(axis=1),
-            by_place=np.diag(old.slope) + np.diag(slope.sum(axis=1)) - slope,
-            by_speed=no_drag,
-        )
-
-
-def _way(w: Array) -> float:
-    """+1 where the slider moves forwards over the panel with these speeds at the nodes, -1 back. Along the way travel,
-    speed, and the stretch and force of contacts born on the panel are above 0; times this they are those of X."""
-    return 1.0 if TO_NODES[-1] @ w >= 0.0 else -1.0

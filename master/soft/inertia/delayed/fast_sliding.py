@@ -5,6 +5,13 @@ With j births per travel, C, D and E the integrals of S, y S and y² S up to the
     share that holds = j C - j' D,    force = j D - j' E,
 
 j' the derivative of j by the travel; the next terms are smaller by the square of j'/j times a mean threshold.
+
+Where the speed V, too, changes slowly beside the delay τ, as many form as break, and with a the rise of V by time
+
+    j = j_0 - a j_0^3 (τ D/V + τ^2 C/2),    j_0 = 1/(C + τ V),    force = j D + a τ j_0^2 E/V,
+
+as all contacts hold or wait, j C - j' D + j V τ + ... = 1: those waiting are the births of the delay to come. This is
+to first order in a; steadily F is F_k of the present speed (`nearly_steady`).
 """
 
 from typing import NamedTuple
@@ -38,6 +45,24 @@ class BornOnPanel(NamedTuple):
     missed: float
 
 
+class NearlySteady(NamedTuple):
+    """Contacts of a slider whose sliding is nearly steady, at the nodes of a panel; arrays.
+
+    birth_rate, holding, force : births per time, share that holds, and force along the way (a length)
+    by_speed, by_rise : derivatives of the force by the speed V, to leading order, and by its rise by time
+    change : part by which sliding changes while a contact lives and waits
+    missed : about the error of the force (a length)
+    """
+
+    birth_rate: Array
+    holding: Array
+    force: Array
+    by_speed: Array
+    by_rise: Array
+    change: Array
+    missed: Array
+
+
 class FastSliding:
     """What the law of thresholds says of contacts on a slider that passes many of them on one panel.
 
@@ -67,6 +92,23 @@ class FastSliding:
         off = np.abs(rise) * whole_d**2 / whole_c
         missed = np.divide(off**2, np.abs(force), out=np.zeros(off.size), where=force != 0.0)
         return BornOnPanel(j * c - rise * d, force, float(np.minimum(missed, j * d).max()))
+
+    def nearly_steady(self, speed: Array, rise: Array, delay: float) -> NearlySteady:
+        """At speeds above 0 that rise by so much a time, where contacts form again after the delay; see the head of
+        this file."""
+        c, d, e = self._integrals(self.passage)
+        steady = 1.0 / (c + delay * speed)
+        lag = steady**3 * (delay * d / speed + 0.5 * delay**2 * c)
+        j = steady - rise * lag
+        slope = -delay * steady**2 * rise / speed
+        change = np.abs(rise) / speed * (e / (d * speed) + delay)
+        # without a delay F is the same at all speeds: what is left out is of F that the delay takes
+        missed = steady * d * (delay * speed * steady) * change**2
+        by_rise = delay * steady**2 * e / speed - lag * d
+        by_speed = -delay * steady**2 * d
+        return NearlySteady(
+            j * speed, j * c - slope * d, j * d - slope * e, by_speed, by_rise, change, missed
+        )
 
     def born(
         self, panel: TimePanel, whole: TimePanel, rate: Array, least_force: float

@@ -35,12 +35,16 @@ POWERS = np.array(
 )
 # Row from values at the nodes to the last Legendre coefficient of the polynomial through them.
 LAST_OF_NODES: Array = _series(NODES)[-1]
-# Matrix (node, node) from values at the nodes to integrals from the panel's beginning up to each node, per width.
-TO_NODES: Array = 0.5 * (
-    legendre.legvander(2.0 * NODES - 1.0, STAGES)
-    @ legendre.legint(np.eye(STAGES), lbnd=-1)
-    @ _series(NODES)
-)
+
+
+def integrals_up_to(places: Array) -> Array:
+    """The matrix from values at the nodes to integrals from the panel's beginning up to these places, per width."""
+    integrals = legendre.legint(np.eye(STAGES), lbnd=-1) @ _series(NODES)
+    return np.asarray(0.5 * legendre.legvander(2.0 * places - 1.0, STAGES) @ integrals)
+
+
+# Those up to each node.
+TO_NODES: Array = integrals_up_to(NODES)
 # Matrix from values at PLACES to derivatives at the nodes, per width.
 SLOPES: Array = 2.0 * (
     legendre.legvander(2.0 * NODES - 1.0, STAGES - 1) @ legendre.legder(TO_SERIES)

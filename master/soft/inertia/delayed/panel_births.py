@@ -1,9 +1,9 @@
-"""Births on a panel of time: the breaks one delay before, which may lie on the panel itself."""
+"""Births on a panel of time: the breaks one delay before, which may lie on it; or those of steady sliding."""
 
 import numpy as np
 from numpy.polynomial import legendre
 
-from master.soft.inertia.delayed.panel import PLACES, SLOPES, STAGES, TO_SERIES
+from master.soft.inertia.delayed.panel import PLACES, SLOPES, STAGES, TO_NODES, TO_SERIES
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from origins.thresholds.law import Array
 
@@ -49,6 +49,26 @@ class PanelBirths:
     def missed(self) -> float:
         """About what the polynomial through the births misses, a share of all contacts."""
         return float(np.abs(TO_SERIES[-2:] @ self.born).max())
+
+
+class SteadyBirths:
+    """Births on a panel on which sliding is nearly steady, so that they follow from the slider's speed.
+
+    rate, born : as of PanelBirths; of no weight before Newton's method has found speeds
+    """
+
+    all_known, missed = False, 0.0
+
+    def __init__(self, width: float) -> None:
+        self._width = width
+        self.take(np.zeros(STAGES))
+
+    def take(self, rate: Array) -> None:
+        """Take these births per time at the nodes."""
+        self.rate, self.born = rate, np.append(0.0, self._width * TO_NODES @ rate)
+
+    def guess_from(self, breaks: Array) -> None:
+        """Breaks on the panel do not tell births, which the speed tells."""
 
 
 def _values_at(places: Array) -> Array:

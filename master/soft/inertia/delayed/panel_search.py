@@ -8,10 +8,11 @@ from master.soft.inertia.delayed.collocation import LEAST_PASSAGE, Collocation, 
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import NODES, POSITION, TimePanel
 from master.soft.inertia.delayed.past_breaks import EPSILON
+from master.soft.inertia.delayed.pull import MOST_CHANGE
 from master.soft.inertia.delayed.width_control import WIDTHS
 
 # Most panels of one run, of which a solution has up to five: a minute each.
-MOST_PANELS = 30_000
+MOST_PANELS = 60_000
 # Speeds and errors of 0 are taken as that where they divide: the quotients are then bounded otherwise.
 TINY = 1e-300
 
@@ -20,6 +21,7 @@ class PanelSearch:
     """The search for panels, each from the present state of a body on, which it leaves as it is.
 
     tried : panels so far, those that were not found or missed too much among them
+    steady : whether sliding was nearly steady where the last panel began
     _width : of the next panel at most; inf where nothing tells it, as at first and after a closed motion
     _last : the panel before, whose polynomial is the first guess on the next; None where there is none to go on from
     """
@@ -30,6 +32,7 @@ class PanelSearch:
         self.tried = 0
         self._width = np.inf
         self._last: TimePanel | None = None
+        self.steady = False
 
     def begin_anew(self) -> None:
         """A closed motion came in between."""
@@ -46,6 +49,7 @@ class PanelSearch:
         much, a panel as wide as the last one's error lets it be, narrower until it misses little enough.
         """
         t, left = self._body.state.t, stop - self._body.state.t
+        self.steady = self._is_nearly_steady()
         fast = self._fast_width()
         if self._width < fast < left:
             solved = self.solve(fast)
@@ -88,7 +92,31 @@ class PanelSearch:
         if last is not None and width < 2.0 * last.width:
             guess = last.slope(times, POSITION)
         search = Collocation(body.machine, body.contacts, self._sliding, body.past, body.accuracy)
-        return search.solve(body.state, width, body.drive.at(times), guess)
+        return search.solve(body.state, width, body.drive.at(times), guess, self.steady)
+
+    def _is_nearly_steady(self) -> bool:
+        """Whether as many contacts hold, and pull as strongly, as in nearly steady sliding of this speed, within the
+        error that a panel may have. Contacts at exact thresholds break together, steadily never.
+
+        The rise of the speed is that under such a pull, from M a = K (X_T - X) - γ V - F_k(V) - a dF/da: it may differ
+        from the present one by that error over M, which changes X by little before contacts have passed a threshold.
+        """
+        body, machine = self._body, self._body.machine
+        (_, x, w), exact = body.state, body.contacts.survival.atoms.size
+        if w == 0.0 or exact or body.past.lumps:
+            return False
+        way = float(np.sign(w))
+        speed, none = np.array([way * w]), np.zeros(1)
+        of_speed = self._sliding.nearly_steady(speed, none, body.past.delay)
+        held = body.contacts.response(np.array([x]))
+        pull = way * (body.balance_of_spring + float(held.force[0]))
+        rise = (pull - machine.damping * speed - of_speed.force) / (machine.mass + of_speed.by_rise)
+        steady = self._sliding.nearly_steady(speed, rise, body.past.delay)
+        if float(steady.change[0]) > MOST_CHANGE:
+            return False
+        force_off = abs(float(held.force[0]) - way * float(steady.force[0]))
+        holding_off = machine.unit * abs(float(held.holding[0]) - float(steady.holding[0]))
+        return max(force_off, holding_off) <= body.accuracy
 
     @property
     def _swing_time(self) -> float:
@@ -104,8 +132,12 @@ class PanelSearch:
         return max(WIDTHS.first_of_swing * self._swing_time, at_speed)
 
     def _fast_width(self) -> float:
-        """The width of a panel on which contacts form and break, where the slider is fast enough for one; else 0."""
+        """The width of a panel on which contacts form and break, where the slider is fast enough for one, or where
+        sliding is nearly steady; else 0."""
         body = self._body
+        if self.steady:
+            passing = body.machine.unit / max(abs(body.state.w), TINY)
+            return WIDTHS.steady * max(passing, body.past.delay)
         way = WIDTHS.fast * LEAST_PASSAGE * self._sliding.passage
         width = way / max(abs(body.state.w), TINY)
         swing = float(np.sqrt(body.machine.mass / body.machine.spring))

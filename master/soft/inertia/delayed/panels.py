@@ -9,8 +9,16 @@ from master.soft.inertia.delayed.body import DelayedBody, Energies
 from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Solved, State
 from master.soft.inertia.delayed.fast_sliding import FastSliding
-from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, POSITION, TimePanel
+from master.soft.inertia.delayed.panel import (
+    BREAKS,
+    FORCE,
+    NODES,
+    POSITION,
+    TimePanel,
+    integrals_up_to,
+)
 from master.soft.inertia.delayed.panel_search import PanelSearch
+from master.soft.inertia.delayed.pull import Sliding
 from master.soft.inertia.record import Instant, Record, Watched, crossing
 from origins import Contacts
 from origins.thresholds.law import Array
@@ -19,6 +27,8 @@ from origins.thresholds.law import Array
 OF_MERGING = 1e-2
 # Parts of a panel at which its speed is looked at: some three to each of its five nodes.
 PARTS = np.linspace(0.0, 1.0, 17)
+# The matrix from values at a panel's nodes to integrals up to them, per width.
+TO_PARTS = integrals_up_to(PARTS)
 # And places behind a change of the speed's sign at which is looked how far back the slider goes.
 LATER = 9
 # Way back, in units of the error of a panel, from which on a slider has turned: a polynomial may wind by its error.
@@ -158,19 +168,20 @@ class OnPanels:
         """Go on to the end of the panel, or of the part of it on which the slider did not turn."""
         body, panel = self._body, part.panel
         self._write(part)
-        self._watch(panel)
+        self._watch(part)
         end = part.end(0.0 if turned else None)
         contacts = self._after(part, OF_MERGING * body.accuracy)
         formed, spent = panel.integral(part.birth_rate), self._spent(panel)
         if turned:
             self._levels.append(end.x)
         self.search.follow(None if turned else panel)
-        body.take_panel(panel, end, contacts, formed, spent)
+        steady = part.solved.sliding is Sliding.STEADY
+        body.take_panel(panel, end, contacts, formed, spent, steady)
 
     def _after(self, part: Part, least_force: float) -> Cohorts:
         """The contacts after a part of a panel; see Cohorts.after."""
         panel, contacts = part.panel, self._body.contacts
-        if part.solved.fast:
+        if part.solved.sliding is not Sliding.SLOW:
             end = float(panel.at(panel.end, POSITION))
             solved = part.solved
             born, weight = self._sliding.born(panel, solved.panel, solved.birth_rate, least_force)
@@ -199,9 +210,9 @@ class OnPanels:
             so_far = Part(cut, part.solved)
             body.write(at, so_far.end(), self._after(so_far, 0.0), self._spent(cut))
 
-    def _watch(self, panel: TimePanel) -> None:
-        """Falls of the spring's force on a panel."""
-        body, drive, past = self._body, self._body.drive, self._body.past
+    def _watch(self, part: Part) -> None:
+        """Falls of the spring's force on a part of a panel."""
+        body, drive, past, panel = self._body, self._body.drive, self._body.past, part.panel
         times, limit = panel.begin + PARTS * panel.width, body.slip_speed
 
         def when(index: int) -> float:
@@ -214,8 +225,8 @@ class OnPanels:
             breaks = float(panel.at(t, BREAKS)) + past.broken_together
             return body.instant(t, float(panel.at(t, POSITION)), breaks)
 
-        x, ends = panel.at(times, POSITION), [panel.begin, panel.end]
-        formed = np.interp(times, ends, [past.born(t) for t in ends])
+        x = panel.at(times, POSITION)
+        formed = past.formed + panel.width * (TO_PARTS @ part.birth_rate)
         watched = Watched(
             times=times,
             speeds=drive.way * panel.slope(times, POSITION),

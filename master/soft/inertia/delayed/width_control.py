@@ -13,6 +13,7 @@ class WidthControl(NamedTuple):
     first_travel : travel on the first panel after a closed motion, in mean thresholds
     first_of_swing : and its width at most, in times in which mass and damping follow the stiffest spring
     fast : way of a panel on which contacts form and break, in LEAST_PASSAGE: half more, as speeds change on it
+    steady : way of the first panel on which sliding is nearly steady, in mean thresholds, and least width in delays
     of_swing : most width of such a panel, in times in which the mass follows its spring
     of_stop : and in times in which the slider would stop at its present deceleration: it must not turn on it
     least, least_of_swing : a panel is never narrower than this part of the time since the start, which is its rounding,
@@ -26,6 +27,7 @@ class WidthControl(NamedTuple):
     first_travel: float = 0.02
     first_of_swing: float = 0.1
     fast: float = 1.5
+    steady: float = 3.0
     of_swing: float = 0.5
     of_stop: float = 0.9
     least: float = 1e-13
