@@ -1000,6 +1000,31 @@ def test_with_a_delay_no_contact_is_said_to_re_form_at_once(capsys: Any) -> None
     assert "at once" not in page and "instant" not in page
 
 
+def test_a_short_delay_is_told_beside_contacts_without_one(capsys: Any, monkeypatch: Any) -> None:
+    """A slider without mass slips in no time, beside which every delay is long; one of a delay far below a slip's own
+    <x_s>/V acts as if contacts had none, which the page has, too."""
+    solve = master.solve
+
+    def refused(*arguments: Any, **named: Any) -> Any:
+        if named.get("mass"):
+            raise InputError("mass: contacts break and form too often")
+        return solve(*arguments, **named)
+
+    monkeypatch.setattr(master, "solve", refused)
+    drive = {"spring": 0.01, "mass": 1e-4, "damping": 1e-4}
+    contacts = {
+        "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.3},
+        "delay": {"time": 1e-6},
+    }
+    _, page, found = judged(capsys, contacts=contacts, drive=drive)
+    own = found["readings"][0]
+    kinds = {one["rule"]: one["kind"] for one in own["behaviours"]}
+    assert kinds["reform-after"] == "stick-slip" and kinds["instant"] == "smooth"
+    mean, fastest = gaussian(1.0, 0.3).mean(), own["static"]["value"] / 1e-3
+    assert f"A delay far below {mean / fastest:.3g} units of time" in page
+    assert f"far above {np.pi / 10.0:.3g} units of time, its duration" in page
+
+
 def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
     """Below K* contacts that re-form late would let it slip: none is given, so the first sentence says so."""
     number, own = answers.Quantity(1.0, 0.0), replace(infinite("smooth", 0), rule="mass")

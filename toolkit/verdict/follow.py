@@ -236,6 +236,7 @@ def _behaviour(rule: str, solved: Any) -> Behaviour:
         why = solved.message
         if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
             why = f"neither force nor slips are known in time: {MORE_TIME}"
+        why = why.partition("; take eq_model")[0]
         unknown = not_followed(rule, why)
         left_out = solved.heat_left_out
         return replace(

@@ -13,7 +13,7 @@ from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.ensemble import SLIDERS
 from toolkit.verdict.finite import ABOVE, SMALL
 from toolkit.verdict.follow import DAMPED
-from toolkit.verdict.kinds import NAMED, delay_decides, named, not_decided, others, out_of_time
+from toolkit.verdict.kinds import named, not_decided, of_rules, others, out_of_time
 from toolkit.verdict.lines import GENERAL, NOTHING, TURNS, UNSIZED, Line, by_reason, sorted_texts
 from toolkit.verdict.machine import Finite
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
@@ -30,7 +30,7 @@ SMOOTH_ABOVE = 50.0
 def dependence(verdict: Verdict) -> list[str]:
     """What the verdict hangs on, the worst first: slip rule, readings, number of contacts; what was not answered."""
     lines = (
-        _of_rules(verdict),
+        of_rules(verdict),
         _of_readings(verdict),
         _of_a_speed(verdict),
         _of_a_stuck_slider(verdict),
@@ -40,45 +40,6 @@ def dependence(verdict: Verdict) -> list[str]:
         of_errors(verdict),
     )
     return sorted_texts(chain(*lines))
-
-
-def _of_rules(verdict: Verdict) -> Iterator[Line]:
-    """What hangs on the slip rule, or on the delay that decides in its place."""
-    own = verdict.own
-    kinds = {one.rule: one.kind for one in own.behaviours}
-    if len(set(kinds.values())) > 1:
-        light = {rule: kind for rule, kind in kinds.items() if rule != "mass"}
-        each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in light.items())
-        yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
-    elif len(kinds) > 1 and "undecided" not in kinds.values():
-        yield Line(NOTHING, "not the slip rule, for infinitely many contacts: all rules agree")
-    elif len(kinds) == 1 and own.machine and own.machine.mass:
-        given, known = bool(own.contacts.waiting_time), verdict.turned is not None
-        if not given and (delay_decides(verdict) or not known):
-            said = "none is given, so that they form again at once; give [contacts.delay]"
-            yield Line(TURNS, f"the contacts' delay: {said}")
-        elif delay_decides(verdict):
-            said = "far below the time of a slip it changes the answer"
-            yield Line(TURNS, f"the contacts' delay: {said}")
-        elif known and verdict.turned and verdict.turned.kind != "undecided":
-            said = f"{'without one' if given else 'with a long one'} it does the same"
-            yield Line(NOTHING, f"not the contacts' delay: {said}")
-
-
-def _what_decides(own: Answer) -> str:
-    """What decides in place of the slip rules, and what of it is still to be given; of a slider with mass that was not
-    followed, that it was not."""
-    delay = "" if own.contacts.waiting_time else "[contacts.delay]"
-    if own.machine is not None and own.machine.mass is not None:
-        missing = [*([] if own.machine.damping else ["drive.damping"]), *([delay] if delay else [])]
-        give = f"; give {' and '.join(missing)}" * bool(missing)
-        return f"That is without the mass: the slider with it, which would decide, was not followed{give}"
-    give = (
-        "drive.mass, drive.damping and [contacts.delay]"
-        if delay
-        else "drive.mass and drive.damping"
-    )
-    return f"In nature mass, damping and the contacts' delay decide: give {give}"
 
 
 def _of_readings(verdict: Verdict) -> Iterator[Line]:
@@ -165,7 +126,7 @@ def why_smooth(verdict: Verdict) -> list[str]:
     )
     begin = "K is below K*, and yet " * (not own.smoothed)
     said = f"{begin}sliding is smooth{rules}: "
-    cold = not own.contacts.in_time or all(one.heat_left_out is not None for one in smooth)
+    cold = not own.contacts.held_in_time or all(one.heat_left_out is not None for one in smooth)
     small = SMALL * own.contacts.mean_threshold
     if all(one.rule == "mass" and not one.slips for one in smooth) and cold and fall < small:
         return [

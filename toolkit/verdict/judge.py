@@ -127,6 +127,8 @@ def _finite(
         if one.sliders is not None and one.sliders.contacts == max(round(number), 1):
             found.append(one.sliders)  # all of them were followed in place of infinitely many
             continue
+        if one.rule == "instant" and contacts.waiting_time:
+            continue  # the last, of contacts without their delay
         progress(f"sliders of {number:,.0f} contacts, slip rule {one.rule}")
         static, left = own.static.value, budget.left()
         found.append(follow_finite(own.machine, contacts, number, one, static, left))
@@ -138,8 +140,8 @@ def _with_more(own: Answer, finite: tuple[Finite, ...]) -> Answer:
     if own.machine is None or not finite:
         return own
     pulled = own.contacts.mean_threshold, own.machine.spring
-    pairs = zip(own.behaviours, finite, strict=False)
-    return replace(own, behaviours=tuple(with_more(one, many, *pulled) for one, many in pairs))
+    more = [with_more(*pair, *pulled) for pair in zip(own.behaviours, finite, strict=False)]
+    return replace(own, behaviours=(*more, *own.behaviours[len(more) :]))
 
 
 def _turned(own: Answer, budget: Budget) -> Behaviour | None:
@@ -188,9 +190,15 @@ def _answer(
             # no solver takes the slider with its mass, or not in time: what it does without one, under each slip rule
             light = replace(machine, mass=None, damping=0.0)
             rules = acting(RULES, contacts)
+            short = contacts.delay is not None and contacts.thermal is None
             for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
-                share = budget.left() / left
+                share = budget.left() / (left + short)
                 behaviours.append(follow_islands(light, contacts, rule, before, share))
+            if short:  # and, as the delay may be far shorter than a slip, what it does without one
+                left_for_it = budget.left()
+                behaviours.append(
+                    follow_other_delay(machine, contacts, scale.contacts, left_for_it)
+                )
         if sampled_parts(contacts.thresholds):
             known = [kinetic, static, critical]
             kinetic, static, critical = _with_sampling(contacts, velocity, known, budget)

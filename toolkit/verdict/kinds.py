@@ -1,8 +1,11 @@
 """Which readings and slip rules say something else than the scene's own, and which say nothing."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
+from toolkit.scene.scale import spoken
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.lines import NOTHING, TURNS, Line
+from toolkit.verdict.machine import half_a_swing
 
 # how the slip rules are named where a user reads of them
 NAMED = {
@@ -51,3 +54,57 @@ def delay_decides(verdict: Verdict) -> bool:
     kinds = {one.kind for one in verdict.own.behaviours}
     other = verdict.turned
     return other is not None and "undecided" not in kinds | {other.kind} and other.kind not in kinds
+
+
+def of_rules(verdict: Verdict) -> Iterator[Line]:
+    """What hangs on the slip rule, or on the delay that decides in its place."""
+    own = verdict.own
+    kinds = {one.rule: one.kind for one in own.behaviours}
+    if len(set(kinds.values())) > 1:
+        light = {rule: kind for rule, kind in kinds.items() if rule != "mass"}
+        each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in light.items())
+        yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
+    elif len(kinds) > 1 and "undecided" not in kinds.values():
+        yield Line(NOTHING, "not the slip rule, for infinitely many contacts: all rules agree")
+    elif len(kinds) == 1 and own.machine and own.machine.mass:
+        given, known = bool(own.contacts.waiting_time), verdict.turned is not None
+        if not given and (delay_decides(verdict) or not known):
+            said = "none is given, so that they form again at once; give [contacts.delay]"
+            yield Line(TURNS, f"the contacts' delay: {said}")
+        elif delay_decides(verdict):
+            said = "far below the time of a slip it changes the answer"
+            yield Line(TURNS, f"the contacts' delay: {said}")
+        elif known and verdict.turned and verdict.turned.kind != "undecided":
+            said = f"{'without one' if given else 'with a long one'} it does the same"
+            yield Line(NOTHING, f"not the contacts' delay: {said}")
+
+
+def _what_decides(own: Answer) -> str:
+    """What decides in place of the slip rules, and what of it is still to be given; of a slider with mass that was not
+    followed, that it was not."""
+    delay = "" if own.contacts.waiting_time else "[contacts.delay]"
+    if own.machine is not None and own.machine.mass is not None:
+        missing = [*([] if own.machine.damping else ["drive.damping"]), *([delay] if delay else [])]
+        give = f"; give {' and '.join(missing)}" * bool(missing)
+        said = f"That is without the mass: the slider with it, which would decide, was not followed{give}"
+        return said + _of_short_delays(own) * (not delay)
+    give = (
+        "drive.mass, drive.damping and [contacts.delay]"
+        if delay
+        else "drive.mass and drive.damping"
+    )
+    return f"In nature mass, damping and the contacts' delay decide: give {give}"
+
+
+def _of_short_delays(own: Answer) -> str:
+    """Beside which times the delay of a slider with mass is short or long: that in which it slides by <x_s> at the
+    speed of a slip in which nothing holds, and that of the slip (docs/sliders.md)."""
+    machine, mean, unit = own.machine, own.contacts.mean_threshold, own.scale.time_unit
+    if machine is None or not machine.mass or own.static.unknown:
+        return ""
+    fastest = own.static.value / (machine.spring * machine.mass) ** 0.5
+    short, long = spoken(mean / fastest, unit), spoken(half_a_swing(machine), unit)
+    return (
+        f". A delay far below {short}, in which a slip goes on by <x_s>, acts as if contacts re-formed at once, one "
+        f"far above {long}, its duration, as if after it"
+    )
