@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
+import re
 
+import numpy as np
+import pytest
+
+import master.renewal.edges as panel_edges
 from master.motion import Motion
 from master.numerics.table import Table
 from master.renewal.births import Births, reforming_law
@@ -27,6 +31,21 @@ def test_panels_end_where_contacts_meet_the_jumps_of_their_thresholds():
     for expected in (0.0, delay, *first, *second, 4.0):
         assert np.abs(times - expected).min() < 1e-12
     assert np.abs(times - 1.0).min() > 1e-3  # without the delay there would be one
+
+
+def test_the_edges_of_the_example_at_the_head_of_the_file_are_these():
+    """Each time, size and need as told there, none more and none less."""
+    told = re.findall(r"t = (\S+) +size (\S+) .*?( \(needed\))?$", str(panel_edges.__doc__), re.M)
+    contacts, delay = Contacts(rectangular(0.8, 1.2)), 0.15
+    motion = Motion.along(np.array([0.0, 1.0, 0.0]))
+    births = Births(ColdLife(contacts), reforming_law(contacts), motion, delay)
+    found = edges(births, contacts.start, 1e-3)
+    assert found.times[1:-1] == pytest.approx([float(time) for time, _, _ in told], abs=1e-12)
+    assert [float(f"{kink.size:.0e}") for kink in found.kinks] == [
+        float(size) for _, size, _ in told
+    ]
+    assert [kink.needed for kink in found.kinks] == [bool(needed) for _, _, needed in told]
+    assert len(told) == 10 and found.times[[0, -1]].tolist() == [0.0, 2.0]
 
 
 def tried(error_of, length=1.0, first=0.1, tolerance=1e-8):

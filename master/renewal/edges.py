@@ -2,6 +2,24 @@
 
 There is a kink where the slider turns or changes its speed, where contacts of the start reach a bend of P_c (a jump or
 an exact threshold), and where contacts born at an earlier kink do.
+
+An example, all of whose edges a test computes: P_c is a box on [0.8, 1.2], the path 0 -> 1 -> 0 at the speed 1, the
+delay 0.15, the tolerance 1e-3. Beside the ends, 0 and 2, the edges are
+
+    t = 0.15  size 1e-2   births begin, one delay after t = 0
+    t = 0.3   size 1e-4   one delay after the edge at 0.15, so that the number of those that are out bends
+    t = 0.8   size 1e-2   contacts of the start meet the bend of P_c at 0.8
+    t = 0.85  size 1e-4   one delay before the turn: what breaks here is born at it (needed)
+    t = 0.95  size 2e-4   one delay after 0.8, out as at 0.3; and contacts born at 0.15 meet 0.8
+    t = 1     size 1e-2   the turn (needed)
+    t = 1.1   size 1e-4   contacts born at 0.95, of breaks at 0.8, had x = 0.05 at the turn: now |x| is as large again
+    t = 1.15  size 1e-4   one delay after the turn, out as at 0.3
+    t = 1.85  size 1e-4   contacts born at 0.95 meet 0.8, with x = -0.8
+    t = 1.95  size 1e-4   contacts born at 1.15, of breaks at the turn, meet 0.8
+
+What follows from a kink is SMOOTHER times as large: 1e-2 at 0.8, 1e-4 where contacts born of it break, and so on. Such
+chains end below SMOOTHER times the tolerance, 1e-5 here: none at 0.45, one delay after 0.3, as its size is 1e-6.
+Contacts of the start have no edge like that at 1.1, nor those born at 0.15: their |x| does not come back by t = 2.
 """
 
 import heapq
