@@ -42,7 +42,8 @@ def follow(
     SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then act as usual: as a
     rule they end the program; a replica on a spring, which may take minutes, is given up. A rank that gets one informs
     the others, which end in the same way. `progress` includes contacts `done_before`, and takes the other ranks to be
-    as far as this one. After the `deadline`, s of the monotonic clock, no block begins, and replicas but the first are given up.
+    as far as this one. After the `deadline`, s of the monotonic clock, no block begins, and replicas but the first are
+    given up.
     """
     comm, shown, done = ensemble.comm, (-1, -1), 0
     ranks = 1 if comm is None else comm.Get_size()

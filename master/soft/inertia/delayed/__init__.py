@@ -15,9 +15,9 @@ Two kinds of motion take turns (`DelayedSlider.run`), and change the body by its
    where contacts would break, the next births come or the drive's leg ends (`Swinging`; `SwingEnd` names each end).
 
 Where the slider is so fast that contacts form and break on one panel, its nodes do not resolve them: as many break as
-form, and what holds follows from the rate of births and its slope (`FastSliding`). Where its speed changes slowly beside
-the delay, too, and its contacts have forgotten their start, births themselves follow from the speed, and friction is
-F_k of the present speed but for its rise: a slip of a million thresholds then takes some hundred panels.
+form, and what holds follows from the rate of births and its slope (`FastSliding`). Where its speed changes slowly
+beside the delay, too, and its contacts have forgotten their start, births themselves follow from the speed, and
+friction is F_k of the present speed but for its rise: a slip of a million thresholds then takes some hundred panels.
 
 The error of the force is what the last coefficients of the polynomials miss, on the worst panel; the caller runs the
 slider with tighter tolerances, too, and compares (`master/soft/inertia/solution.py`).
