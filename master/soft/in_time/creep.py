@@ -20,13 +20,11 @@ and how much F - F_k(V) varied: as F_k rises with V, F is drawn to within that o
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from scipy.interpolate import make_interp_spline
-from scipy.optimize import brentq
 
 from master.motion import Motion
 from master.soft.in_time.steps import Node
-from master.steady.kinetic import kinetic_curve
+from master.steady.kinetic_table import KineticTable, tabulated
 from master.steady.response import is_stable, response
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
@@ -43,8 +41,7 @@ class CreepControl(NamedTuple):
         limit of F - F_k(V) for steps of 0 is extrapolated
     lag : lag of F behind F_k(V) up to which it is left out, in tolerances
     beyond : factors on the speeds seen, and on that of the drive, within which F_k is tabulated, tried in turn
-    degrees : of the polynomial of F_k in ln V, tried in turn
-    known : its last coefficients, in tolerances
+    known : error of that table, in tolerances
     slow : wave number (1/m) at which F_k' and the lag are read off the response
     slope : of F_k' by the response and by the table, largest relative difference
     fewest : steps along the last part of the way
@@ -58,7 +55,6 @@ class CreepControl(NamedTuple):
     halved: float = 0.5
     lag: float = 0.25
     beyond: tuple[float, ...] = (20.0, 1e3, 1e5)
-    degrees: tuple[int, ...] = (12, 24, 48)
     known: float = 1e-3
     slow: float = 1e-2
     slope: float = 0.02
@@ -98,28 +94,14 @@ class Offset(NamedTuple):
         return abs(self.mean - square * before.mean) / (1.0 - square)
 
 
-class KineticTable(NamedTuple):
-    """F_k(V) over ln V: the ends (2,) of ln V, Chebyshev coefficients of F_k between them (lengths), and its error
-    (a length)."""
+class SteadyCreep(NamedTuple):
+    """What the last nodes of a section tell of steady creep: the table of F_k, ln V from here on, the offset of F from
+    F_k(V), and the lag of F (a length)."""
 
-    ends: Array
-    series: Array
-    error: float
-
-    def force(self, log_speed: Array, derivative: int = 0) -> Array:
-        """F_k, or its derivative in ln V, at ln V (n,)."""
-        low, high = self.ends
-        at = (2.0 * log_speed - low - high) / (high - low)
-        series = chebyshev.chebder(self.series, derivative) if derivative else self.series
-        return np.asarray(chebyshev.chebval(at, series) * (2.0 / (high - low)) ** derivative)
-
-    def log_speed(self, force: float) -> float:
-        """ln V at which F_k is this force; nan beyond the table."""
-        low, high = self.ends.tolist()
-        off = [float(self.force(np.array(end))) - force for end in (low, high)]
-        if off[0] * off[1] > 0.0:
-            return float("nan")
-        return float(brentq(lambda at: float(self.force(np.array(at))) - force, low, high))
+    table: KineticTable
+    log_speed: float
+    offset: Offset
+    lag: float
 
 
 class Creep:
@@ -154,6 +136,23 @@ class Creep:
         # the drive is so near to its end that steps lead there
         if self._speed * (self._motion.times[-1] - last.time) < way_of_steps:
             return None
+        steady = self._steady(nodes, way)
+        if steady is None:
+            return None
+        sections = self._sections(last, steady.log_speed, steady.table)
+        # the slider's own way to the end may be shorter than the drive's
+        way_ahead = sign * (sections[-1][-1].position - last.position)
+        if way_ahead < way_of_steps or not self._stable(steady.log_speed):
+            return None
+        before, self._before = self._before, steady.offset
+        error = max(steady.offset.at_step_0(before), steady.lag)
+        return Crept(sections, float(error + steady.offset.varies + steady.table.error))
+
+    def _steady(self, nodes: list[Node], way: float) -> SteadyCreep | None:
+        """Whether creep is steady along the last part of the way of these nodes, but for its stability: it goes
+        forward, F_k is known at its speeds and rises from there to the drive's, F - F_k(V) hardly varies, and F lags
+        behind by little. None where one of these is not so."""
+        last, sign = nodes[-1], self._sign
         position, time, force = np.array([(n.position, n.time, n.force) for n in nodes]).T
         late = np.flatnonzero(sign * (last.position - position) <= CONTROL.last_part * way)
         speeds = sign * np.diff(position[late]) / np.maximum(np.diff(time[late]), TINY)
@@ -171,14 +170,7 @@ class Creep:
         lag = self._lag(now, abs(log_speeds[-1] - log_speeds[0]) / late_way, table)
         if offset.varies > CONTROL.varies * self._slope(now, table) or np.isinf(lag):
             return None
-        sections = self._sections(last, now, table)
-        # the slider's own way to the end may be shorter than the drive's
-        way_ahead = sign * (sections[-1][-1].position - last.position)
-        if way_ahead < way_of_steps or not self._stable(now):
-            return None
-        before, self._before = self._before, offset
-        error = max(offset.at_step_0(before), lag) + offset.varies + table.error
-        return Crept(sections, float(error))
+        return SteadyCreep(table, now, offset, lag)
 
     def _slope(self, log_speed: float, table: KineticTable) -> float:
         """dF_k/d ln V at this ln V (a length), where F_k rises with the speed from there to the drive's; else 0."""
@@ -220,22 +212,11 @@ class Creep:
         if table is not None and wide and not np.isnan(table.log_speed(force)):
             return table
         for beyond in CONTROL.beyond:
-            table = self._made(ends + np.log(beyond) * np.array([-1.0, 1.0]))
+            wider = ends + np.log(beyond) * np.array([-1.0, 1.0])
+            table = tabulated(self._contacts, wider, CONTROL.known * self._tolerance)
             if table is not None and not np.isnan(table.log_speed(force)):
                 self._table = table
                 return table
-        return None
-
-    def _made(self, ends: Array) -> KineticTable | None:
-        """The table between these ends of ln V, if it is known well enough."""
-        for degree in CONTROL.degrees:
-            nodes = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
-            at = ends.mean() + 0.5 * np.diff(ends) * nodes
-            forces = kinetic_curve(self._contacts, np.exp(at)).force
-            series = np.asarray(chebyshev.chebfit(nodes, forces, degree), float)
-            error = float(np.abs(series[-2:]).sum())
-            if error <= CONTROL.known * self._tolerance:
-                return KineticTable(ends, series, error)
         return None
 
     def _sections(self, begin: Node, log_speed: float, table: KineticTable) -> list[list[Node]]:
