@@ -614,9 +614,10 @@ def test_what_a_slip_left_behind_counts_from_where_contacts_form_again(
             [Node(0.0, 1.0, 0.0, 0.0, 1.0 + ahead), Node(1.0, 3.0, 0.0, 0.0, born)],
             nodes,
         ]
-        contacts = SimpleNamespace(delay=2.0)
+        contacts = SimpleNamespace(delay=2.0, largest_stiffness=1.0)
         slips = [Slip(1.0, 1.0, 1.0, 0.0)]
-        return SimpleNamespace(motion=motion, sections=sections, slips=slips, contacts=contacts)
+        of_both = {"motion": motion, "spring": 0.3, "slips": slips, "contacts": contacts}
+        return SimpleNamespace(sections=sections, **of_both)
 
     assert undecided_end([slider(0.5, apart), slider(0.0, 0.0)]) == end
 

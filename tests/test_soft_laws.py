@@ -489,3 +489,26 @@ def test_few_contacts_that_come_back_and_slip_again_foretell_no_steps() -> None:
     # what broke in the last delay before a slip is out, so that each comes earlier by a delay or two
     earlier = cold.slips.drive - found.slips.drive[found.slips.main]
     assert cold.slips.drive.size == 2 and (earlier > 0.0).all() and earlier.max() < 2.0 * 1.8
+
+
+def test_a_slider_that_turns_round_behind_its_drive_is_not_near_a_slip() -> None:
+    """It creeps on for a while as the drive has turned, and then follows it. Where it had just turned, too, all that
+    was told of F was that it lies between 0 and its largest value (0.72 mean thresholds)."""
+    old = Contacts(gaussian(0.8, 0.25), ageing=Ageing(gaussian(1.0, 0.27), 1.33e-4))
+    path, drive = [3.16, 2.79], {"velocity": 0.0046, "spring": 0.25}
+    coarse = master.solve(old, path, 0.1, **drive)
+    fine = master.solve(old, path, 1e-3, **drive)
+    assert coarse.success and fine.success and coarse.nodes < fine.nodes
+    assert coarse.force_error < 3e-3
+    off = np.abs(coarse.force - fine.force).max() / old.mean_threshold
+    assert off < coarse.force_error + fine.force_error
+
+
+def test_a_slip_above_the_critical_spring_of_the_drives_speed_is_told_on_a_path_of_one_point() -> (
+    None
+):
+    """The drive's speed is that at which K* = 0.45; a slider faster than that slips at K = 0.5."""
+    young = Contacts(gaussian(0.5, 0.1), ageing=Ageing(gaussian(1.0, 0.2), 0.02))
+    told = master.solve(young, [2.5], 1e-2, velocity=0.3, spring=0.5, slip="reform-after")
+    assert told.success and told.slips.drive.size == 1
+    assert 0.4 < told.regime.critical_spring < 0.5 and "turns" not in told.regime.reason

@@ -69,7 +69,8 @@ def regime(
     if np.isnan(critical):
         why = "of these laws is not solved for" if unsolved else "was not found within wall_time"
         known = f"K = {spring:.6g} N_c<k>; K* {why}"
-    if count and spring >= critical and np.ptp(np.sign(np.diff(drive.path))) > 1:
+    turns = motion is not None and np.ptp(np.sign(motion.speeds)) > 1
+    if count and spring >= critical and turns:
         known += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
     if (unknown := not found.error < UNRELIABLE) or found.force.size < drive.path.size:

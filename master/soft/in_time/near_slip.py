@@ -8,6 +8,9 @@ from master.soft.in_time.slider import Slider
 # function of X is a parabola with its top at the slip: on the way y to it the load rises by slope y/2, with the slope
 # at the end of the drive. A change d of X is one of the load by slope d, and more than that rise where y < 2 d.
 NEAR = 2.0
+# Factor above that slope of X_T(X) at which all contacts stick from which on breaks hold the slider back: above the
+# rounding of short steps.
+HELD_BACK = 1.01
 # Rounding of a delay, as a part of it.
 AT_ONCE = 1e-9
 
@@ -43,7 +46,10 @@ def _way_since_slip(slider: Slider, end: float) -> float:
 def _to_slip(slider: Slider, end: float) -> float:
     """How far the slider is from the begin of a slip as the drive ends or turns (a length), inf for far.
 
-    X_T, as a function of X, is largest there; the parabola through the last three steps tells where.
+    X_T, as a function of X, is largest there; the parabola through the last three steps tells where. On the way to a
+    slip breaks help the slider on: dX_T/dX is at most 1 + k/K, that of contacts that all stick. It is larger where they
+    hold it back, as when it turns round under a slow drive; it falls from there to 1, far from a slip, and a parabola
+    through steps on that way tells nothing.
     """
     assert slider.motion is not None
     slipped = any(slip.time == end for slip in slider.slips)
@@ -55,6 +61,9 @@ def _to_slip(slider: Slider, end: float) -> float:
     if not (travels * steps > 0.0).all():
         return np.inf  # it creeps back, or the drive holds
     slopes = steps / travels
+    stuck = 1.0 + slider.contacts.largest_stiffness / slider.spring
+    if slopes.max() > HELD_BACK * stuck:
+        return np.inf
     bend = 2.0 * (slopes[1] - slopes[0]) / travels.sum()
     slope = slopes[1] + 0.5 * bend * travels[1]
     return max(float(-slope / bend * np.sign(steps[0])), 0.0) if bend * steps[0] < 0.0 else np.inf

@@ -38,7 +38,7 @@ class Slip(NamedTuple):
 class Slider:
     """The solution along the whole path, with steps of 2^-halvings of the coarsest.
 
-    motion : of the drive; None where it does not move
+    motion, spring : of the drive, None where it does not move; and K/(N_c <k>)
     sections : nodes of each smooth section
     needed : halvings without which the tolerance is not met
     least_drop : change of F (a length) below which a slip is not listed, but counted as an error of F: after a slip the
@@ -64,7 +64,7 @@ class Slider:
         self._decohered, self._creep = decohered, creep
         self.creeps_from: float | None = None
         self._halvings_to_come = max(needed - contacts.halvings, 0)
-        self._rule, self._spring = drive.slip, float(drive.spring or 0.0)
+        self._rule, self.spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
         self.sections = list[list[Node]]()
         # the sections of this leg along which new contacts came to a slip that left all contacts new
@@ -77,7 +77,7 @@ class Slider:
         if motion is None:
             self.sections.append([self._node(0.0)])
             return
-        self._steps = Steps(contacts, self._spring, motion)
+        self._steps = Steps(contacts, self.spring, motion)
         self._search = SlipBegins(self._steps)
         for leg, last in enumerate(motion.times[1:].tolist()):
             contacts.past_breaks.repeat_bend(float(motion.times[leg]))
@@ -163,7 +163,7 @@ class Slider:
             for section in known:
                 self.sections.append([node.shifted(later, farther) for node in section])
             contacts.repeat(steps, self.sections[-1][-1].time)  # which leaves all of them new
-            contacts.position = self._drive_position() - contacts.force / self._spring
+            contacts.position = self._drive_position() - contacts.force / self.spring
             self._list_slip(slip.force)
 
     def _stop_if_too_many_steps(self, end: float) -> None:
@@ -204,7 +204,7 @@ class Slider:
         if self._rule == "reset":
             contacts.relax()
             # relax has changed the force; X follows: the slider stops where the spring balances the new contacts
-            contacts.position = drive_position - contacts.force / self._spring
+            contacts.position = drive_position - contacts.force / self.spring
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)
         else:
@@ -213,7 +213,7 @@ class Slider:
 
     def _list_slip(self, before: float) -> None:
         """List the slip that ends now, if F changed by enough from what it was before."""
-        contacts, load = self.contacts, self._spring * self._drive_position()
+        contacts, load = self.contacts, self.spring * self._drive_position()
         drop = abs(before - contacts.force)
         if drop < self._least_drop:
             contacts.unresolved.note(OF_SMALL_SLIPS, drop, contacts.now)
