@@ -8,10 +8,12 @@ import pytest
 import master
 import origins
 from master import rigid
+from master.motion import Motion
 from master.renewal.march import March
 from master.renewal.solved import SolvedPanels
 from master.soft.followed import ErrorPart, Followed
 from master.soft.slips import slips_of
+from master.survival.life import ColdLife
 from origins import Contacts, Delay, Drive
 
 
@@ -35,6 +37,19 @@ def test_a_jump_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
         "at a travel of 1, on leg 0 (from 0), where no edge is, or a sum over births is wrong"
         in said
     )
+
+
+@pytest.mark.parametrize("place", [0.99, 1.06])
+def test_a_jump_is_told_where_the_panel_begins_whose_error_it_is(place: float) -> None:
+    """Of the batch of panels that is here the second; the begin of the first was told."""
+    parts = [origins.identical(place), origins.gaussian(2.0, 0.2)]
+    contacts = Contacts(origins.mixture(parts, [0.01, 0.99]))
+    march = rigid.march_of(contacts, Motion.along(np.array([0.0, 1.3])), ColdLife(contacts), 1e-10)
+    march.edges = march.edges[np.abs(march.edges - place) > 0.05]
+    (jump,), solved = march.run().jumps, march.solved
+    panel = int(solved.error.argmax())
+    assert solved.error[panel] == jump.size > march.tolerance
+    assert abs(jump.time - solved.begin[panel]) < 1e-3 * solved.width[panel]
 
 
 def test_a_jump_right_behind_an_edge(monkeypatch: pytest.MonkeyPatch) -> None:

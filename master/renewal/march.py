@@ -4,11 +4,10 @@ With B(t) the breaks per contact since t = 0, at every t
 
     1 = G_0(t) + integral over s of E(t, s) dB(s),      F(t) = M_0(t) + integral of K(t, s) dB(s),
 
-where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums
-over lumps: the contacts that hold at t = 0, and sets of contacts that break at one instant because
-they reach one exact threshold together, and are born again together one delay later. On a panel B
-is a polynomial; its values at the Radau nodes follow from conservation there, given all panels
-before. A panel that does not resolve B is narrowed.
+where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums over lumps: the
+contacts that hold at t = 0, and sets of contacts that break at one instant because they reach one exact threshold
+together, and are born again together one delay later. On a panel B is a polynomial; its values at the Radau nodes
+follow from conservation there, given all panels before. A panel that does not resolve B is narrowed.
 """
 
 from collections.abc import Iterator
@@ -141,8 +140,9 @@ class March:
                 first_rejected = int(rejected[0])
                 error = float(batch.error[first_rejected])
                 if widths.too_narrow(now_leg):
+                    at_path = now_path + first_rejected * proposal.width
                     at_edge = now_leg == segment_begin_leg and not first_rejected
-                    self.jumps.append(Jump(now_path, leg, error, behind_edge=at_edge))
+                    self.jumps.append(Jump(at_path, leg, error, behind_edge=at_edge))
                 if not keep_all:
                     kept = first_rejected
             self.solved.append(
