@@ -491,6 +491,8 @@ def test_a_stopped_command_leaves_what_is_known(
         assert err[0].startswith(f"mesofriction: {begins}")
         assert Path("mine-output").exists() == left
         assert err[0].endswith("what is known so far is written to mine-output") == left
+        early = not left and stop is TimeIsUp
+        assert ("it ended in its velocity steps, before which nothing is known" in err[0]) == early
     found = json.loads(Path("mine-output/rate-state.json").read_text())
     fresh = WIDE.moment(2) / (2.0 * WIDE.mean())
     exact = BETA * fresh / (1.0 - BETA * fresh / found["kinetic_force"])

@@ -134,15 +134,17 @@ def solve(
         with shown("slip rules"):
             notes += beside_other_rules(scene, soft, deadline)
     if before:
+        all_of_them = ensemble.total if ensemble is not None else before
         notes.append(
-            f"went on from a checkpoint of {before:,} contacts: the run time of eq is that of all launches together, "
-            "and breaks_per_rank counts the earlier ones' on rank 0"
+            f"went on from a checkpoint of {before:,} of {all_of_them:,} contacts: the run time of eq is that of all "
+            "launches together, and breaks_per_rank counts the earlier ones' on rank 0"
         )
     answers = {"master": master, "eq": eq, "sweep": sweep, "domains": law.domains}
     result = _result(scene, notes, **answers)
     finished = ensemble is None or eq is None or eq.success or eq.contacts == ensemble.total
     if kept is not None and not finished and (comm is None or comm.Get_rank() == 0):
-        say(f"stopped by the wall time; run it again with --out {kept.folder} to go on")
+        far = f" after {eq.contacts:,} of {ensemble.total:,} contacts" if ensemble and eq else ""
+        say(f"stopped by the wall time{far}; run it again with --out {kept.folder} to go on")
     return result, finished
 
 
