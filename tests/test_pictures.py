@@ -92,6 +92,7 @@ def test_units_of_n_c_k_are_one_key_away_and_own_units_have_no_prefix() -> None:
         ("N", False, (0.0, 0.25), "x (mN)", "50"),
         ("N/m", False, (0.0, 8.5e6), "x (MN/m)", "2"),
         ("m", True, (1e-10, 5e-8), "x (nm)", "10"),
+        ("m", True, (1.1e-10, 2.4e-9), "x (nm)", "1"),
         ("m", True, (1e-14, 5e-8), "x (nm)", r"$\mathdefault{10^{1}}$"),
         ("N/m", True, (5e1, 2e6), "x (kN/m)", "100"),
         ("N/m", True, (1e1, 1e9), "x (N/m)", None),
@@ -108,6 +109,33 @@ def test_an_axis_has_the_prefix_that_keeps_its_ticks_short(
     name_axis(axes.xaxis, "x", unit)
     assert axes.get_xlabel() == label
     assert tick is None or tick in ticks(axes.xaxis)
+
+
+def test_a_density_has_the_inverse_of_the_unit_of_its_lengths() -> None:
+    """1/nm beside nm, where its own ticks would be shortest in 1/µm."""
+    axes = Figure().subplots()
+    axes.set(xlim=(0.0, 4e-8), ylim=(0.0, 1.3e8))
+    name_axis(axes.xaxis, "x", "m")
+    name_axis(axes.yaxis, "P", "1/m", axes.xaxis)
+    assert axes.get_ylabel() == "P (1/nm)" and "0.1" in ticks(axes.yaxis)
+
+
+def test_comparison_in_newtons_has_the_machines_springs_and_forces_that_differ_by_decades() -> None:
+    """A dashed line at each spring, forces on a logarithmic axis, and marks that are seen without a bar."""
+    law = {"kind": "gaussian", "mean": 7e-9, "std": 2e-9}
+    scenes = []
+    for name, density in (("few", 1e9), ("many", 1e12)):
+        stated = {"mean_stiffness": 10.0, "contact_density": density}
+        drive = {"to": 1e-8, "points": 21, "spring": "50 N/m", "area": 1e-6}
+        contacts = {"thresholds": law, "interface": stated}
+        scenes.append(toolkit.load_scene(scene(contacts=contacts, drive=drive) | {"title": name}))
+    verdicts = compare(scenes)
+    _, springs, force, *_ = draw_comparison(verdicts).axes
+    dashed = [line.get_xdata() for line in springs.lines if line.get_linestyle() == "--"]
+    assert np.ravel(dashed) == pytest.approx([50.0] * 4) and force.get_yscale() == "log"
+    assert "dashed: the machine's spring" in springs.get_title()
+    marks = [line for line in springs.lines if line.get_color() == "white"]
+    assert marks and all(line.get_markeredgecolor() != "white" for line in marks)
 
 
 def test_curves_are_of_colours_by_okabe_and_ito_and_of_different_marks() -> None:
@@ -337,7 +365,7 @@ def test_five_readings_have_five_marks_and_of_ten_the_own_one_stands_out() -> No
         assert len(lines) == number and len(set(zip(marks, inks, strict=True))) == named
         (legend,) = figure.legends
         names = [text.get_text() for text in legend.get_texts()]
-        assert len(names) == named and ("the 9 other readings" in names) is (number == 10)
+        assert len(names) == named and ("gw: 9 other readings" in names) is (number == 10)
         assert lines[0].get_linewidth() > 2.0 * lines[1].get_linewidth() or number == 5
         assert drawn["springs"].get_xlabel().endswith("N/m)")
 

@@ -258,4 +258,7 @@ def test_a_disk_that_refuses_checkpoints_or_results_loses_nothing(
         assert os.listdir("out") == ["checkpoint"]
     assert said(capsys, "run", file, "--out", "out")[0] == 0
     found = toolkit.load("out")
-    assert f"went on from a checkpoint of {3 * BLOCK:,} of {found.eq.contacts:,} contacts: " in found.notes[-1]
+    assert (
+        f"went on from a checkpoint of {3 * BLOCK:,} of {found.eq.contacts:,} contacts: "
+        in found.notes[-1]
+    )

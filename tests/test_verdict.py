@@ -1266,6 +1266,36 @@ def test_doubts_about_the_input_stand_before_the_answer(capsys: Any) -> None:
     assert page.splitlines()[2] == said[0] and page.splitlines()[2 + len(said)] == found["verdict"]
 
 
+def test_the_trace_says_that_it_swings_or_is_cut() -> None:
+    """Below 0 the slider swings after a slip; and a path that is cut is no decision."""
+    path = {"drive": np.array([0.0, 1.0]), "force": np.array([0.0, 1.0])}
+    slips = replace(infinite("stick-slip", 5), rule="mass", after=-0.6, slip_time=0.142, **path)
+    cut = replace(infinite("undecided", 2), cut=True, **path)
+    for own, told in (
+        (slips, "stick-slip (below 0 the slider swings after a slip, 0.142 units of time long)"),
+        (cut, "not decided, the path is cut"),
+    ):
+        found = told_of(own, None, Contacts(gaussian(1.0, 0.3)))
+        (label,) = draw_verdict(found).axes[0].get_legend_handles_labels()[1]
+        assert label.endswith(f": {told}")
+
+
+def test_other_readings_are_drawn_by_their_contact_model() -> None:
+    """Many are grey, alike in dashes and marks where their model is, and counted in the legend."""
+    own = told_of(replace(infinite("smooth", 0), rule="mass"), None, Contacts(gaussian(1.0, 0.3)))
+    names = ["gw/amontons", "gw/strength", "persson/amontons", "gw/paper", "gw/amontons/mixed"]
+    each = [replace(own.own, name=f"{name}, step {n}") for n in (1, 2) for name in names]
+    figure = draw_verdict(replace(own, answers=tuple(each)))
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == [
+        "gw/amontons, step 1",
+        "gw: 5 other readings",
+        "persson: 2 other readings",
+        "gw, mixed: 2 other readings",
+    ]
+    assert figure.axes[-1].get_xlabel().startswith("slips at least once below")
+
+
 def test_curves_that_lie_on_one_another_are_one_in_the_legend(capsys: Any) -> None:
     """Far below K* both rules that renew contacts after a slip give one trace; its error is told in newtons."""
     scene = write(

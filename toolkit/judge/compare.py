@@ -39,6 +39,7 @@ class Read:
     springs : N_c<k> by unit: "N_c<k>", "N/m" of drive.area, "N/m³", per nominal area
     softer : whether the machine's spring is softer than K*; None without one, and where K* is not known
     unknown : whether the numerical error of K* is as large as itself
+    machine : the machine's spring K/(N_c <k>); None without one
     """
 
     name: str
@@ -46,6 +47,7 @@ class Read:
     springs: dict[str, float]
     softer: bool | None
     unknown: bool = False
+    machine: float | None = None
 
     def spring(self, unit: str) -> Number:
         """K* in this unit."""
@@ -209,7 +211,7 @@ def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Re
     softer = None if machine is None else machine < critical.value
     if unknown and machine is not None:
         softer = None if machine < critical.value + (critical.error or 0.0) else False
-    return Read(name, numbers, springs, softer, unknown)
+    return Read(name, numbers, springs, softer, unknown, machine)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:

@@ -74,7 +74,7 @@ def _thresholds(axes: Any, styled: list[_Styled]) -> None:
         axes.set(yscale="log", ylim=(min(tops) / 100.0, 2.0 * max(tops)))
     if styled and styled[0].unit != SHARED:
         name_axis(axes.xaxis, "threshold $x_s$", "m")
-        name_axis(axes.yaxis, "$P_c(x_s)$", "1/m")
+        name_axis(axes.yaxis, "$P_c(x_s)$", "1/m", axes.xaxis)
     else:
         axes.set_xlabel(r"threshold $x_s/\langle x_s\rangle$")
         axes.set_ylabel(r"$\langle x_s\rangle\,P_c$")
@@ -100,6 +100,9 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
     if reaches and max(reaches) > _APART * min(reaches):
         least = min([*reaches, *(one.mean / one.length for one in styled)])
         axes.set(xscale="log", xlim=(0.1 * least, 1.05 * max(reaches)))
+    levels = [one.kinetic * one.force for one in styled]
+    if levels and max(levels) > _APART * min(levels):
+        axes.set(yscale="log", ylim=(min(levels) / 100.0, 2.0 * max(levels)))
     simulated = any(one.verdict.result.eq is not None for one in styled)
     points = ", EQ ensemble (points, ±1 standard error)" if simulated else ""
     axes.set_title(f"force: master equation (lines){points}; $F_k$ dotted")
@@ -112,13 +115,22 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
         axes.set_ylabel("force $F/F_k$")
 
 
+def _stiffness(one: _Styled) -> float:
+    """N_c<k> of a scene in the unit in which springs are drawn."""
+    return one.verdict.own.springs[one.unit]
+
+
 def _springs(axes: Any, styled: list[_Styled]) -> None:
     """K* of each scene with its error and its range over the readings, in N/m or N/m³ of surfaces, else over N_c<k>: a
     softer driving spring is unstable. Infinite ones reach the edge."""
     unit = styled[0].unit if styled else SHARED
     springs = [one.verdict.own.spring(unit) for one in styled]
     over = [[each.spring(unit).value for each in one.verdict.readings] for one in styled]
+    machines = [
+        None if (k := one.verdict.own.machine) is None else k * _stiffness(one) for one in styled
+    ]
     finite = [value for values in over for value in values if 0.0 < value < np.inf]
+    finite += [machine for machine in machines if machine]
     usual = [] if unit != SHARED and finite else [1e-3, 1.0]
     low, high = min([*finite, *usual]) / 3.0, max([*finite, *usual]) * 3.0
     small: dict[str, Any] = {"va": "center", "fontsize": "small"}
@@ -143,11 +155,19 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
         axes.annotate(text or written(value, unit), place, **beyond, **small)
         if np.isinf(value):
             axes.plot(high, row, ">", color=color, ms=18, clip_on=False)
-        axes.plot(low * (high / low) ** 0.03, row, one.style["marker"], color="white", ms=6)
+        # dark at its edge, as there may be no bar behind it
+        mark: dict[str, Any] = {"color": "white", "mec": "0.2", "ms": 6}
+        axes.plot(low * (high / low) ** 0.03, row, one.style["marker"], **mark)
+        if machine := machines[row]:
+            axes.plot([machine] * 2, [row - 0.4, row + 0.45], "--", color="0.2", lw=1.4, zorder=4)
     axes.set_yticks(range(len(styled)), [one.name for one in styled])
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room))
     name_axis(axes.xaxis, *spring_name(unit))
-    lines = "; lines: all readings" if any(len(reach) > 1 for reach in over) else ""
-    axes.set_title(f"a slider slips on springs below $K^*${lines}")
+    told = ["a slider slips at least once on springs below $K^*$"]
+    if any(len(reach) > 1 for reach in over) or any(spring.error for spring in springs):
+        told.append("lines: readings that were solved, and errors")
+    if any(machines):
+        told.append("dashed: the machine's spring")
+    axes.set_title("\n".join([told[0], "; ".join(told[1:])]).strip(), fontsize="medium")

@@ -18,6 +18,7 @@ MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p", "h"]
 _OWN = {"length": "units of length", "time": "units of time"}  # of a scene without SI units
 _MOST_DECADES = 5.0  # of a logarithmic axis whose ticks are plain numbers, not powers of ten
 _SHORT = (1e-3, 1e5)  # from where to where ticks are short without a power of ten
+_LEAST_TICK = 0.05  # of a logarithmic axis in the unit of its upper end
 _ROW = 15.0  # height of a row of a legend in points
 _HANDLE = 9  # width of a line's sample in a legend, in letters
 
@@ -61,9 +62,10 @@ def spring_name(unit: str) -> tuple[str, str]:
     return ("critical spring $K^*$" if unit == "N/m" else "critical spring per area $K^*/A$"), unit
 
 
-def name_axis(axis: Any, name: str, unit: str) -> None:
+def name_axis(axis: Any, name: str, unit: str, beside: Any = None) -> None:
     """Label an axis, once it has its data and limits, with name and unit, which takes the SI prefix that makes ticks
-    short, such as µm, mN or kN/m; after a name that ends its line the unit has the next one."""
+    short, such as µm, mN or kN/m; after a name that ends its line the unit has the next one. One in 1/m takes that of
+    the axis of lengths `beside`, so that 1/nm stands beside nm."""
     low, high = axis.get_view_interval()
     gap = "" if name.endswith("\n") else " "
     inverse = unit == "1/m"
@@ -79,6 +81,9 @@ def name_axis(axis: Any, name: str, unit: str) -> None:
         axis.set_label_text(f"{name}{gap}({said})".removesuffix(f"{gap}()"))
         return
     power = _power(low, high, axis.get_scale() == "log", inverse, unit == "s")
+    if inverse and beside is not None:
+        first, last = beside.get_view_interval()
+        power = -_power(first, last, beside.get_scale() == "log", False, False)
     prefixed = f"1/{PREFIXES[-power]}m" if inverse else f"{PREFIXES[power]}{unit}"
     axis.set_label_text(f"{name}{gap}({prefixed})")
     _set_ticks(axis, power)
@@ -101,15 +106,17 @@ def _without_offset(axis: Any, power: int) -> None:
 
 
 def _power(low: float, high: float, log: bool, inverse: bool, seconds: bool) -> int:
-    """The power of ten of the prefix for an axis with these ends: of the middle of a logarithmic one, or the next, so
-    that no tick is 10000; where that spans so many decades that ticks are powers of ten, of the upper end, without a
-    large prefix."""
+    """The power of ten of the prefix for an axis with these ends: of the upper end of a logarithmic one, if no tick is
+    below 0.1 then, else of its middle, or the next, so that no tick is 10000; where that spans so many decades that
+    ticks are powers of ten, of the upper end, without a large prefix."""
     wide = log and high / low > 10.0**_MOST_DECADES
     size = np.sqrt(low * high) if log and not wide else max(abs(low), abs(high))
     size = min(size, 1.0) if wide else size
     if not (np.isfinite(size) and size > 0.0):
         return 0
     power = int(3 * np.floor((np.log10(size) + 1e-9) / 3))
+    upper = int(3 * np.floor((np.log10(high) + 1e-9) / 3)) if high > 0.0 else power
+    power = upper if log and not wide and low >= _LEAST_TICK * 10.0**upper else power
     power += 3 * (not wide and high >= 10.0 ** (power + 4))
     least, most = (-9, 15) if inverse else (-15, 0 if seconds else 12)  # 1/Gm to 1/fm
     return int(np.clip(power, least, most))

@@ -31,13 +31,13 @@ def highest(curve: ThresholdCurve, values: Array) -> float:
 
 def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
     """P_c(x), with exact single values as lines as high as their weight."""
+    _label(axes, curve, "thresholds", "threshold $x_s$")
     finite = np.isfinite(curve.density)
     smooth = curve.density[finite].any()
     if smooth:
         filled = {"alpha": 0.25, "lw": 0, "color": INK["thresholds"]}
         axes.fill_between(curve.x[finite], curve.density[finite], **filled)
         _draw(axes, curve, np.where(finite, curve.density, np.nan), "$P_c(x_s)$")
-    _label(axes, curve, "thresholds", "threshold $x_s$")
     if curve.atoms.size:
         # a weight is not a density: next to one it has its own axis
         own = axes.twinx() if smooth else axes
@@ -59,10 +59,10 @@ def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
 
 
 def _draw(axes: Any, curve: ThresholdCurve, values: Array, name: str) -> None:
-    """A quantity per length, within limits that show it."""
+    """A quantity per length, within limits that show it, beside an axis of lengths that is labelled."""
     axes.plot(curve.x, values, **_STYLE)
     axes.set_ylim(0.0, highest(curve, values))
-    name_axis(axes.yaxis, name, "1/m" if curve.in_metres else "1/length")
+    name_axis(axes.yaxis, name, "1/m" if curve.in_metres else "1/length", axes.xaxis)
 
 
 def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:
@@ -90,8 +90,8 @@ def save_thresholds_picture(law: Thresholds, curve: ThresholdCurve, title: str, 
     _label(plot_samples(survival, law), curve, "survival", "threshold $x_s$")
     shown = (curve.survival > 1e-3) & np.isfinite(curve.density)
     values = np.where(shown, curve.density / np.maximum(curve.survival, 1e-3), np.nan)
-    _draw(hazard, curve, values, "$P_c(x)/S(x)$")
     _label(hazard, curve, "hazard", "stretch $x$")
+    _draw(hazard, curve, values, "$P_c(x)/S(x)$")
     figure.suptitle(title, parse_math=False)
     figure.savefig(path, dpi=150, format=path.suffix[1:])
 

@@ -15,7 +15,6 @@ from toolkit.running.progress import Progress
 from toolkit.running.solvers import within
 from toolkit.scene.scene import Scene
 
-
 # s that the shipped scene takes in all, some half of them for its steps (docs/commands.md)
 _SCENE = 70.0
 
@@ -23,7 +22,9 @@ _SCENE = 70.0
 def _too_late(begun: Sequence[str]) -> str:
     """Which part was not solved as the time was over, before which nothing is known, and what others take."""
     at = f"it ended in its {begun[-1]}, before which nothing is known; " * bool(begun)
-    return f"{at}the scene rate-state takes some {_SCENE:.0f} s in all, and heat of a surface minutes"
+    return (
+        f"{at}the scene rate-state takes some {_SCENE:.0f} s in all, and heat of a surface minutes"
+    )
 
 
 def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judged:

@@ -15,7 +15,7 @@ from toolkit.pictures.axes import (
     name_axis,
     style_of,
 )
-from toolkit.scene.scale import SHARED
+from toolkit.scene.scale import SHARED, spoken
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.kinds import named
 from toolkit.verdict.machine import Behaviour, Finite
@@ -75,7 +75,9 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
     for number, same in enumerate(known):
         behaviour = same[0]
         style: dict[str, Any] = {"color": OKABE_ITO[number], "ls": DASHES[number], "lw": 1.3}
-        label = f"{named([one.rule for one in same])}: {behaviour.kind}"
+        label = f"{named([one.rule for one in same])}: {_kind_of(behaviour)}"
+        if behaviour.slip_time is not None and behaviour.after < 0.0:
+            label += f" (below 0 the slider swings after a slip, {spoken(behaviour.slip_time, scale.time_unit)} long)"
         if not behaviour.success or behaviour.error >= _UNKNOWN:
             label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
         axes.plot(behaviour.drive, behaviour.force * scale.force, label=label, **style)
@@ -94,6 +96,13 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
     name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
     name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
     legend_above(axes, letters=150)
+
+
+def _kind_of(behaviour: Behaviour) -> str:
+    """What a trace shows, in words; of one that ends early, that it does."""
+    if behaviour.kind != "undecided":
+        return behaviour.kind
+    return "not decided, the path is cut" if behaviour.cut else "not decided"
 
 
 def _known(verdict: Verdict) -> list[Behaviour]:
@@ -134,7 +143,11 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
         label = answer.name
         if number and len(verdict.answers) > _NAMED:
             style |= {"lw": 0.8, "marker": "", "zorder": 1}
-            label = "" if number > 1 else f"the {len(verdict.answers) - 1} other readings"
+            kinds = [_model_of(one.name) for one in verdict.answers]
+            own = kinds[number]
+            label = (
+                "" if own in kinds[1:number] else f"{own}: {kinds[1:].count(own)} other readings"
+            )
         axes.plot(x, density, label=label or None, **style)
         # where contacts share one value the density is infinite
         whole: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style["color"]}
@@ -153,10 +166,19 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
 
 
 def _style_of(number: int, verdict: Verdict) -> dict[str, Any]:
-    """Colour, dashes and mark of a reading: of many, all but the scene's own are grey."""
+    """Colour, dashes and mark of a reading: of many, all but the scene's own are grey, alike where their contact model
+    is."""
     if number and len(verdict.answers) > _NAMED:
-        return style_of(number) | {"color": "0.6", "ls": "-", "marker": "o"}
+        kinds = list(dict.fromkeys(_model_of(one.name) for one in verdict.answers[1:]))
+        alike = style_of(1 + kinds.index(_model_of(verdict.answers[number].name)))
+        return alike | {"color": "0.5"}
     return style_of(number)
+
+
+def _model_of(name: str) -> str:
+    """The contact model of a reading, such as "gw" or "gw, mixed"."""
+    model, _, *regime = name.partition(",")[0].split("/")
+    return ", ".join([model, *regime])
 
 
 def _density(contacts: Contacts) -> tuple[Any, Any]:
@@ -194,7 +216,7 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
     legend_above(axes)
     unit = scale.spring_unit
     name = {"N/m": "$K^*$", "N/m³": "$K^*/A$"}.get(unit, r"$K^*/(N_c\langle k\rangle)$")
-    said = f"critical spring {name}: softer ones slip"
+    said = f"slips at least once below\nthe critical spring {name}"
     name_axis(axes.xaxis, said, "" if unit == SHARED else unit)
 
 
