@@ -148,8 +148,8 @@ def test_where_none_breaks_before_a_slip_the_next_is_later_by_the_delay(delay):
 def test_few_contacts_that_come_back_before_the_others_hold_a_soft_spring():
     """One in a hundred broke within the last delay before the slip, and comes back within the next. They bear 0.005,
     the drive loads 1e-4 in a delay: so the slider rests meanwhile, and the drive loads the others from the slip on. The
-    few are stretched ahead of these by some 0.02, which takes 1e-5 from the next peak of the force, or 10 of X_T."""
-    spring, delay = 1e-6, 100.0
+    few are stretched ahead of these by some 0.02, which takes 1e-5 from the next peak of the force, or 1 of X_T."""
+    spring, delay = 1e-5, 10.0
     contacts = origins.Contacts(WIDE, delay=origins.Delay(delay))
     before, static = first_slip(spring)
     path = [2.5 * static / spring]

@@ -227,7 +227,7 @@ def test_a_delay_far_below_a_step_does_next_to_nothing() -> None:
 
 @pytest.mark.parametrize(
     "law",
-    ["soft", "ageing", *(pytest.param(one, marks=pytest.mark.slow) for one in ("eyring", "delay"))],
+    ["soft", *(pytest.param(one, marks=pytest.mark.slow) for one in ("eyring", "ageing", "delay"))],
 )
 def test_a_drive_that_turns_back_by_next_to_nothing_is_as_good_as_one_that_holds(law: str) -> None:
     """The spring still pulls the slider on, while contacts break at rest: it moves against the drive."""
@@ -449,9 +449,11 @@ def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force_through_
     solved = master.solve(contacts, drive, 1e-3, time=TIMES[1:], spring=SPRING)
     assert solved.success, solved.message
     assert not solved.slips.drive.size
+    # with a delay and with growth from 0 the order shows later
+    least = 64 if plain.delay or "from 0" in name else 32
     coarse, middle, fine = (
         pulled(plain, TIMES, PLACES, steps)[(steps * np.array(TIMES[1:]) / 4.0).astype(int) - 1]
-        for steps in (64, 128, 256)
+        for steps in (least, 2 * least, 4 * least)
     )
     changes = np.abs(middle - coarse).max(), np.abs(fine - middle).max()
     assert abs(np.log2(changes[0] / changes[1]) - 2.0) < 0.2
@@ -705,7 +707,7 @@ def test_a_slip_that_leaves_no_contact_keeps_all_out_for_their_delay() -> None:
     """While the drive goes on by less than the delay those alone hold that were out as the slip began."""
     contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(0.3))
     soft = {"spring": 0.02, "slip": "reform-after"}
-    slip = float(master.solve(contacts, [0.0, 60.0], 1e-4, **soft).slips.drive[0])
+    slip = float(master.solve(contacts, [0.0, 60.0], 1e-3, **soft).slips.drive[0])
     path = np.concatenate([[0.0], slip + np.array([0.01, 0.15, 0.28, 3.0])])
-    found = master.solve(contacts, path, 1e-4, **soft)
+    found = master.solve(contacts, path, 1e-3, **soft)
     assert found.success and found.holding[1:4].max() < 0.05 < 0.9 < found.holding[4]

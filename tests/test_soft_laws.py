@@ -168,12 +168,12 @@ def test_behind_a_slip_the_error_is_told_by_all_points_but_those_beside_it() -> 
     contacts, path = Contacts(gaussian(1.0, 0.1), delay=Delay(0.2)), np.linspace(0.0, 5.0, 101)
     rough, fine = (
         master.solve(contacts, path, tolerance, spring=0.3, slip="reform-after")
-        for tolerance in (3e-2, 3e-6)
+        for tolerance in (3e-2, 1e-5)
     )
     assert rough.slips.drive.size == fine.slips.drive.size == 1
     told = np.abs(path - fine.slips.drive) > 2.0 * rough.slips.drive_error
     off = np.abs(rough.force - fine.force)[told].max()
-    assert 20.0 * fine.force_error < off <= rough.force_error < 1e-3
+    assert 4.0 * fine.force_error < off <= rough.force_error < 1e-3
 
 
 LARGE = 0.2  # of all contacts, which an avalanche at a standing drive breaks: a slip
@@ -398,8 +398,8 @@ def test_weak_heat_is_left_out_with_its_whole_effect_as_the_error(
     assert "heat is left out, as steps in time miss it: it may change" in asked.message
     near, loads = np.linspace(0.55, 0.85, 301), list[float]()
     for each in (contacts, contacts.replace(thermal=None)):
-        rigid = master.solve(each, near, 1e-6, velocity=SOFTEST)
-        assert rigid.success, rigid.message
+        rigid = master.solve(each, near, 1e-5, velocity=SOFTEST)
+        assert rigid.success and rigid.force_error < 1e-3 * told.force_error, rigid.message
         loads.append(float(rigid.force.max()))
     lost, claim = loads[1] - loads[0], told.force_error * contacts.mean_threshold
     assert claim / 100.0 < lost < 0.5 * claim

@@ -995,7 +995,7 @@ def test_with_a_delay_no_contact_is_said_to_re_form_at_once(capsys: Any) -> None
     """Those that break in a slip wait: "instant" is "reform-after", and is not solved twice."""
     contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "delay": {"time": 0.3}}
     rules = {"rules": ["reform-after", "instant"]}
-    _, page, found = judged(capsys, contacts=contacts, drive={"spring": 0.3}, verdict=rules)
+    _, page, found = judged(capsys, contacts=contacts, drive={"spring": 3.0}, verdict=rules)
     assert [one["rule"] for one in found["readings"][0]["behaviours"]] == ["reform-after"]
     assert "at once" not in page and "instant" not in page
 
