@@ -393,6 +393,10 @@ def test_a_run_says_where_the_slip_rule_decides() -> None:
     (share,) = (note for note in small if note.startswith("the first slip is small"))
     assert 0.001 < float(share.split(" by ")[1].split()[0]) < 0.03
     assert toolkit.run(scene(wide, drive=drive | {"spring": 2.0}, master=coarse)).notes == ()
+    # slips by which all rules call it stick-slip
+    soft = {"to": 8.0, "points": 33, "spring": 0.3, "slip": "reset"}
+    alike = toolkit.run(scene(wide, drive=soft, master=coarse))
+    assert alike.master.slips.drive.size and alike.notes == ()
 
 
 def test_the_motion_of_a_slider_with_mass_is_kept_with_the_master_equation(tmp_path: Path) -> None:
