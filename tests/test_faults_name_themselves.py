@@ -149,10 +149,14 @@ LATE = Contacts(origins.gaussian(1.0, 0.2), delay=origins.Delay(0.25))
 # slips at X_T = 3.07771 and ends at 4.2
 PLANTED: dict[str, tuple[str, float, str]] = {
     "memory": ("memory.ThresholdMemory.error", 0.02, "the memory of the contacts' history; loosen"),
-    "rounding": ("extrapolation.ROUNDING", 1e-4, r"rounding in \d+ steps; loosen"),
+    "rounding": ("answer.extrapolation.ROUNDING", 1e-4, r"rounding in \d+ steps; loosen"),
     "small slips": ("refining.UNLISTED", 1e6, r"slips that are too small to be .*X_T = 3\.0777"),
     "births": ("unresolved.UNKNOWN_BELOW", 1.0, "births of one step, of which many break before"),
-    "near slips": ("near_slip.NEAR", 1e12, r"a slip that may come .*X_T = 4\.2; turn or end the"),
+    "near slips": (
+        "answer.near_slip.NEAR",
+        1e12,
+        r"a slip that may come .*X_T = 4\.2; turn or end the",
+    ),
     "steps": ("steps.MOST_SECANTS", 3, "steps, by which F and loads at slips changed as they"),
 }
 

@@ -17,13 +17,15 @@ import master
 import origins
 from master.motion import Motion
 from master.soft.in_time import steps as steps_in_time
+from master.soft.in_time.answer import extrapolation
+from master.soft.in_time.answer.extrapolation import extrapolated
+from master.soft.in_time.answer.near_slip import undecided_end
+from master.soft.in_time.answer.reading import read
 from master.soft.in_time.breaks import BreaksInSteps
 from master.soft.in_time.cells import Cells
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.decohered import SlipSoFar, decohered
-from master.soft.in_time.extrapolation import read
 from master.soft.in_time.memory import ThresholdMemory
-from master.soft.in_time.near_slip import undecided_end
 from master.soft.in_time.refining import memory_of, refined
 from master.soft.in_time.slider import Node, Slider, Slip
 from master.soft.in_time.slip_begins import SlipBegins
@@ -294,6 +296,46 @@ def test_the_steps_of_the_example_are_those_of_its_docstring() -> None:
                 assert told == pytest.approx(said, abs=6e-4)
                 assert all(f"{number:.4g}" in str(steps_in_time.__doc__) for number in said)
     assert len(taken) == 11 and taken[-1].step.time_part < 0.0
+
+
+def made_up(force: float, small_drop: float = 0.0) -> Any:
+    """A slider whose F rises to this one, drops to 0.2 at t = 1, and by the small drop at 1.5."""
+    again = 0.2 + small_drop
+    sections = [[(0.0, 0.0), (0.5, force), (1.0, force)], [(1.0, 0.2), (1.49, 0.2), (1.5, again)]]
+    sections.append([(1.5, 0.2), (1.75, 0.2), (2.0, 0.2)])
+    slips = [Slip(1.0, 1.0 + force, force, 0.2), Slip(1.5, 1.7, again, 0.2)]
+    memory = SimpleNamespace(
+        safety=3.0, error=0.0, scales=SimpleNamespace(length=0.1), resolves_heat=True
+    )
+    return SimpleNamespace(
+        sections=[[Node(t, t, f, 1.0, t - f) for t, f in section] for section in sections],
+        slips=slips if small_drop else slips[:1],
+        motion=None,
+        contacts=SimpleNamespace(
+            unit=1.0, steps=6, halvings=0, memory=memory, unresolved=SimpleNamespace(largest={})
+        ),
+    )
+
+
+def test_the_example_at_the_head_of_extrapolation_is_answered_so() -> None:
+    """F of three made-up sliders, by plain and by extrapolated changes, and a slip of the last one alone."""
+    sliders = [made_up(0.76), made_up(0.716), made_up(0.7042, small_drop=0.02)]
+    drive = Drive(np.array([0.0, 2.0]), spring=1.0)
+    contacts = Contacts(origins.rectangular(0.5, 1.5))  # of the mean 1
+    found = extrapolated(sliders, contacts, drive, 0.0, np.array([0.75, 1.25]))
+    steps, left_over = (part.size for part in found.parts[:2])
+    assert found.force == pytest.approx([0.7042 - 0.0118 / 3.0, 0.2], abs=1e-12)
+    assert steps == pytest.approx(3.0 * (0.0118 - (0.044 - 0.0118) / 3.0), abs=1e-12)
+    assert left_over == pytest.approx(0.06, abs=1e-12)
+    assert found.error == pytest.approx(steps + left_over, abs=1e-9)
+    # the large slip is extrapolated, the small one is not
+    assert found.slips.drive == pytest.approx([1.0 + found.force[0], 1.7], abs=1e-12)
+    assert found.slips.drop == pytest.approx([found.force[0] - 0.2, 0.02], abs=1e-12)
+    told = str(extrapolation.__doc__)
+    said = {0.044: "-0.044", 0.0118: "-0.0118", found.force[0]: "0.70027", steps: "0.0032"}
+    said[steps / 3.0], said[left_over] = "-0.00107", "0.06"
+    for number, text in said.items():
+        assert text in told and abs(float(text)) == pytest.approx(number, rel=6e-3)
 
 
 def test_a_slider_that_seems_to_run_back_both_ways_takes_the_near_balance() -> None:

@@ -45,9 +45,9 @@ those of the memory, rounding and what steps cannot resolve (`Unresolved`) are a
 above the tolerance the message names the largest of these parts (`Followed.why_above`).
 
 In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `decohered.py` (where a long
-slip leads to), `contacts.py`, `groups.py`, `breaks.py`, `unresolved.py`, `extrapolation.py`, `near_slip.py` (whether
-steps leave open if a slip comes before a turn), and `creep.py`, by which a slider that creeps on a soft spring goes on
-to the end of the path without steps (`Slider._crept_to_end`).
+slip leads to), `contacts.py`, `groups.py`, `breaks.py`, `unresolved.py`, the folder `answer` (what three sliders tell,
+and how well), and `creep.py`, by which a slider that creeps on a soft spring goes on to the end of the path without
+steps (`Slider._crept_to_end`).
 Then the memories: `memory.py` (what a memory is, and thresholds that stay), `threshold_cells.py` (integrals of rates at
 the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where
 they age; and `idle_heat.py`, for heat too weak for steps to see. A plain twin: `tests/plain_in_time.py`.

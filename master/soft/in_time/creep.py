@@ -246,7 +246,7 @@ class Creep:
         return sections
 
     def _section(self, s: Array, time: Array, force: Array) -> list[Node]:
-        """Nodes in whose `sizes_so_far` s stands, over which `read` in extrapolation.py interpolates."""
+        """Nodes in whose `sizes_so_far` s stands, over which answer/reading.py interpolates."""
         place = self._motion.at(time) - force / self._spring
         each = zip(s.tolist(), time.tolist(), force.tolist(), place.tolist(), strict=True)
         return [Node(size, at, borne, 1.0, x) for size, at, borne, x in each]

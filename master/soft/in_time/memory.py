@@ -62,8 +62,8 @@ class Memory:
     starts : most nodes for a start with a width; more with each halving of the steps, so that their error shows
     balance : accuracy of a step's balance, in sizes of steps: far below the error of a step
     nearing : steps are at most this part of the way to where a slip is foreseen; inf where they need not become finer
-    safety : factor on the last change in the error estimate, see `_of_steps` in extrapolation.py: changes of answers
-        fall irregularly where births jump or P_c bends, and by a half where thresholds grow
+    safety : factor on the last change in the error estimate, see `_of_steps` in answer/extrapolation.py: changes of
+        answers fall irregularly where births jump or P_c bends, and by a half where thresholds grow
     exact : whether there are exact thresholds
     resolves_heat : whether ln A is known at the next two edges above |x|, from which it is extrapolated
     """

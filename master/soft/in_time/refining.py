@@ -7,11 +7,11 @@ import numpy as np
 from master.motion import drive_motion
 from master.outcome import FaultError, Progress, StoppedError
 from master.soft.followed import Followed
+from master.soft.in_time.answer.extrapolation import extrapolated
 from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.contacts import COMPARED, MOST_STEPS, MOST_WORK, ContactsInSteps
 from master.soft.in_time.creep import creep_of, creeps, may_creep
 from master.soft.in_time.decohered import decohered
-from master.soft.in_time.extrapolation import extrapolated
 from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
 from master.soft.in_time.slider import Slider
 from master.soft.in_time.steps import CONTROL

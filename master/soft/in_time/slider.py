@@ -22,7 +22,7 @@ LARGE = 0.1
 # Least size of a step before the end of a section, in steps: rounding of times would make it 0.
 SHORTEST = 1e-6
 # Of a step's size, by which rounding of its times may put it below 0. Of a size further below 0 the state at its end
-# would be left out where forces are read (`read` in extrapolation.py).
+# would be left out where forces are read (answer/reading.py).
 ROUNDED_SIZE = 1e-6
 
 

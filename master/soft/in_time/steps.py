@@ -30,7 +30,7 @@ class StepControl(NamedTuple):
 
     coarsest : travel of the coarsest step of the size 1, in lengths over which births change. Errors fall with the
         square of the steps, and three halvings from here are some 1e-3. `force_error` need not fall so: it follows
-        the changes of answers that are extrapolated already (extrapolation.py).
+        the changes of answers that are extrapolated already (answer/extrapolation.py).
     drive_weight : steps of time in which the slider, stuck to the drive, travels by one step. Below 1 as the slider's
         travel matters more, above 0 as something must count while contacts creep under a slider that hardly moves.
     per_e_fold_of_hold, per_e_fold_of_move : steps of time in which the time since the begin of a section grows by a

@@ -1,7 +1,7 @@
 """Unresolved: errors of F that halving the steps may not show, by their kind, and when each was largest.
 
 Changes of the answers from one halving to the next tell the error of steps where it falls with them
-(extrapolation.py). What is noted here may be the same, or none, in all three solutions that are compared.
+(answer/extrapolation.py). What is noted here may be the same, or none, in all three solutions that are compared.
 """
 
 from typing import NamedTuple

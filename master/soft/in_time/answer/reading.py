@@ -1,0 +1,38 @@
+"""Reading: what a slider answers at any time, from the ends of its steps."""
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+from scipy.optimize.elementwise import find_root
+
+from master.soft.in_time.steps import Node
+from origins.thresholds.law import Array
+
+# Highest degree of the splines between the ends of steps; they are best at odd ones.
+DEGREE = 5
+
+
+def read(sections: list[list[Node]], asked: Array) -> Array:
+    """Force (lengths) and the fraction that holds at times (n,), shape (2, n); at a slip, after it. By splines in the
+    sizes of the section's steps so far, in which the time, too, is smooth."""
+    ends = np.array([section[-1].time for section in sections])
+    which = np.minimum(np.searchsorted(ends, asked, side="right"), len(sections) - 1)
+    out = np.empty((2, asked.size))
+    for k in np.unique(which):
+        at, nodes = asked[which == k], np.array(sections[k])
+        nodes = nodes[np.unique(nodes[:, 0], return_index=True)[1]]
+        size, time, force, holding = nodes.T[:4]
+        if len(nodes) == 1:
+            out[:, which == k] = [force, holding]
+            continue
+        degree = min(DEGREE, 2 * ((len(nodes) - 2) // 2) + 1)
+        spline = make_interp_spline(size, np.stack([time, force, holding], axis=1), k=degree)
+        cell = np.clip(np.searchsorted(time, at, side="left"), 1, len(nodes) - 1)
+        found = find_root(
+            lambda x, wanted, spline=spline: spline(x)[..., 0] - wanted,
+            (size[cell - 1], size[cell]),
+            args=(np.clip(at, time[cell - 1], time[cell]),),
+        )
+        # at the end of a cell rounding may take the root out of it
+        place = np.where(found.success, found.x, np.interp(at, time, size))
+        out[:, which == k] = spline(place)[:, 1:].T
+    return out
