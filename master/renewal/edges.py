@@ -114,6 +114,7 @@ class _Kinks:
         self.continued_from = continued_from
         fastest = float(np.abs(self.motion.speeds).max())
         resolution = self.life.resolution_length / fastest if fastest else 0.0
+        # times of kinks come from lengths, which are rounded, too; the smallest that matters is the life's resolution
         self._rounded = SAME_TIME * resolution
         # contacts born at one stretch break nearly together where the law of thresholds is narrow: without edges at its
         # ends panels miss a narrow peak of breaks
@@ -123,7 +124,8 @@ class _Kinks:
         )
         # contacts that have moved by more before `continued_from`, a thousandth for rounding, hold no more
         self._farthest = 1.001 * max([far, *self._bends])
-        self._continued_at = float(self.motion.at(np.array(continued_from)))  # a position
+        # where the slider is at that time, a position
+        self._continued_at = float(self.motion.at(np.array(continued_from)))
 
     def of_start(self, start: Start) -> list[Kink]:
         """Kinks that follow from t = 0: contacts of the start may break at once, and births begin a delay later. These
@@ -132,7 +134,8 @@ class _Kinks:
         return [*self.broken(0.0, 1.0, start), *beginnings]
 
     def of_knots(self) -> list[Kink]:
-        """Kinks where the slider turns, or changes its speed."""
+        """Kinks where the slider turns, or changes its speed, and one delay before; times below 0 are left out later,
+        in `following`."""
         found, delay = [], self.births.delay
         one_stretch = self.births.law.is_single and not self.life.timeless
         knots = self.motion.times[1:-1].tolist()

@@ -57,12 +57,15 @@ class Past:
     survival_error : the largest error of a survival so far, as the life returned it
 
     _leg : the present leg; -1 before the first
+    _motion_leg, _leg_start_path : the motion on the clock of that leg, and when it begins on that of the path
+    _accuracy, _left_out_below : of a sum over births; and the share that holds up to which a leg is left out
     _first_panel : the first panel whose births are on it
     _earlier_legs : sums over births on earlier legs, None where there are none; for contacts that age `_strands` in its
         place
     _held_at_latest : by earlier leg, the share of all contacts that was born on it and held at the latest of the times
         that the last call of `at` asked for
     _legs_left_out : earlier legs that are left out for good
+    _few : interpolates sums between few times, where a survival takes long
     """
 
     def __init__(self, births: Births) -> None:
