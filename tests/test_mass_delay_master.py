@@ -1,6 +1,7 @@
 """A slider with mass whose contacts form again after a delay, by the master equation: limits, and by hand."""
 
 import re
+import time
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy.integrate import solve_ivp
 import master
 import origins
 from master.motion import Motion
+from master.soft.inertia import solution
 from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Collocation, Machine, Missed, Solved, State
 from master.soft.inertia.delayed.drive_path import DrivePath
@@ -20,6 +22,8 @@ from master.soft.inertia.delayed.panels import Part
 from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.pull import Sliding
 from master.soft.inertia.delayed.survival import Survival
+from master.soft.inertia.short_delay import short_delay
+from origins.drive import Drive
 
 WIDE, ELASTIC = origins.gaussian(1.0, 0.2), origins.gw_elastic(1.0)
 
@@ -517,3 +521,47 @@ def test_a_slip_that_is_long_beside_the_delay_is_that_of_sliding_at_each_speed(
     assert found.slips.force_after[0] == pytest.approx(after, abs=4e-3)
     assert found.slips.duration[0] == pytest.approx(lasts, rel=0.02)
     assert found.slips.top_speed[0] == pytest.approx(ended.y[1].max(), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("law", "spring", "waits"), [(WIDE, 1e-3, 5e-3), (origins.persson(1.0, 0.5), 1e-3, 2e-3)]
+)
+def test_a_delay_that_is_taken_as_a_part_of_the_damping_is_off_by_less_than_it_tells(
+    monkeypatch: pytest.MonkeyPatch, law: origins.Thresholds, spring: float, waits: float
+) -> None:
+    """Beside panels of time, which follow it: force, slips and energies. Without it the force would be farther off."""
+    mass = 0.1
+    critical = 2.0 * (spring * mass) ** 0.5
+    machine = {
+        "mass": mass,
+        "damping": 0.4 * critical,
+        "spring": spring,
+        "velocity": 0.3 * (spring / mass) ** 0.5,
+    }
+    contacts = delayed(waits * (spring * mass) ** 0.5 / 0.3, law)  # of contacts at 0.3/(K M)^(1/2)
+    path = np.linspace(0.1, 1.4, 40) / spring
+    told = solve(contacts, path, 1e-3, **machine)
+    none = solve(origins.Contacts(law), path, 1e-5, **machine)
+    assert told.success and "taken as a part of the damping" in told.message
+    monkeypatch.setattr(solution, "short_delay", lambda *_: None)
+    known = solve(contacts, path, 1e-4, **machine)
+    assert known.success and known.slips.drive.size == told.slips.drive.size
+    off = np.abs(told.force - known.force).max()
+    assert off < told.force_error + known.force_error
+    assert off < 0.02 * np.abs(none.force - known.force).max()
+    assert np.abs(told.holding - known.holding).max() < 1e-4
+    for part in ("drive", "damped", "released", "contacts", "kinetic", "spring"):
+        ours, theirs = (getattr(one.energy, part)[-1] for one in (told, known))
+        assert ours == pytest.approx(theirs, abs=1e-3 * known.energy.drive[-1])
+
+
+@pytest.mark.parametrize("changed", [{"spring": 0.1}, {"damping": 1e-5}, {"delay": 0.1}])
+def test_a_delay_that_does_more_than_take_from_the_damping_is_followed(changed: dict) -> None:
+    """On a stiff spring, where it leaves no damping, and where a tenth of the contacts wait at the largest speed."""
+    machine = {"mass": 0.1, "damping": 3e-3, "spring": 1e-4, "delay": 1e-5} | changed
+    delay = machine.pop("delay")
+    drive = Drive(np.linspace(0.1, 1.4, 40) / machine["spring"], 1e-3, **machine)
+    until = time.monotonic() + 60.0
+    assert short_delay(delayed(delay), drive, 1e-3, until) is None
+    plain = Drive(drive.path, 1e-3, mass=0.1, damping=3e-3, spring=1e-4)
+    assert short_delay(delayed(1e-5), plain, 1e-3, until) is not None

@@ -288,3 +288,15 @@ def test_the_error_of_durations_bounds_it_and_is_not_known_of_a_slip_that_fades(
     found, finer = (master.solve(narrower, [80.0], tol, **fades).slips for tol in (1e-3, 1e-5))
     assert found.duration.size == 1 and abs(finer.duration[0] - found.duration[0]) > 1.0
     assert np.isinf([found.duration_error, finer.duration_error]).all()
+
+
+@pytest.mark.parametrize("tolerance", [5e-4, 1e-4])
+def test_a_slider_that_lags_behind_its_balance_goes_on(tolerance: float) -> None:
+    """Just before a first slip: the balance has passed the end of the slow way, to which it was led back, for ever."""
+    mass, spring = 0.1, 1e-3
+    machine = {"mass": mass, "spring": spring, "damping": 0.8 * (spring * mass) ** 0.5}
+    path, velocity = np.linspace(0.1, 1.4, 40) / spring, 0.3 * (spring / mass) ** 0.5
+    found = master.solve(WIDE, path, tolerance, velocity=velocity, wall_time=60.0, **machine)
+    finer = master.solve(WIDE, path, 1e-5, velocity=velocity, wall_time=60.0, **machine)
+    assert found.success, found.message
+    assert np.abs(found.force - finer.force).max() < found.force_error + finer.force_error

@@ -76,6 +76,9 @@ class Following(Body):
             return self.moving
         load = float(self.move.curve.force(ahead.travel)) + self.spring * ahead.travel
         reached = self.t + (load - float(self._pull(self.t))) / rate
+        if reached <= self.t:
+            # the slider lags behind its balance, which has passed that place: no slow way is left
+            return self.moving
         until = min(reached, end)
         which = self.record.between(self.t, until)
         loads = self._pull(np.append(self.record.times[which], until))

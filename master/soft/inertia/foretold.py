@@ -39,20 +39,29 @@ def _after_first_slip(contacts: Contacts, drive: Drive) -> tuple[float, float]:
     return latest, float(times[-1] - np.interp(latest, drive.path, times))
 
 
-def refuse_long_ringing(contacts: Contacts, drive: Drive) -> None:
-    """InputError where contacts that form at once surely slip, and the slider then rings on them too often.
+def oscillations(contacts: Contacts, drive: Drive) -> float:
+    """How often the slider rings on contacts that form at once, after a slip; 0 where it surely does so less often than
+    MOST_OSCILLATIONS, or may not slip.
 
     F' is 1 - X P_c(X) before contacts break for the second time; below -K somewhere, the slider slips.
     """
     law, mass, spring = contacts.thresholds, float(drive.mass or 0.0), float(drive.spring or 0.0)
-    latest, left = _after_first_slip(contacts, drive)
+    _, left = _after_first_slip(contacts, drive)
     fading = FADES * 2.0 * mass / drive.damping if drive.damping else np.inf
     turns = min(left, fading) * np.sqrt((1.0 + spring) / mass) / (2.0 * np.pi)
     if turns < MOST_OSCILLATIONS:
-        return
+        return 0.0
     x = law.isf((np.arange(QUANTILES) + 0.5) / QUANTILES)
     if law.atoms[0].size == 0 and float((x * law.pdf(x)).max()) < 1.0 + spring:
-        return
-    fault = f"after a slip the slider rings {turns:.1e} times, and at most {MOST_OSCILLATIONS:.0e} may come"
-    hint = f"give a damping ({enough_damping(drive)}), or end the path before {latest:.4g}"
-    refuse("mass", mass, f"{fault}; {hint}")
+        return 0.0
+    return float(turns)
+
+
+def refuse_long_ringing(contacts: Contacts, drive: Drive) -> None:
+    """InputError where contacts that form at once surely slip, and the slider then rings on them too often."""
+    turns = oscillations(contacts, drive)
+    if turns:
+        latest, _ = _after_first_slip(contacts, drive)
+        fault = f"after a slip the slider rings {turns:.1e} times, and at most {MOST_OSCILLATIONS:.0e} may come"
+        hint = f"give a damping ({enough_damping(drive)}), or end the path before {latest:.4g}"
+        refuse("mass", drive.mass, f"{fault}; {hint}")

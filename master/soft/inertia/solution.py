@@ -17,6 +17,7 @@ from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
 from master.soft.inertia.run import OF_PANELS, Run
+from master.soft.inertia.short_delay import short_delay
 from master.soft.solution import SoftSolution, common_fields, without_heat
 from master.survival.life import ALL_ATOMS
 from origins import Contacts
@@ -79,9 +80,9 @@ def solve_inertial(
 ) -> InertialSolution:
     """Motion while the drive X_T moves along its path and pulls the slider, from rest, by its spring.
 
-    Heat that hardly changes the force is left out, and a bound on its effect is counted in the errors. Raises
-    InputError for contacts with other laws beside thresholds, start and delay, and where a drive in time does not begin
-    at the balance.
+    Heat that hardly changes the force is left out, and a bound on its effect is counted in the errors; so is a delay
+    that only takes from the damping. Raises InputError for contacts with other laws beside thresholds, start and delay,
+    and where a drive in time does not begin at the balance.
     """
     began, given, idle = time.perf_counter(), contacts, Idle(contacts)
     if contacts.thermal is not None and not _other_laws(contacts):
@@ -89,6 +90,9 @@ def solve_inertial(
         idle = without_weak_heat(contacts, drive, duration)
         contacts = idle.contacts
     _check(contacts, drive, idle)
+    short = short_delay(contacts, drive, tolerance, until) if contacts.waiting_time else None
+    if short is not None:
+        contacts, drive = short.contacts, short.drive
     unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
     best, parting = Run(contacts, drive, tolerance, TOLERANCES[0], until), ""
     error = of_contacts = np.inf
@@ -115,6 +119,9 @@ def solve_inertial(
     left_out = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
         left_out += idle.error
+    if short is not None:
+        left_out += short.error
+        short.correct(best.record)
     found = Followed(
         balance=best.balance,
         force=best.force,
@@ -128,8 +135,9 @@ def solve_inertial(
         stopped_because=stopped,
         parts=(
             ErrorPart(f"two runs with other tolerances{parting}", error),
-            ErrorPart("rounding, and heat that is left out", left_out, LOOSEN),
+            ErrorPart("rounding, and heat or a delay that is left out", left_out, LOOSEN),
         ),
+        note=short.message if short is not None else "",
     )
     record = best.record
     record.finish()
