@@ -512,3 +512,15 @@ def test_a_slip_above_the_critical_spring_of_the_drives_speed_is_told_on_a_path_
     told = master.solve(young, [2.5], 1e-2, velocity=0.3, spring=0.5, slip="reform-after")
     assert told.success and told.slips.drive.size == 1
     assert 0.4 < told.regime.critical_spring < 0.5 and "turns" not in told.regime.reason
+
+
+def test_steps_longer_than_a_delay_claim_what_they_do_not_tell_of_a_slip() -> None:
+    """While the drive moves by 5e-5, as long as broken contacts are out, the slider moves by some hundredth of a
+    threshold towards the slip. Coarse steps agreed to 6e-4 on F after two slips, and were off by 5e-3."""
+    contacts = Contacts(gaussian(1.0, 0.0778), delay=Delay(5.3e-5))
+    path, drive = np.array([1.2, 1.8, 2.4, 3.0, 3.65]), {"spring": 1.5, "slip": "reform-after"}
+    exact = master.solve(contacts, path, 1e-3, **drive)
+    assert exact.success, exact.message
+    told = held_to_claim(contacts, path, 1e-2, exact, **drive)
+    off = np.abs(told.slips.drive - exact.slips.drive).max()
+    assert off <= told.slips.drive_error + exact.slips.drive_error

@@ -6,13 +6,18 @@ import numpy as np
 
 from master.motion import Motion
 from master.outcome import FaultError, StoppedError
-from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
+from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps, Trial
 from master.soft.in_time.creep import Creep
 from master.soft.in_time.decohered import Decohered
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Node, Steps
-from master.soft.in_time.unresolved import OF_CREEP, OF_SMALL_SLIPS
+from master.soft.in_time.unresolved import (
+    OF_CREEP,
+    OF_DELAY,
+    OF_SMALL_SLIPS,
+    unknown_share_of_waiting,
+)
 from origins.drive import Drive
 
 # A slip in which F falls by this part of the largest force at a slip so far is a large one: the drive then loads the
@@ -125,6 +130,8 @@ class Slider:
                         "leads against the motion, a fault of the program"
                     )
                 taken = max(taken, 0.0)
+                if slips and contacts.delay:
+                    self._note_waiting(trial)
                 contacts.take(trial, taken)
                 nodes.append(self._node(nodes[-1].sizes_so_far + taken))
         return slips
@@ -144,6 +151,15 @@ class Slider:
         end = crept.sections[-1][-1]
         contacts.now, contacts.force, contacts.position = end.time, end.force, end.position
         return True
+
+    def _note_waiting(self, trial: Trial) -> None:
+        """Note what it may change in F that steps do not tell which contacts are out as a slip begins, at the end of
+        this one. Slips to come magnify it, as they do what steps change in F."""
+        contacts, duration = self.contacts, trial.end - self.contacts.now
+        broken = trial.breaks - contacts.past_breaks.total
+        unknown = unknown_share_of_waiting(broken, contacts.delay, duration)
+        error = contacts.memory.safety * unknown * contacts.unit
+        contacts.unresolved.note(OF_DELAY, error, contacts.now)
 
     def _remember_if_new(self, new_since: int | None) -> None:
         """Remember the sections since all contacts were new, where the slip at their end has left all of them new."""

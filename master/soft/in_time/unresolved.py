@@ -16,6 +16,7 @@ OF_BIRTHS = "births of one step, of which many break before its end"
 OF_SMALL_SLIPS = "slips that are too small to be listed"
 OF_BALANCE = "steps at whose ends the forces do not balance"
 OF_STEADY_SLIP = "the rest of a long slip, on which F is taken as steady"
+OF_DELAY = "a step up to a slip, which is longer than the delay of contacts that break on it"
 OF_CREEP = "steady creep, at whose begin F was not that of steady sliding at the slider's speed"
 # Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
 UNKNOWN_BELOW = 0.5
@@ -45,6 +46,17 @@ class Unresolved:
     def error_of(self, of: str) -> float:
         """The largest error of this kind (a length), 0 if none was noted."""
         return self.largest[of].error if of in self.largest else 0.0
+
+
+def unknown_share_of_waiting(broken: float, delay: float, duration: float) -> float:
+    """Bound on the share of the contacts of which it is unknown whether they are out as a slip begins, as they broke on
+    the step up to it (`broken` of all), which took longer than their delay.
+
+    The step takes the rate of breaks as constant: a part d = delay/duration of these is out. But breaks come ever
+    faster towards a slip, as the root of the time to it, where it is d^(1/2).
+    """
+    part = delay / duration if duration > delay else 1.0
+    return broken * float(part**0.5 - part)
 
 
 def unknown_force_of_births(weight: Array, held: Array, count: int) -> float:
