@@ -524,3 +524,17 @@ def test_steps_longer_than_a_delay_claim_what_they_do_not_tell_of_a_slip() -> No
     told = held_to_claim(contacts, path, 1e-2, exact, **drive)
     off = np.abs(told.slips.drive - exact.slips.drive).max()
     assert off <= told.slips.drive_error + exact.slips.drive_error
+
+
+@pytest.mark.parametrize("thermal", [Thermal("eyring", width=0.03), Thermal("stiff", 0.01)])
+def test_contacts_older_than_fresh_ones_have_a_critical_spring_with_heat(thermal: Thermal) -> None:
+    """So fast that hardly any breaks by heat; the threshold of the strongest contact of all is infinite, and a rate was
+    asked of the ratio of two such."""
+    old = origins.strengthening(gaussian(1.0, 0.08), 0.09, 1e-3, age=10.0)
+    drive = {"velocity": 300.0, "spring": 0.2}
+    warm, cold = (
+        master.solve(contacts, [0.5], 1e-2, **drive).regime
+        for contacts in (Contacts(old, thermal=thermal), Contacts(old))
+    )
+    error = warm.critical_spring_error + cold.critical_spring_error
+    assert abs(warm.critical_spring - cold.critical_spring) < error + 0.01 * cold.critical_spring

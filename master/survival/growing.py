@@ -56,6 +56,9 @@ FOR_DECADE, FOR_DECADE_TURNED, FOR_WIDTH = 1.4, 2.6, 3.0
 WARM_COEFFICIENT_LIMIT, WARM_WORK = 1e-5, 250
 # Part of a contact's age, in the logarithm of time, from which on a leg is told apart from none; and the least.
 SHORTEST, TINY = 1e-14, 1e-200
+# Largest threshold of which a rate is asked (a length), as that of the strongest contact of all may be infinite: beyond
+# all others, and its square is finite.
+LARGEST = 1e100
 # ln A at which e^-A is 0 in floating point.
 LOG_OF_BROKEN = 7.0
 # Largest hazard lost right after pinning: the survival e^-300 is close to underflow.
@@ -241,7 +244,7 @@ class GrowingLife(ChangingLife):
             row = owner // count
             time = unit * np.expm1(log_times[row, -1:] - before_end)
             x = np.abs(first[row, None] + speed[row, None] * (time - begin[row, None]))
-            threshold = threshold_of(owner, time)
+            threshold = np.minimum(threshold_of(owner, time), LARGEST)
             rate = rates.rate(np.minimum(x, threshold), threshold, 1.0) * (unit + time)
             return np.stack([rate, rate + 1.0 / span[row, None]])
 
