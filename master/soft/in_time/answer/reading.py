@@ -4,6 +4,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.optimize.elementwise import find_root
 
+from master.soft.in_time.breaks import NEARBY
 from master.soft.in_time.steps import Node
 from origins.thresholds.law import Array
 
@@ -13,13 +14,17 @@ DEGREE = 5
 
 def read(sections: list[list[Node]], asked: Array) -> Array:
     """Force (lengths) and the fraction that holds at times (n,), shape (2, n); at a slip, after it. By splines in the
-    sizes of the section's steps so far, in which the time, too, is smooth."""
+    sizes of the section's steps so far, in which the time, too, is smooth. A step that is tiny beside one before, as
+    the last of a section may be, stands for its end alone: a spline through both magnifies by what they are off."""
     ends = np.array([section[-1].time for section in sections])
     which = np.minimum(np.searchsorted(ends, asked, side="right"), len(sections) - 1)
     out = np.empty((2, asked.size))
     for k in np.unique(which):
         at, nodes = asked[which == k], np.array(sections[k])
         nodes = nodes[np.unique(nodes[:, 0], return_index=True)[1]]
+        gaps = np.diff(nodes[:, 0])
+        tiny = np.flatnonzero(gaps < NEARBY * np.maximum.accumulate(gaps))
+        nodes = np.delete(nodes, tiny, axis=0)  # the node at its begin
         size, time, force, holding = nodes.T[:4]
         if len(nodes) == 1:
             out[:, which == k] = [force, holding]
