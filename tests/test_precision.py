@@ -223,9 +223,13 @@ SOME = ["stick-slip", "ageing-springs", "eyring", "tribometer", "thermal-soft", 
 @pytest.mark.parametrize(
     "scene", ["gaussian", *(pytest.param(scene, marks=pytest.mark.slow) for scene in SOME)]
 )
-def test_the_table_of_costs_is_up_to_date(scene: str) -> None:
+def test_the_table_of_costs_is_up_to_date(
+    scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What a scene builds and leaves out is what the page says, and the shares of files within ten percent; else
-    `python docs/error_and_cost.py --costs` makes it anew."""
+    `python docs/error_and_cost.py --costs` makes it anew. Its kernels are compiled anew: numba's cache holds those of
+    all scenes that ran on this machine, and imports the files of their laws with them."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     script, page = made()
     says, now = (
         row.strip("| ").split(" | ")

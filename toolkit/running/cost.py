@@ -26,8 +26,9 @@ def cost(scene: str, changes: Mapping[str, Any] | None = None) -> Cost:
 
     Returns `title`; `stages`, each with its `name`, `seconds` on the clock, `cpu_seconds` with those of its worker
     processes, peak `memory` in MB at its end, and the third-party `packages` that it imported; `rooms`, of each the
-    numbers of its files that were imported and of all; what it `builds` and `runs`, the latter by its run time in s;
-    and, left out, `no_laws`, `no_solvers`, `no_packages`.
+    numbers of its files that were imported and of all, which of eq_model are more where numba's cache holds kernels of
+    other laws, whose files it imports; what it `builds` and `runs`, the latter by its run time in s; and, left out,
+    `no_laws`, `no_solvers`, `no_packages`.
     Raises InputError as a run does.
     """
     from origins.errors import InputError

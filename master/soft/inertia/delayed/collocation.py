@@ -153,14 +153,16 @@ class Collocation:
         begin = Begin(state, force, holding, past.holding(past.formed, 0.0))
         births: PanelBirths | SteadyBirths = PanelBirths(past, state.t, width)
         distance = width * abs(float(TO_NODES[-1] @ guess))
-        how = Sliding.SLOW
+        sliding = Sliding.SLOW
         if steady and width > past.delay and distance >= self._machine.unit:
-            how, births = Sliding.STEADY, SteadyBirths(width)
+            sliding, births = Sliding.STEADY, SteadyBirths(width)
         elif births.all_known and births.born[-1] and distance >= self._shortest:
-            how = Sliding.FAST
-        pull = PullOnPanel(self._contacts, self._sliding, width, past.delay, state.w)
-        found = self._newton(begin, width, drive, guess, births, how, pull)
-        return found and self._judged(begin, width, found, births, how)
+            sliding = Sliding.FAST
+        contacts = PullOnPanel(
+            self._contacts, self._sliding, width, past.delay, state.w, births, sliding
+        )
+        found = self._newton(begin, width, drive, guess, contacts)
+        return found and self._judged(begin, width, found, contacts)
 
     def _newton(
         self,
@@ -168,8 +170,6 @@ class Collocation:
         width: float,
         drive: Array,
         guess: Array,
-        births: PanelBirths | SteadyBirths,
-        how: Sliding,
         contacts: PullOnPanel,
     ) -> Iterate | None:
         """Newton's method for the speeds at the nodes; None where it does not converge. `lack` is the left side at the
@@ -183,7 +183,7 @@ class Collocation:
             x = x_0 + integral @ w
             if not np.isfinite(x).all():
                 return None
-            pull = contacts.at(how, x, w, births)
+            pull = contacts.at(x, w)
             if pull is None:
                 return None
             lack = m * (w - w_0) + integral @ (g * w + pull.force + k * (x - drive))
@@ -193,8 +193,8 @@ class Collocation:
             except np.linalg.LinAlgError:
                 return None
             w = w - change
-            last, broken = broken, begin.if_none_broke - pull.holding + births.born[1:]
-            births.guess_from(np.append(begin.broken, broken))
+            last, broken = broken, begin.if_none_broke - pull.holding + contacts.births.born[1:]
+            contacts.births.guess_from(np.append(begin.broken, broken))
             moved = float(np.abs(integral @ change).max())
             change_of_force = (min(float(pull.holding.max()), 1.0) + k) * moved
             if max(change_of_force, unit * float(np.abs(broken - last).max())) <= enough:
@@ -202,12 +202,7 @@ class Collocation:
         return None
 
     def _judged(
-        self,
-        begin: Begin,
-        width: float,
-        found: Iterate,
-        births: PanelBirths | SteadyBirths,
-        how: Sliding,
+        self, begin: Begin, width: float, found: Iterate, contacts: PullOnPanel
     ) -> Solved | None:
         """The panel, and what it misses; None where one with fast sliding is too short to be one."""
         t, x_0, _ = begin.state
@@ -215,18 +210,14 @@ class Collocation:
         values[:, 0] = x_0, begin.broken, begin.force
         values[:, 1:] = x_0 + width * TO_NODES @ found.speed, found.broken, found.pull.force
         panel = TimePanel.through(t, width, values)
-        if how is Sliding.FAST and np.ptp(values[0]) < self._shortest / GUESSED:
+        too_short = np.ptp(values[0]) < self._shortest / GUESSED
+        if contacts.sliding is Sliding.FAST and too_short:
             return None
-        missed = self._missed(begin, panel, found, births, how)
-        return Solved(panel, births.rate, missed, how)
+        missed = self._missed(begin, panel, found, contacts)
+        return Solved(panel, contacts.births.rate, missed, contacts.sliding)
 
     def _missed(
-        self,
-        begin: Begin,
-        panel: TimePanel,
-        found: Iterate,
-        births: PanelBirths | SteadyBirths,
-        how: Sliding,
+        self, begin: Begin, panel: TimePanel, found: Iterate, contacts: PullOnPanel
     ) -> Missed:
         """What a panel misses of the force.
 
@@ -242,14 +233,15 @@ class Collocation:
           end. At that end they are stretched by up to the panel's travel instead of 0.
         """
         unit, past, x = self._machine.unit, self._past, panel.nodes(POSITION)
+        births, sliding = contacts.births, contacts.sliding
         place, breaks, force = panel.last().tolist()
         # stiffness of the contacts; where sliding is nearly steady their force does not hang on the place
         holding = max(begin.holding, float(found.pull.holding.max()))
-        if how is Sliding.STEADY:
+        if sliding is Sliding.STEADY:
             holding = 0.0
         travel = float(np.ptp(np.append(begin.state.x, x)))
         born, unresolved = float(births.born[-1]), 0.0
-        if born and how is Sliding.SLOW:
+        if born and sliding is Sliding.SLOW:
             survival = self._contacts.survival.sf(np.abs(x[-1] - x))
             unresolved = unit * abs(born * float(LAST_OF_NODES @ survival)) * INTEGRAL_OF_LAST
         # where some break on the panel itself no closed motion lies one delay before it

@@ -51,7 +51,7 @@ class NearlySteady(NamedTuple):
     birth_rate, holding, force : births per time, share that holds, and force along the way (a length)
     by_speed, by_rise : derivatives of the force by the speed V, to leading order, and by its rise by time
     change : part by which sliding changes while a contact lives and waits
-    missed : about the error of the force (a length)
+    missed : estimate from above of the error of the force (a length): of four laws it was up to a fifth of that
     """
 
     birth_rate: Array

@@ -47,29 +47,32 @@ class Pull(NamedTuple):
 class PullOnPanel:
     """The pull of contacts on a panel that begins with some of them and with a speed of the slider.
 
-    contacts : those that have formed before it; sliding : what their law says of a fast slider
-    width : of the panel; delay : after which contacts form again; first_speed : dX/dt where the panel begins
+    births : on the panel; sliding : how the contacts that they are of are followed
+
+    _contacts : those that have formed before it; _law : what their law says of a fast slider
+    _width : of the panel; _delay : after which contacts form again; _first_speed : dX/dt where the panel begins
     """
 
     def __init__(
         self,
         contacts: Cohorts,
-        sliding: FastSliding,
+        law: FastSliding,
         width: float,
         delay: float,
         first_speed: float,
+        births: PanelBirths | SteadyBirths,
+        sliding: Sliding,
     ) -> None:
-        self._contacts, self._sliding = contacts, sliding
+        self.births, self.sliding = births, sliding
+        self._contacts, self._law = contacts, law
         self._width, self._delay, self._first_speed = width, delay, first_speed
 
-    def at(
-        self, how: Sliding, x: Array, w: Array, births: PanelBirths | SteadyBirths
-    ) -> Pull | None:
-        """At the places X and speeds at the nodes; None where contacts cannot be followed so. Births that are those of
-        nearly steady sliding are told to them."""
-        if isinstance(births, SteadyBirths):
-            return self._steady(w, births)
-        return (self._fast if how is Sliding.FAST else self._slow)(x, w, births.rate)
+    def at(self, x: Array, w: Array) -> Pull | None:
+        """At the places X and speeds at the nodes; None where contacts cannot be followed so. In nearly steady sliding
+        the speeds tell the births, too."""
+        if isinstance(self.births, SteadyBirths):
+            return self._steady(w, self.births)
+        return (self._fast if self.sliding is Sliding.FAST else self._slow)(x, w, self.births.rate)
 
     def _steady(self, w: Array, births: SteadyBirths) -> Pull | None:
         """Where sliding is nearly steady; None where the slider turns, or its speed changes by much while contacts live
@@ -81,7 +84,7 @@ class PullOnPanel:
         # of the polynomial through the speeds at the beginning and at the nodes
         slopes = SLOPES / self._width
         rise = way * (slopes @ np.append(self._first_speed, w))
-        found = self._sliding.nearly_steady(speed, rise, self._delay)
+        found = self._law.nearly_steady(speed, rise, self._delay)
         if (found.change > MOST_CHANGE).any():
             return None
         births.take(found.birth_rate)
@@ -100,7 +103,7 @@ class PullOnPanel:
         if (way * w <= 0.0).any():
             return None
         old = self._contacts.response(x)
-        new = self._sliding.at(way * travel, birth_rate, way * w, self._width)
+        new = self._law.at(way * travel, birth_rate, way * w, self._width)
         drag = -new.force / np.abs(w)
         force = old.force + way * new.force
         return Pull(old.holding + new.holding, force, np.diag(old.slope), np.diag(drag), new.missed)
