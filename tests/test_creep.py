@@ -123,13 +123,18 @@ def test_creep_backward_is_that_forward() -> None:
 
 
 def test_on_the_spring_of_a_machine_the_force_is_the_kinetic_one() -> None:
-    """A million thresholds: F rises with the drive, and then as V/v = 1/(1 + e^-s), to F_k."""
-    contacts = Contacts(SPREAD, thermal=EYRING)
-    path = np.linspace(0.0, 2e6, 9)
-    told = master.solve(contacts, path, 1e-2, velocity=1e-4, spring=SOFTEST)
+    """A million thresholds: F rises with the drive, and then as V/v = 1/(1 + e^-s), to F_k. On the way it is F_k at the
+    speed of the slider, which is at X = X_T - F/K: so it creeps in its time."""
+    path = np.array([0.0, 2.5e5, 4.4e5, 4.41e5, 5e5, 5.01e5, 5.5e5, 5.51e5, 2e6])
+    told = master.solve(CREEPING, path, 1e-2, velocity=1e-4, spring=SOFTEST)
     assert told.success and told.regime.verdict == "smooth", told.message
-    assert told.force[-1] == pytest.approx(kinetic(contacts, 1e-4), rel=1e-6)
+    assert told.force[-1] == pytest.approx(kinetic(CREEPING, 1e-4), rel=1e-6)
     assert told.force[1] == pytest.approx(SOFTEST * path[1], abs=1e-3)
+    position = path - told.force / SOFTEST
+    for near, far in ((2, 3), (4, 5), (6, 7)):  # at 0.03, 0.4 and 0.9 times the drive's speed
+        speed = 1e-4 * (position[far] - position[near]) / (path[far] - path[near])
+        force = 0.5 * (told.force[near] + told.force[far])
+        assert kinetic(CREEPING, speed) == pytest.approx(force, abs=1e-4)
 
 
 def test_narrow_thresholds_that_slip_all_at_once_are_not_smooth() -> None:

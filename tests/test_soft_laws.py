@@ -176,6 +176,18 @@ def test_behind_a_slip_the_error_is_told_by_all_points_but_those_beside_it() -> 
     assert 4.0 * fine.force_error < off <= rough.force_error < 1e-3
 
 
+def test_points_that_a_slip_passes_as_steps_are_halved_tell_it_by_its_place_alone() -> None:
+    """It comes at 4.2717 in steps that are twice as long as those in which it comes at 4.2709. F of points in between
+    changes by its whole drop, which is no error of F at the slip's own distance."""
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.05, 0.1))
+    path = np.array([4.2, *np.linspace(4.2703, 4.2718, 6), 4.4])
+    found = master.solve(contacts, path, 2e-2, spring=0.2, slip="reset")
+    (slip,) = found.slips.drive
+    assert slip == pytest.approx(4.2707, abs=found.slips.drive_error)
+    assert found.success and found.force_error < 1e-4 and found.slips.drive_error < 5e-4
+    assert ((found.force > 0.4) == (path < slip)).all()
+
+
 LARGE = 0.2  # of all contacts, which an avalanche at a standing drive breaks: a slip
 REPEATS, COUNT, STEPS = 10, 4_000, 500
 
