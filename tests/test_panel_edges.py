@@ -51,7 +51,7 @@ def test_the_edges_of_the_example_at_the_head_of_the_file_are_these():
 def tried(error_of, length=1.0, first=0.1, tolerance=1e-8):
     """Widths tried by the controller for panels with these errors; and ends of the panels that were kept."""
     widths, t, all_tried, kept = PanelWidth(True), 0.0, [], []
-    widths.begin(length, first, 1.0, tolerance, new_leg=True)
+    widths.begin(0, length, first, 1.0, tolerance)
     while not widths.reached(length - t):
         proposal = widths.propose(length - t)
         width = proposal.width

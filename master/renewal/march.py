@@ -110,21 +110,19 @@ class March:
 
     def batches(self) -> Iterator[None]:
         """Solve all panels, yielding after each batch of them."""
-        previous_leg = -1  # there is none yet
         legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            is_new, previous_leg = leg != previous_leg, leg
             leg_start_path = float(self.motion.times[leg])
-            yield from self._segment(leg, begin - leg_start_path, end - leg_start_path, is_new)
+            yield from self._segment(leg, begin - leg_start_path, end - leg_start_path)
 
-    def _segment(self, leg: int, now_leg: float, edge_leg: float, is_new: bool) -> Iterator[None]:
-        """Solve up to the next edge, yielding after each good batch; `is_new`: the leg begins now. Clocks: past.py."""
+    def _segment(self, leg: int, now_leg: float, edge_leg: float) -> Iterator[None]:
+        """Solve up to the next edge, yielding after each good batch. Clocks: past.py."""
         leg_start_path, segment_begin_leg = float(self.motion.times[leg]), now_leg
+        tolerance, widths = self.tolerance, self.widths
         guess_duration = self.motion.duration(self.guess, leg)
         whole_life = self.motion.duration(self.life.largest_stretch, leg)
-        tolerance, widths = self.tolerance, self.widths
-        widths.begin(edge_leg - now_leg, guess_duration, whole_life, tolerance, is_new)
+        widths.begin(leg, edge_leg - now_leg, guess_duration, whole_life, tolerance)
         while not widths.reached(edge_leg - now_leg):
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)

@@ -101,11 +101,11 @@ class ContactsInSteps:
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
         self.jumps = bool((law.pdf(ends[ends > 0.0]) > 0.0).any())
         start = stretch_nodes(contacts.start, memory.largest_stretch, memory.starts)
-        count = FORMED_NODES + MORE_FORMED_NODES * halvings
-        reformed = stretch_nodes(reforming_law(contacts), memory.largest_stretch, count)
+        most = FORMED_NODES + MORE_FORMED_NODES * halvings
+        reformed = stretch_nodes(reforming_law(contacts), memory.largest_stretch, most)
         # the groups of a cohort, by the stretches at its birth
-        self._at_birth = _per_survival(memory, reformed)
-        self._survival_at_birth = _survival_at_birth(memory, reformed.stretch)
+        self._at_birth = _divided_by_survival(memory, reformed)
+        self._survival_at_birth = _held_at_birth(memory, reformed.stretch)
         # part of all births that is in cohorts: at stretches that no contact bears contacts break as they form
         self._part_in_cohorts = float(reformed.weight[self._survival_at_birth > 0.0].sum())
         count = reformed.stretch.size
@@ -113,7 +113,7 @@ class ContactsInSteps:
         # weights in the last two cohorts per contact born in a step: half of its births belong to the cohort at its
         # begin, half to that at its end
         self._per_birth = 0.5 * np.tile(self._at_birth.weight, 2)
-        at_start, at_birth = _per_survival(memory, start), self._at_birth
+        at_start, at_birth = _divided_by_survival(memory, start), self._at_birth
         record, fresh = memory.start(start.stretch), memory.fresh(at_birth.stretch, 0.0)
         self._replace_all(at_start, record)
         pairs = zip((*at_start, record), (*at_birth, fresh), strict=True)
@@ -129,7 +129,7 @@ class ContactsInSteps:
         thresholds of fresh ones that bear them."""
         stretches = along._replace(stretch=sign * along.stretch)
         record = self.memory.start(stretches.stretch)
-        self._replace_all(_per_survival(self.memory, stretches), record)
+        self._replace_all(_divided_by_survival(self.memory, stretches), record)
 
     def _replace_all(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
@@ -288,13 +288,13 @@ class ContactsInSteps:
             self._check_number(self._births, self.holding)
 
 
-def _per_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:
-    """The nodes with weights divided by the survival at birth, 0 where none hold."""
-    stretch, survival = nodes.stretch, _survival_at_birth(memory, nodes.stretch)
+def _divided_by_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:
+    """The nodes with weights divided by the survival at birth, 0 where none hold: what Groups take as weights."""
+    stretch, survival = nodes.stretch, _held_at_birth(memory, nodes.stretch)
     weight = np.divide(nodes.weight, survival, out=np.zeros(survival.size), where=survival > 0.0)
     return StretchNodes(stretch, weight)
 
 
-def _survival_at_birth(memory: Memory, stretch: Array) -> Array:
-    """The survival of contacts that form at these stretches (n,)."""
+def _held_at_birth(memory: Memory, stretch: Array) -> Array:
+    """The share of contacts that hold of those that form at these stretches (n,): whose thresholds are above."""
     return memory.survival_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]

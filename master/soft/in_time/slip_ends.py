@@ -16,8 +16,9 @@ from master.soft.in_time.steps import Steps
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
 # rise at first, as the weakest have broken.
 FIRST_TRAVELS = (0.003, 0.01, 0.03, 0.1, 0.4, 1.0)
-# Travel of a slip that none of them begins: next to none. In steps of the slider, or SHORTEST_STEPs of the search.
-NO_SLIP = 1e-4
+# Travel of a slip that none of them begins, next to none: with births a part of the slider's step, which is halved from
+# one slider to the next; without, in lengths over which births change.
+NO_SLIP_OF_STEP, NO_SLIP = 1e-4, 6e-6
 # Accuracy of a slip's end, in mean thresholds: that of rounding.
 AT_END = 1e-15
 # Shortest step in the search for the end of a slip without births, in lengths over which births change: two balances
@@ -47,14 +48,15 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
 
 def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
     """The travel to the first balance of a slip without births (a length, of either sign)."""
-    shortest = SHORTEST_STEP * contacts.memory.scales.length
+    length = contacts.memory.scales.length
+    shortest = SHORTEST_STEP * length
 
     def imbalance(travel: float) -> float:
         return steps.imbalance(contacts.trial(travel, contacts.now, without_births=True))
 
-    first = _first_travel(imbalance, 0.5 * steps.sign * contacts.memory.scales.length)
+    first = _first_travel(imbalance, 0.5 * steps.sign * length)
     if not first:
-        return NO_SLIP * steps.sign * shortest
+        return NO_SLIP * steps.sign * length
     low = high = first
     while True:
         trial = contacts.trial(high, contacts.now, without_births=True)
@@ -84,7 +86,7 @@ def slip_with_births(
 
     first = _first_travel(imbalance, steps.sign * small)
     if not first:
-        contacts.take(contacts.trial(NO_SLIP * step, contacts.now), 0.0)
+        contacts.take(contacts.trial(NO_SLIP_OF_STEP * step, contacts.now), 0.0)
         return
     # a travel on the next step at which the slider still moves on
     low = first

@@ -219,8 +219,8 @@ class Steps:
         """The largest size that is of use for the next step; inf in a hold.
 
         No step takes time beyond the section's end: what a size has left there would be travel without balance. A step
-        to the end on which the slider moves as far as the drive has half of this. It moves farther before a slip, and
-        where it creeps under a drive that hardly moves: a part of a step is left for that, but for exact thresholds."""
+        up to there has the size time_part + travel/length if the slider goes as far as its drive. This is twice that,
+        as it goes farther before a slip; and at least CONTROL.creep, as it does under a drive that hardly moves."""
         now, end = self.contacts.now, self.section_end
         travel = float(np.abs(np.diff(self._drive_motion.at(np.array([now, end])))[0]))
         time_part = self._count.steps(end) - self._count.steps(now)
