@@ -20,7 +20,7 @@ from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, PLACES, Time
 from master.soft.inertia.delayed.panel_births import PanelBirths
 from master.soft.inertia.delayed.panels import Part
 from master.soft.inertia.delayed.past_breaks import PastBreaks
-from master.soft.inertia.delayed.pull import Sliding
+from master.soft.inertia.delayed.pull import Pull, PullOnPanel, Sliding
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.short_delay import short_delay
 from origins.drive import Drive
@@ -84,11 +84,7 @@ def test_births_on_a_panel_longer_than_the_delay_follow_from_its_own_breaks() ->
     times = begin + width * PLACES
     exact = breaks(times - delay) - breaks(begin - delay)
     assert not births.all_known
-    # at first breaks on the panel count as if they came at the rate of births as it begins
-    rate = 0.2 + 0.2 * (begin - delay)
-    guessed = breaks(begin) - breaks(begin - delay) + rate * (width - delay)
-    assert births.born[-1] == pytest.approx(guessed, abs=1e-14)
-    births.guess_from(breaks(times))
+    births.take(births.known + births.of_breaks @ (breaks(times) - breaks(begin)))
     np.testing.assert_allclose(births.born, exact, atol=1e-14)
     np.testing.assert_allclose(births.rate, 0.2 + 0.2 * (times[1:] - delay), atol=1e-13)
     assert births.missed < 1e-14
@@ -114,10 +110,42 @@ def test_the_slope_of_the_force_is_that_of_its_differences() -> None:
     contacts = origins.Contacts(WIDE, origins.gaussian_start(0.0, 0.3))
     cohorts = Cohorts.at_start(contacts, Survival(WIDE)).moved(0.6).moved(0.45)
     at, step = np.array([0.5, 0.55, 0.7, 0.9]), 1e-5
-    up, down = (cohorts.response(at + off).force for off in (step, -step))
-    slope = cohorts.response(at).slope
-    np.testing.assert_allclose(slope, (up - down) / (2.0 * step), atol=1e-7)
-    assert slope[0] > 0.0 > slope[-1]
+    up, down, here = (cohorts.response(at + off) for off in (step, -step, 0.0))
+    np.testing.assert_allclose(here.slope, (up.force - down.force) / (2.0 * step), atol=1e-7)
+    of_holding = (up.holding - down.holding) / (2.0 * step)
+    np.testing.assert_allclose(here.of_holding, of_holding, atol=1e-7)
+    assert here.slope[0] > 0.0 > here.slope[-1]
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_births_of_breaks_on_the_same_panel_are_solved_with_their_derivatives(way: float) -> None:
+    """A panel of 2.5 delays: births are the breaks one delay before, on it too, and the force changes with places as
+    its differences."""
+    cohorts = Cohorts.at_start(origins.Contacts(WIDE), Survival(WIDE)).moved(0.9 * way)
+    held, past = cohorts.unbroken(), PastBreaks(0.2, 1.0)
+    values = np.stack([0.0 * PLACES, (1.0 - held) * PLACES**2, 0.0 * PLACES])
+    past.add(TimePanel.through(0.0, 1.0, values))
+    begin, width, speed = 1.0, 0.5, np.full(NODES.size, way)
+    births = PanelBirths(past, begin, width)
+    pulls = PullOnPanel(
+        cohorts, FastSliding(WIDE), width, 0.2, 0.9 * way, way, held, births, Sliding.SLOW
+    )
+
+    def at(x: np.ndarray) -> Pull:
+        found = pulls.at(x, speed)
+        assert found is not None
+        return found
+
+    x, step = way * (0.9 + 0.3 * NODES + 0.1 * NODES**2), 1e-5
+    here, born = at(x), births.born
+    breaks = np.append(0.0, held - here.holding + born[1:])
+    np.testing.assert_allclose(born, births.known + births.of_breaks @ breaks, atol=1e-14)
+    assert born[-1] > 0.05
+    differences = [
+        (at(x + step * unit).force - at(x - step * unit).force) / (2.0 * step)
+        for unit in np.eye(x.size)
+    ]
+    np.testing.assert_allclose(here.by_place, np.transpose(differences), atol=1e-7)
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
@@ -214,6 +242,26 @@ def test_contacts_born_at_one_place_count_there_as_their_mean() -> None:
     assert together.born.size == 1 and each.born.size == NODES.size
     assert together.weight[0] == pytest.approx(each.weight.sum(), rel=1e-14)
     assert together.born[0] == pytest.approx(each.weight @ each.born / each.weight.sum(), rel=1e-14)
+
+
+def test_cohorts_that_are_alike_are_merged_and_pull_as_before() -> None:
+    """Half of 400 contacts were stretched farther before, the others break as the slider moves on; later the force is
+    off by no more than is asked, on the way ahead and back."""
+    at, least, number = 1.5, 1e-4, np.arange(400)
+    born = 1.5 - number / 400
+    turned = number % 2 == 0
+    largest = np.where(turned, 1.6, at) - born
+    cohorts = Cohorts(Survival(WIDE), born, largest, np.full(400, 1.0 / 400))
+    few = cohorts.merged(least, near=1e-9)
+    assert few.born.size < 250
+    before, after = cohorts.response(np.array([at])), few.response(np.array([at]))
+    assert after.holding[0] == pytest.approx(before.holding[0], abs=1e-14)
+    assert after.force[0] == pytest.approx(before.force[0], abs=1e-14)
+    # each breaks on from one of the two places still
+    np.testing.assert_allclose(np.unique(np.round(few.born + few.largest, 9)), [at, 1.6])
+    for x in (at + np.linspace(0.0, 2.0, 41), at - np.linspace(0.0, 3.0, 41)):
+        off = np.abs(cohorts.response(x).force - few.response(x).force)
+        assert 0.01 * least < off.max() < least
 
 
 @pytest.mark.parametrize("speed", [50.0, 200.0])

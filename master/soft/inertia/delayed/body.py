@@ -28,6 +28,9 @@ MOST_FORCE = 4.0
 # Difference of the force that a panel tells of its end and that of the contacts there, in tolerances of the force, from
 # which on it is a fault: 50 times the error that a panel may have, 30 times the largest one measured.
 FORCES = 1.0
+# Number of new cohorts after which those that are alike are merged; and what that changes in the force later, in units
+# of the error of a panel.
+MANY, OF_MERGING = 50, 0.1
 # Share of the contacts below which those that are due to form are the rounding of the births.
 LEAST_REST = 1e-17
 
@@ -77,6 +80,7 @@ class DelayedBody:
         self.past = PastBreaks(contacts.waiting_time, self.contacts.unbroken())
         self.past.kink(0.0)
         self.energies = Energies(0.0, 0.0, 0.0)
+        self._many = MANY
 
     def take_panel(
         self,
@@ -99,6 +103,9 @@ class DelayedBody:
         self._go_to(end, contacts, spent, form_rest=not steady)
         self._check_number()
         self._check_force(float(panel.at(panel.end, FORCE)))
+        if self.contacts.born.size > self._many:
+            self.contacts = self.contacts.merged(OF_MERGING * self.accuracy, self.near(end.x))
+            self._many = MANY + self.contacts.born.size
 
     def _check_number(self) -> None:
         """FaultError unless as many contacts hold, by their survivals, as have formed and not broken by the past. Both

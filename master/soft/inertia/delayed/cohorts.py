@@ -15,6 +15,8 @@ from origins.thresholds.law import Array
 
 # Weight times survival below which a cohort is dropped: a thousand of them are below rounding.
 DEAD = 1e-19
+# Ways, ahead and back, in which cohorts are merged in pairs, each time to half of them at most.
+PASSES = (1, 1, -1, -1)
 # Nodes for a start with a width.
 STARTS = 200
 # Distances that are tried at once for how far contacts hold, and how often they are refined: to a tenth.
@@ -26,12 +28,13 @@ FARTHEST = 4.0
 class Response(NamedTuple):
     """What contacts do at positions X; arrays of shape (n,).
 
-    holding, force : share that holds, and F/(N_c<k>) (a length); slope : dF/dX
+    holding, force : share that holds, and F/(N_c<k>) (a length); slope, of_holding : their derivatives by X
     """
 
     holding: Array
     force: Array
     slope: Array
+    of_holding: Array
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,12 @@ class Cohorts:
         survival, density = self.survival.sf_and_pdf(largest * (1.0 + TIE))
         held, lost = self.weight * survival, np.where(breaking, self.weight * density, 0.0)
         slope = (held - size * lost).sum(axis=1)
-        return Response(held.sum(axis=1), (stretch * held).sum(axis=1), slope)
+        return Response(
+            holding=held.sum(axis=1),
+            force=(stretch * held).sum(axis=1),
+            slope=slope,
+            of_holding=-(np.sign(stretch) * lost).sum(axis=1),
+        )
 
     @cached_property
     def _held(self) -> Array:
@@ -112,6 +120,44 @@ class Cohorts:
             x = np.array([float(np.abs(weight) @ x) / size])
             weight = weight.sum(keepdims=True)
         return later.and_born(x, weight, end)
+
+    def merged(self, least_force: float, near: float) -> "Cohorts":
+        """Fewer cohorts: two that are alike become one, born at their mean place and stretched by their mean most. As
+        many hold, and pull as strongly, as before; what is lost by that later, in all, is less than `least_force`, of
+        second order in how far two differ. Cohorts are merged only where they break on from the same position, ahead or
+        behind, but for a distance `near`: the force has a kink there; and none at exact thresholds."""
+        if self.survival.atoms.size:
+            return self
+        found = self
+        for way in PASSES:
+            found = found._in_pairs(way, least_force / len(PASSES), near)
+        return found
+
+    def _in_pairs(self, way: int, least_force: float, near: float) -> "Cohorts":
+        """In the order of the positions from which they break on this way, then by birth, the first and the second, the
+        third and the fourth, and so on, where they are alike and these positions the same, up to `near`."""
+        level = self.born + way * self.largest
+        order = np.lexsort((self.born, np.round(level / near)))
+        born, largest, weight = (each[order] for each in (self.born, self.largest, self.weight))
+        level = level[order]
+        held, second = self._held[order], np.arange(1, order.size, 2)
+        pair = held[second - 1] + held[second]
+        apart = np.hypot(born[second] - born[second - 1], largest[second] - largest[second - 1])
+        # a weight may be below 0, see `moved`; two that nearly cancel have no mean place
+        larger = np.maximum(np.abs(held[second - 1]), np.abs(held[second]))
+        alike, lost = np.abs(pair) > 0.5 * larger, np.full(second.size, np.inf)
+        alike &= np.abs(level[second] - level[second - 1]) <= near
+        product = np.abs(held[second - 1] * held[second]) * apart**2
+        lost[alike] = product[alike] / np.abs(pair[alike])
+        cheapest = np.argsort(lost)
+        merge = cheapest[np.cumsum(lost[cheapest]) <= least_force * self.survival.width]
+        of_second, pair, second = held[second[merge]] / pair[merge], pair[merge], second[merge]
+        for values in (born, largest):
+            values[second - 1] += of_second * (values[second] - values[second - 1])
+        weight[second - 1] = pair / self.survival.sf(largest[second - 1] * (1.0 + TIE))
+        stays = np.ones(order.size, dtype=bool)
+        stays[second] = False
+        return replace(self, born=born[stays], largest=largest[stays], weight=weight[stays])
 
     def reach(self, x: float, way: int, least: float, least_force: float) -> float:
         """How far the slider can move from x before breaks lower the force of its contacts by more than `least_force`;

@@ -29,8 +29,8 @@ from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.pull import Pull, PullOnPanel, Sliding
 from origins.thresholds.law import Array
 
-# Most steps of Newton's method; it takes three or four, more where births depend on breaks of the same panel.
-MOST_TRIES = 14
+# Most steps of Newton's method; it takes three or four.
+MOST_TRIES = 8
 # Changes at which it has converged, in units of the error that a panel may have; and rounding, in mean thresholds.
 CONVERGED, ROUNDING = 0.01, 3e-15
 # Shortest travel on a panel on which contacts form and break, in passages (see FastSliding).
@@ -159,7 +159,15 @@ class Collocation:
         elif births.all_known and births.born[-1] and distance >= self._shortest:
             sliding = Sliding.FAST
         contacts = PullOnPanel(
-            self._contacts, self._sliding, width, past.delay, state.w, births, sliding
+            self._contacts,
+            self._sliding,
+            width,
+            past.delay,
+            state.x,
+            state.w,
+            holding,
+            births,
+            sliding,
         )
         found = self._newton(begin, width, drive, guess, contacts)
         return found and self._judged(begin, width, found, contacts)
@@ -194,7 +202,6 @@ class Collocation:
                 return None
             w = w - change
             last, broken = broken, begin.if_none_broke - pull.holding + contacts.births.born[1:]
-            contacts.births.guess_from(np.append(begin.broken, broken))
             moved = float(np.abs(integral @ change).max())
             change_of_force = (min(float(pull.holding.max()), 1.0) + k) * moved
             if max(change_of_force, unit * float(np.abs(broken - last).max())) <= enough:

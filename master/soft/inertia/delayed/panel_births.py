@@ -11,39 +11,37 @@ from origins.thresholds.law import Array
 class PanelBirths:
     """Births on a panel, at its PLACES since its beginning: the breaks one delay before.
 
-    born : of all contacts, shape (STAGES + 1,); where they broke on the panel itself a guess
-    all_known : whether they broke before the panel
+    With B the breaks on the panel at its PLACES since its beginning, births there are `known` + `of_breaks` B.
 
-    _unknown : at which PLACES they did not; _to_broken : matrix from breaks at PLACES to those one delay before these
-    _waiting : share that broke on panels before, and is out at this one's beginning
+    born : of all contacts, shape (STAGES + 1,); where they broke on the panel itself, of no weight before `take`
+    all_known : whether they broke before the panel
+    known : births of contacts that broke before it, shape (STAGES + 1,)
+    of_breaks : of those that broke on it, shape (STAGES + 1, STAGES + 1), with 0 at places whose births are known
     """
 
     def __init__(self, past: PastBreaks, begin: float, width: float) -> None:
         times = begin + width * PLACES
-        broken_at = (
-            times - past.delay - begin
-        ) / width  # as places on the panel, below 0 before it
-        unknown = self._unknown = broken_at > 0.0
+        # as places on the panel, below 0 before it
+        broken_at = (times - past.delay - begin) / width
+        unknown = broken_at > 0.0
         self.all_known, self._width = not unknown.any(), width
-        self.born = np.array([past.born_on_panels(t) for t in times.tolist()])
-        self.born -= self.born[0]
+        self.known = np.array([past.born_on_panels(t) for t in times.tolist()])
+        self.known -= self.known[0]
+        self.of_breaks = np.zeros((PLACES.size, PLACES.size))
         if not self.all_known:
-            self._to_broken = _values_at(broken_at[unknown])
-            self._waiting = past.breaks_on_panels - past.born_on_panels(begin)
-            # at first as if breaks on the panel came at the rate of its first births
-            self.born[unknown] = self._waiting
-            self.born[unknown] += past.birth_rate(begin) * width * broken_at[unknown]
+            # all that broke on panels before, and is out at this one's beginning, forms before those that break on it
+            self.known[unknown] = past.breaks_on_panels - past.born_on_panels(begin)
+            self.of_breaks[unknown] = _values_at(broken_at[unknown])
+        self.born = self.known
 
     @property
     def rate(self) -> Array:
         """Births per time at the nodes, whose integrals up to the nodes are the births there."""
         return np.asarray(SLOPES @ self.born) / self._width
 
-    def guess_from(self, breaks: Array) -> None:
-        """Take unknown births from breaks at the panel's PLACES, one delay before."""
-        if not self.all_known:
-            since = self._to_broken @ (breaks - breaks[0])
-            self.born[self._unknown] = self._waiting + since
+    def take(self, born: Array) -> None:
+        """Take these births at the PLACES."""
+        self.born = born
 
     @property
     def missed(self) -> float:
@@ -66,9 +64,6 @@ class SteadyBirths:
     def take(self, rate: Array) -> None:
         """Take these births per time at the nodes."""
         self.rate, self.born = rate, np.append(0.0, self._width * TO_NODES @ rate)
-
-    def guess_from(self, breaks: Array) -> None:
-        """Breaks on the panel do not tell births, which the speed tells."""
 
 
 def _values_at(places: Array) -> Array:

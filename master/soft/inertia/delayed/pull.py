@@ -45,12 +45,13 @@ class Pull(NamedTuple):
 
 
 class PullOnPanel:
-    """The pull of contacts on a panel that begins with some of them and with a speed of the slider.
+    """The pull of contacts on a panel that begins with some of them, at a place and with a speed of the slider.
 
     births : on the panel; sliding : how the contacts that they are of are followed
 
     _contacts : those that have formed before it; _law : what their law says of a fast slider
-    _width : of the panel; _delay : after which contacts form again; _first_speed : dX/dt where the panel begins
+    _width : of the panel; _delay : after which contacts form again
+    _first_place, _first_speed : X and dX/dt where the panel begins; _held_before : share that holds there
     """
 
     def __init__(
@@ -59,20 +60,25 @@ class PullOnPanel:
         law: FastSliding,
         width: float,
         delay: float,
+        first_place: float,
         first_speed: float,
+        held_before: float,
         births: PanelBirths | SteadyBirths,
         sliding: Sliding,
     ) -> None:
         self.births, self.sliding = births, sliding
         self._contacts, self._law = contacts, law
-        self._width, self._delay, self._first_speed = width, delay, first_speed
+        self._width, self._delay, self._held_before = width, delay, held_before
+        self._first_place, self._first_speed = first_place, first_speed
 
     def at(self, x: Array, w: Array) -> Pull | None:
         """At the places X and speeds at the nodes; None where contacts cannot be followed so. In nearly steady sliding
         the speeds tell the births, too."""
         if isinstance(self.births, SteadyBirths):
             return self._steady(w, self.births)
-        return (self._fast if self.sliding is Sliding.FAST else self._slow)(x, w, self.births.rate)
+        if self.sliding is Sliding.FAST:
+            return self._fast(x, w, self.births.rate)
+        return self._slow(x, self.births)
 
     def _steady(self, w: Array, births: SteadyBirths) -> Pull | None:
         """Where sliding is nearly steady; None where the slider turns, or its speed changes by much while contacts live
@@ -108,29 +114,51 @@ class PullOnPanel:
         force = old.force + way * new.force
         return Pull(old.holding + new.holding, force, np.diag(old.slope), np.diag(drag), new.missed)
 
-    def _slow(self, x: Array, w: Array, birth_rate: Array) -> Pull:
-        """The same where those born on the panel are summed node by node.
+    def _slow(self, x: Array, births: PanelBirths) -> Pull:
+        """The contacts' pull at the places X where those born on the panel are summed node by node, with births that
+        are the breaks one delay before also where these are on the panel.
+
+        With b the births at PLACES, those that hold are h = h_0 + H b and F = F_0 + G b, where h_0 and F_0 are of the
+        contacts that have formed before. As no contact is lost, breaks since the panel's beginning are h(begin) - h + b
+        at the nodes, so that b is solved of a linear system, and so is db/dX.
 
         The integral over births up to the node i is taken of the polynomial through all nodes, which needs S also for
         births after i, at stretches below 0. There 2 - S(|y|) goes on with the value and the slope of S; S(|y|) would
         have a kink where P_c(0) > 0, which costs breaks and force a power of the panel's width each."""
-        old, no_drag = self._contacts.response(x), np.zeros((x.size, x.size))
-        # of births around the node j, those that count at i
-        counted = self._width * TO_NODES * birth_rate
-        if not counted.any():
+        old = self._contacts.response(x)
+        if births.all_known and not births.born[-1]:
+            no_drag = np.zeros((x.size, x.size))
             return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
-        way = _way(w)
+        way = 1.0 if x[-1] >= self._first_place else -1.0
         stretch = way * (x[:, None] - x)
         survival, density = self._contacts.survival.sf_and_pdf(np.abs(stretch))
         survival = np.where(stretch < 0.0, 2.0 - survival, survival)
-        # of the force at i by X_i - X_j: y S(y) has the slope S - y P_c
-        slope = counted * (survival - stretch * density)
+        # births at PLACES around the node j that count at i
+        hold, pull = (TO_NODES * each @ SLOPES for each in (survival, way * stretch * survival))
+        if not births.all_known:
+            of_breaks, before = births.of_breaks[:, 1:], self._held_before
+            system = np.eye(x.size + 1) - of_breaks @ (np.eye(x.size, x.size + 1, 1) - hold)
+            to_births = np.linalg.solve(system, of_breaks)
+            known = np.linalg.solve(system, births.known)
+            births.take(known + to_births @ (before - old.holding))
+        counted = self._width * TO_NODES * births.rate
+        # S and y S(y) have the slopes -P_c and S - y P_c, by X_i - X_j
+        by_place = _of_differences(counted * (survival - stretch * density), old.slope)
+        if not births.all_known:
+            holding_by_place = _of_differences(-way * counted * density, old.of_holding)
+            by_place = by_place - pull @ to_births @ holding_by_place
         return Pull(
-            holding=old.holding + (counted * survival).sum(axis=1),
-            force=old.force + way * (counted * stretch * survival).sum(axis=1),
-            by_place=np.diag(old.slope) + np.diag(slope.sum(axis=1)) - slope,
-            by_speed=no_drag,
+            holding=old.holding + hold @ births.born,
+            force=old.force + pull @ births.born,
+            by_place=by_place,
+            by_speed=np.zeros((x.size, x.size)),
         )
+
+
+def _of_differences(slopes: Array, own: Array) -> Array:
+    """Derivatives by X_j of sums over j of functions of X_i - X_j, which have these slopes (i, j), and of a function of
+    X_i, which has its `own` (i,)."""
+    return np.diag(own + slopes.sum(axis=1)) - slopes
 
 
 def _way(w: Array) -> float:
