@@ -10,6 +10,7 @@ from scipy import stats
 
 import master
 from master.rate_state.stability import transform
+from master.soft.in_time.creep import Creep, Offset
 from master.steady.response import is_stable, response
 from origins import Contacts, InputError, Thermal, gaussian
 from origins.laws.rate_law import RateLaw
@@ -113,6 +114,37 @@ def test_steady_creep_goes_on_as_steps_do() -> None:
         assert off < steps.force_error + creep.force_error
         assert creep.force[-1] == pytest.approx(kinetic(contacts, 1e-4), rel=1e-6)
         assert creep.regime.verdict == "smooth" and not creep.slips.drive.size
+
+
+def test_the_numbers_of_the_example_in_creep_py(monkeypatch: pytest.MonkeyPatch) -> None:
+    """How the three sliders hand over to creep, and what the error is made of."""
+    from_here, told = Creep.from_here, []
+
+    def kept(self: Creep, nodes: Any, most_steps: float) -> Any:
+        crept = from_here(self, nodes, most_steps)
+        if crept is not None:
+            told.append((nodes, crept))
+        return crept
+
+    monkeypatch.setattr(Creep, "from_here", kept)
+    soft.__wrapped__(CREEPING, 2400.0, "instant")
+    assert len(told) == 3
+    nodes, crept = told[-1]
+    last, way = nodes[-1], nodes[-1].position - nodes[0].position
+    drive = last.position + last.force / SPRING
+    assert (drive, last.force, way) == pytest.approx((178.3, 0.5045, 10.14), rel=2e-4)
+    assert way / last.force == pytest.approx(20.0, rel=0.01) and len(nodes) == 179
+    assert crept.error == pytest.approx(2.6e-4, rel=0.03)
+    middle, fine = Offset(-1.43e-3, 0.0, 2.0), Offset(-2.23e-4, 8.6e-5, 1.0)
+    assert fine.at_step_0(middle) + fine.varies == pytest.approx(2.6e-4, rel=0.03)
+    # the first of the three has no slider with longer steps
+    assert Offset(-7.41e-3, 0.0, 4.0).at_step_0(None) == 7.41e-3
+    assert told[0][1].error == pytest.approx(7.41e-3, rel=0.01)
+    first, second = crept.sections[0][:2]
+    speed = (second.position - first.position) / (second.time - first.time)
+    assert speed == pytest.approx(0.837e-4, rel=0.01)
+    assert crept.sections[0][-1].sizes_so_far > 40.0
+    assert crept.sections[0][-1].force == pytest.approx(kinetic(CREEPING, 1e-4), rel=1e-6)
 
 
 def test_creep_backward_is_that_forward() -> None:

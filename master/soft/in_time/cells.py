@@ -7,6 +7,17 @@ drift's potential (P_cf ~ e^-U) and h the rate of breaking early,
 
 The density u is stored as weights of cells in y, small ones towards y = 0; the flux through their
 faces comes from cubics through the four cells around, of fourth order, and weight is conserved.
+
+One step in time is implicit, Radau's of two stages (`cells_kernel.step`). Each term of the equation, times the step's
+duration, is an array of a name there:
+
+    D U' + d|x|/dt   `flow`, at lower faces; with heat `leaving` and `entering`, which count the tilt of h, too
+    D                `spread`, never so small that the first cell is wider than the layer at |x|
+    h                `breaking`, of cells
+    u, du/dy         `face_density`, `face_slope`: what the weights of four cells count for them at a face
+
+Tests by themselves: those of test_plain_in_time.py with cells in their names, and the two of thresholds that age after
+these, for motion and heat without ageing, ageing without a level, and strands beside each other.
 """
 
 from collections.abc import Callable
@@ -139,8 +150,8 @@ class Cells:
         begin, rise, durations = lanes
         at_begin = np.zeros((self.edges.size - 1, rise.size))
         at_begin[:, :count] = weights.T
-        # The terms of the equation at the head, each times the duration, at both stages of Radau's step, along the
-        # first axis: `flow` is D U' + d|x|/dt at the lower faces of cells, `spread` D, `breaking` h. `level` is |x|.
+        # The terms of the table at the head: flow, leaving, entering and breaking of shape (2, cells, lanes), by stage
+        # of Radau's step and cell; times, spread and level, which is |x|, (2, lanes).
         times = durations * np.ones((2, 1))
         level = begin + rise * self._kernel.STAGES[:, None]
         flow = self._drift(level[:, None] + self.edges[:-1, None])

@@ -15,6 +15,16 @@ order of the change of V with X; F_k rises with the speed from V to v; and there
 (master/steady/response.py). From there on V follows from F, so that it does not matter that steps have it less well
 than F. The error is F - F_k(V) in the limit of short steps, by sliders with halved ones, or the lag if it is larger,
 and how much F - F_k(V) varied: as F_k rises with V, F is drawn to within that of F_k(V).
+
+An example, whose numbers a test holds: P_c ~ x e^(-x²/2a²) of the mean 1, heat by "eyring" of the width 0.03, K = 3e-3,
+v = 1e-4, the tolerance 1e-2. The last of three sliders creeps from X_T = 178.3 on, with F = 0.5045:
+
+    its way, 10.14 m on 178 steps, is 20 mean stretches F/N_c<k> for the first time
+    along its last quarter F_k(V) rises by 0.019 for each factor e of V, and F - F_k(V) varies by 8.6e-5 <= 0.0019
+    F lags by 1.6e-4 <= 0.0025, a quarter of the tolerance
+    F - F_k(V) is -7.41e-3, -1.43e-3 and -2.23e-4 of the three: at step 0 |-2.23e-4 + 1.43e-3/4|/(3/4) = 1.8e-4, more
+        than the lag, so that the error is 1.8e-4 + 8.6e-5 = 2.6e-4
+    V = 0.837 v from here on, where F_k is F; to rounding v after 40 units of s
 """
 
 from typing import NamedTuple
@@ -33,37 +43,37 @@ from origins.thresholds.law import Array
 class CreepControl(NamedTuple):
     """Numbers of the search for steady creep; none has a unit but mean thresholds, m, and tolerances.
 
-    lives : way of a section, in mean stretches F/N_c<k>, from which on creep is looked for
-    more : factor on the number of the section's steps since it was looked for last, from which on it is again
+    least_way : way of a section, in mean stretches F/N_c<k>, from which on creep is looked for
+    look_again : factor on the number of the section's steps since it was looked for last, from which on it is again
     last_part : of the way, along which F is compared with F_k(V)
-    varies : by how much F - F_k(V) may vary along it, in dF_k/d ln V
-    halved : largest square of the ratio of two sliders' steps (fine over coarse; halved steps have 1/4) by which the
-        limit of F - F_k(V) for steps of 0 is extrapolated
+    variation : by how much F - F_k(V) may vary along it, in dF_k/d ln V
+    square_of_ratio : largest square of the ratio of two sliders' steps (fine over coarse; halved steps have 1/4) by
+        which the limit of F - F_k(V) for steps of 0 is extrapolated
     lag : lag of F behind F_k(V) up to which it is left out, in tolerances
-    beyond : factors on the speeds seen, and on that of the drive, within which F_k is tabulated, tried in turn
-    known : error of that table, in tolerances
-    slow : wave number (1/m) at which F_k' and the lag are read off the response
-    slope : of F_k' by the response and by the table, largest relative difference
-    fewest : steps along the last part of the way
-    per_step : steps of s; settled : s at which F is F_k(v) to rounding, e^-40
+    speed_ranges : factors on the speeds seen, and on that of the drive, within which F_k is tabulated, tried in turn
+    table_error : error of that table, in tolerances
+    wave_number : (1/m) at which F_k' and the lag are read off the response; slow is small
+    slope_difference : of F_k' by the response and by the table, largest relative one
+    fewest_steps : along the last part of the way
+    s_per_step, s_at_end : steps of s; and s at which F is F_k(v) to rounding, e^-40
     """
 
-    lives: float = 20.0
-    more: float = 1.2
+    least_way: float = 20.0
+    look_again: float = 1.2
     last_part: float = 0.25
-    varies: float = 0.1
-    halved: float = 0.5
+    variation: float = 0.1
+    square_of_ratio: float = 0.5
     lag: float = 0.25
-    beyond: tuple[float, ...] = (20.0, 1e3, 1e5)
-    known: float = 1e-3
-    slow: float = 1e-2
-    slope: float = 0.02
-    fewest: int = 3
-    per_step: float = 0.125
-    settled: float = 40.0
+    speed_ranges: tuple[float, ...] = (20.0, 1e3, 1e5)
+    table_error: float = 1e-3
+    wave_number: float = 1e-2
+    slope_difference: float = 0.02
+    fewest_steps: int = 3
+    s_per_step: float = 0.125
+    s_at_end: float = 40.0
 
 
-CONTROL = CreepControl()
+CREEP = CreepControl()
 # Number of speeds at which the slope of F_k is looked at; and a time in place of 0 for steps that took none, by which
 # their speed stays finite.
 SLOPES, TINY = 65, 1e-300
@@ -89,7 +99,7 @@ class Offset(NamedTuple):
         `before`, of a slider with longer steps, gives the limit; without that, or if its steps are hardly longer, the
         size as it is."""
         square = (self.step / before.step) ** 2 if before else 1.0
-        if before is None or square > CONTROL.halved:
+        if before is None or square > CREEP.square_of_ratio:
             return abs(self.mean)
         return abs(self.mean - square * before.mean) / (1.0 - square)
 
@@ -115,12 +125,12 @@ class Creep:
         self._tolerance = tolerance * self._unit
         self._table: KineticTable | None = None
         self._before: Offset | None = None  # of the slider with longer steps
-        self._looked = 0  # at so many nodes of the section
+        self._looked_at = 0  # so many nodes of the section
         self._stable_at = dict[float, bool]()  # by ln V; sliders with halved steps ask for the same
 
     def begin_section(self) -> None:
         """At the begin of a smooth section nothing of its way is known."""
-        self._looked = 0
+        self._looked_at = 0
 
     def from_here(self, nodes: list[Node], most_steps: float) -> Crept | None:
         """How the slider goes on from the last of the nodes of a section on the last leg. None where it goes on in
@@ -128,10 +138,13 @@ class Creep:
         the section so far, lead to the end of the path."""
         last, sign = nodes[-1], self._sign
         way = sign * (last.position - nodes[0].position)
-        # too early, or just looked at
-        if way < CONTROL.lives * abs(last.force) or len(nodes) < CONTROL.more * self._looked:
+        # too early, or looked at a few steps ago
+        if (
+            way < CREEP.least_way * abs(last.force)
+            or len(nodes) < CREEP.look_again * self._looked_at
+        ):
             return None
-        self._looked = len(nodes)
+        self._looked_at = len(nodes)
         way_of_steps = most_steps * way / len(nodes)
         # the drive is so near to its end that steps lead there
         if self._speed * (self._motion.times[-1] - last.time) < way_of_steps:
@@ -154,9 +167,9 @@ class Creep:
         behind by little. None where one of these is not so."""
         last, sign = nodes[-1], self._sign
         position, time, force = np.array([(n.position, n.time, n.force) for n in nodes]).T
-        late = np.flatnonzero(sign * (last.position - position) <= CONTROL.last_part * way)
+        late = np.flatnonzero(sign * (last.position - position) <= CREEP.last_part * way)
         speeds = sign * np.diff(position[late]) / np.maximum(np.diff(time[late]), TINY)
-        if speeds.size < CONTROL.fewest or speeds.min() <= 0.0:
+        if speeds.size < CREEP.fewest_steps or speeds.min() <= 0.0:
             return None
         log_speeds = np.log(speeds)
         table = self._tabulated(log_speeds, sign * last.force)
@@ -168,7 +181,7 @@ class Creep:
         late_way = sign * (last.position - position[late[0]])
         offset = Offset(float(offsets.mean()), float(np.ptp(offsets)), late_way / speeds.size)
         lag = self._lag(now, abs(log_speeds[-1] - log_speeds[0]) / late_way, table)
-        if offset.varies > CONTROL.varies * self._slope(now, table) or np.isinf(lag):
+        if offset.varies > CREEP.variation * self._slope(now, table) or np.isinf(lag):
             return None
         return SteadyCreep(table, now, offset, lag)
 
@@ -181,14 +194,14 @@ class Creep:
         """By how much F lags behind F_k(V) at this ln V (a length), in the first order of the change of ln V with X
         (1/length); inf where it matters, or is not known. By the response at small wave numbers q: its imaginary part
         is q dF_k/d ln V, and its real part goes as q²."""
-        wave, slope = CONTROL.slow / self._unit, self._slope(log_speed, table)
+        wave, slope = CREEP.wave_number / self._unit, self._slope(log_speed, table)
         if not slope > 0.0:
             return float("inf")
         answer = complex(response(self._contacts, float(np.exp(log_speed)), np.array([wave]))[0])
-        if abs(answer.imag / wave - slope) > CONTROL.slope * slope:
+        if abs(answer.imag / wave - slope) > CREEP.slope_difference * slope:
             return float("inf")
         lag = abs(answer.real) / wave**2 * change
-        return float(lag) if lag <= CONTROL.lag * self._tolerance else float("inf")
+        return float(lag) if lag <= CREEP.lag * self._tolerance else float("inf")
 
     def _stable(self, log_speed: float) -> bool:
         """Whether steady sliding is stable from this ln V to that of the drive, looked at once a decade."""
@@ -211,9 +224,9 @@ class Creep:
         wide = table is not None and table.ends[0] <= ends[0] and ends[1] <= table.ends[1]
         if table is not None and wide and not np.isnan(table.log_speed(force)):
             return table
-        for beyond in CONTROL.beyond:
-            wider = ends + np.log(beyond) * np.array([-1.0, 1.0])
-            table = tabulated(self._contacts, wider, CONTROL.known * self._tolerance)
+        for factor in CREEP.speed_ranges:
+            wider = ends + np.log(factor) * np.array([-1.0, 1.0])
+            table = tabulated(self._contacts, wider, CREEP.table_error * self._tolerance)
             if table is not None and not np.isnan(table.log_speed(force)):
                 self._table = table
                 return table
@@ -224,7 +237,7 @@ class Creep:
         by an integral over s. On the second one, if there is time left, V is the drive's speed."""
         drive, sign, end = np.log(self._speed), self._sign, float(self._motion.times[-1])
         first = log_speed - drive  # ln V_0/v
-        s = np.arange(0.0, abs(first) + CONTROL.settled, CONTROL.per_step)
+        s = np.arange(0.0, abs(first) + CREEP.s_at_end, CREEP.s_per_step)
         # ln V/v, for both signs of `first`
         log_ratio = np.sign(first) * np.log1p(np.expm1(abs(first)) * np.exp(-s))
         # dt/ds = F_k'(u)/(K max(v, V))
