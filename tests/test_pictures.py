@@ -111,6 +111,16 @@ def test_an_axis_has_the_prefix_that_keeps_its_ticks_short(
     assert tick is None or tick in ticks(axes.xaxis)
 
 
+def test_a_logarithmic_axis_with_one_power_of_ten_labels_multiples_of_it() -> None:
+    """One label alone tells no scale."""
+    axes = Figure().subplots()
+    axes.set(xscale="log", xlim=(1.3e-10, 1.1e-9))
+    name_axis(axes.xaxis, "x", "m")
+    drawn(axes.figure)
+    labels = [text.get_text() for text in axes.xaxis.get_ticklabels(minor=True)]
+    assert {"0.2", "0.4"} <= set(labels)
+
+
 def test_a_density_has_the_inverse_of_the_unit_of_its_lengths() -> None:
     """1/nm beside nm, where its own ticks would be shortest in 1/µm."""
     axes = Figure().subplots()

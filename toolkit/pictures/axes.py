@@ -147,7 +147,9 @@ def _set_ticks(axis: Any, power: int) -> None:
         axis.set_major_formatter(Powers())
     elif axis.get_scale() == "log":
         axis.set_major_formatter(Prefixed())
-        axis.set_minor_formatter(Prefixed(minor_thresholds=(0.8, 0.4)))
+        # of an axis with one power of ten, whose label alone would tell no scale, multiples are labelled, too
+        powers = np.floor(np.log10(high)) - np.ceil(np.log10(low)) + 1
+        axis.set_minor_formatter(Prefixed(minor_thresholds=(0.8 if powers > 1 else 2.0, 0.4)))
     else:
         axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.results.kinds import is_coupled
 from toolkit.results.records import Result
-from toolkit.scene.scale import SHARED, written
+from toolkit.scene.scale import SHARED, of_contacts, written
 from toolkit.scene.scene import Scene
 
 # breaks of a slider that take some minutes, with a mass half an hour; the shortest way of a slider, in mean thresholds,
@@ -25,7 +25,7 @@ def contradiction(result: Result) -> str:
     if solved is None or solved.regime is None or eq is None or not is_coupled(eq):
         return ""
     number, slipped = len(eq.forces), np.unique(eq.slips.replica).size
-    each = f"{eq.contacts // number:,} contacts"
+    each = of_contacts(eq.contacts // number)
     said = (
         f'disagree: infinitely many contacts are "{solved.regime.verdict}" (master equation), but'
     )

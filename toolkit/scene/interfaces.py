@@ -13,7 +13,7 @@ from origins.roughness.stated import InSI
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
-from toolkit.scene.scale import length_unit_of, of_stretch, of_units
+from toolkit.scene.scale import length_unit_of, of_contacts, of_stretch, of_units
 from toolkit.scene.scene import Scene
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
@@ -177,7 +177,7 @@ def foreseen(scene: Scene) -> list[str]:
         held = surface.contact_density * scene.area
         together = f"N_c<k> = {held * surface.mean_stiffness:.4g} N/m"
         few = ": so few scatter, add [eq] with as many" * (held < 1e4 and scene.eq is None)
-        said.append(f"N_c = {held:.4g} contacts and {together} on drive.area{few}")
+        said.append(f"N_c = {of_contacts(held, '.4g')} and {together} on drive.area{few}")
         soft = scene.given_drive is not None and scene.drive.spring is not None
         if soft and scene.eq is not None and not 0.5 < scene.eq.contacts / held < 2.0:
             said.append(

@@ -107,7 +107,7 @@ def of_machine(scale: Scale, mass: float | None) -> list[str]:
     <k>) (time²; None: none) is beyond any slider's."""
     told, held = list[str](), scale.contacts
     if held is not None and held < _FEWEST:
-        told.append(f"drive.area holds {held:.2g} contacts: is it right, in m²?")
+        told.append(f"drive.area holds {of_contacts(held, '.2g')}: is it right, in m²?")
     if (
         mass is not None
         and scale.spring_unit == "N/m"
@@ -208,6 +208,11 @@ def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
         return with_uncertainty(value, error, unit, digits)
     number, _, prefixed = written(value, unit, error, digits).partition(" ")
     return f"{number} ± {_rounded(error / 10.0 ** _power_of(value, unit), 1)} {prefixed}".strip()
+
+
+def of_contacts(number: float, digits: str = ",.0f") -> str:
+    """So many contacts, or 1 contact, as text; `digits`: how the number is written."""
+    return f"{number:{digits}} contact{'s' * (number != 1.0)}"
 
 
 def _rounded(value: float, digits: int) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from origins.contacts import Contacts
 from toolkit.results.html import as_table
 from toolkit.scene.interfaces import of_smoothing
-from toolkit.scene.scale import Scale, with_uncertainty
+from toolkit.scene.scale import Scale, of_contacts, with_uncertainty
 from toolkit.verdict.machine import Behaviour, Finite, Machine
 
 
@@ -117,5 +117,5 @@ class Verdict:
             rows[-1] = ("critical spring K*", "not known: it hangs on the smoothing of P_c")
         rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
         held = [one for one in self.finite if one.kind != "unknown"]
-        rows += [(f"{one.contacts:,} contacts, slip rule {one.rule}", one.kind) for one in held]
+        rows += [(f"{of_contacts(one.contacts)}, slip rule {one.rule}", one.kind) for one in held]
         return as_table(self.title, rows)

@@ -12,6 +12,7 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
 from toolkit.results.slips import late_slips, main_slips, spread_of
+from toolkit.scene.scale import of_contacts
 from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.machine import (
     Behaviour,
@@ -67,10 +68,10 @@ def sliders(
     seconds: float,
     few_will_do: bool = False,
 ) -> Any:
-    """The ensemble's result for sliders of so many contacts each, or of as many as a pilot of a few says can be
-    followed within so many seconds, without those in which the kernels and the tables of draws are made. Raises
-    InputError where these are no more than those of the pilot, unless `few_will_do`, and for a slider that the ensemble
-    does not take."""
+    """The ensemble's result for sliders of so many contacts each, or of FEW times the power of 2 that a pilot of FEW
+    says can be followed within so many seconds, without those in which the kernels and the tables of draws are made.
+    Raises InputError where these are no more than those of the pilot, unless `few_will_do`, and for a slider that the
+    ensemble does not take."""
     import eq_model
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
@@ -86,7 +87,10 @@ def sliders(
             raise InputError(
                 f"{number:,} contacts would take some {needed:,.2g} s, where {left:.0f} s are left: {MORE_TIME}"
             )
-        number = min(number, most)
+        if (
+            needed > left
+        ):  # by powers of 2, as the pilot's time differs from run to run, and answers should not
+            number = FEW * 2 ** int(np.log2(most / FEW))
     return eq_model.simulate(contacts, path, n_contacts=number, **asked)
 
 
@@ -106,7 +110,7 @@ def follow_by_contacts(
         )
     except InputError as refused:
         return not_followed(rule, str(refused))
-    drive, force = trace_of(found, 0)
+    drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     found = replace(found, slips=main_slips(found.slips))
     smaller = all_slips - found.slips.drive.size
@@ -177,9 +181,13 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
     )
 
 
-def told_by(number: int) -> str:
-    """Who tells of a behaviour: sliders of so many contacts each."""
-    return f"by the ensemble, {SLIDERS} sliders of {number:,} contacts"
+def told_by(number: int, heat: float | None = None) -> str:
+    """Who tells of a behaviour: sliders of so many contacts each, without `heat` that may change the force by so many
+    mean thresholds."""
+    said = f"by the ensemble, {SLIDERS} sliders of {of_contacts(number)}"
+    if heat is None:
+        return said
+    return f"{said} without heat, which changes the force by at most {heat:.1e} mean thresholds"
 
 
 def _too_early(found: Any, few: Any, unit: float) -> float:
@@ -200,9 +208,12 @@ def has_slid(found: Any, mean: float) -> bool:
     return bool((found.positions[:, -1] - found.positions[:, 0]).min() >= SLID * mean)
 
 
-def trace_of(found: Any, replica: int) -> tuple[Array, Array]:
-    """Drive and force of one slider of an ensemble, as a mean over several has no drops."""
+def trace_of(found: Any, replica: int, velocity: float) -> tuple[Array, Array]:
+    """Drive, which moves at this `velocity`, and force of one slider of an ensemble, as a mean over several has no
+    drops."""
     slips, own = found.slips, found.slips.replica == replica
-    of_one = {name: getattr(slips, name)[own] for name in ("drive", "force_before", "force_after")}
-    one = SimpleNamespace(**of_one)
-    return with_slips(SimpleNamespace(path=found.path, force=found.forces[replica], slips=one))
+    names = ("drive", "force_before", "force_after", "duration")
+    each = {name: getattr(slips, name, None) for name in names}
+    one = SimpleNamespace(**{name: None if of is None else of[own] for name, of in each.items()})
+    pulled = SimpleNamespace(path=found.path, force=found.forces[replica], slips=one)
+    return with_slips(pulled, velocity)

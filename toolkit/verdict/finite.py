@@ -126,7 +126,9 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     def planned(number: int) -> _Way:
         """The way of the drive for so many contacts, and how often each breaks on it, at most."""
         softness = number ** (-2.0 / 3.0) / machine.spring if settles else 0.0
-        loading = static / machine.spring + (1.0 + above * softness) * mean
+        # contacts that wait hold a slider that sticks to more than F_s of one that moves with the drive
+        reached = max(static, infinite.before) if slips else static
+        loading = reached / machine.spring + (1.0 + above * softness) * mean
         end = LOADINGS * loading if slips else loading + BEYOND * mean
         longer = MANY_LOADINGS * loading
         lasting = MANY_LOADINGS if slips else longer / mean
@@ -170,7 +172,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         found = sliders(machine, contacts, rule, path, followed, seconds)
     except InputError as refused:
         return Finite(rule, held, "unknown", message=str(refused))
-    drive, force = trace_of(found, 0)
+    drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     if settles:
         found = replace(found, slips=large_slips(found.slips, SMALL * mean))

@@ -10,7 +10,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_known
 from toolkit.verdict.budget import MORE_TIME
-from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_follow
+from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_follow, told_by
 from toolkit.verdict.machine import (
     NO_TIME,
     Behaviour,
@@ -142,7 +142,7 @@ def follow_other_delay(
 
 def _without_heat(found: Behaviour, change: float) -> Behaviour:
     """What the ensemble found without heat that changes the force by at most so many mean thresholds."""
-    message = f"{found.message}; heat is left out: it changes the force by at most {change:.1e} mean thresholds"
+    message = told_by(found.contacts or 0, change)
     return replace(found, error=found.error + change, message=message, heat_left_out=change)
 
 
@@ -180,7 +180,9 @@ def _by_distribution(
             if key.startswith("path") or "end the path" in why:
                 why = why.partition("; ")[0]
             return not_followed(rule, why or str(error))
-        found = replace(_behaviour(rule, solved), cut=solved.path.size < path.size)
+        found = replace(
+            _behaviour(rule, solved, machine.velocity), cut=solved.path.size < path.size
+        )
         swings = found.kind == "smooth" and length < settled
         if swings:
             found = replace(found, kind="undecided", message=SWINGING)
@@ -230,7 +232,7 @@ def _after_forgetting(
     )
 
 
-def _behaviour(rule: str, solved: Any) -> Behaviour:
+def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
     """What the solution of a soft slider says: no figure where its force is not known."""
     if not is_known(solved):
         why = solved.message
@@ -249,7 +251,7 @@ def _behaviour(rule: str, solved: Any) -> Behaviour:
     if slips.drive.size and kind in ("stick-slip", "undecided"):
         last = slips.main[-1]  # the last one may be of a few contacts alone
         before, after = float(slips.force_before[last]), float(slips.force_after[last])
-    drive, force = with_slips(solved)
+    drive, force = with_slips(solved, velocity)
     return Behaviour(
         rule=rule,
         kind=kind,

@@ -7,7 +7,7 @@ import numpy as np
 
 from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import of_celsius, remarks
-from toolkit.scene.scale import written
+from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.ensemble import SLIDERS
@@ -244,7 +244,7 @@ def _not_followed(verdict: Verdict, many: Finite) -> float:
 
 def _of_finite(verdict: Verdict, finite: Finite) -> str:
     """What so many contacts do, in words; RULE stands for the slip rules under which they do so."""
-    said = f"{finite.contacts:,} contacts, if {RULE}: {finite.kind}"
+    said = f"{of_contacts(finite.contacts)}, if {RULE}: {finite.kind}"
     late = late_force_of(finite, verdict.own.kinetic.value, verdict.own.scale)
     beside = f" ({finite.message})" * bool(finite.message) + late
     if finite.kind == "smooth":

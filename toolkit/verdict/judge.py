@@ -16,7 +16,7 @@ from origins.thresholds.law import Thresholds
 from toolkit.processes.signals import TimeIsUp
 from toolkit.running.resampled import like, of_resampled
 from toolkit.running.solvers import within
-from toolkit.scene.scale import scale_of
+from toolkit.scene.scale import of_contacts, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
@@ -129,7 +129,7 @@ def _finite(
             continue
         if one.rule == "instant" and contacts.waiting_time:
             continue  # the last, of contacts without their delay
-        progress(f"sliders of {number:,.0f} contacts, slip rule {one.rule}")
+        progress(f"sliders of {of_contacts(number)}, slip rule {one.rule}")
         static, left = own.static.value, budget.left()
         found.append(follow_finite(own.machine, contacts, number, one, static, left))
     return tuple(found)

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
-from toolkit.scene.scale import spoken
+from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.lines import NOTHING, TURNS, Line
-from toolkit.verdict.machine import half_a_swing
+from toolkit.verdict.machine import Behaviour, half_a_swing
+from toolkit.verdict.uncertainty import WORTH_TELLING
 
 # how the slip rules are named where a user reads of them
 NAMED = {
@@ -75,8 +76,22 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
             said = "far below the time of a slip it changes the answer"
             yield Line(TURNS, f"the contacts' delay: {said}")
         elif known and verdict.turned and verdict.turned.kind != "undecided":
-            said = f"{'without one' if given else 'with a long one'} it does the same"
-            yield Line(NOTHING, f"not the contacts' delay: {said}")
+            yield _same_with(verdict, verdict.turned, "without one" if given else "with a long one")
+
+
+def _same_with(verdict: Verdict, other: Behaviour, what: str) -> Line:
+    """That a slider with another delay does the same; where its force is another, by how much."""
+    own = verdict.own
+    (one,), scale, mean = own.behaviours, own.scale, own.contacts.mean_threshold
+    change = abs(other.before - one.before)
+    if change <= max(WORTH_TELLING * abs(one.before), (one.error + other.error) * mean):
+        return Line(NOTHING, f"not the contacts' delay: {what} it does the same")
+    force = written(other.before * scale.force, scale.force_unit)
+    where = f"{'at' if other.kind == 'smooth' else 'from'} {force}"
+    said = (
+        f"{what} it is {other.kind}, too, but {where}, as a slider without mass and damping tells"
+    )
+    return Line(change / abs(one.before), f"the contacts' delay: {said}")
 
 
 def _what_decides(own: Answer) -> str:

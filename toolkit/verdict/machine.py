@@ -241,10 +241,13 @@ def last_of(slips: Any, name: str) -> float | None:
     return None if values is None or not len(values) else float(values[-1])
 
 
-def with_slips(solved: Any) -> tuple[Array, Array]:
-    """Drive and force at the path's points, and before and after each slip, so that no slip is drawn aslant."""
+def with_slips(solved: Any, velocity: float) -> tuple[Array, Array]:
+    """Drive and force at the path's points, and before and after each slip, so that no slip is drawn aslant; during
+    that of a mass, which takes time, the drive goes on at this `velocity`, perhaps past points of the path."""
     slips = solved.slips
-    drive = np.concatenate([solved.path, slips.drive, slips.drive])
+    lasting = getattr(slips, "duration", None)
+    ends = slips.drive if lasting is None else slips.drive + velocity * lasting
+    drive = np.concatenate([solved.path, slips.drive, ends])
     force = np.concatenate([solved.force, slips.force_before, slips.force_after])
     # at one place of the drive: the points before the slip, its begin, its end
     rank = np.repeat([0, 1, 2], [solved.path.size, slips.drive.size, slips.drive.size])

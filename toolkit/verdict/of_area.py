@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from toolkit.results.slips import QUARTERED, Spread
-from toolkit.scene.scale import Scale, guarded, with_scatter, written
+from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.ensemble import told_by
 from toolkit.verdict.finite import SMALL
@@ -88,7 +88,12 @@ def _error_of(verdict: Verdict, one: Behaviour) -> float:
 def counted(verdict: Verdict, many: Finite) -> str:
     """These contacts by their number, and whose they are."""
     whose = "of the area" if verdict.own.scale.contacts is not None else "of [eq]"
-    return f"the {many.contacts:,} contacts {whose}"
+    return f"the {of_contacts(many.contacts)} {whose}"
+
+
+def subject(many: Finite) -> str:
+    """Who does something: so many contacts, of one alone the sliders that it holds."""
+    return f"{'sliders of ' * (many.contacts == 1)}{of_contacts(many.contacts)}"
 
 
 def behaved(verdict: Verdict, many: Finite) -> str:
@@ -169,7 +174,7 @@ def period_of(
 
 def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
     """The numbers of so many contacts for the table, by their names."""
-    scale, whose = verdict.own.scale, f"{many.contacts:,} contacts"
+    scale, whose = verdict.own.scale, of_contacts(many.contacts)
     over = (
         f", {written(many.late * scale.force / scale.load, '')} of the load" if scale.load else ""
     )
@@ -235,6 +240,7 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float, spring: float) 
     if fewer is None or not same or finite.contacts <= fewer:
         return behaviour
     error = max(finite.before_error, finite.after_error, spring * finite.period_error) / unit
+    error += behaviour.heat_left_out or 0.0
     if finite.message:
         error += behaviour.error * (fewer / finite.contacts) ** (2.0 / 3.0)
     return replace(
@@ -244,7 +250,7 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float, spring: float) 
         period=finite.period,
         slips=int(finite.slips),
         error=error,
-        message=told_by(finite.contacts),
+        message=told_by(finite.contacts, behaviour.heat_left_out),
         contacts=finite.contacts,
         sliders=finite,
         drive=finite.drive,

@@ -15,7 +15,7 @@ from toolkit.pictures.axes import (
     name_axis,
     style_of,
 )
-from toolkit.scene.scale import SHARED, spoken
+from toolkit.scene.scale import SHARED, of_contacts, spoken
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.kinds import named
 from toolkit.verdict.machine import Behaviour, Finite
@@ -84,7 +84,7 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
     followed = [finite for finite in apart(verdict).values() if finite.drive.size]
     for number, alike in enumerate(_alike(followed), start=len(known)):
         finite, rules = alike[0], named([one.rule for one in alike])
-        label = f"{finite.contacts:,} contacts, {rules}: {finite.kind}"
+        label = f"{of_contacts(finite.contacts)}, {rules}: {finite.kind}"
         # thin, and above the others, which it may follow for long, as one of these another
         style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
         style["ls"] = DASHES[(number - len(known)) % len(DASHES)]

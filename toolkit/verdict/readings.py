@@ -51,8 +51,9 @@ def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
     given = tomllib.loads(scene.text)
     asked, table = scene.verdict, given["contacts"]["thresholds"]
     if table.get("kind") != "from-topography":
-        if asked is not None and (asked.readings or asked.steps):
-            refuse("verdict.readings", asked.readings, "are of a surface; leave them out")
+        for name in ("readings", "steps"):
+            if asked is not None and (given_here := getattr(asked, name)):
+                refuse(f"verdict.{name}", given_here, "are of a surface; leave them out")
         return [Reading(str(table.get("kind")), True, scene.contacts)]
     # a surface given by its moments has no points, so no distance of points
     has_heights = table["surface"].get("kind") in ("scan", "self-affine")

@@ -39,7 +39,10 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
             error * own.contacts.mean_threshold * scale.force, scale.force_unit, digits=2
         )
         which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
-        said += f", their forces known to some {known} (one standard error){which}"
+        more = ", with what more contacts would change" * any(
+            _fewer_than_there_are(verdict, one) for one in told if one.rule in rules
+        )
+        said += f", their forces known to some {known} (one standard error{more}){which}"
         yield Line(max(shares[rule] for rule in rules), f"{said}: {_not_solved(verdict)}")
     missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
     for why, rules in by_reason(missed).items():
@@ -64,6 +67,12 @@ def _not_solved(verdict: Verdict) -> str:
             "fifth of the contacts or more, and smaller falls of the force may come earlier"
         )
     return "the master equation takes no such slider, or not in time"
+
+
+def _fewer_than_there_are(verdict: Verdict, one: Behaviour) -> bool:
+    """Whether the contacts that tell are not all of the area; where their number is not known they are taken as few."""
+    number = verdict.own.scale.contacts
+    return number is None or (one.contacts or 0) < round(number)
 
 
 def _share(verdict: Verdict, one: Behaviour) -> float:

@@ -5,12 +5,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.scene.interfaces import doubts
-from toolkit.scene.scale import guarded, of_machine, of_stretch, spoken, with_scatter, written
+from toolkit.scene.scale import (
+    guarded,
+    of_machine,
+    of_stretch,
+    spoken,
+    with_scatter,
+    written,
+)
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.hangs_on import dependence, why_smooth
 from toolkit.verdict.kinds import delay_decides, named, not_decided, others, out_of_time
 from toolkit.verdict.machine import NO_FORCES, Behaviour, Finite, half_a_swing
-from toolkit.verdict.of_area import apart, behaved, disagreeing, falls
+from toolkit.verdict.of_area import apart, behaved, disagreeing, falls, subject
 from toolkit.verdict.table import KNOWN, drop_of, in_units, speed_unit, table, to_digits
 from toolkit.verdict.uncertainty import numerical_errors, reach_of_force, share_of, widest
 
@@ -129,7 +136,7 @@ def _disagreement(verdict: Verdict) -> str:
     }
     if infinite == {"smooth"} and len(at) == 1:
         other += f" at {at.pop()}"
-    said = f"{finite.contacts:,} contacts {said}{where}"
+    said = f"{subject(finite)} {said}{where}"
     return f"{said}; disagree: infinitely many would {other}"
 
 

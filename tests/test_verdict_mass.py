@@ -1,0 +1,136 @@
+"""What a verdict says of a slider with mass whose contacts wait: its trace, the contacts that tell, the delay."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import eq_model
+from origins import Contacts, Delay, InputError, gaussian
+from tests.scenes import said, write
+from toolkit.scene.scale import scale_of
+from toolkit.scene.scene import load_scene
+from toolkit.verdict import answers
+from toolkit.verdict.ensemble import FEW, follow_by_contacts, sliders
+from toolkit.verdict.finite import follow_finite
+from toolkit.verdict.hangs_on import dependence
+from toolkit.verdict.judge import verdict
+from toolkit.verdict.machine import Behaviour, Finite, Known, Machine
+from toolkit.verdict.of_area import with_more
+
+pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
+
+WAITING = Contacts(gaussian(1.0, 0.3), delay=Delay(30.0))
+
+
+def of_a_mass(kind: str, before: float, **named: Any) -> Behaviour:
+    """What infinitely many contacts do, the spring's force swinging to minus half of itself after a slip."""
+    told: dict[str, Any] = {"error": 1e-6, "success": True, "message": "", "run_time": 0.0}
+    after = before if kind == "smooth" else -0.5 * before
+    return Behaviour("mass", kind, before, after, None, 3, **(told | named))
+
+
+def of(behaviour: Behaviour, turned: Behaviour | None = None) -> answers.Verdict:
+    """A verdict of one reading of contacts that wait."""
+    number, machine = answers.Quantity(0.8, 1e-9), Machine(1e-3, 1e-5, 0.01, 1.0)
+    scale = scale_of(WAITING, None)
+    own = answers.Answer("own", WAITING, scale, number, number, number, machine, (behaviour,))
+    return answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0, turned)
+
+
+def test_the_trace_of_a_mass_has_its_slips_in_time() -> None:
+    """A slip lasts half a period of mass and spring, in which this drive goes on by a third of its way to the slip: the
+    spring's force falls along it, and not at one place of the drive."""
+    machine = Machine(spring=1e-2, mass=1.0, damping=0.02, velocity=1.0)
+    contacts = WAITING.replace(delay=Delay(200.0))
+    found = follow_by_contacts(machine, contacts, "mass", 80.0, 1e9, Known(0.8, 0.5, 0, 3, 500))
+    top, bottom = int(np.argmax(found.force)), int(np.argmin(found.force))
+    assert found.force[bottom] < 0.0 < found.force[top]
+    way = found.drive[bottom] - found.drive[top]
+    assert way == pytest.approx(np.pi * (machine.mass or 0.0) ** 0.5 / 0.1, rel=0.1)
+    # K (v - V), V the slider's speed, is how fast the force changes
+    steepest = np.abs(np.diff(found.force)).max()
+    assert steepest < 0.2 * np.ptp(found.force)
+
+
+def test_contacts_that_wait_are_pulled_as_far_as_a_slider_that_sticks() -> None:
+    """A slider that moves with its drive breaks its contacts one by one, to a force of 0.37 for exponential thresholds;
+    one that sticks renews them, and its slips are 0.9/K apart: on three of the former's ways there is one slip."""
+    machine = Machine(spring=1e-3, mass=1e-5, damping=1e-4, velocity=1.0)
+    contacts = Contacts(stats.expon(), delay=Delay(30.0))
+    told = of_a_mass("stick-slip", 0.85)
+    found = follow_finite(machine, contacts, 2000.0, told, np.exp(-1.0), 1e3)
+    assert found.kind == "stick-slip" and found.slips >= 2.0
+    assert found.period is not None
+    # what the spring regains over a period is less than the force before, by what it swings back
+    assert 0.5 * found.before < machine.spring * found.period < 1.05 * found.before
+
+
+def test_the_number_of_contacts_hangs_on_no_tenth_of_a_pilots_time(monkeypatch: Any) -> None:
+    """On a busy machine a pilot takes longer, and the answer is to be the same: numbers are FEW times a power of 2."""
+    machine, asked, taken = Machine(1e-3, None, 0.0, 1.0), list[int](), [1.0, 1.1, 1.2, 0.5]
+    simulate, contacts = eq_model.simulate, Contacts(gaussian(1.0, 0.3))
+
+    def timed(*arguments: Any, n_contacts: int, **named: Any) -> Any:
+        found = replace(
+            simulate(*arguments, n_contacts=FEW, **named), run_time=taken[len(asked) // 2]
+        )
+        asked.append(n_contacts)
+        return found
+
+    monkeypatch.setattr(eq_model, "simulate", timed)
+    for _ in taken:
+        sliders(machine, contacts, "reset", np.linspace(0.0, 10.0, 5), 10 * FEW, 7.0)
+    assert asked[1::2] == [4 * FEW, 4 * FEW, 4 * FEW, 10 * FEW]
+
+
+def test_a_delay_that_changes_the_force_alone_is_no_assumption_without_effect() -> None:
+    """Smooth with a delay and without one, at a force of an eighth: the page tells the other one."""
+    (line,) = [
+        one
+        for one in dependence(of(of_a_mass("smooth", 0.05), of_a_mass("smooth", 0.4)))
+        if "the contacts' delay" in one
+    ]
+    assert line.startswith("the contacts' delay: without one it is smooth, too, but at 0.4")
+    same = dependence(of(of_a_mass("smooth", 0.4), of_a_mass("smooth", 0.401)))
+    assert same[-1] == "not the contacts' delay: without one it does the same"
+    rough = of_a_mass("smooth", 0.4, error=0.5)
+    assert dependence(of(of_a_mass("smooth", 0.05), rough))[-1] == same[-1]
+
+
+def test_fewer_contacts_than_there_are_say_that_their_error_has_what_more_would_change() -> None:
+    told = of_a_mass("stick-slip", 0.8, contacts=1000, message="by the ensemble", error=0.01)
+    (line,) = [one for one in dependence(of(told)) if "slips are means" in one]
+    assert "(one standard error, with what more contacts would change)" in line
+
+
+def test_more_contacts_keep_the_error_of_heat_that_is_left_out() -> None:
+    few = of_a_mass("stick-slip", 0.8, contacts=1000, error=0.3, heat_left_out=0.25)
+    more = Finite("mass", 2000, "stick-slip", before=0.8, before_error=1e-3, after=-0.4)
+    more = replace(more, after_error=1e-3, period=1e3, period_error=1.0, slips=3.0)
+    told = with_more(few, more, 1.0, 1e-3)
+    assert told.contacts == 2000 and told.error == pytest.approx(0.251)
+    assert told.message.endswith(
+        "without heat, which changes the force by at most 2.5e-01 mean thresholds"
+    )
+
+
+def test_steps_of_thresholds_that_are_no_surfaces_are_refused_by_their_name() -> None:
+    scene = load_scene(write(master=None, verdict={"steps": [1, 2]}), solved=False)
+    with pytest.raises(InputError, match=r"^verdict.steps = \[1, 2\]: are of a surface"):
+        verdict(scene)
+
+
+def test_one_contact_is_no_plural(capsys: Any) -> None:
+    """An area of a single contact is asked about, and its slips are told."""
+    law = {"kind": "gaussian", "mean": 1e-8, "std": 2e-9}
+    stated = {"mean_stiffness": 5.0, "contact_density": 1e6}
+    drive = {"spring": "0.1 N/m", "area": 1e-6, "velocity": 1e-6}
+    contacts = {"thresholds": law, "interface": stated}
+    name = write(contacts=contacts, drive=drive, master=None, wall_time=1e4)
+    _, out, _ = said(capsys, "verdict", name)
+    page = "\n".join(out)
+    assert "drive.area holds 1 contact: is it right" in page and "1 contacts" not in page
+    assert "\nsliders of 1 contact stick and slip, from " in page
