@@ -282,6 +282,13 @@ def test_compare_says_where_the_order_is_not_decided(capsys: Any) -> None:
     assert lines[0].startswith("order undecided between drawn") and "wide" not in lines[0]
     assert not any(line.startswith("order undecided") for line in lines[1:])
     assert "; " in lines[0] and " for drawn0" in lines[0]
+    # the scatter of F_k = <x²>/2<x>, of which <x> is nearly 1, known to a sixth, and the bias of the smoothing
+    (drawn0,) = (
+        one for one in read("compare-output/compare.json")["scenes"] if one["name"] == "drawn0"
+    )
+    kinetic = drawn0["kinetic_force"]
+    expected = np.std(np.square(one) / 2.0 - kinetic * np.array(one)) / 40**0.5
+    assert 0.75 * expected < drawn0["kinetic_force_error"] < 1.5 * expected
 
 
 def test_scenes_lists_every_shipped_scene(capsys: Any) -> None:

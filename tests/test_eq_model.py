@@ -297,6 +297,19 @@ def test_points_closer_than_the_unit_of_whole_lengths() -> None:
     assert found.breaks == 0
 
 
+def test_few_contacts_form_one_delay_after_they_broke_by_hand() -> None:
+    """Equal ones break each 1 + 0.3 of the way; where the slider turns at 1.1 they form at 0.9, on its way back."""
+    late = Contacts(origins.identical(1.0), delay=Delay(0.15))
+    path = np.array([0.9, 1.2, 1.31, 2.2, 2.5, 2.61, 3.5])
+    found = eq_model.simulate(late, path, velocity=2.0, n_contacts=3)
+    np.testing.assert_allclose(found.force, [0.9, 0.0, 0.01, 0.9, 0.0, 0.01, 0.9], atol=1e-7)
+    np.testing.assert_array_equal(found.holding, [1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 1.0])
+    path = np.array([1.1, 0.91, 0.89, -0.09, -0.11, -0.39, -0.41])
+    back = eq_model.simulate(late, path, velocity=2.0, n_contacts=3)
+    np.testing.assert_allclose(back.force, [0.0, 0.0, -0.01, -0.99, 0.0, 0.0, -0.01], atol=1e-7)
+    np.testing.assert_array_equal(back.holding, [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0])
+
+
 @pytest.mark.parametrize("std", [2.5e-6, 2.5e-7, 1e-12])
 def test_starts_whose_width_is_lost_in_rounding_have_an_error_nevertheless(std: float) -> None:
     contacts = Contacts(origins.gaussian(1.0, 0.05), origins.gaussian_start(0.0, std))

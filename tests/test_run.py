@@ -83,6 +83,9 @@ def test_what_is_saved_is_the_solvers_own_and_is_what_is_loaded() -> None:
     assert sorted(os.listdir("out")) == ["force.csv", "picture.png", "result.h5", "summary.json"]
     assert Path("out/picture.png").stat().st_size > 10_000
     back = toolkit.load("out")
+    curve, law = back.thresholds, made.contacts.thresholds
+    assert np.array_equal(curve.survival, law.sf(curve.x)) and np.ptp(curve.survival) > 0.999
+    assert np.array_equal(curve.density, law.pdf(curve.x))
     same_bits(back.master, result.master)
     same_bits(back.eq, result.eq)
     assert (back.title, back.text, back.version) == ("both", result.text, toolkit.__version__)

@@ -52,6 +52,15 @@ def test_an_answer_without_a_second_road_is_not_called_exact() -> None:
     assert found.verdict == "within tolerance" and np.isnan(found.error)
 
 
+def test_an_infinite_truth_is_met_by_infinity_alone() -> None:
+    infinite = Truth(np.inf, 0.0, "K* where all contacts break at one place")
+    assert judged(Answer(np.inf, 0.0), infinite).verdict == "exact"
+    assert judged(Answer(7.0, 0.0), infinite).verdict == "wrong"
+    (asked,) = (one for one in extreme_cases() if one.name == "K* of one exact value")
+    (row,) = rows(asked)
+    assert (row.verdict, row.error) == ("exact", 0.0)
+
+
 def test_a_wrong_answer_is_found_by_the_other_solver() -> None:
     """Both solvers are asked of contacts beside which the exact answer is that of others."""
 

@@ -139,7 +139,7 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     both, cut = min(values.size, known.size), values.size < known.size  # a path may be cut
     values, claims = values[:both], claims[:both]
     known, floors = known[:both], floors[:both]
-    off = np.where(values == known, 0.0, np.abs(values - known))
+    off = np.abs(np.subtract(values, known, out=np.zeros(both), where=values != known))
     if (unknown := ~np.isfinite(off)).any():
         honest = not answer.success and np.isinf(claims[unknown]).all()
         verdict: Verdict = _short(answer) if honest else "wrong"

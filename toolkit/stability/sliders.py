@@ -22,12 +22,19 @@ def cases() -> list[Case | Question]:
 
 
 def springs() -> list[Case | Question]:
-    """K from 1e-9 to 1e9 N<k>, and a millionth on either side of K*."""
+    """K from 1e-9 to 1e9 N<k>, and a millionth on either side of K*, which may be infinite."""
     group, contacts = "springs", Contacts(NARROW)
     found: list[Case | Question] = [
         Question(
             group, "K*", "propensity", lambda: critical(contacts), lambda: truths.critical(NARROW)
-        )
+        ),
+        Question(
+            group,
+            "K* of one exact value",
+            "propensity",
+            lambda: critical(Contacts(origins.identical(1.0))),
+            lambda: Truth(np.inf, 0.0, "infinite, as all contacts break at one place"),
+        ),
     ]
     for side in (-1e-6, 1e-6):
         stiffness = (1.0 + side) * truths.critical(NARROW).values
