@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scenes import GAUSSIAN, ROUGH, scene
 
+import master
 import origins
 import toolkit
 from toolkit.judge.compare import compare
@@ -525,6 +526,29 @@ def test_a_critical_spring_below_its_numerical_error_is_not_compared() -> None:
     springs = draw_comparison([one]).axes[1]
     assert not springs.patches
     assert springs.texts[0].get_text() == f"not known, below {written(most, 'N/m', digits=2)}"
+
+
+def test_islands_whose_critical_spring_hangs_on_smoothing_have_no_rank_by_it(
+    monkeypatch: Any,
+) -> None:
+    """Neither in the table nor in the picture, where they would come first."""
+    monkeypatch.setattr("toolkit.judge.describe.RESAMPLES", 2)
+    law = {"kind": "domains", "law": "equal", "stiffness": 1.0, "samples": 200}
+    law |= {"lattice_constant": 1.0, "mean_atoms": 30}
+    drive = {"to": 0.5, "points": 6}
+    each = [{"kind": "gaussian", "mean": 1.0, "std": 0.6}, law]
+    scenes = [toolkit.load_scene(scene(one, drive=drive)) for one in each]
+    verdicts = compare([dataclasses.replace(one, name=f"s{k}") for k, one in enumerate(scenes)])
+    told = master.propensity(scenes[1].contacts).critical_spring
+    assert told > verdicts[0].own.numbers["critical_spring"].value
+    assert [one.name for one in verdicts] == ["s0", "s1"]
+    text = table(verdicts)
+    assert text[0].startswith("no rank by K* of s1: it hangs on the smoothing")
+    assert sum("hangs on smoothing" in line for line in text) == 1
+    assert np.isnan(verdicts[1].own.numbers["critical_spring"].value)
+    springs = draw_comparison(verdicts).axes[1]
+    assert len(springs.patches) == 1
+    assert any("hangs on the smoothing" in one.get_text() for one in springs.texts)
 
 
 def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:

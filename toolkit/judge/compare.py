@@ -18,7 +18,7 @@ from toolkit.results.records import Result
 from toolkit.running.runner import solve
 from toolkit.running.solvers import within
 from toolkit.scene.drive import has_path, machine_number
-from toolkit.scene.interfaces import Number
+from toolkit.scene.interfaces import Number, of_smoothing
 from toolkit.scene.laws import inside
 from toolkit.scene.scale import SHARED, scale_of
 from toolkit.scene.scene import Scene, load_scene, read_scene
@@ -38,7 +38,8 @@ class Read:
 
     springs : N_c<k> by unit: "N_c<k>", "N/m" of drive.area, "N/m³", per nominal area
     softer : whether the machine's spring is softer than K*; None without one, and where K* is not known
-    unknown : whether the numerical error of K* is as large as itself
+    unknown : whether the numerical error of K* is as large as itself, or `smoothed`
+    smoothed : whether K*, nan then, hangs on how samples of islands are smoothed, and is no number of theirs
     machine : the machine's spring K/(N_c <k>); None without one
     """
 
@@ -48,6 +49,7 @@ class Read:
     softer: bool | None
     unknown: bool = False
     machine: float | None = None
+    smoothed: bool = False
 
     def spring(self, unit: str) -> Number:
         """K* in this unit."""
@@ -108,7 +110,8 @@ def common_unit(verdicts: Sequence[Verdict]) -> str:
 
 
 def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -> list[Verdict]:
-    """A verdict per scene, the one most prone to stick-slip (largest K*, in the `common_unit`) first.
+    """A verdict per scene, the one most prone to stick-slip (largest K*, in the `common_unit`) first; those whose K* is
+    no number last, by F_s/F_k.
 
     The scenes' own [master] and [eq] are run too, for the picture and the evidence. Where a spring pulls, the slider
     turns or there is no path, the force is that of a rigid slider from X = 0 on instead, and a caution says so. `comm`
@@ -123,7 +126,8 @@ def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -
     unit = common_unit(verdicts)
 
     def proneness(one: Verdict) -> list[float]:
-        return [one.own.spring(unit).value, one.own.numbers["static_to_kinetic"].value]
+        spring = -1.0 if one.own.smoothed else one.own.spring(unit).value
+        return [spring, one.own.numbers["static_to_kinetic"].value]
 
     return sorted(verdicts, key=proneness, reverse=True)
 
@@ -202,16 +206,18 @@ def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Re
     for area in (scene.area, None):
         scale = scale_of(contacts, area)
         springs[scale.spring_unit] = scale.spring
+    if smoothed := of_smoothing(contacts.thresholds):
+        numbers["critical_spring"] = Number(np.nan, None, "")
     critical = numbers["critical_spring"]
     for its_unit, factor in springs.items():
         error = (critical.error or 0.0) * factor
         numbers[SPRINGS[its_unit]] = Number(critical.value * factor, error, its_unit)
     machine = machine_number("spring", scene.drive_table or DriveTable(), contacts)
-    unknown = critical.lost and not found.sampled
-    softer = None if machine is None else machine < critical.value
-    if unknown and machine is not None:
+    unknown = smoothed or (critical.lost and not found.sampled)
+    softer = None if machine is None or smoothed else machine < critical.value
+    if unknown and not smoothed and machine is not None:
         softer = None if machine < critical.value + (critical.error or 0.0) else False
-    return Read(name, numbers, springs, softer, unknown, machine)
+    return Read(name, numbers, springs, softer, unknown, machine, smoothed)
 
 
 def _evidence(result: Result, kinetic: float) -> dict[str, Any] | None:

@@ -90,7 +90,9 @@ def _of_known(verdict: Verdict, name: str) -> tuple[str, str]:
     reading it is told below which value it is."""
     known = [one.numbers[name] for one in verdict.readings if not one.unknown]
     value, over = _cells(known) if known else ("", "not known")
-    if verdict.own.unknown:
+    if verdict.own.smoothed:
+        value = "hangs on smoothing"
+    elif verdict.own.unknown:
         own, over = verdict.own.numbers[name], value if len(known) == 1 else over
         value = f"not known, below {own.value + (own.error or 0.0):.2g}"
     return value, over
@@ -112,10 +114,15 @@ def disagreements(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
-    """A sentence for scenes whose K* reach over one another, as far as readings and errors go: their rank tells
-    nothing. Infinite ones are ranked by F_s/F_k."""
+    """Scenes without a K*, and a sentence for those whose K* reach over one another, as far as readings and errors go:
+    their rank tells nothing. Infinite ones are ranked by F_s/F_k."""
     unit, said, told = common_unit(verdicts), list[str](), set[str]()
-    ends = {one.name: _reach(one, unit) for one in verdicts}
+    unranked = [one.name for one in verdicts if one.own.smoothed]
+    if unranked:
+        said.append(
+            f"no rank by K* of {', '.join(unranked)}: it hangs on the smoothing of P_c, and is no number of the islands"
+        )
+    ends = {one.name: _reach(one, unit) for one in verdicts if not one.own.smoothed}
     for name, (low, high) in ends.items():
         alike = [name]
         for other, (lower, higher) in list(ends.items())[list(ends).index(name) + 1 :]:

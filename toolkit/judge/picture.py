@@ -136,7 +136,17 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
     small: dict[str, Any] = {"va": "center", "fontsize": "small"}
     for row, (spring, one, reach) in enumerate(zip(springs, styled, over, strict=True)):
         color, value, error = one.style["color"], spring.value, spring.error or 0.0
+        # dark at its edge, as there may be no bar behind it
+        mark: dict[str, Any] = {"color": "white", "mec": "0.2", "ms": 6, "zorder": 5}
+        axes.plot(low * (high / low) ** 0.03, row, one.style["marker"], **mark)
+        if machine := machines[row]:
+            axes.plot([machine] * 2, [row - 0.4, row + 0.45], "--", color="0.2", lw=1.4, zorder=4)
         unknown = one.verdict.own.unknown
+        if one.verdict.own.smoothed:
+            said = "not known: it hangs on the smoothing of $P_c$"
+            beside = {"xytext": (20, 0), "textcoords": "offset points"}
+            axes.annotate(said, (low, row), **beside, **small)
+            continue
         if not unknown:
             axes.barh(row, min(max(value, low), high) - low, left=low, color=color, height=0.6)
         off = error if np.isfinite(value + error) else 0.0
@@ -155,11 +165,6 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
         axes.annotate(text or written(value, unit), place, **beyond, **small)
         if np.isinf(value):
             axes.plot(high, row, ">", color=color, ms=18, clip_on=False)
-        # dark at its edge, as there may be no bar behind it
-        mark: dict[str, Any] = {"color": "white", "mec": "0.2", "ms": 6}
-        axes.plot(low * (high / low) ** 0.03, row, one.style["marker"], **mark)
-        if machine := machines[row]:
-            axes.plot([machine] * 2, [row - 0.4, row + 0.45], "--", color="0.2", lw=1.4, zorder=4)
     axes.set_yticks(range(len(styled)), [one.name for one in styled])
     axes.invert_yaxis()
     room = (high / low) ** 0.2  # for the numbers behind the bars
