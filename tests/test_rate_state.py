@@ -412,9 +412,8 @@ def test_what_is_below_its_error_is_not_told() -> None:
     begun = list[str]()
     idle = Contacts(WIDE, thermal=Thermal("soft", 1e-12))
     found = master.rate_state(idle, 1e-3, rests=[1.0, 10.0, 100.0], progress=begun.append)
-    assert (
-        begun == ["velocity steps"] and not found.success and "a lower tolerance" in found.message
-    )
+    assert begun == ["velocity steps", "velocity steps to a lower tolerance"]
+    assert not found.success and "a lower tolerance" in found.message
     assert found.a.error > abs(found.a.value) and not found.rests
     assert np.isnan(found.critical_spring) and np.isnan(found.critical_spring_solved)
     lines = page(Judged("idle", "idle", Scale(), found, 1.0, 0.1, 0.2))
@@ -479,7 +478,7 @@ def test_a_stopped_command_leaves_what_is_known(
     file = write(master=None, contacts=contacts, drive={"velocity": 1.0}, wall_time=1e9)
     ends = {KeyboardInterrupt: (130, "interrupted; "), Terminated: (143, "terminated; ")}
     status, begins = ends.get(stop, (2, "wall_time = "))
-    for end, left in (("velocity", False), ("steps about", True)):
+    for end, left in (("velocity", False), ("smaller", True), ("steps about", True)):
 
         def doing(_: Progress, what: str, end: str = end) -> None:
             if what.startswith(end):
@@ -557,3 +556,40 @@ def test_slips_that_come_and_go_with_the_steps_have_a_finite_error():
         (stiffness * np.diff(slips.drive)[-1], 88.67e-3, 0.14e-3),
     ):
         assert abs(solved - ensemble) < 4.0 * scatter + error
+
+
+def test_the_end_of_the_time_is_told_by_the_runs_own_parts(
+    capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In which rest it was over, and how long those before it took, on a clock on which each takes 7 s."""
+    monkeypatch.chdir(tmp_path)
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
+    contacts["strengthening"] = {"beta": BETA, "time": 1e-3}
+    file = write(master=None, contacts=contacts, drive={"velocity": 1.0}, wall_time=1e9)
+    clock = [0.0]
+
+    def doing(_: Progress, what: str) -> None:
+        clock[0] += 7.0
+        if what == "rest 3 of 9":
+            raise TimeIsUp
+
+    monkeypatch.setattr(Progress, "doing", doing)
+    monkeypatch.setattr("toolkit.rate_state.report.time.monotonic", lambda: clock[0])
+    status, _, err = said(capsys, "rate-state", file)
+    told = "; it ended in its rest 3 of 9, where one before took 7 s; what is known so far"
+    assert status == 2 and told in err[0]
+    found = json.loads(Path("mine-output/rate-state.json").read_text())
+    assert "7 of 9 rests were not followed" in found["message"]
+
+
+def test_an_answer_without_its_smaller_steps_is_no_success() -> None:
+    """What is known after the first steps, without rests: no spring, and `success` is False."""
+    contacts = Contacts(WIDE, delay=Delay(0.1))
+    early = list[Any]()
+    found = master.rate_state(contacts, decades=0, known=lambda so_far: early.append(so_far()))
+    assert found.success and np.isfinite(found.critical_spring_solved_error)
+    (first,) = early
+    assert not first.success and first.message.startswith("interrupted")
+    assert first.a.value == pytest.approx(found.a.value, abs=1e-3 * abs(found.b.value))
+    assert first.b.value == pytest.approx(found.b.value, rel=1e-2)
+    assert not np.isfinite(first.critical_spring_solved_error)

@@ -61,8 +61,9 @@ def rate_state(
         little that it would be known to less than 1e-3 of its change; of contacts with heat whose thresholds grow it is
         1e-3 at least, as a step takes 5 to 40 s to that.
     progress : called with a word on what begins.
-    known : called once, after the steps at v, with a function that gives what is known when it is called, for a caller
-        who is interrupted: speeds that were not reached are NaN, such rests are left out, and `success` is False.
+    known : called once, after the first steps at v, with a function that gives what is known when it is called, for a
+        caller who is interrupted: springs and speeds that were not reached are NaN, such rests are left out, and
+        `success` is False.
 
     a is the largest change of the force after a step, b = a - (a - b), and D_c that of the law that goes on like the
     solved force; see `read_steps`, which says what the `definition` of each compares.
@@ -94,43 +95,28 @@ def rate_state(
     steps = steps_about(contacts, velocity, ratio, tolerance)
     if slow:
         _check_known(steps)
-    elif (finer := _finer(steps, tolerance)) < tolerance:
-        tolerance = finer
-        steps = steps_about(contacts, velocity, ratio, tolerance)
     found, slope = read_steps(steps, evolution), slope_at(contacts, velocity)
-    law = RateStateLaw(
-        float(curve.force), velocity, found.a, found.b, found.slip_distance, evolution
-    )
     small: Sequence[VelocityStep] = ()
     larger: Sequence[VelocityStep] = steps
-    if slow and found.told:  # smaller steps would be lost in the error
-        small = steps_about(contacts, velocity, ratio**0.5, tolerance)
-    elif found.told:
-        smaller = min(SMALL_STEP, ratio**0.5)
-        small, larger = (
-            steps_about(contacts, velocity, each, 0.1 * tolerance) for each in (smaller, smaller**2)
-        )
-    else:  # so would other speeds and rests, which take minutes
-        times = times[:0]
     speeds = np.asarray(velocity * 10.0 ** np.arange(-decades, decades + 1.0))
-    scan, solved = SpeedScan.of(speeds, found), list[Rest]()
-    # F_k is curved in ln v, and b is of the finite step: about the middle of both steady forces the law meets either
-    middle = 0.5 * (steps[0].steady_before + steps[0].steady_after)
-    about = replace(law, kinetic_force=middle)
-    law_steps = tuple(about.step(one.slip, one.before, one.after) for one in steps)
-    largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
-    by_law = _spring_by_law(found, slope)
-    # what swings on after the end of an answer counts by the length over which it would decay, which is not known
-    ended = bool(small) and all(one.settled for one in [*small, *larger])
-    own = critical_spring_of(small, unit, larger) if ended else UNKNOWN
+    scan, solved, own, done = SpeedScan.of(speeds, found), list[Rest](), UNKNOWN, False
 
     def so_far() -> RateState:
         """The numbers from the steps, and from the speeds and rests that are solved."""
+        force = float(curve.force)
+        law = RateStateLaw(force, velocity, found.a, found.b, found.slip_distance, evolution)
+        # F_k is curved in ln v, and b is of the finite step: about the middle of both steady forces the law meets
+        # either
+        middle = 0.5 * (steps[0].steady_before + steps[0].steady_after)
+        about = replace(law, kinetic_force=middle)
+        law_steps = tuple(about.step(one.slip, one.before, one.after) for one in steps)
+        largest = max(abs(found.a), abs(found.b)) * steps[0].log_ratio
+        by_law = _spring_by_law(found, slope)
         at_rest = np.array([one.time for one in solved])
-        success, message = _judged([*steps, *small], solved, times.size, found)
+        success, message = _judged([*steps, *small], solved, times.size, found, done)
         return RateState(
             velocity=velocity,
-            kinetic_force=float(curve.force),
+            kinetic_force=force,
             kinetic_force_error=float(curve.force_error) * unit,
             **_parameters(found, slope, scan),
             direct_slip=found.direct_slip,
@@ -153,12 +139,33 @@ def rate_state(
         )
 
     known(so_far)
+    if not slow and (finer := _finer(steps, tolerance)) < tolerance:
+        tolerance = finer
+        progress("velocity steps to a lower tolerance")
+        again = steps_about(contacts, velocity, ratio, tolerance)
+        steps, found = again, read_steps(again, evolution)
+        scan, larger = SpeedScan.of(speeds, found), again
     if found.told:
+        progress("smaller velocity steps")
+        if slow:  # still smaller ones would be lost in the error
+            small = steps_about(contacts, velocity, ratio**0.5, tolerance)
+        else:
+            smaller = min(SMALL_STEP, ratio**0.5)
+            small, larger = (
+                steps_about(contacts, velocity, each, 0.1 * tolerance)
+                for each in (smaller, smaller**2)
+            )
+        # what swings on after the end of an answer counts by the length over which it would decay, which is not known
+        if all(one.settled for one in [*small, *larger]):
+            own = critical_spring_of(small, unit, larger)
         fill_scan(scan, contacts, ratio, evolution, tolerance, progress)
+    else:  # smaller steps, other speeds and rests, which take minutes, would be lost in the error
+        times = times[:0]
     for number, rest in enumerate(times, start=1):
         progress(f"rest {number} of {len(times)}")
         loose = tolerance if slow else LOOSER * tolerance
         solved.append(rest_of(contacts, velocity, float(rest), loose))
+    done = True
     return so_far()
 
 
@@ -234,13 +241,15 @@ def _misfit(
 
 
 def _judged(
-    steps: Sequence[VelocityStep], rests: Sequence[Rest], asked: int, found: Reading
+    steps: Sequence[VelocityStep], rests: Sequence[Rest], asked: int, found: Reading, done: bool
 ) -> tuple[bool, str]:
-    """Whether all answers are known and became steady, with as many rests as were asked for, and that there is a D_c;
-    and a message."""
+    """Whether all is `done` with as many rests as were asked for, answers are known and became steady, and there is a
+    D_c; and a message."""
     faults = list[str]()
     if len(rests) < asked:
         faults.append(f"interrupted: {asked - len(rests)} of {asked} rests were not followed")
+    elif not done:
+        faults.append("interrupted: not all steps were followed")
     if not all(one.settled for one in steps):
         left = max(one.error / max(float(np.ptp(one.force)), 1e-300) for one in steps)
         faults.append(

@@ -1,7 +1,10 @@
 """The command's work: rate and state of a scene into a folder, what is known of it if it is stopped."""
 
+import re
+import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from itertools import pairwise
 
 from origins.errors import InputError
 from toolkit.judge.files import save_judgement
@@ -15,23 +18,21 @@ from toolkit.running.progress import Progress
 from toolkit.running.solvers import within
 from toolkit.scene.scene import Scene
 
-# s that the shipped scene takes in all, some half of them for its steps (docs/commands.md)
-_SCENE = 70.0
 
-
-def _too_late(begun: Sequence[str]) -> str:
-    """Which part was not solved as the time was over, before which nothing is known, and what others take."""
-    at = f"it ended in its {begun[-1]}, before which nothing is known; " * bool(begun)
-    return (
-        f"{at}the scene rate-state takes some {_SCENE:.0f} s in all, and heat of a surface minutes"
-    )
+def _where(begun: Sequence[tuple[float, str]]) -> str:
+    """In which part the time was over, and what the longest of those like it that were solved took."""
+    kinds = [re.sub(r"\d+", "", what) for _, what in begun]
+    took = [after - at for (at, _), (after, _) in pairwise(begun)]
+    alike = [each for each, kind in zip(took, kinds, strict=False) if kind == kinds[-1]]
+    each = f", where one before took {max(alike):.2g} s" if alike else ""
+    return f"it ended in its {begun[-1][1]}{each}"
 
 
 def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judged:
-    """Rate and state of the scene, with its files in `folder`, which is checked before the work. Once the steps are
-    solved, an interrupt, or the end of `wall_time`, leaves there what is known. Raises InputError."""
+    """Rate and state of the scene, with its files in `folder`, which is checked before the work. Once the first steps
+    are solved, an interrupt, or the end of `wall_time`, leaves there what is known. Raises InputError."""
     check_folder(folder)
-    so_far, begun = list[Callable[[], Judged]](), list[str]()
+    so_far, begun = list[Callable[[], Judged]](), list[tuple[float, str]]()
 
     def save(found: Judged) -> None:
         tables = page(found), plain(found), answers(found)
@@ -41,19 +42,21 @@ def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judg
         with closing(Progress("rate-state")) as bar, within(scene.deadline(), scene, "all of it"):
 
             def doing(what: str) -> None:
-                begun.append(what)
+                begun.append((time.monotonic(), what))
                 bar.doing(what)
 
             found = judge(scene, doing, so_far.append)
     except (KeyboardInterrupt, Terminated, InputError) as stop:
+        late = isinstance(stop, InputError) and isinstance(stop.__context__, TimeIsUp)
+        where = f"; {_where(begun)}" if late and begun else ""
         if not so_far:
-            if isinstance(stop, InputError) and isinstance(stop.__context__, TimeIsUp):
-                raise InputError(f"{stop}; {_too_late(begun)}") from stop
+            if where:
+                raise InputError(f"{stop}{where}, before which nothing is known") from stop
             raise
         save(so_far[0]())
         said = f"what is known so far is written to {folder}"
         if isinstance(stop, InputError):
-            raise InputError(f"{stop}; {said}") from stop
+            raise InputError(f"{stop}{where}; {said}") from stop
         stop.add_note(said)
         raise
     save(found)
