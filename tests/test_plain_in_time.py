@@ -178,6 +178,19 @@ def test_births_follow_from_the_breaks_one_delay_before() -> None:
     assert slope * line(2.0) + rest == pytest.approx(line(1.75), abs=1e-12)
 
 
+def test_births_never_take_back_what_a_long_step_has_told() -> None:
+    """On a step longer than the delay breaks are told to come evenly; as it leads to a slip most of them come at its
+    end, as cubics say later. Births below 0 pulled the slider beyond its drive after the slip, as a slip of its own."""
+    contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(0.01))
+    state = ContactsInSteps(contacts, ThresholdMemory(contacts, 0), 0, np.inf)
+    for travel, end in ((0.2, 0.8), (0.3, 1.4), (0.35, 1.7), (0.4, 1.72)):
+        trial = state.trial(travel, end)
+        state.take(trial, 1.0)
+    told = trial.births
+    after = state.trial(0.004, 1.72001)
+    assert after.births == told > 0.3 + state.past_breaks.births_up_to(begin=1.72, end=1.72).rest
+
+
 def test_breaks_that_come_ever_faster_are_read_back_between_steps() -> None:
     """B goes as a root towards the fold at t = 1, the time as the square of the sizes; also where a search for it has
     left a step of next to no size."""

@@ -171,14 +171,14 @@ class ContactsInSteps:
         nothing_forms = (end == self.now) if self.delay else (survival <= 0.0)
         if not (without_births or nothing_forms):
             per_break, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
+            rest = rest if per_break else max(rest, self._births)  # see births_up_to
         broken_again = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - kept + survival * self._births + broken_again * rest
         # 1 - broken_again per_break, in a form that keeps its digits where hardly any of those born hold
         breaks /= (1.0 - per_break) + survival * per_break
         new = per_break * breaks + rest - self._births
         force, holding = force_of_kept + force_of_new * new, kept + survival * new
-        births = self._births + new
-        return Trial(travel, end, groups, held, force, holding, breaks, births, kept)
+        return Trial(travel, end, groups, held, force, holding, breaks, self._births + new, kept)
 
     def take(self, trial: Trial, size: float) -> None:
         """Take the step, of this size (0 in a slip): its groups, with the births in it, become those of the contacts;

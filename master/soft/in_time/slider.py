@@ -6,18 +6,13 @@ import numpy as np
 
 from master.motion import Motion
 from master.outcome import FaultError, StoppedError
-from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps, Trial
+from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
 from master.soft.in_time.creep import Creep
 from master.soft.in_time.decohered import Decohered
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Node, Steps
-from master.soft.in_time.unresolved import (
-    OF_CREEP,
-    OF_DELAY,
-    OF_SMALL_SLIPS,
-    unknown_share_of_waiting,
-)
+from master.soft.in_time.unresolved import OF_CREEP, OF_DELAY, OF_SMALL_SLIPS
 from origins.drive import Drive
 
 # A slip in which F falls by this part of the largest force at a slip so far is a large one: the drive then loads the
@@ -71,6 +66,9 @@ class Slider:
         self._halvings_to_come = max(needed - contacts.halvings, 0)
         self._rule, self.spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
+        # share of the contacts of which it is unknown whether they are out as a slip begins; and by what F may be off
+        # for that (a length), the largest of all slips
+        self._unknown_waiting = self._off_by_waiting = 0.0
         self.sections = list[list[Node]]()
         # the sections of this leg along which new contacts came to a slip that left all contacts new
         self._stick_and_slip = list[list[Node]]()
@@ -130,10 +128,10 @@ class Slider:
                         "leads against the motion, a fault of the program"
                     )
                 taken = max(taken, 0.0)
-                if slips and contacts.delay:
-                    self._note_waiting(trial)
                 contacts.take(trial, taken)
                 nodes.append(self._node(nodes[-1].sizes_so_far + taken))
+        if slips and contacts.delay:
+            self._weigh_waiting(nodes)
         return slips
 
     def _crept_to_end(self, nodes: list[Node]) -> bool:
@@ -152,14 +150,36 @@ class Slider:
         contacts.now, contacts.force, contacts.position = end.time, end.force, end.position
         return True
 
-    def _note_waiting(self, trial: Trial) -> None:
-        """Note what it may change in F that steps do not tell which contacts are out as a slip begins, at the end of
-        this one. Slips to come magnify it, as they do what steps change in F."""
-        contacts, duration = self.contacts, trial.end - self.contacts.now
-        broken = trial.breaks - contacts.past_breaks.total
-        unknown = unknown_share_of_waiting(broken, contacts.delay, duration)
-        error = contacts.memory.safety * unknown * contacts.unit
-        contacts.unresolved.note(OF_DELAY, error, contacts.now)
+    def _weigh_waiting(self, nodes: list[Node]) -> None:
+        """Find by what F may be off as a slip begins, at the last of these nodes, as steps longer than the delay do not
+        tell which contacts are out.
+
+        Such a step takes the rate of breaks as constant. But breaks come ever faster towards a slip: of the births up
+        to its begin a share is told too early, as the cubics of past breaks say. Those contacts have been stretched by
+        the travel since the last step that ended a delay before, at most.
+        """
+        contacts = self.contacts
+        past, now = contacts.past_breaks, contacts.now
+        told = contacts.holding - 1.0 + past.total
+        share = abs(told - past.births_up_to(begin=now, end=now).rest)
+        before = next((node for node in reversed(nodes) if node.time <= now - past.delay), nodes[0])
+        self._unknown_waiting = share
+        error = share * abs(contacts.position - before.position)
+        self._off_by_waiting = max(self._off_by_waiting, error)
+
+    def _weigh_waiting_after_slip(self) -> None:
+        """Find the same after a slip without births.
+
+        Contacts that hold after the slip pull, and might be those. Where none does, those that come back before the
+        others alone may pull the slider, with the force that the spring gains within a delay at most.
+        """
+        contacts, motion, delay = self.contacts, self.motion, self.contacts.delay
+        assert motion is not None
+        error = self._unknown_waiting * contacts.unit
+        if not contacts.holding:
+            way = float(np.ptp(motion.at(np.array([contacts.now, contacts.now + delay]))))
+            error = min(error, self.spring * way)
+        self._off_by_waiting = max(self._off_by_waiting, error)
 
     def _remember_if_new(self, new_since: int | None) -> None:
         """Remember the sections since all contacts were new, where the slip at their end has left all of them new."""
@@ -223,6 +243,7 @@ class Slider:
             contacts.position = drive_position - contacts.force / self.spring
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)
+            self._weigh_waiting_after_slip()
         else:
             slip_with_births(contacts, self._steps, self._size, self._decohered)
         self._list_slip(force)
@@ -235,3 +256,6 @@ class Slider:
             contacts.unresolved.note(OF_SMALL_SLIPS, drop, contacts.now)
         else:
             self.slips.append(Slip(contacts.now, load, before, contacts.force))
+        # each slip puts the next one off by as much again
+        error = contacts.memory.safety * self._off_by_waiting * len(self.slips)
+        contacts.unresolved.note(OF_DELAY, error, contacts.now)

@@ -48,17 +48,6 @@ class Unresolved:
         return self.largest[of].error if of in self.largest else 0.0
 
 
-def unknown_share_of_waiting(broken: float, delay: float, duration: float) -> float:
-    """Bound on the share of the contacts of which it is unknown whether they are out as a slip begins, as they broke on
-    the step up to it (`broken` of all), which took longer than their delay.
-
-    The step takes the rate of breaks as constant: a part d = delay/duration of these is out. But breaks come ever
-    faster towards a slip, as the root of the time to it, where it is d^(1/2).
-    """
-    part = delay / duration if duration > delay else 1.0
-    return broken * float(part**0.5 - part)
-
-
 def unknown_force_of_births(weight: Array, held: Array, count: int) -> float:
     """Bound on the force (a length) of contacts born in steps of which it is unknown how many hold: half of what the
     forces of first and last births differ by, for the geometric mean of the births in both cohorts.
