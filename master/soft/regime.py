@@ -19,6 +19,9 @@ Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 # Fewest slips that have a trend, and relative change of the drop from one slip to the next below
 # which drops do not fade.
 FEWEST, STEADY = 4, 1e-3
+# Part of the last drop above which the limit of drops that fade ever less is no end of the slips: those that fade as
+# one over their number have an apparent limit of a half.
+LASTING = 0.6
 # Force, in mean thresholds, at or below which, and within its error, no contact holds on after a slip.
 NONE_HOLDS = 1e-3
 
@@ -119,6 +122,10 @@ def _by_slips(
     if count < FEWEST:
         far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * (FEWEST + 1 - count) * longest
         return "undecided", f"{counted} are too few to tell; drive to about X_T = {far:.3g}"
+    if trend is not None and trend < -STEADY and (left := _limit(drops)) > LASTING * drops[-1]:
+        fading = f"whose drops fade ever less, perhaps to {left:.3g}"
+        far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * count * longest
+        return "undecided", f"{counted}, {fading}; drive to about X_T = {far:.3g}"
     if trend is not None and trend < -STEADY:
         return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
     # the largest of the last third beside that of the last two thirds
@@ -185,6 +192,13 @@ def _lacking(
     if force[-1] > force[:-1].max(initial=0.0) + rise:
         return ", where the force still rises as high as never before; lengthen it"
     return ""
+
+
+def _limit(drops: Array) -> float:
+    """What the last three |drops| lead to if each change is the same part of the one before (Aitken); 0 where changes
+    do not get smaller."""
+    first, second = -np.diff(drops[-3:])
+    return float(drops[-1] - second**2 / (first - second)) if first > second > 0.0 else 0.0
 
 
 def _trend(drop: Array) -> float | None:

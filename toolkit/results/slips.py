@@ -10,6 +10,9 @@ from origins.drive import SLIP_SHARE
 
 # fewest values of which quartiles are told; of a slider, fewest slips of which the later half is told, else the last
 QUARTERED, HALVED = 8, 4
+# of a mean drop: slips that shrink by less from one third of the way to the next are not called fading, nor by less
+# than so many standard errors
+FADED, FADING = 0.05, 4.0
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,23 @@ def late_slips(slips: Any, sliders: int) -> LateSlips:
     gaps = np.diff(slips.drive, prepend=np.nan)
     follow_one = kept & (slips.number > 0)
     return LateSlips(_only(slips, kept), gaps[follow_one], slips.replica[follow_one])
+
+
+def are_fading(slips: Any) -> bool:
+    """Whether the slips of sliders shrink along their way: the mean drop of each slider's last third is below that of
+    the third before it by FADED of it, and by FADING standard errors. Of fewer than three a third nobody knows."""
+    gone = list[float]()
+    off = 0.0
+    for replica in np.unique(slips.replica):
+        drops = slips.drop[slips.replica == replica]
+        third = drops.size // 3
+        if third < 3:
+            return False
+        before, last = drops[-2 * third : -third], drops[-third:]
+        gone.append(float(before.mean() - last.mean()) / float(before.mean()))
+        off += float(before.var(ddof=1) + last.var(ddof=1)) / third / float(before.mean()) ** 2
+    least = max(FADED, FADING * off**0.5 / max(len(gone), 1))
+    return bool(gone) and float(np.mean(gone)) > least
 
 
 def main_slips(slips: Any) -> Any:

@@ -11,8 +11,8 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.results.slips import large_slips, main_slips
-from toolkit.scene.scale import length_unit_of, spoken
+from toolkit.results.slips import are_fading, large_slips, main_slips
+from toolkit.scene.scale import length_unit_of, of_contacts, spoken
 from toolkit.verdict.ensemble import (
     FEW,
     NOT_SLID,
@@ -188,6 +188,16 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         return Finite(rule, held, "unknown", message=why)
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
+    if settles:
+        if not (found.slips.drive > path[0] + steady).any():
+            more[:] = 0  # chance has given them some more, and they are over
+        elif (more > 0).any() and are_fading(found.slips):
+            few, last = (
+                found.contacts // SLIDERS,
+                found.slips.drop[found.slips.number == counts.min() - 1].mean() / mean,
+            )
+            why = f"{of_contacts(few)} slip ever less, by {last:.2g} <x_s> at the end of the way, as infinitely many do"
+            return Finite(rule, held, "unknown", message=why)
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     followed, message = found.contacts // SLIDERS, ""
     if followed < held:

@@ -85,7 +85,7 @@ def follow(
     ways = [each * loading for each in lengths]
     found = _by_distribution(machine, contacts, rule, ways, until, tolerance)
     if found.kind != "undecided":
-        return found
+        return _settled(found, known, contacts) if machine.mass is None else found
     # the ensemble takes no heat on a spring: it is followed where what it leaves out is known to change little
     by_contacts &= contacts.thermal is None or found.heat_left_out is not None
     if by_contacts and (rule != "mass" or not found.success):
@@ -99,6 +99,22 @@ def follow(
         again = _damped(machine, contacts, rule, known, end - time.monotonic(), in_time)
         return again if again.kind != "undecided" else found
     return found
+
+
+def _settled(found: Behaviour, known: Known, contacts: Contacts) -> Behaviour:
+    """Smooth sliding without mass whose force still changes at the path's end at F_k, to which it tends once contacts
+    that began together have forgotten it, narrow thresholds after tens of them. Exact ones may keep their order: then
+    the change is part of the error."""
+    if found.kind != "smooth" or not found.drive.size:
+        return found
+    mean, late = contacts.mean_threshold, found.drive >= (1.0 - 1.0 / SETTLED_IN) * found.drive[-1]
+    left = float(np.ptp(found.force[late])) / mean
+    if left <= found.error:
+        return found
+    if contacts.thresholds.atoms[0].size:
+        return replace(found, error=found.error + left)
+    error = max(found.error, known.kinetic_error / mean)
+    return replace(found, before=known.kinetic, after=known.kinetic, error=error)
 
 
 def _damped(

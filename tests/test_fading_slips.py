@@ -1,0 +1,97 @@
+"""Slips that shrink: those that die out end in steady sliding at F_k, those that shrink ever less go on."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import master
+from master.soft.regime import LASTING
+from origins import Contacts, Delay, gaussian, identical, mixture
+from toolkit.results.slips import are_fading
+from toolkit.verdict.finite import follow_finite
+from toolkit.verdict.follow import follow
+from toolkit.verdict.machine import Behaviour, Known, Machine
+
+NARROW = Contacts(gaussian(1.0, 0.05))
+
+
+def known_of(contacts: Contacts) -> Known:
+    """F_s, F_k, K* and the decoherence length of these contacts."""
+    found, steady = master.propensity(contacts, 1e-6), master.steady_state(contacts)
+    static = found.static_to_kinetic * steady.force
+    return Known(static, steady.force, 1e-9, found.critical_spring, found.decoherence_length)
+
+
+def followed(spring: float, contacts: Contacts = NARROW) -> tuple[Machine, Known, Behaviour]:
+    """What infinitely many contacts that re-form at once do on this spring."""
+    machine, known = Machine(spring, None, 0.0, 1.0), known_of(contacts)
+    return machine, known, follow(machine, contacts, "instant", known, wall_time=1e4)
+
+
+def slips_of(drops: list[list[float]]) -> Any:
+    """Slips of sliders with these drops."""
+    replica = np.repeat(np.arange(len(drops)), [len(one) for one in drops])
+    return SimpleNamespace(replica=replica, drop=np.concatenate(drops))
+
+
+@pytest.mark.parametrize("spring", [0.5, 4.0])
+def test_narrow_thresholds_slide_at_the_kinetic_force(spring: float) -> None:
+    """Contacts that began together keep their step for tens of thresholds: at the path's end the force still swings by
+    0.3 to 0.5 about F_k = <x²>/2<x>, at which they slide in the end."""
+    _, _, found = followed(spring)
+    law = NARROW.thresholds
+    exact = law.moment(2) / (2.0 * law.mean())
+    assert found.kind == "smooth" and np.ptp(found.force[-120:]) > 0.25
+    assert found.before == found.after == pytest.approx(exact, rel=1e-6)
+    assert abs(found.force[-1] - exact) > 0.05
+
+
+def test_exact_thresholds_that_keep_their_order_have_the_swing_in_their_error() -> None:
+    """A fifth of the contacts breaks at one value, and may keep its step for ever: the error reaches to F_k."""
+    contacts = Contacts(mixture([gaussian(1.0, 0.1), identical(1.0)], [0.8, 0.2]))
+    _, known, found = followed(4.0, contacts)
+    assert found.kind == "smooth"
+    assert 0.05 < abs(found.before - known.kinetic) < found.error
+
+
+def test_chance_that_gives_a_slip_more_is_no_other_answer() -> None:
+    """Of 2,000 contacts some slip once more than infinitely many, and slide then as these do; on a softer spring slips
+    go on up to the end of the way, shrinking as those of infinitely many."""
+    machine, known, told = followed(2.0)
+    found = follow_finite(machine, NARROW, 2000.0, told, known.static, 1e4)
+    assert found.kind == "smooth" and found.late == pytest.approx(known.kinetic, abs=0.01)
+    machine, known, told = followed(0.5)
+    found = follow_finite(machine, NARROW, 2000.0, told, known.static, 1e4)
+    assert found.kind == "unknown" and "2,000 contacts slip ever less, by 0.1" in found.message
+
+
+def test_slips_that_shrink_are_told_from_those_that_scatter() -> None:
+    rng = np.random.default_rng(1)
+    shrinking = [list(0.9 ** np.arange(12.0) * rng.normal(1.0, 0.02, 12)) for _ in range(4)]
+    steady = [list(rng.normal(1.0, 0.2, 12)) for _ in range(4)]
+    # the first slip is larger, as contacts began together
+    first = [[2.0, *one] for one in steady]
+    told = [are_fading(slips_of(one)) for one in (shrinking, steady, first, shrinking[:1])]
+    assert told == [True, False, False, True]
+    assert not are_fading(slips_of([one[:8] for one in shrinking]))
+
+
+def test_drops_that_shrink_ever_less_are_no_end_of_the_slips() -> None:
+    """Contacts that wait for one length of the drive's way, a mass: the first drops shrink by 1.1, 0.4 and 0.25 %, and
+    the 14th is as large as the 13th."""
+    contacts = NARROW.replace(delay=Delay(1.0))
+    pulled: dict[str, Any] = {"spring": 1.0, "mass": 1e-3, "damping": 0.01, "velocity": 1.0}
+    short, long = (master.solve(contacts, [0.0, end], 1e-3, **pulled) for end in (12.3, 40.0))
+    assert short.regime.slips == 4 and short.regime.trend < -1e-3
+    assert short.regime.verdict == "undecided"
+    assert "fade ever less, perhaps to 1.36; drive to about" in short.regime.reason
+    assert long.regime.verdict == "stick-slip" and long.slips.drop[-1] > 1.3
+    assert long.slips.drop[-1] > LASTING * short.slips.drop[-1]
+
+
+def test_slips_that_shrink_ever_more_die_out() -> None:
+    """As each is a larger part smaller than the one before."""
+    found = master.solve(NARROW, np.linspace(0.0, 17.8, 600), 1e-6, spring=0.5, slip="instant")
+    assert found.regime.verdict == "decaying transient" and found.regime.slips == 16
