@@ -63,5 +63,6 @@ $(READY): pyproject.toml
 	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null || \
 	  { echo "mesofriction: $(PYTHON) lacks venv; install it, as in: apt install python3-venv" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[mpi,topography,test,lint]'
+	@# modules are compiled as they are first imported: all of them would take as long again as the installation
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --editable '.[mpi,topography,test,lint]'
 	@touch $@

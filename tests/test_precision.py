@@ -217,11 +217,20 @@ def made() -> tuple[Any, str]:
     return script, (DOCS / "error-and-cost.md").read_text(encoding="utf-8")
 
 
-SOME = ["stick-slip", "ageing-springs", "eyring", "tribometer", "thermal-soft", "samples"]
+# those with kernels, which are compiled for it, are slow
+SOME = [
+    "gaussian",
+    "stick-slip",
+    "ageing-springs",
+    "eyring",
+    "tribometer",
+    "thermal-soft",
+    "samples",
+]
 
 
 @pytest.mark.parametrize(
-    "scene", ["gaussian", *(pytest.param(scene, marks=pytest.mark.slow) for scene in SOME)]
+    "scene", ["delay", *(pytest.param(scene, marks=pytest.mark.slow) for scene in SOME)]
 )
 def test_the_table_of_costs_is_up_to_date(
     scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
