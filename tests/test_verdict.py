@@ -228,7 +228,7 @@ def test_a_slider_that_has_not_slid_is_not_called_smooth() -> None:
     contacts = Contacts(gaussian(1.0, 0.2))
     # of an F_s of 0.05, where it is 0.8: the drive stops before the first slip
     found = follow_finite(machine, contacts, 500.0, infinite("smooth", 0), 0.05, 60.0)
-    assert found.kind == "unknown" and "before it slid" in found.message
+    assert found.kind == "unknown" and "before they slid" in found.message
 
 
 def test_the_ensemble_takes_over_where_the_master_equation_does_not_end(

@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 import eq_model
+import master
 from origins import Contacts, Delay, InputError, gaussian
 from tests.scenes import said, write
 from toolkit.scene.scale import scale_of
@@ -15,10 +16,12 @@ from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers
 from toolkit.verdict.ensemble import FEW, follow_by_contacts, sliders
 from toolkit.verdict.finite import follow_finite
+from toolkit.verdict.follow import follow
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.machine import Behaviour, Finite, Known, Machine
 from toolkit.verdict.of_area import with_more
+from toolkit.verdict.uncertainty import widest
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
@@ -66,6 +69,39 @@ def test_contacts_that_wait_are_pulled_as_far_as_a_slider_that_sticks() -> None:
     assert found.period is not None
     # what the spring regains over a period is less than the force before, by what it swings back
     assert 0.5 * found.before < machine.spring * found.period < 1.05 * found.before
+
+
+def test_contacts_of_a_fast_drive_are_pulled_beyond_the_force_that_infinitely_many_reach() -> None:
+    """While a mass is fast its contacts wait, but before its first slip the spring pulls more than F_s of a slider that
+    moves with the drive, and by half of that in the time of a slip."""
+    machine = Machine(spring=3.1e-3, mass=6.2e-6, damping=3.1e-5, velocity=2e3)
+    contacts = Contacts(gaussian(1.0, 0.25), delay=Delay(10.0))
+    found, steady = (
+        master.propensity(contacts, velocity=2e3),
+        master.steady_state(contacts, velocity=2e3),
+    )
+    static = found.static_to_kinetic * steady.force
+    known = Known(static, steady.force, 1e-9, found.critical_spring, found.decoherence_length)
+    told = follow(machine, contacts, "mass", known, wall_time=1e9)
+    assert told.kind == "smooth" and told.force.max() > 1.1 * static
+    few = follow_finite(machine, contacts, 2000.0, told, static, 1e9)
+    assert (
+        few.kind == "smooth" and few.contacts == 2000 and few.drive[-1] > told.force.max() / 3.1e-3
+    )
+
+
+def test_other_samples_change_the_kinetic_force_of_a_rigid_slider() -> None:
+    """Contacts that wait are fewer on one as fast as the drive than on one that sticks."""
+    told = of(of_a_mass("smooth", 0.05))
+    kinetic = answers.Quantity(0.8, 1e-9, 0.1)
+    own = replace(told.own, kinetic=kinetic)
+    assert widest(replace(told, answers=(own,)))[0].startswith(
+        "other samples would change F_k of a rigid slider by ± 0.10"
+    )
+    rested = replace(own, contacts=WAITING.replace(delay=None))
+    assert widest(replace(told, answers=(rested,)))[0].startswith(
+        "other samples would change F_k by ± 0.10"
+    )
 
 
 def test_the_number_of_contacts_hangs_on_no_tenth_of_a_pilots_time(monkeypatch: Any) -> None:

@@ -42,7 +42,7 @@ SLID = 10.0
 # of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
 # more than so many mean thresholds (that of a thousand contacts scatters by some 0.1 of them)
 LATE, RINGS = 10, 0.3
-NOT_SLID = "its path ended before it slid or slipped"
+NOT_SLID = "their path ended before they slid or slipped"
 
 
 def may_follow(machine: Machine, contacts: Contacts, rule: str, known: Known) -> bool:

@@ -128,6 +128,8 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         softness = number ** (-2.0 / 3.0) / machine.spring if settles else 0.0
         # contacts that wait hold a slider that sticks to more than F_s of one that moves with the drive
         reached = max(static, infinite.before) if slips else static
+        if rule == "mass" and infinite.kind != "undecided":
+            reached = max(reached, float(infinite.force.max(initial=0.0)))
         loading = reached / machine.spring + (1.0 + above * softness) * mean
         end = LOADINGS * loading if slips else loading + BEYOND * mean
         longer = MANY_LOADINGS * loading

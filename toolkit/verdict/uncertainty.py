@@ -56,7 +56,8 @@ def widest(verdict: Verdict) -> list[str]:
         return []
     if shares.sampling > shares.readings:
         error = written((own.kinetic.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
-        return [f"other samples would change F_k by ± {error}"]
+        whose = " of a rigid slider" * bool(own.contacts.in_time and own.machine)
+        return [f"other samples would change F_k{whose} by ± {error}"]
     return [reach_of_force(verdict, f" of the {len(verdict.answers)} readings")]
 
 
