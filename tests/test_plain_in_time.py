@@ -691,6 +691,50 @@ def test_on_a_stiff_spring_each_memory_tells_the_force_of_a_rigid_slider(name: s
     assert np.abs(sprung.force - rigid.force).max() < 1e-5 * contacts.mean_threshold
 
 
+def in_unit(name: str, unit: float) -> Contacts:
+    """Contacts in another unit of length: temperatures and rates of ageing are lengths squared."""
+    heat = Thermal("soft", 0.1 * unit**2)
+    contacts = {
+        "delay": Contacts(gaussian(unit, 0.2 * unit), delay=Delay(0.25)),
+        "heat": Contacts(gaussian(unit, 0.2 * unit), thermal=heat),
+        "ageing": Contacts(
+            gaussian(unit, 0.05 * unit),
+            ageing=Ageing(gaussian(1.2 * unit, 0.1 * unit), 0.01 * unit**2),
+        ),
+    }
+    return contacts[name]
+
+
+@pytest.mark.parametrize(
+    ("name", "spring", "slip", "path"),
+    [
+        ("delay", 0.02, "instant", [10.0, 30.0, 60.0]),
+        ("ageing", 0.2, "reform-after", [1.0, 4.0, 8.0, 7.0]),
+        pytest.param("heat", 0.02, "instant", [10.0, 30.0, 60.0], marks=pytest.mark.slow),
+    ],
+)
+def test_lengths_only_set_the_scale_under_a_spring(
+    name: str, spring: float, slip: Any, path: list[float]
+) -> None:
+    """No constant of the steps has a hidden unit: in another unit of length F is the same, and slips and errors are.
+    The begin of a slip is found to 1e-9 of a step, and moves what follows."""
+    one, small = (
+        master.solve(
+            in_unit(name, unit),
+            unit * np.array(path),
+            1e-2,
+            velocity=unit,
+            spring=spring,
+            slip=slip,
+        )
+        for unit in (1.0, 1e-9)
+    )
+    assert one.success and one.slips.drive.size == small.slips.drive.size == 1
+    assert np.abs(small.force * 1e9 - one.force).max() < 1e-7
+    assert small.slips.drive * 1e9 == pytest.approx(one.slips.drive, abs=1e-7)
+    assert small.force_error == pytest.approx(one.force_error, rel=1e-3)
+
+
 def test_after_a_reset_sections_end_where_births_bend_and_the_next_stick_repeats_the_first() -> (
     None
 ):

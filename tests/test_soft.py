@@ -15,6 +15,9 @@ from scipy.optimize import brentq
 import eq_model
 import master
 import origins
+from master.soft.cold_contacts import ColdContacts
+from master.soft.moves import LoadingHistory, Move
+from master.soft.moves_without_births import MoveWithoutBirths
 
 NARROW = origins.gaussian(1.0, 0.05)
 GROUPS = origins.mixture([origins.gaussian(1.0, 0.005), origins.gaussian(2.0, 0.01)], [0.5, 0.5])
@@ -259,6 +262,25 @@ def test_a_stiff_spring_follows_the_rigid_curve_through_turns(law, rule):
     far = solution.force_error + rigid.force_error
     assert np.abs(solution.force - rigid.force).max() <= far * unit
     assert np.abs(solution.force - 40.0 * (drive - solution.position)).max() <= 1e-12
+
+
+def test_the_histories_of_the_example_in_moves_py():
+    """There to X = 1, back to 0.7, and in a slip without births to 0.2: places, and distances travelled."""
+    cold = ColdContacts(origins.Contacts(NARROW), 0.6, 1e-6, np.inf)
+    loaded, histories = LoadingHistory(cold.start), []
+    for kind, direction, y in ((Move, 1, 1.0), (Move, -1, 0.3), (MoveWithoutBirths, -1, 0.5)):
+        move = kind(cold, direction, loaded)
+        move.curve_to(y)
+        assert move.at(y) == pytest.approx(loaded.places[-1] + direction * y)
+        loaded = move.stopped(y, 0.0) if kind is Move else move.after_slip(y, 0.0)
+        histories.append(loaded)
+    assert loaded.places == pytest.approx((0.0, 1.0, 0.7, 0.2))
+    assert [one.cut for one in histories] == pytest.approx([1.0, 1.3, 1.3])
+    assert [one.end for one in histories] == pytest.approx([1.0, 1.3, 1.8])
+    # those that broke in the slip are born together as it ends
+    assert (loaded.kinks[-1].time, loaded.kinks[-1].size) == pytest.approx((1.8, 1.0))
+    behind = Move(cold, -1, loaded)
+    assert behind.at(0.0) == pytest.approx(0.2) and behind.curve_to(0.1).end >= 0.1
 
 
 @pytest.mark.parametrize(

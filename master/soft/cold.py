@@ -8,9 +8,10 @@ from master.motion import Motion
 from master.outcome import StoppedError, stop_after
 from master.renewal.births import Births
 from master.renewal.edges import edges
+from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.followed import LOOSEN, ErrorPart, Followed
-from master.soft.moves import ColdContacts, LoadingHistory, Move, SlipEnd
+from master.soft.moves import LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
 from origins import Contacts

@@ -1,10 +1,23 @@
 """Moves: contacts on a slider that moves in one direction, solved as far as is needed.
 
-At T = 0 nothing depends on time, so t of the march is the distance that the slider has travelled.
+At T = 0 nothing depends on time, so t of the march is the distance that the slider has travelled. Three lengths tell
+where the slider is:
+
+    t   how far it has travelled, there and back, since its history began: the clock of the march, of kinks and lumps
+    y   its travel on this move, t - `loaded.end`: the clock of a LoadCurve
+    X   its position since the history began, `loaded.places[-1] + direction * y` (`Move.at`)
+
+A history begins with the path, and anew where a slip leaves all contacts new: X of the path is more by `_base` of
+cold.py. An example: a slider goes to X = 1, and back to 0.7, where it slips under "reform-after" to 0.2. Its moves have
+
+    move          direction  loaded.places     loaded.cut  loaded.end  t at its end
+    there            +1      (0,)                  0           0            1
+    back             -1      (0, 1)                1           1            1.3
+    in the slip      -1      (0, 1, 0.7)           1.3         1.3          1.8      without births
+    behind it        -1      (0, 1, 0.7, 0.2)      1.3         1.8                   births of the slip all at t = 1.8
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,15 +25,12 @@ import numpy as np
 from master.motion import Motion
 from master.numerics import polynomials
 from master.outcome import StoppedError
-from master.renewal.births import MOST_WORK, Births, panel_at, reforming_law
+from master.renewal.births import MOST_WORK, Births, panel_at
 from master.renewal.edges import SMOOTHER, Kink, edges
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
+from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin, SteadyForce
-from master.steady.cycle import Cycle
-from master.stick_slip.roots import decoherence_length
-from master.survival.life import ColdLife
-from origins import Contacts
 from origins.start import Start
 from origins.thresholds.law import Array
 
@@ -28,10 +38,6 @@ from origins.thresholds.law import Array
 STILL = 1e-12
 # Way, in mean thresholds, up to which panels are planned first: most sliders slip before.
 PLANNED = 2.0
-# Part of the tolerance, and of K, that a panel may miss, and most, in mean thresholds: the begin of a slip depends on
-# F', and the error of a polynomial's slope is some hundred times that of its values. The least, a share of the
-# contacts, is round-off.
-OF_PANELS, MOST_OF_PANELS, LEAST_OF_PANELS = 1e-4, 1e-6, 1e-13
 # The end of a slip is looked for from so many errors of its begin on, next to which the load may still rise; at most so
 # much of the travel, as slips are longer.
 BEHIND_BEGIN, OF_TRAVEL = 10.0, 1e-4
@@ -44,9 +50,6 @@ DROPS, ROUNDING, OWN_ROUNDING = 1e-13, 1e-14, 1e-15
 ONE_LIFE, TWO_LIVES = 1.1, 2.2
 # Part of a panel's tolerance that sums over births may miss.
 OF_SUMS = 0.1
-# Breaks are steady where their rates agree to this share over the longest life, or to this part of the tolerance and of
-# K; rates of steady breaks differ by up to 5e-12, the rounding of slopes (measured on panels of half a mean threshold).
-STEADY_RATES, OF_STEADY = 1e-10, 1e-2
 # Contacts that decohere more slowly than within this many spans of two lives are not followed until they have where X*
 # tells how much is left; modes of longer X* may be hidden by this factor in the range of the force.
 DECOHERES, HIDDEN = 2.0, 100.0
@@ -58,61 +61,13 @@ BETWEEN = polynomials.values(
 BEYOND = 1.0 / np.cos(0.125 * np.pi)
 
 
-class ColdContacts:
-    """Contacts at T = 0 under a spring, with the tolerance and limits of their solution.
-
-    start, formed_again : stretches at t = 0, and at which broken contacts form again
-    unit, spring : mean threshold (a length), and K/(N_c <k>)
-    tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
-    until : reading of time.monotonic() at which to stop
-    largest_stiffness : of a contact, in <k>
-    unknown : bound on what laws that are left out change in the force at a given X (a length)
-    nodes : instants at which number conservation was solved
-    """
-
-    def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
-        self._contacts = contacts
-        self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
-        self.start = contacts.start
-        self.formed_again = reforming_law(contacts)
-        self.largest_stiffness = float(contacts.relative_stiffness(self.life.largest_stretch))
-        # a panel's error is a share of the contacts, each of which bears the largest stretch at most
-        of_panels = OF_PANELS * min(tolerance, MOST_OF_PANELS, spring)
-        self.of_panels = max(of_panels * self.unit / self.life.largest_stretch, LEAST_OF_PANELS)
-        self.steady_rates = max(STEADY_RATES, OF_STEADY * min(tolerance, spring))
-        self.spring, self.until = spring, until
-        self.unknown, self.nodes = 0.0, 0
-
-    @cached_property
-    def _cycle(self) -> Cycle:
-        return Cycle(self._contacts, self.life, 1.0)
-
-    @property
-    def steady_force(self) -> tuple[float, float]:
-        """F_k/(N_c <k>) of a slider that moves forward, and its error (lengths)."""
-        return self._cycle.force()
-
-    @cached_property
-    def decoherence_length(self) -> float:
-        """X*, not too short by its error (a length); inf where F does not tend to F_k as an exponential."""
-        length, error = decoherence_length(self._cycle)
-        return length + error
-
-    def force_of(self, start: Start) -> float:
-        """F/(N_c <k>) of contacts with these stretches (a length)."""
-        still = np.zeros((1, 3))
-        history = Motion.along(np.array([0.0, self.unit])).history(still, still)
-        return float(self.life.survival_and_force(start, history).force[0, 0])
-
-
 @dataclass(frozen=True)
 class LoadingHistory:
     """The history before a straight move of the slider.
 
     start : stretches at its beginning
     march : None before the first move
-    cut, end : distance travelled up to which the march holds, and at which the move begins: in
-        between no contact is born
+    cut, end : t up to which the march holds, and at which the move begins: in between, in a slip, no contact is born
     places : X where the slider began, stopped or turned, and where it is (lengths)
     kinks : times at which breaks jump or bend
     error : of the force, due to errors of this history (a length)
@@ -268,7 +223,8 @@ class Move:
 
     def _advance(self) -> bool:
         """Solve some more panels; False at the end of the plan."""
-        return next(self._batches, self) is not self
+        nothing = object()
+        return next(self._batches, nothing) is not nothing
 
     def stopped(self, y: float, error: float) -> LoadingHistory:
         """The history after the travel y; `error` is that of the force due to it."""

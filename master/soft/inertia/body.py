@@ -5,9 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from master.motion import Motion
+from master.soft.cold_contacts import ColdContacts
 from master.soft.inertia.reaction import Reaction
 from master.soft.inertia.record import Instant, Record, Watched
-from master.soft.moves import ColdContacts, LoadingHistory
+from master.soft.moves import LoadingHistory
 from origins.drive import Drive
 from origins.thresholds.law import Array
 

@@ -11,8 +11,9 @@ from scipy.optimize import brentq
 from master.motion import History
 from master.numerics import polynomials
 from master.renewal.present import Present
+from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve
-from master.soft.moves import ColdContacts, LoadingHistory, Move
+from master.soft.moves import LoadingHistory, Move
 from master.survival.life import ColdLife, Life, Survivors
 from origins.thresholds.law import Array
 

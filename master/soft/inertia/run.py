@@ -6,13 +6,13 @@ import numpy as np
 
 from master.motion import Motion, drive_motion
 from master.outcome import StoppedError
+from master.soft.cold_contacts import ColdContacts
 from master.soft.in_time.refining import AT_BALANCE
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
-from master.soft.moves import ColdContacts
 from master.soft.slips import Slips
 from origins import Contacts
 from origins.brief import brief

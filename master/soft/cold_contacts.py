@@ -1,0 +1,68 @@
+"""Contacts at T = 0 under a spring: their life, how exactly they are followed, and what they tend to."""
+
+from functools import cached_property
+
+import numpy as np
+
+from master.motion import Motion
+from master.renewal.births import reforming_law
+from master.steady.cycle import Cycle
+from master.stick_slip.roots import decoherence_length
+from master.survival.life import ColdLife
+from origins import Contacts
+from origins.start import Start
+
+# Part of the tolerance, and of K, that a panel may miss, and most, in mean thresholds: the begin of a slip depends on
+# F', and the error of a polynomial's slope is some hundred times that of its values. The least, a share of the
+# contacts, is round-off.
+OF_PANELS, MOST_OF_PANELS, LEAST_OF_PANELS = 1e-4, 1e-6, 1e-13
+# Breaks are steady where their rates agree to this share over the longest life, or to this part of the tolerance and of
+# K; rates of steady breaks differ by up to 5e-12, the rounding of slopes (measured on panels of half a mean threshold).
+STEADY_RATES, OF_STEADY = 1e-10, 1e-2
+
+
+class ColdContacts:
+    """Contacts at T = 0 under a spring, with the tolerance and limits of their solution.
+
+    start, formed_again : stretches at t = 0, and at which broken contacts form again
+    unit, spring : mean threshold (a length), and K/(N_c <k>)
+    tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
+    until : reading of time.monotonic() at which to stop
+    largest_stiffness : of a contact, in <k>
+    unknown : bound on what laws that are left out change in the force at a given X (a length)
+    nodes : instants at which number conservation was solved
+    """
+
+    def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
+        self._contacts = contacts
+        self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
+        self.start = contacts.start
+        self.formed_again = reforming_law(contacts)
+        self.largest_stiffness = float(contacts.relative_stiffness(self.life.largest_stretch))
+        # a panel's error is a share of the contacts, each of which bears the largest stretch at most
+        of_panels = OF_PANELS * min(tolerance, MOST_OF_PANELS, spring)
+        self.of_panels = max(of_panels * self.unit / self.life.largest_stretch, LEAST_OF_PANELS)
+        self.steady_rates = max(STEADY_RATES, OF_STEADY * min(tolerance, spring))
+        self.spring, self.until = spring, until
+        self.unknown, self.nodes = 0.0, 0
+
+    @cached_property
+    def _cycle(self) -> Cycle:
+        return Cycle(self._contacts, self.life, 1.0)
+
+    @property
+    def steady_force(self) -> tuple[float, float]:
+        """F_k/(N_c <k>) of a slider that moves forward, and its error (lengths)."""
+        return self._cycle.force()
+
+    @cached_property
+    def decoherence_length(self) -> float:
+        """X*, not too short by its error (a length); inf where F does not tend to F_k as an exponential."""
+        length, error = decoherence_length(self._cycle)
+        return length + error
+
+    def force_of(self, start: Start) -> float:
+        """F/(N_c <k>) of contacts with these stretches (a length)."""
+        still = np.zeros((1, 3))
+        history = Motion.along(np.array([0.0, self.unit])).history(still, still)
+        return float(self.life.survival_and_force(start, history).force[0, 0])
