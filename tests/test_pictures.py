@@ -551,6 +551,17 @@ def test_islands_whose_critical_spring_hangs_on_smoothing_have_no_rank_by_it(
     assert any("hangs on the smoothing" in one.get_text() for one in springs.texts)
 
 
+def test_numerical_errors_that_nobody_sees_are_no_lines() -> None:
+    """Of K* that is known to 1e-10 of itself, and of one with samples."""
+    few = {"kind": "from-samples", "x_s": [0.5, 0.8, 0.9, 1.0, 1.1, 1.3, 1.6]}
+    for law, lines in ((GAUSSIAN, 0), (few, 1)):
+        one = compare([toolkit.load_scene(scene(law, drive={"to": 1.0, "points": 5}))])
+        springs = draw_comparison(one).axes[1]
+        drawn_there = [each for each in springs.containers if hasattr(each, "has_xerr")]
+        assert len(drawn_there) == lines
+        assert ("lines: " in springs.get_title()) == bool(lines)
+
+
 def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:
     drive = {"to": 1e-7, "points": 3}
     for own, label in ((drive | {"area": 1e-6}, "(kN/m)"), (drive, "(GN/m³)")):

@@ -13,6 +13,7 @@ from toolkit.results.kinds import is_known
 from toolkit.scene.scale import SHARED, written
 
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
+_SEEN = 1e-3  # of K*: shorter lines, of numerical errors, would be ticks
 _MARKS = 0.1  # distance of the marks of a curve, in diagonals of the axes
 
 
@@ -151,7 +152,7 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
             axes.barh(row, min(max(value, low), high) - low, left=low, color=color, height=0.6)
         off = error if np.isfinite(value + error) else 0.0
         ends = np.clip([min([*reach, value - off]), max([*reach, value + off])], low, high)
-        if np.ptp(ends):  # below the bar, whose number is beside it
+        if np.ptp(ends) > _SEEN * ends[1]:  # below the bar, whose number is beside it
             bars = {"xerr": np.ptp(ends) / 2.0, "color": "0.2", "capsize": 4}
             axes.errorbar(np.mean(ends), row + 0.4, **bars)
         text = "infinite" if np.isinf(value) else f"{value:.3g}" if unit == SHARED else ""
@@ -171,7 +172,7 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
     axes.set(xscale="log", xlim=(low, high * room))
     name_axis(axes.xaxis, *spring_name(unit))
     told = ["a slider slips at least once on springs below $K^*$"]
-    if any(len(reach) > 1 for reach in over) or any(spring.error for spring in springs):
+    if any(hasattr(one, "has_xerr") for one in axes.containers):
         told.append("lines: readings that were solved, and errors")
     if any(machines):
         told.append("dashed: the machine's spring")
