@@ -48,6 +48,14 @@ def test_the_rows_on_wrong_numbers_name_files_that_are_there() -> None:
     assert len(files) > 20 and missing == []
 
 
+def test_hardly_a_word_of_the_code_means_several_things() -> None:
+    """Five words do, all of them terms of the field; another that comes to is renamed, and gets no row."""
+    text = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+    table = text.split("## Words of the code that mean several things")[1].split("\n## ")[0]
+    words = re.findall(r"^\| ([^|]+) \|", table, re.MULTILINE)[1:]
+    assert words == ["law", "hold", "K, spring", "load", "rate"]
+
+
 def test_the_files_that_run_are_named() -> None:
     """master.solve lists the files of master in which a function runs for the README's scene, in the order in which
     they begin, and no others."""

@@ -29,6 +29,8 @@ class WidthRules:
     first_batch, largest_batch : panels solved together at an edge, and at most. A batch costs one evaluation of earlier
         births; later panels are lost where an early one is bad, so that batches grow by `batch_growth` as they are good
     batch_after_narrowing : panels of the next batch after a bad one: the new width may be too large, too
+    batch_after_widening : part of the batch that is left as panels widen, as the new width may be too large; one is
+        left where widths change often
     narrowing, far_narrowing : factor on the width after a bad panel, and where its error is `far_off` times the
         tolerance: two halvings of a polynomial of degree 16 reduce it 1e9 times, but behind a root of t only twice
     aim : of the tolerance, the error at which the width aims where two bad widths show by what power of it errors fall
@@ -39,7 +41,7 @@ class WidthRules:
         than that, and to wait for 2^-16 would keep panels narrow far behind it; one that is too wide is only done again
     rounding : residual of conservation, in contacts, which no width reduces: errors below it let panels widen, too
     patience : good panels of one width before the next are widened: each width needs sums of its own, which costs
-        as much as solving some 30 panels. Panels narrower than half the first guess wait for none
+        as much as solving some 30 panels. Panels up to `is_narrow` of the first guess wait for none
     widening, far_widening, calm_widening : factor on the width; where errors are `far_below` the spare ones; and where
         hardly any contact breaks
     calm : part of the tolerance below which breaks on a panel are hardly any: polynomials of all widths fit them
@@ -56,6 +58,7 @@ class WidthRules:
     largest_batch: int = 256
     batch_growth: int = 2
     batch_after_narrowing: int = 2
+    batch_after_widening: float = 0.25
     narrowing: float = 0.5
     far_narrowing: float = 0.25
     far_off: float = 100.0
@@ -65,6 +68,7 @@ class WidthRules:
     spare_late: float = 0.5**polynomials.DEGREE
     rounding: float = 1e-14
     patience: int = 32
+    is_narrow: float = 0.5
     widening: float = 2.0
     far_widening: float = 4.0
     far_below: float = 1e-4
@@ -163,7 +167,7 @@ class PanelWidth:
         rules, width, largest = self.rules, proposal.width, float(errors.max())
         self._bad_error = 0.0
         calm = broken < rules.calm * self.tolerance
-        narrow = width <= 0.5 * self._guess
+        narrow = width <= rules.is_narrow * self._guess
         # where contacts break at rates of all sizes, and behind a point that no polynomial resolves, wider panels soon
         # suffice
         soon = calm or narrow or not self._quick
@@ -178,7 +182,7 @@ class PanelWidth:
             return
         factor = rules.far_widening if largest < rules.far_below * spare else rules.widening
         self.widest = min((rules.calm_widening if calm else factor) * width, self._whole_life)
-        self._batch_size = 1 if soon else max(1, self._batch_size // 4)
+        self._batch_size = 1 if soon else max(1, int(rules.batch_after_widening * self._batch_size))
         self._good_panels = 0
 
 

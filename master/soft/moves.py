@@ -236,12 +236,13 @@ class Move:
     def _plan(self, march: March | None, cut_at: float, continued_from: float) -> None:
         """Set the march that continues from `continued_from`; from `cut_at` to there no contact is born."""
         contacts, start = self.contacts, self.loaded.start
-        life, again, end = contacts.life, contacts.formed_again, continued_from - self.loaded.end
+        life, end = contacts.life, continued_from - self.loaded.end
         # no finer than the rounding of positions, to which survivals fall within a resolution length
         rounding = np.spacing(continued_from + self._ahead) / life.resolution_length
         tolerance = max(contacts.of_panels, rounding)
         motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
-        births = Births(life, again, motion, accuracy=OF_SUMS * tolerance, until=contacts.until)
+        formed = contacts.formed_again
+        births = Births(life, formed, motion, accuracy=OF_SUMS * tolerance, until=contacts.until)
         if march is None:
             march = March(births, start, np.empty(0), tolerance, self._guess, life.largest_stretch)
         else:

@@ -38,7 +38,7 @@ class StepControl(NamedTuple):
         travel, and need resolve the first changes only.
     e_folds : of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as of
         fresh contacts that heat breaks at rest, see `Steps.begin_section`.
-    creep : part of a step up to which the slider may go farther than its drive, see `Steps.longest` (not creep.py)
+    beyond_drive : part of a step up to which the slider may go farther than its drive, see `Steps.longest`
     back : travel against `Steps.sign`, in the steps of time beside it, from which on it is counted the other way
     time_fractions : of a step's size, from the latest on, where a balance before exact thresholds break is looked for
     """
@@ -48,7 +48,7 @@ class StepControl(NamedTuple):
     per_e_fold_of_hold: float = 2.0
     per_e_fold_of_move: float = 0.4
     e_folds: float = 0.5
-    creep: float = 0.03
+    beyond_drive: float = 0.03
     back: float = 0.5
     time_fractions: tuple[float, ...] = (
         *(1.0, 0.999, 0.99, 0.97, 0.94, 0.9, 0.8, 0.7, 0.6, 0.45, 0.3, 0.2, 0.1, 0.03),
@@ -220,11 +220,11 @@ class Steps:
 
         No step takes time beyond the section's end: what a size has left there would be travel without balance. A step
         up to there has the size time_part + travel/length if the slider goes as far as its drive. This is twice that,
-        as it goes farther before a slip; and at least CONTROL.creep, as it does under a drive that hardly moves."""
-        now, end = self.contacts.now, self.section_end
-        travel = float(np.abs(np.diff(self._drive_motion.at(np.array([now, end])))[0]))
-        time_part = self._count.steps(end) - self._count.steps(now)
-        least = 0.0 if self.contacts.memory.exact else CONTROL.creep * 0.5**self.contacts.halvings
+        as it goes farther before a slip; and at least CONTROL.beyond_drive, but for exact thresholds."""
+        contacts, end = self.contacts, self.section_end
+        travel = float(np.ptp(self._drive_motion.at(np.array([contacts.now, end]))))
+        time_part = self._count.steps(end) - self._count.steps(contacts.now)
+        least = 0.0 if contacts.memory.exact else CONTROL.beyond_drive * 0.5**contacts.halvings
         return max(2.0 * (time_part + travel / self.length), least) if travel else np.inf
 
     def imbalance(self, trial: Trial) -> float:
