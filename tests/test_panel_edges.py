@@ -11,7 +11,7 @@ import master.renewal.edges as panel_edges
 from master.motion import Motion
 from master.numerics.table import Table
 from master.renewal.births import Births, reforming_law
-from master.renewal.edges import edges
+from master.renewal.edges import edges, passings
 from master.renewal.panel_width import PanelWidth
 from master.rigid import march_of
 from master.solve import solve
@@ -46,6 +46,14 @@ def test_the_edges_of_the_example_at_the_head_of_the_file_are_these():
     ]
     assert [kink.needed for kink in found.kinks] == [bool(needed) for _, _, needed in told]
     assert len(told) == 10 and found.times[[0, -1]].tolist() == [0.0, 2.0]
+
+
+def test_the_example_of_passings():
+    """The numbers of the docstring: a bend on the way there, and the way back to the largest |x|."""
+    motion = Motion.along(np.array([0.0, 0.5, -1.0]))
+    met = list(passings(motion, 0.0, 0.2, np.array([0.6])))
+    assert [time for time, _ in met] == pytest.approx([0.4, 1.9])
+    assert met[0][1] == 0.6 and np.isnan(met[1][1])
 
 
 def tried(error_of, length=1.0, first=0.1, tolerance=1e-8):

@@ -213,22 +213,28 @@ def same_time(motion: Motion, time: float) -> float:
 def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[tuple[float, float]]:
     """Times at which the |x| of contacts born then, at a stretch x, first passes one of the lengths `bends`, each with
     that length; and at which |x|, after a turn, comes back to its largest value so far, each with nan: there contacts
-    begin to break at their thresholds again, at which none breaks on the way back."""
+    begin to break at their thresholds again, at which none breaks on the way back.
+
+    Born at X = 0 with x = 0.2 on the path 0 -> 0.5 -> -1, at the speed 1, with one bend at 0.6: |x| passes it at
+    t = 0.4, is 0.7 at the turn, t = 0.5, falls to 0, and comes back to 0.7, at x = -0.7, at t = 1.9: (0.4, 0.6) and
+    (1.9, nan)."""
     first = int(motion.leg(birth + same_time(motion, birth)))
     times, speeds = np.append(birth, motion.times[first + 1 :]), motion.speeds[first:]
     stretch = np.cumsum(np.append(x, speeds * np.diff(times)))
     farthest = np.maximum.accumulate(np.abs(stretch))
-    before, reached = farthest[:-1], np.abs(stretch[1:])
+    before, reached = farthest[:-1], np.abs(stretch[1:])  # before a leg, and at its end
     rounded = reached * (1.0 + SAME_TIME)
-    # where a leg ends just at the largest value so far, no contact is stretched further
+    # where a leg ends just at the largest value so far, no contact is stretched further; but a bend there is met
     passes = before * (1.0 + SAME_TIME) < reached
     meets = np.searchsorted(bends, before, "right") < np.searchsorted(bends, rounded, "right")
     for leg in np.flatnonzero((passes | meets) & (speeds != 0.0) & (np.diff(times) > 0.0)).tolist():
         begin, end = times[leg], times[leg + 1]
-        speed, x = speeds[leg], stretch[leg]
-        back = [(before[leg], np.nan)] if passes[leg] and (leg or x * speed < 0.0) else []
+        speed, at_begin = speeds[leg], stretch[leg]
+        # on its first leg a contact comes back only if it was born stretched against the motion
+        comes_back = passes[leg] and (leg or at_begin * speed < 0.0)
+        back = [(before[leg], np.nan)] if comes_back else []
         new = bends[(before[leg] < bends) & (bends <= rounded[leg])].tolist()
         for goal, bend in [*back, *zip(new, new, strict=True)]:
-            t = begin + (np.sign(speed) * goal - x) / speed
+            t = begin + (np.sign(speed) * goal - at_begin) / speed
             if t > begin:
                 yield float(min(t, end)), bend
