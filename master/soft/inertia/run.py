@@ -58,6 +58,7 @@ class Run:
     record, balance : results at the path's points, and X_T at t = 0; force : of the spring, as far as it was followed
     tolerance : what is asked of it; stopped : why it was not followed to the end
     stored_first : energy of the contacts at t = 0
+    goes_on : what small swings change that are not followed, None where all are
     """
 
     def __init__(
@@ -82,7 +83,7 @@ class Run:
         self.record = Record(drive.arrival_times(self.balance), unit)
         slider: DelayedSlider | InertialSlider
         if contacts.waiting_time:
-            given = drive, motion, self.record, tolerance * unit
+            given = drive, motion, self.record, tolerance * unit, asked * unit
             slider = DelayedSlider(contacts, *given, until)
         else:
             slider = InertialSlider(cold, drive, motion, self.record, tolerance * unit)
@@ -95,6 +96,7 @@ class Run:
             if self.stopped == RINGS:
                 self.stopped += f" ({enough_damping(drive)})"
         self.nodes = slider.nodes
+        self.goes_on = slider.goes_on if isinstance(slider, DelayedSlider) else None
         solved = np.isfinite(self.record.place)
         count = solved.size if solved.all() else int(np.argmin(solved))
         self.force = spring * (drive.path[:count] - self.record.place[:count])

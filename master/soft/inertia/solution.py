@@ -13,6 +13,7 @@ from master.soft.followed import LOOSEN, ErrorPart, Followed
 from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
+from master.soft.inertia.delayed.small_swings import UNRESOLVED
 from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
@@ -94,11 +95,15 @@ def solve_inertial(
     if short is not None:
         contacts, drive = short.contacts, short.drive
     unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
-    best, parting = Run(contacts, drive, tolerance, TOLERANCES[0], until), ""
+    parts, nodes = list(TOLERANCES), 0
+    while True:
+        best = Run(contacts, drive, tolerance, parts.pop(0), until)
+        nodes += best.nodes
+        if best.stopped != UNRESOLVED or not parts:
+            break
+    coarser, stopped, parting = best, best.stopped, ""
     error = of_contacts = np.inf
-    coarser = best
-    stopped, nodes = best.stopped, best.nodes
-    for part in TOLERANCES[1:]:
+    for part in parts:
         if stopped or error <= tolerance or part * tolerance < LEAST:
             break
         before, run = best, Run(contacts, drive, tolerance, part, until)
@@ -119,9 +124,19 @@ def solve_inertial(
     left_out = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
         left_out += idle.error
+    notes, of_holding = list[str](), best.tolerance if np.isinf(error) else 0.0
     if short is not None:
         left_out += short.error
         short.correct(best.record)
+        notes.append(short.message)
+    if (swings := best.goes_on) is not None:
+        left_out += swings.force / unit
+        of_contacts += swings.contact_force / unit
+        of_holding = max(of_holding, swings.holding)
+        notes.append(
+            f"from X_T = {swings.since:.6g} on, swings of the force by {swings.force / unit:.1e} are told by their "
+            "middle, as they neither grow nor drift"
+        )
     found = Followed(
         balance=best.balance,
         force=best.force,
@@ -130,14 +145,14 @@ def solve_inertial(
             (error + left_out) * unit / spring, best.duration_error(coarser, error + left_out)
         ),
         error=error + left_out,
-        of_holding=ErrorPart("the share that holds", best.tolerance if np.isinf(error) else 0.0),
+        of_holding=ErrorPart("the share that holds", of_holding),
         nodes=nodes,
         stopped_because=stopped,
         parts=(
             ErrorPart(f"two runs with other tolerances{parting}", error),
-            ErrorPart("rounding, and heat or a delay that is left out", left_out, LOOSEN),
+            ErrorPart("rounding, and heat, a delay or swings that are left out", left_out, LOOSEN),
         ),
-        note=short.message if short is not None else "",
+        note="; ".join(notes),
     )
     record = best.record
     record.finish()

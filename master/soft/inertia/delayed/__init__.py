@@ -19,12 +19,14 @@ form, and what holds follows from the rate of births and its slope (`FastSliding
 beside the delay, too, and its contacts have forgotten their start, births themselves follow from the speed, and
 friction is F_k of the present speed but for its rise: a slip of a million thresholds then takes some hundred panels.
 
+Small swings that neither grow nor drift are not followed to the path's end, but told by their middle (`SmallSwings`).
+
 The error of the force is what the last coefficients of the polynomials miss, on the worst panel; the caller runs the
 slider with tighter tolerances, too, and compares (`master/soft/inertia/solution.py`).
 
 In reading order: `slider.py`, `body.py` and `drive_path.py`, `panels.py`, `panel_search.py` and `width_control.py`,
 `collocation.py`, `pull.py` and `panel.py`, `cohorts.py` and `survival.py`, `past_breaks.py` and `panel_births.py`,
-`fast_sliding.py`, and `swinging.py`. How the number of contacts is conserved says `past_breaks.py`.
+`fast_sliding.py`, `swinging.py`, and `small_swings.py`. How the number of contacts is conserved says `past_breaks.py`.
 
 Tests: tests/test_mass_delay_master.py, parts by themselves first, test_births_are_the_breaks_one_delay_before among
 them; and test_mass_agreement.py beside the ensemble.

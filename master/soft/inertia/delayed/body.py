@@ -60,6 +60,7 @@ class DelayedBody:
     contacts : cohorts that have formed up to now
     past : breaks up to now, which are the births to come
     energies : up to now
+    pull : force of the contacts at the end of the last panel (a length)
     """
 
     def __init__(
@@ -79,7 +80,7 @@ class DelayedBody:
         self.contacts = Cohorts.at_start(contacts, Survival(contacts.thresholds))
         self.past = PastBreaks(contacts.waiting_time, self.contacts.unbroken())
         self.past.kink(0.0)
-        self.energies = Energies(0.0, 0.0, 0.0)
+        self.energies, self.pull = Energies(0.0, 0.0, 0.0), 0.0
         self._many = MANY
 
     def take_panel(
@@ -102,7 +103,8 @@ class DelayedBody:
         self.past.formed += formed
         self._go_to(end, contacts, spent, form_rest=not steady)
         self._check_number()
-        self._check_force(float(panel.at(panel.end, FORCE)))
+        self.pull = float(panel.at(panel.end, FORCE))
+        self._check_force(self.pull)
         if self.contacts.born.size > self._many:
             self.contacts = self.contacts.merged(OF_MERGING * self.accuracy, self.near(end.x))
             self._many = MANY + self.contacts.born.size

@@ -70,11 +70,13 @@ class OnPanels:
         contacts of a start at one stretch reach a bend of P_c
     """
 
-    def __init__(self, body: DelayedBody, record: Record, contacts: Contacts) -> None:
-        """Before the first panel; the record is told of falls of the spring's force."""
-        self._body, self._record = body, record
-        self._sliding = FastSliding(contacts.thresholds)
-        self.search = PanelSearch(body, self._sliding)
+    def __init__(
+        self, body: DelayedBody, sliding: FastSliding, record: Record, contacts: Contacts
+    ) -> None:
+        """Before the first panel; `sliding`: what the contacts' law says of a slider that passes many thresholds; the
+        record is told of falls of the spring's force."""
+        self._body, self._record, self._sliding = body, record, sliding
+        self.search = PanelSearch(body, sliding)
         self.turns = 0
         self._levels = list[float]()
         if contacts.start.is_single:

@@ -10,8 +10,10 @@ from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.body import DelayedBody
 from master.soft.inertia.delayed.drive_path import DrivePath
+from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import NODES
 from master.soft.inertia.delayed.panels import OnPanels
+from master.soft.inertia.delayed.small_swings import GoesOn, SmallSwings
 from master.soft.inertia.delayed.swinging import SwingEnd, Swinging
 from master.soft.inertia.record import Record
 from origins import Contacts
@@ -25,6 +27,7 @@ class DelayedSlider:
     """A slider with mass and a delay that is followed along the path of its drive.
 
     stored_first : energy of the contacts at t = 0, per N_c<k> (length squared)
+    goes_on : what small swings change that are not followed up to the path's end; None where all are
 
     The body is the state; both kinds of motion change it in turns.
     _swings : closed motions so far
@@ -37,17 +40,22 @@ class DelayedSlider:
         motion: Motion,
         record: Record,
         tolerance: float,
+        asked: float,
         until: float,
     ) -> None:
         """At rest, in balance, at t = 0.
 
         motion : of the drive; record : is told of all that happens
-        tolerance : of the force (a length); until : reading of time.monotonic() at which to stop
+        tolerance, asked : of the force, in this run, and as the user asked for it (lengths)
+        until : reading of time.monotonic() at which to stop
         """
         self._until, self._path = until, DrivePath(motion)
         self._body = DelayedBody(contacts, drive, self._path, record, tolerance)
-        self._on_panels = OnPanels(self._body, record, contacts)
+        sliding = FastSliding(contacts.thresholds)
+        self._on_panels = OnPanels(self._body, sliding, record, contacts)
         self._swinging, self._swings = Swinging(self._body, record), 0
+        self._small_swings = SmallSwings(self._body, sliding, record, asked)
+        self.goes_on: GoesOn | None = None
         self.stored_first = self._body.contacts.stored(0.0)
 
     @property
@@ -58,9 +66,11 @@ class DelayedSlider:
     def run(self) -> None:
         """Follow the drive to its end; StoppedError where that takes too long."""
         self._swing()
-        while not self._path.over:
+        while not self._path.over and self.goes_on is None:
             self._check_limits()
-            if self._on_panels.advance():
+            turned = self._on_panels.advance()
+            self.goes_on = self._small_swings.goes_on()
+            if turned and self.goes_on is None:
                 self._swing()
 
     def _swing(self) -> None:
