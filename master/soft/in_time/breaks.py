@@ -74,7 +74,8 @@ class BreaksInSteps:
     def births_up_to(self, *, begin: float, end: float) -> BirthsUpTo:
         """Births up to the end of a step from `begin`, the end of the last step, to `end`, times on the path. Their
         names are asked for, as no type tells them apart. They may be less than those told so far, where the last step
-        was longer than the delay and led to a slip: it took the rate of breaks as constant, and that rises."""
+        was longer than the delay and led to a slip: it took the rate of breaks as constant, and that rises. While
+        contacts hold no birth is taken back."""
         if not self.delay:
             return BirthsUpTo(1.0, 0.0)
         last, coming = self._repeated, self._to_repeat[:1]

@@ -171,7 +171,7 @@ class ContactsInSteps:
         nothing_forms = (end == self.now) if self.delay else (survival <= 0.0)
         if not (without_births or nothing_forms):
             per_break, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
-            rest = rest if per_break else max(rest, self._births)  # see births_up_to
+            rest = max(rest, self._births) if self.holding and not per_break else rest
         broken_again = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - kept + survival * self._births + broken_again * rest
         # 1 - broken_again per_break, in a form that keeps its digits where hardly any of those born hold
