@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from master.outcome import FaultError
 from origins import Drive
 from origins.thresholds.law import Array
 
@@ -36,6 +37,10 @@ class Motion:
     def __init__(self, times: Array, positions: Array) -> None:
         later = np.append(True, np.diff(times) > 0.0)
         times, positions = times[later], positions[later]
+        if times.size < 2:
+            raise FaultError(
+                f"all knots of a motion are at t = {times[0]:.6g}, a fault of the program"
+            )
         steps = np.diff(times)
         speeds = np.diff(positions) / steps
         # speeds that differ by 1e-9 count as equal: quotients of positions and times are rounded, to 1e-13 where a path

@@ -9,6 +9,7 @@ import master
 import origins
 from master import rigid
 from master.motion import Motion
+from master.outcome import FaultError
 from master.renewal.march import March
 from master.renewal.solved import SolvedPanels
 from master.soft.followed import ErrorPart, Followed
@@ -188,3 +189,11 @@ def test_an_error_of_which_a_part_is_unknown_says_which() -> None:
     success, said = unknown.outcome(contacts, Drive([1.0, 2.0], spring=0.3), 1e-3, "X_T")
     why = "no error is known without that of what is not; do less"
     assert not success and said == f"neither force nor slips are known: {why}"
+
+
+def test_a_motion_that_lasts_no_time_says_so() -> None:
+    """Its speed was 0/0, of which numpy warned."""
+    with pytest.raises(
+        FaultError, match=r"all knots of a motion are at t = 3, a fault of the program"
+    ):
+        Motion(np.array([3.0, 3.0]), np.array([0.0, 1.0]))
