@@ -2,6 +2,7 @@
 
 import re
 import time
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -637,7 +638,11 @@ def test_a_slip_that_is_long_beside_the_delay_is_that_of_sliding_at_each_speed(
 
 
 @pytest.mark.parametrize(
-    ("law", "spring", "waits"), [(WIDE, 1e-3, 5e-3), (origins.persson(1.0, 0.5), 1e-3, 2e-3)]
+    ("law", "spring", "waits"),
+    [
+        pytest.param(WIDE, 1e-3, 5e-3, marks=pytest.mark.slow),
+        (origins.persson(1.0, 0.5), 1e-3, 2e-3),
+    ],
 )
 def test_a_delay_that_is_taken_as_a_part_of_the_damping_is_off_by_less_than_it_tells(
     monkeypatch: pytest.MonkeyPatch, law: origins.Thresholds, spring: float, waits: float
@@ -666,6 +671,28 @@ def test_a_delay_that_is_taken_as_a_part_of_the_damping_is_off_by_less_than_it_t
     for part in ("drive", "damped", "released", "contacts", "kinetic", "spring"):
         ours, theirs = (getattr(one.energy, part)[-1] for one in (told, known))
         assert ours == pytest.approx(theirs, abs=1e-3 * known.energy.drive[-1])
+
+
+def test_what_a_short_delay_changes_by_hand() -> None:
+    """Sliding at V, a share τ V/<x_s> waits, and the friction falls by F_k τ/<x_s> V, as if γ were less by so much."""
+    wait, damping, law = 2e-5, 3e-3, WIDE
+    drive = Drive(np.linspace(0.1, 1.4, 40) / 1e-4, 1e-3, spring=1e-4, mass=0.1, damping=damping)
+    short = short_delay(delayed(wait, law), drive, 1e-3, time.monotonic() + 60.0)
+    assert short is not None and short.contacts.delay is None
+    takes = 0.5 * law.moment(2) / law.mean() ** 2 * wait
+    assert short.drive.damping == pytest.approx(damping - takes, rel=1e-12)
+    told = SimpleNamespace(
+        holding=np.ones(2),
+        speed=np.array([0.0, -300.0]),
+        damped=np.array([0.0, 0.7]),
+        on_contacts=np.array([0.2, 0.9]),
+    )
+    short.correct(told)  # type: ignore[arg-type]
+    assert told.holding == pytest.approx([1.0, 1.0 / (1.0 + 300.0 * wait / law.mean())])
+    # of what the smaller damping took the whole one takes more, and that is not released by breaks
+    more = 0.7 * takes / (damping - takes)
+    assert told.damped == pytest.approx([0.0, 0.7 + more], rel=1e-12)
+    assert told.on_contacts == pytest.approx([0.2, 0.9 - more], rel=1e-12)
 
 
 @pytest.mark.parametrize("changed", [{"spring": 0.1}, {"damping": 1e-5}, {"delay": 0.1}])
