@@ -330,6 +330,17 @@ def test_cohorts_that_are_alike_are_merged_and_pull_as_before() -> None:
         assert 0.01 * least < off.max() < least
 
 
+def test_merged_cohorts_lie_between_those_that_they_were() -> None:
+    """Also where one of two has a weight below 0, as what panels miss may: no stretch is below 0."""
+    born = np.array([1.0, 0.999, 0.998, 0.997])
+    weight = np.array([0.2, -0.09, 0.3, -0.1])
+    cohorts = Cohorts(Survival(WIDE), born, 1.0 - born, weight)
+    few = cohorts.merged(1.0, near=1e-9)
+    assert few.born.size == 1
+    assert few.unbroken() == pytest.approx(cohorts.unbroken(), abs=1e-15)
+    assert 0.0 <= few.largest[0] <= 0.003 and 0.997 <= few.born[0] <= 1.0
+
+
 @pytest.mark.parametrize("speed", [50.0, 200.0])
 def test_contacts_that_form_and_break_on_a_panel_hold_as_many_as_a_quadrature_says(
     speed: float,

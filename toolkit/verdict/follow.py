@@ -29,6 +29,8 @@ from toolkit.verdict.machine import (
 TOLERANCE, TOLERANCE_IN_TIME, ENOUGH = 1e-6, 1e-3, 0.05
 # the latter where it is only told whether the slider slips: slips of a third of it are listed
 WHETHER_IT_SLIPS = 0.03
+# of a slider with mass and a delay, of which 1e-3 takes some times as long
+TOLERANCE_WITH_DELAY = 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
 LENGTHS = (LOADINGS, 20.0, 60.0)
 # of critical damping, taken where none is given and the slider rings for too long
@@ -82,6 +84,8 @@ def follow(
     one_length = rule != "mass" and may_follow(machine, contacts, rule, known)
     lengths = LENGTHS[:1] if one_length else LENGTHS
     tolerance = in_time if contacts.in_time else TOLERANCE
+    if rule == "mass" and contacts.waiting_time:
+        tolerance = max(tolerance, TOLERANCE_WITH_DELAY)
     ways = [each * loading for each in lengths]
     found = _by_distribution(machine, contacts, rule, ways, until, tolerance)
     if found.kind != "undecided":

@@ -123,9 +123,10 @@ class Cohorts:
 
     def merged(self, least_force: float, near: float) -> "Cohorts":
         """Fewer cohorts: two that are alike become one, born at their mean place and stretched by their mean most. As
-        many hold, and pull as strongly, as before; what is lost by that later, in all, is less than `least_force`, of
-        second order in how far two differ. Cohorts are merged only where they break on from the same position, ahead or
-        behind, but for a distance `near`: the force has a kink there; and none at exact thresholds."""
+        many hold as before, and pull as strongly, but for those that have a weight below 0; what is lost in the force,
+        now and later, is less than `least_force` in all, of second order in how far two differ. Cohorts are merged only
+        where they break on from the same position, ahead or behind, but for a distance `near`: the force has a kink
+        there; and none at exact thresholds."""
         if self.survival.atoms.size:
             return self
         found = self
@@ -144,14 +145,17 @@ class Cohorts:
         pair = held[second - 1] + held[second]
         apart = np.hypot(born[second] - born[second - 1], largest[second] - largest[second - 1])
         # a weight may be below 0, see `moved`; two that nearly cancel have no mean place
-        larger = np.maximum(np.abs(held[second - 1]), np.abs(held[second]))
-        alike, lost = np.abs(pair) > 0.5 * larger, np.full(second.size, np.inf)
+        sizes = np.abs(held[second - 1]), np.abs(held[second])
+        alike, lost = np.abs(pair) > 0.5 * np.maximum(*sizes), np.full(second.size, np.inf)
         alike &= np.abs(level[second] - level[second - 1]) <= near
-        product = np.abs(held[second - 1] * held[second]) * apart**2
-        lost[alike] = product[alike] / np.abs(pair[alike])
+        mean = np.divide(sizes[0] * sizes[1], np.abs(pair), out=np.zeros(pair.size), where=alike)
+        # the larger one's place is taken where only one is below 0
+        moves = np.where(held[second - 1] * held[second] < 0.0, np.minimum(*sizes), 0.0)
+        lost[alike] = (apart * (mean * apart / self.survival.width + moves))[alike]
         cheapest = np.argsort(lost)
-        merge = cheapest[np.cumsum(lost[cheapest]) <= least_force * self.survival.width]
-        of_second, pair, second = held[second[merge]] / pair[merge], pair[merge], second[merge]
+        merge = cheapest[np.cumsum(lost[cheapest]) <= least_force]
+        pair, second = pair[merge], second[merge]
+        of_second = np.clip(held[second] / pair, 0.0, 1.0)
         for values in (born, largest):
             values[second - 1] += of_second * (values[second] - values[second - 1])
         weight[second - 1] = pair / self.survival.sf(largest[second - 1] * (1.0 + TIE))
