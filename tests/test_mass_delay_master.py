@@ -727,6 +727,8 @@ def test_a_machine_whose_delay_makes_sliding_swing_slides_on_so() -> None:
     path = np.linspace(0.3, 2.5, 40) / machine["spring"]
     found = master.solve(delayed(1e-7), path, 1e-3, wall_time=300.0, velocity=velocity, **machine)
     assert found.success and "swings of the force" in found.message
+    # numbers of Python, which JSON takes
+    assert type(found.force_error) is float and type(found.contact_force_error) is float
     kinetic = 0.5 * WIDE.moment(2) / WIDE.mean()
     assert abs(found.force[-1] - kinetic) < found.force_error < 1e-3
     energy = found.energy

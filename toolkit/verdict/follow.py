@@ -280,7 +280,7 @@ def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
         period=solved.period,
         slips=slips.drive.size,
         error=solved.force_error,
-        success=solved.success or (kind != "undecided" and solved.force_error < ENOUGH),
+        success=bool(solved.success or (kind != "undecided" and solved.force_error < ENOUGH)),
         message=solved.message if not solved.success else solved.regime.reason,
         run_time=solved.run_time,
         slip_time=last_of(slips, "duration"),

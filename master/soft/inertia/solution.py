@@ -144,7 +144,7 @@ def solve_inertial(
         slips=best.slips(
             (error + left_out) * unit / spring, best.duration_error(coarser, error + left_out)
         ),
-        error=error + left_out,
+        error=float(error + left_out),
         of_holding=ErrorPart("the share that holds", of_holding),
         nodes=nodes,
         stopped_because=stopped,
@@ -166,7 +166,7 @@ def solve_inertial(
         run_time=time.perf_counter() - began,
         velocity=record.speed[solved],
         contact_force=record.contact_force[solved],
-        contact_force_error=of_contacts + left_out,
+        contact_force_error=float(of_contacts + left_out),
         energy=_energy(record, found, spring, float(drive.mass or 0.0), best.stored_first),
     )
 
