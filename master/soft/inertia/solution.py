@@ -36,6 +36,9 @@ UNSEEN = OF_PANELS + ALIKE + QUIET
 # Times the difference of two runs in the error where contacts form after a delay: births repeat the errors of breaks,
 # which fall less regularly (in 1 of 63 random machines the difference alone was 1.5 times too small).
 SAFETY_OF_DELAY = 2.0
+# And part of a run's tolerance that its error is at least told with then: both runs may agree by chance (of 64 random
+# machines one was off by 0.09 of it, and 2.7 times what both differed by).
+LEAST_WITH_DELAY = 0.1
 # Smallest tolerance of a run, in mean thresholds: below it all is rounding. Rounding of the force, relative to K X_T.
 LEAST, ROUNDING = 1e-11, 1e-14
 
@@ -113,7 +116,10 @@ def solve_inertial(
             differ, contacts_differ = best.differ(before)
             unseen = UNSEEN * part * tolerance
             safety = SAFETY_OF_DELAY if contacts.waiting_time else 1.0
-            error, of_contacts = safety * differ + unseen, safety * contacts_differ + unseen
+            least = LEAST_WITH_DELAY * part * tolerance if contacts.waiting_time else 0.0
+            error, of_contacts = (
+                max(safety * off + unseen, least) for off in (differ, contacts_differ)
+            )
             parting = run.parting(before, (tolerance - unseen) / safety)
             progress(error)
     most = float(best.record.holding[: best.force.size].max(initial=0.0))
