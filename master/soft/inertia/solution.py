@@ -107,7 +107,8 @@ def solve_inertial(
     coarser, stopped, parting = best, best.stopped, ""
     error = of_contacts = np.inf
     for part in parts:
-        if stopped or error <= tolerance or part * tolerance < LEAST:
+        of_swings = best.goes_on.force / unit if best.goes_on is not None else 0.0
+        if stopped or error + of_swings <= tolerance or part * tolerance < LEAST:
             break
         before, run = best, Run(contacts, drive, tolerance, part, until)
         nodes, stopped = nodes + run.nodes, run.stopped
