@@ -35,6 +35,7 @@ class Motion:
     """
 
     def __init__(self, times: Array, positions: Array) -> None:
+        """Through these knots, times in order; FaultError where all share one time."""
         later = np.append(True, np.diff(times) > 0.0)
         times, positions = times[later], positions[later]
         if times.size < 2:

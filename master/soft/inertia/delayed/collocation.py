@@ -5,8 +5,9 @@ With W the speeds at the nodes and A the matrix of integrals up to them, X = X_0
     M (W - W_0) + A (γ W + F + K (X - X_T)) = 0.
 
 Births up to a node are the breaks up to one delay before, so that none is lost whatever their rate is in between. Where
-that lies on the same panel, they follow from the last guess. Those born on the panel have survivals S(X_i - X_j), which
-integrals up to the node i are taken of. Where sliding is nearly steady births follow from the speed (`Sliding`).
+that lies on the same panel, births and breaks are solved together, for given places X. Those born on the panel have
+survivals S(X_i - X_j), which integrals up to the node i are taken of. Where sliding is nearly steady births follow from
+the speed (`Sliding`).
 """
 
 from typing import NamedTuple

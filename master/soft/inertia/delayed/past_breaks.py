@@ -108,14 +108,6 @@ class PastBreaks:
         """The same without the few that broke in closed motions."""
         return self.born(t) - self._jumps[bisect_right(self._begins, t - self.delay)]
 
-    def birth_rate(self, t: float) -> float:
-        """Births per time at a time."""
-        broken_at = t - self.delay
-        at = bisect_right(self._begins, broken_at) - 1
-        if at < 0 or broken_at > self._panels[at].end:
-            return 0.0
-        return float(self._panels[at].slope(broken_at, BREAKS))
-
     def next_birth(self, t: float, share: float) -> float:
         """A time after t up to which at most this share of all contacts is born, and about as late as that; inf where
         no more are due."""

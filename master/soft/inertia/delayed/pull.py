@@ -114,13 +114,13 @@ class PullOnPanel:
         force = old.force + way * new.force
         return Pull(old.holding + new.holding, force, np.diag(old.slope), np.diag(drag), new.missed)
 
-    def _slow(self, x: Array, births: PanelBirths) -> Pull:
+    def _slow(self, x: Array, births: PanelBirths) -> Pull | None:
         """The contacts' pull at the places X where those born on the panel are summed node by node, with births that
         are the breaks one delay before also where these are on the panel.
 
         With b the births at PLACES, those that hold are h = h_0 + H b and F = F_0 + G b, where h_0 and F_0 are of the
         contacts that have formed before. As no contact is lost, breaks since the panel's beginning are h(begin) - h + b
-        at the nodes, so that b is solved of a linear system, and so is db/dX.
+        at the nodes, so that b solves a linear system, and so does db/dX; None where that has no solution.
 
         The integral over births up to the node i is taken of the polynomial through all nodes, which needs S also for
         births after i, at stretches below 0. There 2 - S(|y|) goes on with the value and the slope of S; S(|y|) would
@@ -138,9 +138,12 @@ class PullOnPanel:
         if not births.all_known:
             of_breaks, before = births.of_breaks[:, 1:], self._held_before
             system = np.eye(x.size + 1) - of_breaks @ (np.eye(x.size, x.size + 1, 1) - hold)
-            to_births = np.linalg.solve(system, of_breaks)
-            known = np.linalg.solve(system, births.known)
-            births.take(known + to_births @ (before - old.holding))
+            try:
+                solved = np.linalg.solve(system, np.column_stack([of_breaks, births.known]))
+            except np.linalg.LinAlgError:
+                return None
+            to_births = solved[:, :-1]
+            births.take(solved[:, -1] + to_births @ (before - old.holding))
         counted = self._width * TO_NODES * births.rate
         # S and y S(y) have the slopes -P_c and S - y P_c, by X_i - X_j
         by_place = _of_differences(counted * (survival - stretch * density), old.slope)

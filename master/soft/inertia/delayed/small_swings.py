@@ -27,8 +27,6 @@ ALIKE, TWICE = 0.1, 2.0
 # Part of the tolerance of the force that swings may take; and after so many more of them they may take more, as a
 # slider that is followed to its limits tells nothing.
 OF_TOLERANCE, MANY = 0.5, 3.0
-
-
 # Why a run is stopped that does not see swings grow.
 UNRESOLVED = (
     "steady sliding is unstable, by swings that this tolerance does not resolve; tighten it"
@@ -60,6 +58,11 @@ class Seen(NamedTuple):
     damped: float
     on_contacts: float
     speed: float
+
+
+# Columns of an array of them.
+DRIVE, SPRING, CONTACTS, HOLDING, GIVEN, DAMPED, ON_CONTACTS, SPEED = range(len(Seen._fields))
+FORCES, ENERGIES = slice(SPRING, HOLDING + 1), slice(GIVEN, ON_CONTACTS + 1)
 
 
 class SmallSwings:
@@ -101,7 +104,7 @@ class SmallSwings:
             return None
         self._next_look = len(self._seen) + max(PANELS, len(self._seen) // 10)
         seen = np.array(self._seen)
-        way = np.abs(seen[:, 0] - at)
+        way = np.abs(seen[:, DRIVE] - at)
         window = float(way[-(len(seen) // 3)])
         if 2.0 * window > way[0]:
             return None
@@ -109,11 +112,11 @@ class SmallSwings:
         if len(before) < 2:
             return None
         ranges = np.ptp(before, axis=0), np.ptp(late, axis=0)
-        least = self._least_way(float(max(ranges[0][1], ranges[1][1])))
+        least = self._least_way(float(max(ranges[0][SPRING], ranges[1][SPRING])))
         if window < least:
             return None
-        stops = late[:, 7].min() <= STOPS * late[:, 7].max()
-        grows = float(ranges[1][1] / ranges[0][1]) if ranges[0][1] else 1.0
+        stops = late[:, SPEED].min() <= STOPS * late[:, SPEED].max()
+        grows = float(ranges[1][SPRING] / ranges[0][SPRING]) if ranges[0][SPRING] else 1.0
         if self._grow and not stops:
             if grows > 1.0 + ALIKE:
                 return None
@@ -128,7 +131,7 @@ class SmallSwings:
             with np.errstate(over="ignore"):
                 most = most * np.float64(max(grows, 1.0)) ** left
             changes = most + np.abs(_mean(late) - _mean(before)) * left
-        force, contacts, holding = changes[1:4].tolist()
+        force, contacts, holding = changes[FORCES].tolist()
         enough = OF_TOLERANCE * self._tolerance
         if force > (RISE * body.machine.unit if window > MANY * least else enough):
             return None
@@ -156,20 +159,21 @@ class SmallSwings:
         which = body.asked(body.state.t, np.inf)
         at = drive.at(body.asked_times(which))
         low, high = late.min(axis=0), late.max(axis=0)
-        spring, _, holding = (0.5 * (low + high))[1:4].tolist()
+        spring, _, holding = (0.5 * (low + high))[FORCES].tolist()
         record.place[which] = at - spring / body.machine.spring
         record.speed[which] = drive.speed
         record.contact_force[which] = spring - body.machine.damping * drive.speed
         record.holding[which] = holding
         record.stored[which] = body.contacts.stored(body.state.x)
         # by the drive's way; what the drive gives goes into the damping and the contacts
-        given, damped = spring, (late[-1, 5] - late[0, 5]) / (late[-1, 0] - late[0, 0])
+        lasts = late[-1] - late[0]
+        given, damped = spring, lasts[DAMPED] / lasts[DRIVE]
         rates = np.array([given, damped, given - damped])
-        energies = late[-1, 4:7] + (at - late[-1, 0])[:, None] * rates
+        energies = late[-1, ENERGIES] + (at - late[-1, DRIVE])[:, None] * rates
         record.work[which], record.damped[which], record.on_contacts[which] = energies.T
 
 
 def _mean(seen: Array) -> Array:
     """The means along the drive's way, which is the first column."""
-    way = np.diff(seen[:, :1], axis=0)
+    way = np.diff(seen[:, [DRIVE]], axis=0)
     return np.asarray((0.5 * (seen[1:] + seen[:-1]) * way).sum(axis=0) / way.sum())
