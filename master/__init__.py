@@ -8,6 +8,8 @@ from master.solve import solve
 
 if TYPE_CHECKING:
     from master.paper.critical_velocity import CriticalVelocity, critical_velocity
+    from master.paper.explicit import explicit
+    from master.paper.q15_transient import paper_transient
     from master.rate_state.estimate import rate_state
     from master.rate_state.result import RateState
     from master.steady.kinetic import KineticCurve, kinetic_curve
@@ -24,10 +26,12 @@ __all__ = ["CriticalVelocity", "DecoherenceSpectrum", "KineticCurve", "PhaseLine
 __all__ += ["RateState", "rate_state"]
 __all__ += ["Solution", "SteadyState", "critical_velocity", "decoherence_spectrum"]
 __all__ += ["kinetic_curve", "phase_line", "propensity", "solve", "steady_state"]
+__all__ += ["explicit", "paper_transient"]  # the paper's own schemes, step by step
 
 # The modules of the names that are imported on first use: `solve` needs none of them.
 _HOMES = {"CriticalVelocity": "paper.critical_velocity", "RateState": "rate_state.result"}
 _HOMES |= {"critical_velocity": "paper.critical_velocity", "rate_state": "rate_state.estimate"}
+_HOMES |= {"explicit": "paper.explicit", "paper_transient": "paper.q15_transient"}
 _HOMES |= dict.fromkeys(["KineticCurve", "kinetic_curve"], "steady.kinetic")
 _HOMES |= dict.fromkeys(["SteadyState", "steady_state"], "steady.steady")
 _HOMES |= dict.fromkeys(["PhaseLine", "Propensity"], "stick_slip.propensity")

@@ -42,7 +42,7 @@ def solve(
     """Force on a slider from X = 0 along a path (paper, Eq. Q5a; Secs. III D and E, IV, V, App. C).
 
     The equation is number conservation, written with survivals and solved panel by panel; the paper's own scheme is
-    master.paper.explicit. On a rigid slider `solve` calls `rigid.solve_rigid`; this calls `rigid.march_of`, which
+    `master.explicit`. On a rigid slider `solve` calls `rigid.solve_rigid`; this calls `rigid.march_of`, which
     divides the tolerance (`renewal.budget`) and sets the edges of panels (`renewal.edges`), and then `March.run`
     (`renewal.march`), which solves panel by panel: contacts born on the present leg are `renewal.present`'s, all others
     `renewal.past`'s.

@@ -4,8 +4,8 @@
 
 Imports for type checking and those of a folder's __init__ count. What stands in one folder, files
 and sub-folders, each taken as a whole, imports one another in one direction; in master that direction
-is the one that RANKS names. The lines of a room are printed, and are no limit: a name, a blank line or a
-sentence is never saved for them.
+is the one that RANKS names, and `master/paper` is imported by OF_PAPER alone. The lines of a room are
+printed, and are no limit: a name, a blank line or a sentence is never saved for them.
 """
 
 from __future__ import annotations
@@ -34,6 +34,8 @@ RANKS = (
     ("solve",),
     ("rate_state",),
 )
+# Who imports the paper's own schemes, of all rooms: `solve`, which takes (Q15), and the face, which others ask.
+OF_PAPER = ("master", "master.solve")
 Graph = dict[str, set[str]]
 
 
@@ -117,6 +119,16 @@ def upward_imports(graph: Graph) -> Iterator[str]:
                 yield f"{module}: imports {imported}, which ranks above it"
 
 
+def users_of_paper(files: dict[str, tuple[str, ast.Module]]) -> Iterator[str]:
+    """Files outside of master/paper that import a file of it, but those that may, a line each."""
+    for file, (_, tree) in files.items():
+        module = module_of(file)
+        nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+        lines = {ast.unparse(node) for node in nodes if "master.paper" in ast.unparse(node)}
+        if module not in OF_PAPER and not module.startswith("master.paper"):
+            yield from (f"{module}: {line}: ask the face, master, for it" for line in sorted(lines))
+
+
 def faults(files: dict[str, tuple[str, ast.Module]]) -> Iterator[str]:
     """What passes a limit, a line each."""
     for file, (text, _) in files.items():
@@ -130,6 +142,7 @@ def faults(files: dict[str, tuple[str, ast.Module]]) -> Iterator[str]:
     for circle in circles(graph):
         yield f"import one another: {', '.join(sorted(circle))}"
     yield from upward_imports(graph)
+    yield from users_of_paper(files)
     for folder in {Path(file).parent.as_posix() for file in files}:
         for circle in circles(within(folder, graph, files)):
             if any(not name.endswith(".py") for name in circle):  # circles of files: see above

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 import master
-from master.paper.q15_transient import paper_transient
 from origins.contacts import Contacts
 from origins.laws.ageing import Ageing
 from toolkit.figures.found import FORCE, INKS, Found, lettered
@@ -18,7 +17,7 @@ def a04(figure: Any) -> Found:
     """P_c(x;X) of (Q15) every 0.05."""
     contacts = load_scene("ageing-paper").contacts
     path = np.linspace(0.0, 2.0, 41)
-    found = paper_transient(contacts, path, 2.5e-3)
+    found = master.paper_transient(contacts, path, 2.5e-3)
     middle, width = 0.5 * (found.edges[1:] + found.edges[:-1]), np.diff(found.edges)
     figure.set_size_inches(6.0, 5.5)
     axes = figure.subplots()
@@ -133,7 +132,7 @@ def a06(figure: Any) -> Found:
         figure.subplots(3, 1, sharex=True), "abc", (1.5, 1.6, 2.2), strict=True
     ):
         path = np.linspace(0.0, 3.0, 1201)
-        solved = paper_transient(contacts, path, 2.5e-3, velocity=speed)
+        solved = master.paper_transient(contacts, path, 2.5e-3, velocity=speed)
         known = solved.path < solved.outrun  # beyond, (Q15) has no one answer
         steep = known & (np.gradient(solved.force, solved.path) <= -_SPRING)
         if steep.any():

@@ -186,8 +186,8 @@ def _line(cells: Any) -> str:
 def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[..., Answer]]:
     """What finds the force at a setting, by the name of each method that takes the scene; those that are left out are
     noted."""
+    import master
     from eq_model.closest import closest
-    from master.paper.explicit import explicit
 
     contacts, path, unit = scene.contacts, scene.path, scene.contacts.mean_threshold
     asked = scene.eq or EqTable()
@@ -197,7 +197,7 @@ def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[..., Answer]]
         return Answer(solved.force, float(solved.force_error) * unit, solved)
 
     def step(number: float) -> Answer:
-        return Answer(explicit(contacts, path, step=unit / number).force, None)
+        return Answer(master.explicit(contacts, path, step=unit / number).force, None)
 
     def simulate(size: float, threads: int = 1) -> Answer:
         small: dict[str, Any] = {"n_contacts": int(size), "n_replicas": 1, "histograms": ()}

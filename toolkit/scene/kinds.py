@@ -40,14 +40,28 @@ def domains(
 ) -> origins.Thresholds:
     """Thresholds of rotated domains, drawn by all ranks of `comm`; see origins.domains, which has the same keywords,
     with a list `islands` in place of `island`. Raises InputError."""
-    options = dict(locals())
-    del options["island"]
     if sum(given is not None for given in (sizes, mean_atoms, island)) != 1:
         hint = "such as [[10, 9]], mean_atoms, such as 100, and the table island"
         raise InputError(f"domains: give exactly one of sizes, {hint}")
     if island is not None and lattice_constant is not None:
         refuse("lattice_constant", lattice_constant, "the table island has its own; leave it out")
-    return origins.domains(**options, islands=None if island is None else [island])
+    return origins.domains(
+        lattice_constant=lattice_constant,
+        sizes=sizes,
+        mean_atoms=mean_atoms,
+        islands=None if island is None else [island],
+        weights=weights,
+        bonds=bonds,
+        angles=angles,
+        temperature=temperature,
+        substrate=substrate,
+        law=law,
+        stiffness=stiffness,
+        coefficient=coefficient,
+        samples=samples,
+        seed=seed,
+        comm=comm,
+    )
 
 
 def island_of_file(folder: Path, file: str, unit: str | None = None, comm: Any = None) -> Any:
@@ -107,16 +121,16 @@ def from_topography(
     `detrend` is "curvature" for a scan and "centre" for a generated surface, which is periodic; a surface without
     heights takes neither `detrend` nor `step`. Raises InputError.
     """
-    options: dict[str, Any] = dict(locals())
-    del options["surface"], options["detrend"], options["step"]
+    given: dict[str, Any] = {"material": material, "model": model, "law": law, "pressure": pressure}
+    given |= {"regime": regime, "patch_area": patch_area, "height_law": height_law}
     if isinstance(surface, origins.SpectralMoments):
         if detrend is not None or step is not None:
             name, value = ("step", step) if detrend is None else ("detrend", detrend)
             refuse(name, value, "belongs to heights, which this surface has not; leave it out")
-        return origins.from_moments(surface, **options)
-    own = "centre" if surface.periodic else "curvature"
-    options |= {"detrend": detrend or own, "step": 1 if step is None else step}
-    return origins.from_topography(surface.topography, periodic=surface.periodic, **options)
+        return origins.from_moments(surface, **given)
+    given["detrend"] = detrend or ("centre" if surface.periodic else "curvature")
+    given["step"] = 1 if step is None else step
+    return origins.from_topography(surface.topography, periodic=surface.periodic, **given)
 
 
 def open_scan(
@@ -193,5 +207,13 @@ def generate(
     short_cutoff: float | None = None,
 ) -> Heights:
     """A periodic self-affine surface, lengths in metres; see origins.self_affine_surface. Raises InputError."""
-    made = origins.self_affine_surface(**locals())
+    made = origins.self_affine_surface(
+        shape,
+        pixel_size,
+        hurst=hurst,
+        rms_slope=rms_slope,
+        seed=seed,
+        long_cutoff=long_cutoff,
+        short_cutoff=short_cutoff,
+    )
     return Heights(as_topography(made, pixel_size), periodic=True)
