@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 import eq_model
 import master
 import origins
+from master.soft import limit_cycle
 from master.soft.cold_contacts import ColdContacts
 from master.soft.moves import LoadingHistory, Move
 from master.soft.moves_without_births import MoveWithoutBirths
@@ -437,3 +438,35 @@ def test_wall_time_ends_the_making_of_tables(monkeypatch) -> None:
     contacts = origins.Contacts(origins.gaussian(1.0, 0.1), reforming=births)
     monkeypatch.setattr("time.monotonic", lambda: float(next(looks)))
     assert not master.solve(contacts, [1.0], 1e-6, wall_time=1.5).path.size
+
+
+@pytest.mark.parametrize(
+    ("law", "spring", "slips"),
+    [
+        (origins.gaussian(1.0, 0.2), 0.5, 950),
+        (NARROW, 1.4, 60),  # changes shrink by a third to a quarter a slip
+    ],
+)
+def test_slips_that_become_alike_are_repeated(law, spring, slips, monkeypatch):
+    """Contacts hold over a slip, so that none repeats the one before exactly; 900 of them ended the path. The first
+    ones are held against slips of which each is followed, all others against the last period of those."""
+    path = np.linspace(0.0, slips * (0.74 / spring + 0.74), 400)[1:]
+    long = solved(origins.Contacts(law), path, spring, "reform-after", 1e-5)
+    assert long.success and long.regime.verdict == "stick-slip", long.message
+    monkeypatch.setattr(limit_cycle, "ROUNDED", -1.0)
+    monkeypatch.setattr(limit_cycle, "SHRINKS", 0.0)
+    followed = solved(
+        origins.Contacts(law), path[path <= 70.0 / spring], spring, "reform-after", 1e-5
+    )
+    assert long.nodes < followed.nodes and followed.slips.drive.size > 30
+    number = np.arange(long.slips.drive.size)
+    count = followed.slips.drive.size
+    drive = followed.slips.drive[-1] + (number - count + 1) * np.diff(followed.slips.drive)[-1]
+    drive[:count] = followed.slips.drive
+    off = np.abs(long.slips.drive - drive).max()
+    assert off <= long.slips.drive_error + followed.slips.drive_error * (slips / count)
+    for force in ("force_before", "force_after"):
+        each, own = getattr(long.slips, force), getattr(followed.slips, force)
+        assert np.abs(each[:count] - own).max() <= 1e-7
+        assert np.abs(each[count:] - own[-1]).max(initial=0.0) <= 1e-7
+    assert np.abs(long.force[: followed.force.size] - followed.force).max() <= long.force_error

@@ -11,6 +11,7 @@ from master.renewal.edges import edges
 from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.followed import LOOSEN, ErrorPart, Followed
+from master.soft.limit_cycle import LimitCycle, Slipped
 from master.soft.moves import LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
@@ -26,6 +27,9 @@ MOST_TOGETHER = 2000
 FIRST_WAY = 50.0
 # Longest life of contacts, in mean thresholds, up to which breaks are followed until they are steady: some 25 s.
 LONGEST_LIFE = 500.0
+# Part of the tolerance, and of the error of each slip, that slips may miss together, and each, which are repeated
+# although they are not quite the same.
+OF_REPEATING = 0.1
 # Round-off of the largest force, as a part of it: some five units of the last digit.
 ROUNDED = 1e-15
 # Thresholds at which the first breaks are looked at.
@@ -64,6 +68,8 @@ class ColdSlider:
         self._begun = lru_cache(4)(partial(Move, cold))
         # share of the contacts that break in slips from these moves and travels on; 1 where none holds on
         self._broken = dict[tuple[Move, float], float]()
+        # slips that leave some contacts holding, once they repeat
+        self._cycle, self._repeated = LimitCycle(), dict[tuple[Move, float], Slipped]()
         self.shares = list[float]()  # the same of each slip; nan where contacts form again at once
         if self.slip == "instant" and cold.life.atoms.size and drive.forward:
             self._refuse_endless_slips(contacts)
@@ -245,21 +251,39 @@ class ColdSlider:
         key = move, slip.travel
         if self._broken.get(key) == 1.0:
             return self._reset(move, slip, begin)
-        slide, (curve, y) = self._slide(move, slip)
-        if slide.holds_none(y):
+        if (slipped := self._repeated.get(key) or self._slipped(move, slip)) is None:
             # such a slip is a reset at another place, whose moves are known
             self._broken[key] = 1.0
             return self._reset(move, slip, begin)
-        held = slide.held(y)
-        self._note(move, slip, begin, float(curve.force(y)), 1.0 - held)
+        self._note(move, slip, begin, slipped.force, slipped.share)
+        self._base += slipped.way
+        self._base_error += slipped.error
+        return slipped.loaded
+
+    def _slipped(self, move: Move, slip: SlipBegin) -> Slipped | None:
+        """What a slip leaves in which broken contacts stay out; None where no contact holds on. Once all slips to come
+        are as this one, to an error that is added, its move is repeated as a reset's is."""
+        unit, spring = self.contacts.unit, self.spring
+        slide, (curve, y) = self._slide(move, slip)
+        if slide.holds_none(y):
+            return None
+        held, force = slide.held(y), float(curve.force(y))
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
-        far = min(
-            y, self.contacts.life.largest_stretch
-        )  # no contact that holds is stretched by more
-        error = (1.0 + self.spring) * slip.begin_error * far / self.contacts.unit
-        self._base_error += float(curve.travel_errors(y, 0.0, slip.error + error))
+        far = min(y, self.contacts.life.largest_stretch)  # no contact that holds is stretched more
+        error = (1.0 + spring) * slip.begin_error * far / unit
+        moved = float(curve.travel_errors(y, 0.0, slip.error + error))
+        # the slider moves as far as the drive from slip to slip
+        slips = float(np.abs(np.diff(self.path, prepend=0.0)).sum()) / (slip.travel + y)
+        most = min(slip.error, self.contacts.tolerance * unit / (spring * slips))
+        after = np.array([y, force, held * unit])
+        if again := self._cycle.closed_by(move.loaded, slip, after, OF_REPEATING * most):
+            way = slide.at(y) - move.loaded.places[-1]
+            moved += 2.0 * self._cycle.left  # both of the travel up to the slip and of that in it
+            self._repeated[move, slip.travel] = Slipped(force, 1.0 - held, moved, again, way)
+            return self._repeated[move, slip.travel]
         # errors of the history do not affect contacts that broke
-        return slide.after_slip(y, (error + float(curve.error_at(y))) * held)
+        history = slide.after_slip(y, (error + float(curve.error_at(y))) * held)
+        return Slipped(force, 1.0 - held, moved, history)
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, share: float) -> None:
         """Record a slip, of a move that begins at `begin`, with F after it along the motion, and the share broken."""

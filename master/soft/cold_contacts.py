@@ -43,7 +43,7 @@ class ColdContacts:
         of_panels = OF_PANELS * min(tolerance, MOST_OF_PANELS, spring)
         self.of_panels = max(of_panels * self.unit / self.life.largest_stretch, LEAST_OF_PANELS)
         self.steady_rates = max(STEADY_RATES, OF_STEADY * min(tolerance, spring))
-        self.spring, self.until = spring, until
+        self.spring, self.tolerance, self.until = spring, tolerance, until
         self.unknown, self.nodes = 0.0, 0
 
     @cached_property
