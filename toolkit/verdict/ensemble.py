@@ -19,6 +19,7 @@ from toolkit.verdict.machine import (
     Finite,
     Known,
     Machine,
+    first_of,
     half_a_swing,
     last_of,
     not_followed,
@@ -150,6 +151,7 @@ def follow_by_contacts(
         run_time=found.run_time,
         slip_time=last_of(slips, "duration"),
         top_speed=last_of(slips, "top_speed"),
+        first_slip=first_of(slips),
         drive=drive,
         force=force,
     )

@@ -68,7 +68,8 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
 def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
     """What the slider does under one rule, without its trace, which friction.csv has: forces with their error; `error`
     and `heat_left_out` stay in mean thresholds."""
-    left_out = ("drive", "force", "sliders")  # of the sliders "finite" tells
+    # traces are in friction.csv, and of the sliders "finite" tells
+    left_out = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders")
     out = {name: value for name, value in asdict(behaviour).items() if name not in left_out}
     out |= {name: out[name] * force for name in ("before", "after")}
     return out | {"force_error": behaviour.error * mean * force}
@@ -76,15 +77,15 @@ def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
 
 def friction(verdict: Verdict) -> dict[str, list[Any]]:
     """The columns of friction.csv: the trace of the scene's own reading under each rule, a row a point; slips at their
-    own places have two rows."""
+    own places have two rows, and below them the first slip of a mass has its own."""
     scale, own = verdict.own.scale, verdict.own.behaviours
     if not own:
         return {}
-    drive, force = (
-        np.concatenate([getattr(one, name) for one in own]) for name in ("drive", "force")
-    )
+    parts = [(one.rule, one.drive, one.force) for one in own]
+    parts += [(f"{one.rule}, its first slip", one.slip_drive, one.slip_force) for one in own]
+    drive, force = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
     return {
-        "slip rule": [one.rule for one in own for _ in one.drive],
+        "slip rule": [part[0] for part in parts for _ in part[1]],
         f"drive ({scale.length_unit})": drive.tolist(),
         f"spring force ({scale.force_unit})": (force * scale.force).tolist(),
     }

@@ -13,8 +13,20 @@ from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.ensemble import SLIDERS
 from toolkit.verdict.finite import ABOVE, SMALL
 from toolkit.verdict.follow import DAMPED
-from toolkit.verdict.kinds import named, not_decided, of_rules, others, out_of_time
-from toolkit.verdict.lines import GENERAL, NOTHING, TURNS, UNSIZED, Line, by_reason, sorted_texts
+from toolkit.verdict.kinds import (
+    GENERAL,
+    NOTHING,
+    TURNS,
+    UNSIZED,
+    Line,
+    by_reason,
+    named,
+    not_decided,
+    of_rules,
+    others,
+    out_of_time,
+    sorted_texts,
+)
 from toolkit.verdict.machine import Finite
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
 from toolkit.verdict.table import drop_of, in_units, regained_by

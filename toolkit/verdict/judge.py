@@ -21,6 +21,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
 from toolkit.verdict.budget import WALL_TIME, Budget
+from toolkit.verdict.closely import closely
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS, follow_other_delay
 from toolkit.verdict.islands import follow_islands, with_barriers
@@ -99,6 +100,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             finite = _finite(scene, answers[0], budget.part(OWN), progress)
             answers[0] = _with_more(answers[0], finite)
             turned = _turned(answers[0], budget.part(OWN))
+            answers[0] = _with_a_slip(answers[0], budget.part(OWN))
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
@@ -142,6 +144,14 @@ def _with_more(own: Answer, finite: tuple[Finite, ...]) -> Answer:
     pulled = own.contacts.mean_threshold, own.machine.spring
     more = [with_more(*pair, *pulled) for pair in zip(own.behaviours, finite, strict=False)]
     return replace(own, behaviours=(*more, *own.behaviours[len(more) :]))
+
+
+def _with_a_slip(own: Answer, budget: Budget) -> Answer:
+    """The own reading's answer with the points of a slip for the picture, where slips take time."""
+    if own.machine is None:
+        return own
+    each = [closely(one, own.machine, own.contacts, budget.left()) for one in own.behaviours]
+    return replace(own, behaviours=tuple(each))
 
 
 def _turned(own: Answer, budget: Budget) -> Behaviour | None:

@@ -198,6 +198,7 @@ class Behaviour:
     period : of the drive, between the last two main slips; slips : how many there were
     sliders : what tells it of finitely many contacts, whose means of late slips the numbers are; None: no such slips
     slip_time, top_speed : of the last slip; None where slips take no time
+    first_slip : X_T as the first main slip begins, where slips take time
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
@@ -206,6 +207,7 @@ class Behaviour:
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of `error`;
         None where there is no heat, or it was followed
     drive, force : the trace, with each slip at its own place
+    slip_drive, slip_force : the trace of one slip and of the swing after it, densely; empty where it is not looked at
     """
 
     rule: str
@@ -220,6 +222,7 @@ class Behaviour:
     run_time: float
     slip_time: float | None = None
     top_speed: float | None = None
+    first_slip: float | None = None
     damping: float | None = None
     contacts: int | None = None
     sliders: Finite | None = None
@@ -227,6 +230,8 @@ class Behaviour:
     heat_left_out: float | None = None
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
+    slip_drive: Array = field(default_factory=lambda: np.empty(0))
+    slip_force: Array = field(default_factory=lambda: np.empty(0))
 
 
 def not_followed(rule: str, why: str) -> Behaviour:
@@ -239,6 +244,16 @@ def last_of(slips: Any, name: str) -> float | None:
     """A property of the last slip, where the solution has it: slips without mass take no time."""
     values = getattr(slips, name, None)
     return None if values is None or not len(values) else float(values[-1])
+
+
+def first_of(slips: Any) -> float | None:
+    """Where the drive stands as the first slip of all contacts begins, of an ensemble that of its first slider; None
+    without a slip, and for slips that take no time."""
+    if getattr(slips, "duration", None) is None or not slips.drive.size:
+        return None
+    if hasattr(slips, "replica"):
+        return float(slips.drive[slips.replica == slips.replica[0]][0])
+    return float(slips.drive[slips.main[0]])
 
 
 def with_slips(solved: Any, velocity: float) -> tuple[Array, Array]:

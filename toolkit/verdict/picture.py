@@ -1,7 +1,7 @@
 """The picture of a verdict: the friction trace, the threshold laws, and each reading's K* beside the spring."""
 
 import re
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -17,8 +17,9 @@ from toolkit.pictures.axes import (
 )
 from toolkit.scene.scale import SHARED, of_contacts, spoken
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.closely import in_its_own_time
 from toolkit.verdict.kinds import named
-from toolkit.verdict.machine import Behaviour, Finite
+from toolkit.verdict.machine import Behaviour, Finite, Machine
 from toolkit.verdict.of_area import apart
 from toolkit.verdict.words import sentence, warnings
 
@@ -34,8 +35,10 @@ _BESIDE = 1e-6
 _NAMED = 5
 # of a density that is drawn: the axis ends at so many times what this share of its points stays below
 _HIGH, _MOST = 1.5, 0.98
-# of the panels below the trace: heights with one reading, and more for each other one (in), and widths
-_LOW, _EACH, _ONE_WIDE, _WIDE = 2.8, 0.2, (2.2, 1.0), (1.0, 1.0)
+# of the panels below the trace: heights with one reading, and more for each other one (in)
+_LOW, _EACH = 2.8, 0.2
+# widths of the trace and of a slip in its own time; of P_c and the springs, of one reading and of several
+_SLIP_WIDE, _ONE_WIDE, _WIDE = (1.7, 1.0), (2.2, 1.0), (1.0, 1.0)
 
 
 _Traced = TypeVar("_Traced", Behaviour, Finite)
@@ -49,12 +52,16 @@ def draw_verdict(verdict: Verdict) -> Any:
     many = len(verdict.answers)
     low = _LOW + (1.2 + _EACH * many) * (many > 1)
     figure = Figure(figsize=(11, low + 4.4 * pulled), layout="constrained")
-    rows: list[Any] = [["trace", "trace"]] * pulled + [["thresholds", "springs"]]
-    shares: dict[str, Any] = {"height_ratios": [4.4] * pulled + [low]}
-    shares["width_ratios"] = _WIDE if many > 1 else _ONE_WIDE
-    places = figure.subplot_mosaic(rows, **shares)
+    slips = [one for one in _known(verdict) if one.slip_drive.size]
+    rows = figure.add_gridspec(1 + pulled, 1, height_ratios=[4.4] * pulled + [low])
+    wide = _SLIP_WIDE if slips else (1.0,)
+    places = _row(figure, rows[0], ("trace", "slip"), wide) if pulled else {}
+    wide = _WIDE if many > 1 else _ONE_WIDE
+    places |= _row(figure, rows[-1], ("thresholds", "springs"), wide)
     if pulled:
-        _draw_trace(places["trace"], verdict)
+        _draw_trace(places["trace"], verdict, letters=80 if slips else 150)
+    if slips:
+        _draw_slip(places["slip"], verdict, slips[0])
     _draw_thresholds(places["thresholds"], verdict)
     _draw_springs(places["springs"], verdict)
     if len(verdict.answers) > 1:
@@ -68,7 +75,18 @@ def draw_verdict(verdict: Verdict) -> Any:
     return figure
 
 
-def _draw_trace(axes: Any, verdict: Verdict) -> None:
+def _row(
+    figure: Any, place: Any, names: tuple[str, str], widths: tuple[float, ...]
+) -> dict[str, Any]:
+    """Axes side by side, as many as there are widths, by their names."""
+    cells = place.subgridspec(1, len(widths), width_ratios=widths)
+    return {
+        name: figure.add_subplot(cells[k], label=name)
+        for k, name in enumerate(names[: len(widths)])
+    }
+
+
+def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
     """The spring's force against the drive for each rule, slips at their own places; and that of one of the sliders of
     so many contacts where these do something else."""
     known, scale = _alike(_known(verdict)), verdict.own.scale
@@ -76,10 +94,14 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
         behaviour = same[0]
         style: dict[str, Any] = {"color": OKABE_ITO[number], "ls": DASHES[number], "lw": 1.3}
         label = f"{named([one.rule for one in same])}: {_kind_of(behaviour)}"
-        if behaviour.slip_time is not None and behaviour.after < 0.0:
-            label += f" (below 0 the slider swings after a slip, {spoken(behaviour.slip_time, scale.time_unit)} long)"
+        lasts = behaviour.slip_time
+        if lasts is not None and behaviour.after < 0.0 and not behaviour.slip_drive.size:
+            # else the panel beside it shows that
+            swings = "below 0 the slider swings after a slip"
+            label += f" ({swings}, {spoken(lasts, scale.time_unit)} long)"
         if not behaviour.success or behaviour.error >= _UNKNOWN:
             label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
+        label = in_lines(label, letters)
         axes.plot(behaviour.drive, behaviour.force * scale.force, label=label, **style)
     followed = [finite for finite in apart(verdict).values() if finite.drive.size]
     for number, alike in enumerate(_alike(followed), start=len(known)):
@@ -95,7 +117,24 @@ def _draw_trace(axes: Any, verdict: Verdict) -> None:
     name, unit = force_name(scale)
     name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
     name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
-    legend_above(axes, letters=150)
+    legend_above(axes, letters=letters)
+
+
+def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour) -> None:
+    """The first slip of a mass in its own time: the spring's force, and how far the slider has moved."""
+    scale, other = verdict.own.scale, axes.twinx()
+    seconds, moved = in_its_own_time(behaviour, cast(Machine, verdict.own.machine))
+    force, place = ({"color": OKABE_ITO[k], "ls": DASHES[k], "lw": 1.3} for k in (0, 1))
+    axes.plot(seconds, behaviour.slip_force * scale.force, label="spring force", **force)
+    axes.plot([], [], label="slider's way", **place)
+    other.plot(seconds, moved, **place)
+    axes.axhline(0.0, color="0.8", lw=0.8, zorder=0)
+    axes.margins(x=0.0)
+    name, unit = force_name(scale)
+    name_axis(axes.xaxis, "time since the first slip began", scale.time_unit)
+    name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
+    name_axis(other.yaxis, "way of the slider", scale.length_unit)
+    legend_above(axes, letters=60)
 
 
 def _kind_of(behaviour: Behaviour) -> str:

@@ -8,8 +8,13 @@ import numpy as np
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.follow import TOLERANCE_IN_TIME
-from toolkit.verdict.kinds import named
-from toolkit.verdict.lines import GENERAL, TURNS, Line, by_reason
+from toolkit.verdict.kinds import (
+    GENERAL,
+    TURNS,
+    Line,
+    by_reason,
+    named,
+)
 from toolkit.verdict.machine import NO_FORCES, Behaviour
 from toolkit.verdict.readings import why_late
 from toolkit.verdict.table import in_units
