@@ -14,6 +14,7 @@ import master
 import origins
 from master.motion import Motion
 from master.outcome import StoppedError
+from master.soft.followed import ErrorPart, Followed
 from master.soft.inertia import solution
 from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Collocation, Machine, Missed, Solved, State
@@ -28,6 +29,8 @@ from master.soft.inertia.delayed.small_swings import SmallSwings
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.record import Record
 from master.soft.inertia.short_delay import short_delay
+from master.soft.regime import regime
+from master.soft.slips import slips_of
 from origins.drive import Drive
 
 WIDE, ELASTIC = origins.gaussian(1.0, 0.2), origins.gw_elastic(1.0)
@@ -618,6 +621,30 @@ def test_a_slip_of_a_machine_is_half_a_period_of_mass_and_spring() -> None:
     assert found.slips.duration[0] == pytest.approx(np.pi / swing, rel=0.02)
     beyond = -found.slips.force_after[0] / found.slips.force_before[0]
     assert beyond == pytest.approx(np.exp(-rate * np.pi / swing), rel=0.02)
+
+
+def test_three_slips_that_are_alike_and_renew_all_contacts_are_stick_slip() -> None:
+    """They were "too few to tell". Slips that fade, or that do not tell all that contacts remember, still are."""
+    contacts, machine = delayed(10.0), {"spring": 1e-6, "mass": 2e-9, "damping": 2e-8}
+    found = solve(contacts, [2.5e6], 1e-2, velocity=170.0, **machine)
+    assert found.success and found.slips.drive.size == 3, found.message
+    assert found.regime.verdict == "stick-slip", found.regime.reason
+    drops, drive = np.ones(3), 1e6 * np.arange(1.0, 4.0)
+
+    def judged(contacts: origins.Contacts, drops, drive, error: float = 1e-3) -> str:
+        told = slips_of(np.array([drive, 0.7 * drops, -0.3 * drops]), 1e-6, 10.0)
+        force = np.zeros(2)
+        parts = (ErrorPart("all", error),)
+        followed = Followed(0.0, force, force, told, error, 10, parts)
+        pulled = Drive([1.0, 3.5e6], 170.0, None, 1e-6, "reform-after")
+        return regime(contacts, pulled, followed, 1e-2, np.inf).verdict
+
+    assert judged(contacts, drops, drive) == "stick-slip"
+    assert judged(contacts, drops * [1.0, 0.98, 0.96], drive) == "undecided"
+    assert judged(contacts, drops, np.array([1.0, 2.0, 3.01]) * 1e6) == "undecided"
+    assert judged(contacts, drops, drive, error=0.05) == "undecided"
+    assert judged(delayed(1e4), drops, drive) == "undecided"  # out for longer than a period
+    assert judged(contacts, 1e-6 * drops, drive, error=1e-9) == "undecided"  # slips of 1 <x_s>
 
 
 def test_a_delay_with_a_law_of_many_exact_values_and_a_width_is_refused() -> None:

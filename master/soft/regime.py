@@ -22,6 +22,10 @@ FEWEST, STEADY = 4, 1e-3
 # Part of the last drop above which the limit of drops that fade ever less is no end of the slips: those that fade as
 # one over their number have an apparent limit of a half.
 LASTING = 0.6
+# Fewest slips that tell of those to come if each leaves all contacts new: where the second and the third are alike, so
+# are the contacts before the third and the fourth. Part of the drop that their error may be, and share of the contacts
+# that may hold on.
+FEWEST_OF_NEW, KNOWN, HOLD_ON = 3, 0.02, 1e-6
 # Force, in mean thresholds, at or below which, and within its error, no contact holds on after a slip.
 NONE_HOLDS = 1e-3
 
@@ -119,6 +123,11 @@ def _by_slips(
     if silent > 1.5 * longest:
         over = f"then none for {silent / longest:.3g} times the longest period"
         return "decaying transient", f"{slipped}, {over}"
+    if _alike_and_new(contacts, drive, found):
+        return (
+            "stick-slip",
+            f"{counted}, the last three alike, each of which leaves all contacts new",
+        )
     if count < FEWEST:
         far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * (FEWEST + 1 - count) * longest
         return "undecided", f"{counted} are too few to tell; drive to about X_T = {far:.3g}"
@@ -145,6 +154,22 @@ def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[n
     steadily = drive.forward and (drive.time is None or not contacts.in_time)
     alike = relaxed and steadily and not contacts.older_at_start
     return np.flatnonzero((held <= min(found.error, NONE_HOLDS)) & (alike and out))
+
+
+def _alike_and_new(contacts: Contacts, drive: Drive, found: Followed) -> bool:
+    """Whether the last slips are alike within their error, a small one, each is longer than any threshold, and further
+    from the next than the delay: contacts remember one slip then, and those that follow are alike."""
+    slips, even = found.slips, drive.forward and drive.time is None
+    if slips.drive.size < FEWEST_OF_NEW or not even or contacts.changing is not None:
+        return False
+    drop, period = slips.drop[-FEWEST_OF_NEW:], np.diff(slips.drive[-FEWEST_OF_NEW:])
+    way = (slips.after - slips.before)[-FEWEST_OF_NEW:]
+    unknown = 2.0 * found.error * contacts.mean_threshold
+    alike = float(np.ptp(drop)) <= unknown + STEADY * drop.min()
+    in_turn = float(np.ptp(period)) <= 4.0 * slips.drive_error + STEADY * period.min()
+    new = way.min() > float(contacts.thresholds.isf(HOLD_ON))
+    in_turn = in_turn and period.min() > drive.velocity * contacts.waiting_time
+    return bool(unknown <= KNOWN * drop.min() and alike and in_turn and new)
 
 
 def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> float:
