@@ -59,10 +59,10 @@ def unconserved(holding: npt.NDArray[np.float64], tolerance: float, error: float
     most = float(holding.max(initial=0.0))
     if most <= 1.0 + max(tolerance, NUMBERS * error):
         return ""
-    told = f"number is not conserved: holding reaches {most:.6g}"
+    reason = f"number is not conserved: holding reaches {most:.6g}"
     if most <= 1.0 + FAULT * tolerance:
-        return f"{told}, above the tolerance {tolerance:.1e}; take a smaller one"
-    return f"{told}, a fault of the program"
+        return f"{reason}, above the tolerance {tolerance:.1e}; take a smaller one"
+    return f"{reason}, a fault of the program"
 
 
 def judged(what: str, errors: npt.ArrayLike, tolerance: float) -> tuple[npt.NDArray[np.bool_], str]:

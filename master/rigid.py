@@ -80,15 +80,15 @@ def solve_rigid(
     solved = march.solved
     solved_until = solved.end * (1.0 + ROUNDED_END) if solved.count else -np.inf
     kept = arrivals <= (solved_until if march.unfinished else np.inf)
-    worst_share = solved.error.max(initial=0.0 if solved.count else np.inf) + march.unseen_error
-    if worst_share > RESOLVED:
-        worst_share = np.inf
+    worst_fraction = solved.error.max(initial=0.0 if solved.count else np.inf) + march.unseen_error
+    if worst_fraction > RESOLVED:
+        worst_fraction = np.inf
     # a share of the contacts, times the longest stretch that one of them has, is a force
-    share_in_means = march.longest_stretch / mean
+    fraction_in_means = march.longest_stretch / mean
     rounding_in_means = round_off(march.motion, mean, march.steady_since)
-    error = float(worst_share * share_in_means + rounding_in_means)
+    error = float(worst_fraction * fraction_in_means + rounding_in_means)
     progress(error)
-    reason = why_above(march, error, tolerance, rounding_in_means / share_in_means)
+    reason = why_above(march, error, tolerance, rounding_in_means / fraction_in_means)
     success, message = outcome(contacts, error, tolerance, reason)
     if march.unfinished:
         end = f"X = {motion.at(np.array(solved.end)):.6g}"
@@ -96,7 +96,7 @@ def solve_rigid(
     t = np.minimum(arrivals[kept], march.steady_since)
     # contacts that broke within the last delay are out
     holding = 1.0 - (breaks_until(march, t) - breaks_until(march, t - march.births.delay))
-    if fault := march.fault or unconserved(holding, tolerance, float(worst_share)):
+    if fault := march.fault or unconserved(holding, tolerance, float(worst_fraction)):
         success, message, error = False, fault, np.inf
     return Solution(
         path=drive.path[kept],
@@ -184,8 +184,8 @@ def check_lives(contacts: Contacts, motion: Motion, life: Life) -> None:
     times = LOOKED_AT[:, None] / scale
     at_rest = Motion(np.array([0.0, times[-1, 0]]), np.zeros(2))
     history = at_rest.history(times, np.zeros((1, 1)))
-    held = life.survival_and_force(reforming_law(contacts), history).survival[:, 0]
-    lasts = float(times[min(int((held > 0.5).sum()), times.size - 1), 0])
+    survival = life.survival_and_force(reforming_law(contacts), history).survival[:, 0]
+    lasts = float(times[min(int((survival > 0.5).sum()), times.size - 1), 0])
     moving = float(np.diff(motion.times)[motion.speeds != 0.0].sum())
     most = FURTHEST if motion.one_leg else MOST_LIVES_TURN
     if moving > most * lasts:
@@ -233,9 +233,9 @@ def check_averages(contacts: Contacts, motion: Motion, life: Life, tolerance: fl
     pieces."""
     bins, jumps = contacts.start.breakpoints.size, life.bends.size
     pieces = (PIECES_OF_START + bins + 3 * jumps) * (PIECES_OF_LAW + jumps)
-    way = min(float(np.ptp(motion.positions)) / life.largest_stretch, 1.0)
+    travelled = min(float(np.ptp(motion.positions)) / life.largest_stretch, 1.0)
     decades = np.clip(np.log10(1e-3 / tolerance), 0.0, MOST_DECADES)
-    seconds = OF_PIECE * way * pieces * FOR_DECADE**decades
+    seconds = OF_PIECE * travelled * pieces * FOR_DECADE**decades
     if jumps and not contacts.start.is_single and seconds > MOST_SECONDS:
         fault = f"a spread start with {bins} edges of bins, beside {jumps} bends of the thresholds' density"
         hint = "take a smooth density for both, fewer bins or a larger tolerance; or in master.solve give wall_time"

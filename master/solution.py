@@ -51,8 +51,8 @@ class StretchDistribution:
         within = (origin > low) & (origin < high) & (np.abs(origin) < life.largest_stretch)
         here = np.flatnonzero(within)
         history = motion.history(now, np.zeros((here.size, 1)))
-        held = life.survival_and_force(origin[here, None], history).survival[:, 0]
-        density[here] = start.pdf(origin[here]) * held
+        survival = life.survival_and_force(origin[here, None], history).survival[:, 0]
+        density[here] = start.pdf(origin[here]) * survival
         return density
 
     def _born_on(self, leg: int, x: Array) -> Array:
@@ -71,8 +71,8 @@ class StretchDistribution:
         on_panel = np.minimum((broken_at - solved.begin[panel]) / solved.width[panel], 1.0)
         slopes = solved.breaks[panel] @ polynomials.SLOPES.T / solved.width[panel, None]
         rate = polynomials.legendre_sum(slopes, 2.0 * on_panel[:, None] - 1.0)[:, 0]
-        held = march.life.survival_and_force(law, motion.history(now, s[here, None])).survival
-        density[here] = held[:, 0] * rate / abs(speed)
+        survival = march.life.survival_and_force(law, motion.history(now, s[here, None])).survival
+        density[here] = survival[:, 0] * rate / abs(speed)
         return density
 
 
@@ -170,15 +170,15 @@ def _deltas(march: March, t: float) -> dict[float, float]:
         if lump.birth <= t and lump.law.is_single:
             history = motion.history(at, np.full((1, 1), lump.birth))
             stretch = float(lump.law.mean() + history.now[0, 0])
-            held = float(march.life.survival_and_force(lump.law, history).survival[0, 0])
-            found[stretch] = found.get(stretch, 0.0) + lump.weight * held
+            survival = float(march.life.survival_and_force(lump.law, history).survival[0, 0])
+            found[stretch] = found.get(stretch, 0.0) + lump.weight * survival
     for leg in np.flatnonzero((motion.speeds == 0.0) & (motion.times[:-1] < t)):
         stretch = float(law.mean() + motion.at(np.array(t)) - motion.positions[leg])
-        found[stretch] = found.get(stretch, 0.0) + _held(march, int(leg), t)
-    return {stretch: share for stretch, share in found.items() if share > 1e-18}
+        found[stretch] = found.get(stretch, 0.0) + _holding_of_leg(march, int(leg), t)
+    return {stretch: weight for stretch, weight in found.items() if weight > 1e-18}
 
 
-def _held(march: March, leg: int, t: float) -> float:
+def _holding_of_leg(march: March, leg: int, t: float) -> float:
     """Share of all contacts that were born on a leg and hold at the time t."""
     solved, motion = march.solved, march.motion
     panels = solved.pick(slice(int(np.searchsorted(solved.begin, t))))

@@ -163,4 +163,4 @@ def test_survivals_that_leave_out_thresholds_claim_it() -> None:
         spent = weight @ warm.thermal.rates.rate(way * node[:, None], threshold, 1.0) * way
         held = weight @ (WIDE.pdf(threshold) * np.exp(-spent))
         direct += width * np.exp(decay * way) * (5.0 - way) * held
-    assert abs(found.held[0] - direct) <= found.held_error[0] < 1e-4 * direct
+    assert abs(found.survival[0] - direct) <= found.survival_error[0] < 1e-4 * direct

@@ -12,7 +12,7 @@ from scipy import optimize, stats
 
 import eq_model
 import master
-from master.rate_state.law import EvolutionLaw, RateStateLaw, left_of_step
+from master.rate_state.law import EvolutionLaw, RateStateLaw, remaining_of_step
 from master.rate_state.reading import Reading, read_steps
 from master.rate_state.rests import healing_of, rest_of
 from master.rate_state.stability import critical_spring_of
@@ -80,7 +80,7 @@ def test_readings_do_not_depend_on_where_the_answer_is_known() -> None:
 def test_the_integrated_law_is_the_closed_one(evolution: EvolutionLaw) -> None:
     law = RateStateLaw(0.5, 2.0, 0.03, 0.05, 0.21, evolution)
     for before, after in ((0.1, 5.0), (5.0, 0.1)):
-        closed = left_of_step(SLIP, 0.21, after / before, evolution)
+        closed = remaining_of_step(SLIP, 0.21, after / before, evolution)
         steady = 0.5 + (law.a - law.b) * np.log(after / law.velocity)
         assert law.step(SLIP, before, after) == pytest.approx(steady + law.b * closed, abs=1e-8)
     rests = np.geomspace(0.01, 1e6, 5)

@@ -80,12 +80,12 @@ def _stepped(contacts: Contacts, path: Array, step: float, breaking: Breaking) -
     travel = np.abs(np.diff(path, prepend=0.0)).cumsum()
     # the grid covers the largest |x| of all but 1e-18 of the contacts
     first = min(max(abs(end) for end in start.span), law.support()[1])
-    reach = max(min(first + float(np.ptp(np.append(path, 0.0))), float(law.isf(1e-18))), first)
-    longest = max(float(travel[-1]), 2.0 * reach)
+    largest = max(min(first + float(np.ptp(np.append(path, 0.0))), float(law.isf(1e-18))), first)
+    longest = max(float(travel[-1]), 2.0 * largest)
     if longest / step > MOST_NODES:
         example = f"write step={longest / 1e4:.3g} or so"
         refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
-    zero = 1 + int(np.ceil(reach / step))  # the index of x = 0
+    zero = 1 + int(np.ceil(largest / step))  # the index of x = 0
     x: Array = step * np.arange(-zero, zero + 1, dtype=float)
     fraction = broken_fraction(contacts, x, step, breaking)
     fraction[-1] = 1.0  # contacts that would leave the grid break at its end
@@ -97,8 +97,8 @@ def _stepped(contacts: Contacts, path: Array, step: float, breaking: Breaking) -
         at[-1] = at[-2] + np.copysign(step, at[-1] - at[-2])
     force = [x @ shares]
     for move in np.diff(np.rint(at / step).astype(int)).tolist():
-        one_way = shares if move >= 0 else shares[::-1]  # a view: backward is forward in -x
-        broken = [shift_and_break(one_way, fraction) for _ in range(abs(move))]
+        forward = shares if move >= 0 else shares[::-1]  # a view: backward is forward in -x
+        broken = [shift_and_break(forward, fraction) for _ in range(abs(move))]
         shares[zero] += sum(broken)
         force.append(x @ shares)
     return ExplicitSolution(path, np.interp(travel, travelled, force), time.perf_counter() - began)
@@ -117,11 +117,11 @@ def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
     """The share of the contacts at each node at X = 0 (paper, Eq. Q5b); they add up to 1."""
     start = contacts.start
     if start.is_single:  # distributed over two nodes with the same mean
-        share = np.maximum(1.0 - np.abs(x - start.mean()) / step, 0.0)
+        shares = np.maximum(1.0 - np.abs(x - start.mean()) / step, 0.0)
     else:
-        share = np.diff(start.cdf(np.append(x - 0.5 * step, x[-1] + 0.5 * step)))
-        share[contacts.thresholds.sf(np.abs(x)) <= 0.0] = 0.0
-    return share / share.sum()
+        shares = np.diff(start.cdf(np.append(x - 0.5 * step, x[-1] + 0.5 * step)))
+        shares[contacts.thresholds.sf(np.abs(x)) <= 0.0] = 0.0
+    return shares / shares.sum()
 
 
 def broken_fraction(contacts: Contacts, x: Array, step: float, breaking: Breaking) -> Array:

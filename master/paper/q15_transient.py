@@ -236,9 +236,9 @@ class _State:
             lost[self._born - 1] += births - total
             # the cells that a cohort crosses lose in proportion to what they hold
             size = np.abs(middle.reshape(-1, self._cells)) + 1e-300
-            share = size / size.sum(axis=1, keepdims=True)
-            by_group = np.bincount(self._group, lost, minlength=share.shape[0])
-            ended = begun - (share * by_group[:, None]).ravel() + births * self._fresh
+            fraction = size / size.sum(axis=1, keepdims=True)
+            by_group = np.bincount(self._group, lost, minlength=fraction.shape[0])
+            ended = begun - (fraction * by_group[:, None]).ravel() + births * self._fresh
             ended = np.maximum(ended, 0.0) if keep == "positivity" else ended
             middle = 0.5 * (begun + ended)
         self._cohorts, self._broken, self._aged = cohorts, ended, self._whole(ended)

@@ -34,14 +34,14 @@ def renewal_force(contacts: Contacts, path: npt.ArrayLike, step: float) -> Array
     if count > MOST_STEPS:
         refuse("step", step, f"needs {count:,} steps, more than {MOST_STEPS:,}; write a larger one")
     x = np.linspace(0.0, step * count, count + 1)  # positions of the slider
-    held_of_start, force_of_start = of_start(contacts, x)
+    start_holding, force_of_start = of_start(contacts, x)
     middle = x[:-1] + 0.5 * step  # stretches of contacts born in the middle of a step before
-    held = contacts.thresholds.sf(middle)  # E: a contact born at x = 0 holds below its threshold
+    survival = contacts.thresholds.sf(middle)  # E, of contacts born at x = 0
     births, force = np.zeros(count), force_of_start.copy()
     for n in range(1, count + 1):
-        before = births[: n - 1] @ held[1:n][::-1]
-        births[n - 1] = (1.0 - held_of_start[n] - before) / held[0]
-        force[n] += births[:n] @ (middle * held)[:n][::-1]  # K = x E
+        before = births[: n - 1] @ survival[1:n][::-1]
+        births[n - 1] = (1.0 - start_holding[n] - before) / survival[0]
+        force[n] += births[:n] @ (middle * survival)[:n][::-1]  # K = x E
     return np.interp(path, x, force)
 
 
@@ -55,8 +55,8 @@ def of_start(contacts: Contacts, x: Array) -> tuple[Array, Array]:
         stretch, weight = 0.5 * (ends[1:] + ends[:-1]), np.diff(start.cdf(ends))
     # at its start a contact has a threshold above |stretch|
     weight = weight / weight.sum() / np.maximum(law.sf(np.abs(stretch)), 1e-300)
-    held, force = np.empty((2, x.size))
+    holding, force = np.empty((2, x.size))
     for n, distance in enumerate(x):
-        holding = weight * law.sf(np.maximum(np.abs(stretch), np.abs(stretch + distance)))
-        held[n], force[n] = holding.sum(), holding @ (stretch + distance)
-    return held, force
+        each = weight * law.sf(np.maximum(np.abs(stretch), np.abs(stretch + distance)))
+        holding[n], force[n] = each.sum(), each @ (stretch + distance)
+    return holding, force

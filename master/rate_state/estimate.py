@@ -142,10 +142,10 @@ def rate_state(
     if not slow and (finer := _finer(steps, tolerance)) < tolerance:
         tolerance = finer
         progress("velocity steps to a lower tolerance")
-        again = steps_about(contacts, velocity, ratio, tolerance)
-        steps, found = again, read_steps(again, evolution)
-        scan, larger = SpeedScan.of(speeds, found), again
-    if found.told:
+        finer_steps = steps_about(contacts, velocity, ratio, tolerance)
+        steps, found = finer_steps, read_steps(finer_steps, evolution)
+        scan, larger = SpeedScan.of(speeds, found), finer_steps
+    if found.significant:
         progress("smaller velocity steps")
         if slow:  # still smaller ones would be lost in the error
             small = steps_about(contacts, velocity, ratio**0.5, tolerance)
@@ -235,8 +235,8 @@ def _misfit(
     for one, law in zip(steps, laws, strict=True):
         off = np.where(one.slip >= begin, np.abs(law - one.force), 0.0)
         at = int(np.argmax(off))
-        if (share := float(off[at]) / unit) > worst.share:
-            worst = Misfit(share, float(one.slip[at]))
+        if (misfit := float(off[at]) / unit) > worst.share:
+            worst = Misfit(misfit, float(one.slip[at]))
     return worst
 
 
@@ -251,14 +251,14 @@ def _judged(
     elif not done:
         faults.append("interrupted: not all steps were followed")
     if not all(one.settled for one in steps):
-        left = max(one.error / max(float(np.ptp(one.force)), 1e-300) for one in steps)
+        remaining = max(one.error / max(float(np.ptp(one.force)), 1e-300) for one in steps)
         faults.append(
-            f"the force after a step is known to {left:.1e} of its change only, {LIVES[-1]:.0f} mean thresholds after "
-            "it: contacts break in step with one another there, or the change is below the tolerance"
+            f"the force after a step is known to {remaining:.1e} of its change only, {LIVES[-1]:.0f} mean thresholds "
+            "after it: contacts break in step with one another there, or the change is below the tolerance"
         )
     if not all(one.success for one in rests):
         faults.append("the force after a rest is not known to the tolerance")
-    if not found.told:
+    if not found.significant:
         faults.append(
             "neither a nor b is above its error, and smaller steps, other speeds and rests, known no better, were not "
             "followed; a lower tolerance tells more"

@@ -64,7 +64,9 @@ class RateStateLaw:
         return np.exp(found.y[0])
 
 
-def left_of_step(slip: Array, slip_distance: float, ratio: float, evolution: EvolutionLaw) -> Array:
+def remaining_of_step(
+    slip: Array, slip_distance: float, ratio: float, evolution: EvolutionLaw
+) -> Array:
     """ln(v θ/D_c) at slips since a step of the speed by a factor `ratio`: ln(ratio) at 0, and 0 in the end; the closed
     solution of the two laws at one speed."""
     decayed = np.exp(-slip / slip_distance)

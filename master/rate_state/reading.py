@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.rate_state.law import EvolutionLaw, left_of_step
+from master.rate_state.law import EvolutionLaw, remaining_of_step
 from master.rate_state.traces import VelocityStep
 from origins.thresholds.law import Array
 
@@ -64,7 +64,7 @@ class Reading:
         return bool(np.isfinite(self.slip_distance))
 
     @property
-    def told(self) -> bool:
+    def significant(self) -> bool:
         """Whether a or b is above its error."""
         return self.evolves or abs(self.a) > self.a_error
 
@@ -148,16 +148,16 @@ def fit_evolution(
         np.r_[begin, one.slip[one.slip > begin]] for one, begin in zip(steps, begins, strict=True)
     ]
     weight = np.sqrt(np.concatenate([trapezoids(slip) for slip in slips]))
-    left = [
+    remaining = [
         PchipInterpolator(one.slip, one.response)(slip) - one.slope
         for one, slip in zip(steps, slips, strict=True)
     ]
-    goal = weight * np.concatenate(left)
+    goal = weight * np.concatenate(remaining)
 
     def best_of(slip_distance: float) -> tuple[float, float]:
         """b, and the sum of squares that it leaves."""
         each = [
-            left_of_step(slip, slip_distance, one.after / one.before, law) / one.log_ratio
+            remaining_of_step(slip, slip_distance, one.after / one.before, law) / one.log_ratio
             for slip, one in zip(slips, steps, strict=True)
         ]
         form = weight * np.concatenate(each)
@@ -187,10 +187,10 @@ def trapezoids(at: Array) -> Array:
 def _fallen(step: VelocityStep, peak: Peak, b: float, law: EvolutionLaw) -> float:
     """The slip since the step at which what is left of the evolution first is what the law leaves of b after D_c,
     straight between points."""
-    share = left_of_step(np.ones(1), 1.0, step.after / step.before, law)[0] / step.log_ratio
-    left = np.abs(step.response - step.slope) - abs(b) * share
-    below = np.flatnonzero((left <= 0.0) & (step.slip > peak.slip))
+    expected = remaining_of_step(np.ones(1), 1.0, step.after / step.before, law)[0] / step.log_ratio
+    remaining = np.abs(step.response - step.slope) - abs(b) * expected
+    below = np.flatnonzero((remaining <= 0.0) & (step.slip > peak.slip))
     if not below.size:
         return float(step.slip[-1])
     pair = slice(below[0] - 1, below[0] + 1)
-    return float(np.interp(0.0, -left[pair], step.slip[pair]))
+    return float(np.interp(0.0, -remaining[pair], step.slip[pair]))

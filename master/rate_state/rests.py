@@ -34,8 +34,8 @@ def rest_of(contacts: Contacts, velocity: float, rest: float, tolerance: float) 
     spring: dict[str, Any] = {"spring": STIFF, "slip": "instant"} if is_slow(contacts) else {}
     solved = solve(contacts, path, tolerance, time=np.r_[0.0, arrival], **spring)
     start, onward = solved.force[1 : before.size + 2], solved.force[before.size + 2 :]
-    left = float(np.abs(start - steady).max())
-    settled = left <= max(SETTLED * steady, float(solved.force_error) * mean)
+    remaining = float(np.abs(start - steady).max())
+    settled = remaining <= max(SETTLED * steady, float(solved.force_error) * mean)
     # by so much the spring lets the slider, and so all stretches, go on at rest
     lag = abs(steady - float(onward[0])) / STIFF if spring else 0.0
     peak = vertex(slip[1:], onward, int(np.argmax(onward)))
@@ -44,7 +44,7 @@ def rest_of(contacts: Contacts, velocity: float, rest: float, tolerance: float) 
         relaxed=float(onward[0]),
         peak=peak.height,
         peak_slip=peak.slip,
-        error=float(solved.force_error) * mean + left + lag + peak.sampling,
+        error=float(solved.force_error) * mean + remaining + lag + peak.sampling,
         success=bool(solved.success and settled),
     )
 

@@ -72,9 +72,12 @@ def constant_between(at: Array, values: Array, middle: int, room: float) -> Rang
     """The ends between which values change by less than `room` from that at the index `middle`, between points by
     ln; values that are NaN end it."""
     ends = list[float]()
-    for way in (-1, 1):
+    for direction in (-1, 1):
         last = middle
-        while 0 <= (after := last + way) < at.size and abs(values[after] - values[middle]) < room:
+        while (
+            0 <= (after := last + direction) < at.size
+            and abs(values[after] - values[middle]) < room
+        ):
             last = after
         end = float(at[last])
         if 0 <= after < at.size and np.isfinite(values[after]):

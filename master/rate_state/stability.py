@@ -73,12 +73,12 @@ def critical_spring_of(
     small, shift = abs(steps[0].log_ratio), steps[0].error / abs(steps[0].log_ratio)
     # of q T, which is a spring
     error = np.maximum.accumulate(waves * np.abs(smooth - plain)) + waves * shift
-    told = np.flatnonzero(waves * np.abs(smooth.real) > error)
-    waves = waves[: told[-1] + 1 if told.size else None]
+    significant = np.flatnonzero(waves * np.abs(smooth.real) > error)
+    waves = waves[: significant[-1] + 1 if significant.size else None]
     smooth, plain = smooth[: waves.size], plain[: waves.size]
     value, wave = _largest(waves, smooth)
     # the transform of a constant is that constant
-    moved = (_largest(waves, smooth + way * shift).spring for way in (-1, 1))
+    moved = (_largest(waves, smooth + sign * shift).spring for sign in (-1, 1))
     shifted = max(abs(one - value) for one in moved)
     straight = _largest(waves, plain).spring
     if larger:
@@ -102,9 +102,9 @@ def _mean(steps: Sequence[VelocityStep]) -> Array:
 def _largest(waves: Array, answer: Array) -> Crossing:
     """The largest spring at which Re T = 0, of the transform at these wave numbers; 0 where there is none."""
     turns = np.flatnonzero(np.diff(np.sign(answer.real)))
-    share = answer.real[turns] / (answer.real[turns] - answer.real[turns + 1])
+    fraction = answer.real[turns] / (answer.real[turns] - answer.real[turns + 1])
     springs = waves * answer.imag
-    crossed = (1.0 - share) * springs[turns] + share * springs[turns + 1]
+    crossed = (1.0 - fraction) * springs[turns] + fraction * springs[turns + 1]
     found = [Crossing(0.0, 0.0), *map(Crossing, crossed, waves[turns])]
     # where the force does not rise at first, the fastest disturbances decide: Re T goes to 0 with 1/q
     if answer.real[-1] <= 0.0:

@@ -105,15 +105,15 @@ def steps_about(
     start, force = solved.force[1 : last.size + 1], solved.force[last.size + 1 :]
     up, down = force[: slip.size], force[slip.size - 1 :]
     ended = slip >= slip[-1] - life
-    left = max(
+    remaining = max(
         float(np.abs(some - steady[speed]).max())
         for some, speed in ((start, slow), (up[ended], fast), (down[ended], slow))
     )
     change = min(float(np.ptp(up)), float(np.ptp(down)))
     # below the solver's own error nothing more is known
     least = max(SETTLED * change, float(solved.force_error) * mean)
-    settled = bool(solved.success and left <= least)
-    error = (solved.force_error + float(np.max(curve.force_error))) * mean + left
+    settled = bool(solved.success and remaining <= least)
+    error = (solved.force_error + float(np.max(curve.force_error))) * mean + remaining
 
     def step(before: float, after: float, force: Array) -> VelocityStep:
         return VelocityStep(

@@ -86,14 +86,14 @@ class Sums(NamedTuple):
 
     both : number and force, whose first axis has the length 2
     error, survival_error : of the number: that of the sums, and that of the survivals in them
-    held : of births on earlier legs, by the leg's index: the share of all contacts that was born on it and holds at the
-        latest of the times; None where that is not told
+    holding_by_leg : of births on earlier legs, by the leg's index: the share of all contacts that was born on it and
+        holds at the latest of the times; None where that is not told
     """
 
     both: Array
     error: float
     survival_error: float = 0.0
-    held: dict[int, float] | None = None
+    holding_by_leg: dict[int, float] | None = None
 
 
 class Lump(NamedTuple):

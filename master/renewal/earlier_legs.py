@@ -68,7 +68,7 @@ class EarlierLegs:
     def sums(self, t_leg: Array) -> Sums:
         """Number and force at times, shape (n,); both of shape (2, n)."""
         both, missed, survival_error = np.zeros((2, t_leg.size)), np.zeros(t_leg.size), 0.0
-        held_at_latest = np.zeros(self._leg)  # by leg
+        holding_at_latest = np.zeros(self._leg)  # by leg
         pieces = self._pieces(t_leg)
         size = polynomials.PANEL_NODES if self._life.pair_work == 1 else FIRST_NODES
         while pieces.owner.size:
@@ -82,13 +82,13 @@ class EarlierLegs:
             missed += np.bincount(good.owner, lost, t_leg.size)
             at_latest = t_leg[good.owner] == t_leg.max()
             leg = self._motion_leg.leg(0.5 * (good.low + good.high)[at_latest])
-            held_at_latest += np.bincount(leg, number[at_latest], self._leg)
+            holding_at_latest += np.bincount(leg, number[at_latest], self._leg)
             pieces = pieces.pick(rough)
             if size == polynomials.PANEL_NODES:
                 pieces = pieces.halves()
             size = min(2 * size, polynomials.PANEL_NODES)
-        held = {leg: float(held_at_latest[leg]) for leg in self._legs.tolist()}
-        return Sums(both, float(missed.max()), survival_error, held)
+        holding_by_leg = {leg: float(holding_at_latest[leg]) for leg in self._legs.tolist()}
+        return Sums(both, float(missed.max()), survival_error, holding_by_leg)
 
     def _fitted(self, pieces: Pieces, t_leg: Array, size: int) -> Fitted:
         """Polynomials of E and K on pieces, as seen from these times, through so many nodes."""
@@ -154,8 +154,8 @@ class EarlierLegs:
         # end of P_c, so that all on a piece hold, or none; with several some of them may.
         places = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
         place = begin[:, None] + (end - begin)[:, None] * places
-        held = self._births.may_hold(law, motion_leg.history(t_leg[target, None], place))
-        return Pieces(target, begin, end).pick(held)
+        may_hold = self._births.may_hold(law, motion_leg.history(t_leg[target, None], place))
+        return Pieces(target, begin, end).pick(may_hold)
 
     def _even_cuts(self, first: Array, last: Array) -> Array:
         """Times that cut the births of each leg, from its last one back to where none holds, shape (1, legs, cuts)."""

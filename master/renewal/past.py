@@ -62,8 +62,8 @@ class Past:
     _first_panel : the first panel whose births are on it
     _earlier_legs : sums over births on earlier legs, None where there are none; for contacts that age `_strands` in its
         place
-    _held_at_latest : by earlier leg, the share of all contacts that was born on it and held at the latest of the times
-        that the last call of `at` asked for
+    _holding_at_latest : by earlier leg, the share of all contacts that was born on it and held at the latest of the
+        times that the last call of `at` asked for
     _legs_left_out : earlier legs that are left out for good
     _few : interpolates sums between few times, where a survival takes long
     """
@@ -79,7 +79,7 @@ class Past:
         self._leg, self._first_panel = -1, 0
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
-        self._legs_left_out, self._held_at_latest = set[int](), dict[int, float]()
+        self._legs_left_out, self._holding_at_latest = set[int](), dict[int, float]()
         self._earlier_legs: EarlierLegs | None = None
         self._strands = _made_strands(births, self._left_out_below)
         self._few = FewTimes(births.life)
@@ -128,18 +128,18 @@ class Past:
             found = self._summed(grid_leg, lumps)
         self.worst_sum = max(self.worst_sum, found.error)
         self.survival_error = max(self.survival_error, found.survival_error)
-        self._held_at_latest = found.held or {}
+        self._holding_at_latest = found.holding_by_leg or {}
         return found.both
 
     def _leave_out(self) -> None:
         """Leave out legs of whose births hardly any held when `at` was last called, on the leg before. That call may
         have been for panels that were rejected, at any time of that leg: this is safe, as survivals only fall, so that
         fewer hold on the leg to come."""
-        for each, held in self._held_at_latest.items():
-            if held <= self._left_out_below:
+        for each, holding in self._holding_at_latest.items():
+            if holding <= self._left_out_below:
                 self._legs_left_out.add(each)
-                self.left_out += abs(held)  # a sum of next to nothing may come out negative
-        self._held_at_latest = {}
+                self.left_out += abs(holding)  # a sum of next to nothing may come out negative
+        self._holding_at_latest = {}
 
     def _set_clock(self, leg: int) -> None:
         """Count times from the beginning of this leg. It is set first, as births before are told by it."""

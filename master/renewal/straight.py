@@ -34,7 +34,7 @@ class _Ladder(NamedTuple):
     """Lags, shape (n,), E after each, and `typical` of Straight."""
 
     lags: Array
-    held: Array
+    survival: Array
     typical: float
 
 
@@ -83,11 +83,11 @@ class Straight:
             self._bounds = _edges(longest, at_bends)
             self.edges = np.union1d(self._bounds, _edges(longest, self._lags_at(life.marks)))
             return
-        lags, held, self.typical = self._ladder(longest, steady)
+        lags, survival, self.typical = self._ladder(longest, steady)
         self.longest = float(lags[-1])
         distance = self.typical * abs(speed) / self._per_time
         self.scale = max(distance, *(abs(end) for end in born.span)) or life.largest_stretch
-        first = max(int(np.argmax(held < 1.0 - AT_FIRST)) - 1, 0)
+        first = max(int(np.argmax(survival < 1.0 - AT_FIRST)) - 1, 0)
         self._bounds = _edges(self.longest, at_bends)
         edges = _edges(self.longest, np.append(lags[first:], at_bends))
         shortest = NARROWEST_PANEL * min(self.typical, float(edges[1]))
@@ -141,22 +141,27 @@ class Straight:
     def _ladder(self, longest: float, steady: bool) -> _Ladder:
         """Lags from where nearly all contacts hold to where hardly any do, or to the longest."""
         lags = np.array([longest])
-        held = self._for_table(lags[:, None])[0, :, 0]
-        while held[0] < 1.0 - AT_FIRST and lags[0] > NEGLIGIBLE * float(held[1:] @ np.diff(lags)):
+        survival = self._for_table(lags[:, None])[0, :, 0]
+        while survival[0] < 1.0 - AT_FIRST and lags[0] > NEGLIGIBLE * float(
+            survival[1:] @ np.diff(lags)
+        ):
             if lags[0] < SHORTEST_LAG * longest:
                 fault = "contacts break before they have moved a length that is a number"
                 instead = "slide faster where heat breaks them, slower where thresholds grow"
                 refuse("velocity", abs(self._speed), f"{fault}; {instead}")
             lower = lags[0] * RATIO ** -np.arange(LAGS_TOGETHER, 0.0, -1.0)
-            lags, held = np.append(lower, lags), np.append(self._for_table(lower[:, None])[0], held)
-        typical = float(lags[np.flatnonzero(held > 0.5 * held.max())[-1]])
+            lags, survival = (
+                np.append(lower, lags),
+                np.append(self._for_table(lower[:, None])[0], survival),
+            )
+        typical = float(lags[np.flatnonzero(survival > 0.5 * survival.max())[-1]])
         end = FURTHEST_LAG * longest if steady else longest
-        while held[-1] * (lags[-1] / typical) ** 2 > NEGLIGIBLE and lags[-1] < end:
+        while survival[-1] * (lags[-1] / typical) ** 2 > NEGLIGIBLE and lags[-1] < end:
             lags = np.append(lags, 2.0 * lags[-1])
-            held = np.append(held, self._for_table(lags[-1:, None])[0])
-        over = held < NO_SURVIVAL
+            survival = np.append(survival, self._for_table(lags[-1:, None])[0])
+        over = survival < NO_SURVIVAL
         count = lags.size if steady or not over.any() else int(np.argmax(over)) + 1
-        return _Ladder(lags[:count], held[:count], typical)
+        return _Ladder(lags[:count], survival[:count], typical)
 
 
 def _edges(longest: float, lags: Array) -> Array:

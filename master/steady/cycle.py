@@ -59,9 +59,9 @@ class Cycle(Straight):
         super().__init__(life, born, velocity, longest, finest, steady=True)
         self.atoms: Array = life.atoms - born.mean() if born.is_single else np.empty(0)
         table = self.table
-        held, borne = table(table.edges)
+        survival, borne = table(table.edges)
         self.most = float(np.abs(borne).max()) * self.scale
-        lost = np.maximum(-np.diff(held), 0.0)
+        lost = np.maximum(-np.diff(survival), 0.0)
         self.resolution_length = float(table.widths @ lost / lost.sum())
         units = np.array([1.0, self.scale])
         self.length, self.area = (table.integrals() * units).tolist()
@@ -75,7 +75,7 @@ class Cycle(Straight):
             self.area_error = abs(self.area - area) + OF_MOMENT * self.area
             return
         # of E on each panel, the mean of those at its ends; of K at most as many, at the stretch there
-        errors = life.error_at(held, self.survival_error)
+        errors = life.error_at(survival, self.survival_error)
         # Where a contact has moved beyond the largest stretch none holds, and no error can come in.
         edges = np.minimum(table.edges, life.largest_stretch - float(born.span[0]))
         missed = 0.5 * (errors[1:] + errors[:-1]) * np.diff(edges)
@@ -103,12 +103,12 @@ def thresholds_beyond(contacts: Contacts, far: float) -> Array:
     """Bounds on the contributions of thresholds beyond `far` (a length), whose tail is taken as a
     power, to <x_b> and <k x_b^2>, lengths to the powers 1 and 2; shape (2,)."""
     law, stiff = contacts.thresholds, float(contacts.relative_stiffness(far))
-    held, twice, power = float(law.sf(far)), float(law.sf(2.0 * far)), power_of(contacts)
+    survival, twice, power = float(law.sf(far)), float(law.sf(2.0 * far)), power_of(contacts)
     # a tail steeper than the power 1000 ends, or nearly so
-    steep = min(float(np.log2(held / twice)), 1e3) if twice > 0.0 else 1e3
-    if held > 0.0 and not steep > power:
+    steep = min(float(np.log2(survival / twice)), 1e3) if twice > 0.0 else 1e3
+    if survival > 0.0 and not steep > power:
         return np.full(2, np.inf)
-    return held * far * np.array([1.0, stiff * far]) * steep / (steep - power)
+    return survival * far * np.array([1.0, stiff * far]) * steep / (steep - power)
 
 
 def power_of(contacts: Contacts) -> int:

@@ -92,8 +92,8 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
     # weights on the coarser of the last two grids, extrapolated from both
     coarse, fine = solved[-2:]
     weights = (4.0 * fine.weights.reshape(-1, 2).sum(axis=1) - coarse.weights) / 3.0
-    held = np.maximum(weights, 0.0), coarse.edges
-    thresholds = as_thresholds(rv_histogram(held, density=False))
+    counts = np.maximum(weights, 0.0), coarse.edges
+    thresholds = as_thresholds(rv_histogram(counts, density=False))
     return {
         "force": force,
         "force_error": force_error,
@@ -102,7 +102,7 @@ def paper_steady(contacts: Contacts, velocity: float) -> dict[str, Any]:
         "mean_threshold": length,
         "cycle_length": length,
         "cycle_length_error": length_error,
-        "_held": lambda x: np.where(x >= 0.0, thresholds.sf(x), 0.0),
+        "_survival_at": lambda x: np.where(x >= 0.0, thresholds.sf(x), 0.0),
         "positivity_defect": abs(float(weights[weights < 0.0].sum())),
     }
 
@@ -157,10 +157,10 @@ def _solve(
     hops = Diffusion(final, edges)
     born = hops.weights(fresh)
     middle = 0.5 * (edges[1:] + edges[:-1])
-    for atom, share in zip(*fresh.atoms, strict=True):
+    for atom, fraction in zip(*fresh.atoms, strict=True):
         k = int(np.searchsorted(edges, atom))
         if 0 < k < edges.size - 1 and edges[k] == atom:  # on an edge: two cells, with the same <x>
-            moved = share * (atom - middle[k - 1]) / (middle[k] - middle[k - 1])
+            moved = fraction * (atom - middle[k - 1]) / (middle[k] - middle[k - 1])
             born[k - 1 : k + 1] += moved * np.array([-1.0, 1.0])
     for _ in range(MOST_STEPS):
         age = make_ageing(hops, diffusion * length)

@@ -39,9 +39,9 @@ def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
     law, rates, wave = contacts.thresholds, contacts.thermal.rates, 1j * np.asarray(waves)
     ranks, weight = (each.ravel() for each in gauss(_RANKS[:-1], _RANKS[1:]))
     x = np.asarray(law.ppf(ranks))
-    share = np.stack([weight, weight * contacts.relative_stiffness(x)]) / weight.sum()
+    fractions = np.stack([weight, weight * contacts.relative_stiffness(x)]) / weight.sum()
     stiffness, log_v, log_a = (
-        share[1] / share[0],
+        fractions[1] / fractions[0],
         np.log(velocity),
         np.linspace(_LOG_LEAST, _LOG_MOST, _STEPS),
     )
@@ -50,41 +50,41 @@ def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
         most = np.exp(np.minimum(rates.log_passed(0.0, x, x, stiffness) - log_v, _LOG_MOST))
     a = np.minimum(np.array([np.zeros(x.size), *at]), x)
     passed = np.minimum(np.append(0.0, np.exp(log_a))[:, None], most)
-    held = np.exp(-passed)
-    fall = -np.diff(held, axis=0)
-    fall[-1] += held[-1]  # those that are left break at their thresholds
-    way, breaks = np.diff(a, axis=0), np.diff(passed, axis=0)
+    survivals = np.exp(-passed)
+    fall = -np.diff(survivals, axis=0)
+    fall[-1] += survivals[-1]  # those that are left break at their thresholds
+    travel, breaks = np.diff(a, axis=0), np.diff(passed, axis=0)
     middle = 0.5 * (a[1:] + a[:-1])
     # E and a E: their means on each step, and a twelfth of their changes, as those of w go along with them
-    both = np.stack([held, a * held])
+    both = np.stack([survivals, a * survivals])
     on_step, along = 0.5 * (both[:, 1:] + both[:, :-1]), np.diff(both, axis=1) / 12.0
     # sums over thresholds: of contacts, and of their stiffness
-    length = share[0] @ (on_step[0] * way).sum(axis=0)
+    length = fractions[0] @ (on_step[0] * travel).sum(axis=0)
     broken = np.zeros((2, wave.size), dtype=complex)
     stretched, answered, pulled = (np.zeros(wave.size, dtype=complex) for _ in range(3))
     w = np.zeros((x.size, wave.size), dtype=complex)
     until = np.ones_like(w)  # e^(-pa) at the begin of the step
     for step in range(_STEPS):
-        p_a = way[step][:, None] * wave
+        p_a = travel[step][:, None] * wave
         turned = np.exp(-p_a)
         mean, rest = 1.0 - 0.5 * p_a, 0.5 - p_a / 6.0
         far = np.abs(p_a) > _SMALL
         mean[far] = (1.0 - turned[far]) / p_a[far]
         rest[far] = (1.0 - mean[far]) / p_a[far]
         fell = until * mean * fall[step][:, None]
-        broken += share @ fell
-        stretched += (share[1] * middle[step]) @ fell
+        broken += fractions @ fell
+        stretched += (fractions[1] * middle[step]) @ fell
         # w along the step, on which h is constant: its mean, and its end
         mean_w = w * mean + breaks[step][:, None] * rest
         after = w * turned + breaks[step][:, None] * mean
-        weights = share * way[step]
+        weights = fractions * travel[step]
         answered += (weights[0] * on_step[0, step]) @ mean_w
         answered += (weights[0] * along[0, step]) @ (after - w)
         pulled += (weights[1] * on_step[1, step]) @ mean_w
         pulled += (weights[1] * along[1, step]) @ (after - w)
         w = after
         until *= turned
-    survival, by_stiffness = (share.sum(axis=1)[:, None] - broken) / wave
+    survival, by_stiffness = (fractions.sum(axis=1)[:, None] - broken) / wave
     first = (by_stiffness - stretched) / wave
     return np.asarray(wave / length * (pulled - answered * first / survival))
 

@@ -51,13 +51,15 @@ class SteadyState:
     cycle_length_error: float
     success: bool
     message: str
-    _held: Callable[[Array], Array] = field(repr=False)
+    _survival_at: Callable[[Array], Array] = field(repr=False)
     positivity_defect: float = 0.0
 
     def distribution(self, x: npt.ArrayLike) -> Array:
         """Q_s(x) per length at stretches x (paper, Eq. Q11a), of all contacts; same shape as x."""
         x = np.asarray(x, dtype=float)
-        return (self._held(x.ravel()) * self.holding / self.cycle_length).reshape(x.shape)[()]
+        return (self._survival_at(x.ravel()) * self.holding / self.cycle_length).reshape(x.shape)[
+            ()
+        ]
 
 
 def steady_state(contacts: Contacts, *, velocity: float = 1.0) -> SteadyState:
@@ -102,7 +104,7 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
             "mean_threshold": unit,
             "cycle_length": cycle.length,
             "cycle_length_error": cycle.length_error / unit,
-            "_held": partial(_held, cycle),
+            "_survival_at": partial(_survival_at, cycle),
         }
     force = max(abs(known["force"]), float(np.finfo(float).tiny))  # F_k may be 0
     relative = known["force_error"] * unit / force
@@ -110,13 +112,13 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
     return SteadyState(success=bool(success), message=message, **known)
 
 
-def _held(cycle: Cycle, x: Array) -> Array:
+def _survival_at(cycle: Cycle, x: Array) -> Array:
     """Of the contacts born, the share that holds when they come to the stretches x (n,), averaged over births."""
     life, births = cycle.life, cycle.born
     if births.is_single:
         since_birth = x[:, None] - births.mean()
-        held = cycle.scaled(np.maximum(since_birth, 0.0)).survival
-        return np.asarray((since_birth >= 0.0) * held)[:, 0]
+        survival = cycle.scaled(np.maximum(since_birth, 0.0)).survival
+        return np.asarray((since_birth >= 0.0) * survival)[:, 0]
     low, high = np.clip(births.span, -life.largest_stretch, life.largest_stretch)
     # twelve panels, and edges where the survival bends
     even = np.linspace(low, high, 13)
@@ -125,5 +127,5 @@ def _held(cycle: Cycle, x: Array) -> Array:
     pieces = Pieces.between(np.clip(cuts, low, np.clip(x, low, high)[:, None]))
     born, weights = gauss(pieces.low, pieces.high)
     weights *= births.pdf(born) / (births.cdf(high) - births.cdf(low))
-    held = cycle.scaled(x[pieces.owner, None] - born, born).survival
-    return np.asarray(np.bincount(pieces.owner, (weights * held).sum(axis=1), x.size), float)
+    survival = cycle.scaled(x[pieces.owner, None] - born, born).survival
+    return np.asarray(np.bincount(pieces.owner, (weights * survival).sum(axis=1), x.size), float)

@@ -186,13 +186,13 @@ def _beyond(cycle: Cycle, horizon: float) -> tuple[float, float]:
     than the horizon. Both bounds are doubled for safety."""
     distances = np.append(0.5 * horizon, cycle.table.end[cycle.table.end > 0.5 * horizon])
     middle = np.sqrt(distances[1:] * distances[:-1])
-    held, kinetic = cycle.table(middle)[0], cycle.area / cycle.length
+    survival, kinetic = cycle.table(middle)[0], cycle.area / cycle.length
     broken = np.maximum(
         -np.diff(cycle.table(distances)[0]) / np.log(distances[1:] / distances[:-1]), 0.0
     )
-    older = float(held @ np.diff(distances)) / cycle.length
+    older = float(survival @ np.diff(distances)) / cycle.length
     steepest = kinetic / cycle.length * float(broken.max(initial=0.0)) + older
-    excess = float((held * middle).max(initial=0.0)) / cycle.length + older
+    excess = float((survival * middle).max(initial=0.0)) / cycle.length + older
     return 2.0 * steepest, kinetic * (1.0 + 2.0 * excess)
 
 

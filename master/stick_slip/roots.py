@@ -126,7 +126,7 @@ def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, 
     while True:
         last = min(2.0 * last, highest)
         s = -decay + 1j * step * np.arange(int(np.ceil(last / step)) + 2)
-        w = (1.0 - s * transform.held_on_line(decay, step, s.size)) * np.exp(-s * cycle.wait)
+        w = (1.0 - s * transform.survival_on_line(decay, step, s.size)) * np.exp(-s * cycle.wait)
         loudest = float(s[np.flatnonzero(np.abs(w) > QUIET)[-1]].imag)
         if loudest < LAST_PART * last or last >= highest:
             break

@@ -124,16 +124,16 @@ def decoherence_spectrum(
     root_error = transform(s).root_error()
     beside = np.append(s, s + root_error)
     values, first = transform(beside), of_start(beside)
-    late = np.exp(-beside * wait) * (1.0 / beside - first.held)
+    late = np.exp(-beside * wait) * (1.0 / beside - first.survival)
     amplitude, moved = np.split(2.0 * values.force * late / values.slope, 2)
-    share = values.force_error / np.abs(values.force) + ROUNDING
-    share += first.held_error / np.abs(1.0 / beside - first.held)
+    relative = values.force_error / np.abs(values.force) + ROUNDING
+    relative += first.survival_error / np.abs(1.0 / beside - first.survival)
     kinetic, kinetic_off = cycle.force()
     spectrum = DecoherenceSpectrum(
         roots=s,
         roots_error=root_error,
         amplitude=amplitude,
-        amplitude_error=np.abs(amplitude) * share[: s.size] + np.abs(moved - amplitude),
+        amplitude_error=np.abs(amplitude) * relative[: s.size] + np.abs(moved - amplitude),
         decay_length_error=root_error / s.real**2,
         kinetic_force=kinetic,
         kinetic_force_error=kinetic_off / unit,
@@ -142,8 +142,8 @@ def decoherence_spectrum(
         _unit=unit,
         _left_out=0.0,
     )
-    left = _remainder(cycle, spectrum)
-    return replace(spectrum, _left_out=left, run_time=time.perf_counter() - began)
+    remainder = _remainder(cycle, spectrum)
+    return replace(spectrum, _left_out=remainder, run_time=time.perf_counter() - began)
 
 
 def _deepest(cycle: Cycle) -> float:
@@ -172,12 +172,12 @@ def _remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> float:
     """The largest error of the terms over COMPARED_OVER mean distances, times e^(X/beyond), a length."""
     horizon = COMPARED_OVER * cycle.birth_to_birth + max(-2.0 * cycle.contacts.start.span[0], 0.0)
     march = forward_march(cycle, horizon, TOLERANCE).run()
-    share = np.append(0.0, polynomials.NODES)
+    relative = np.append(0.0, polynomials.NODES)
     solved = march.solved
-    x = cycle.velocity * (solved.begin[:, None] + solved.width[:, None] * share)
+    x = cycle.velocity * (solved.begin[:, None] + solved.width[:, None] * relative)
     off = (solved.error + march.unseen_error) * march.longest_stretch
     apart = np.abs(solved.force - spectrum.force(x))
     significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
     # twice as much, as the terms left out may add up in phase elsewhere
-    left = 2.0 * apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))
-    return float(left[significant].max(initial=0.0))
+    remainder = 2.0 * apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))
+    return float(remainder[significant].max(initial=0.0))

@@ -37,8 +37,8 @@ SUM_ROUNDING = 4e-16
 class Values(NamedTuple):
     """The transforms of E, K and D at numbers s, per contact born, with their errors; arrays of shape (n,)."""
 
-    held: Complex  # of E, a length
-    held_error: Array
+    survival: Complex  # of E, a length
+    survival_error: Array
     force: Complex  # of K, a length squared
     force_error: Array
     conserved: Complex  # D, a length
@@ -58,10 +58,10 @@ class _Nodes(NamedTuple):
     errors: Array
 
 
-def _count_felt(held: Array, distance: Array, decay: float) -> int:
+def _count_felt(survival: Array, distance: Array, decay: float) -> int:
     """How many values of E, at sorted x, to the last where E e^(decay x) is not negligible."""
     size = np.where(
-        held > UNDERFLOW, np.log(np.maximum(held, UNDERFLOW)) + decay * distance, -np.inf
+        survival > UNDERFLOW, np.log(np.maximum(survival, UNDERFLOW)) + decay * distance, -np.inf
     )
     return int(np.flatnonzero(size > size.max() + np.log(NOT_FELT))[-1]) + 1
 
@@ -80,8 +80,10 @@ class Transform:
         for _ in range(MOST_DOUBLINGS):
             # the last panel, which was doubled, is looked at in 16 parts, each edge from its left: E may jump there
             edges = np.append(edges[:-1], np.linspace(edges[-2], edges[-1], 17)[1:])
-            held = cycle.scaled(edges[:, None] * (1.0 - TIE)).survival[:, 0]
-            felt = _count_felt(held, edges, 1.1 * deepest)  # Newton's method looks a little further
+            survival = cycle.scaled(edges[:, None] * (1.0 - TIE)).survival[:, 0]
+            felt = _count_felt(
+                survival, edges, 1.1 * deepest
+            )  # Newton's method looks a little further
             if felt < edges.size:
                 break
             edges = np.append(edges, 2.0 * edges[-1])
@@ -99,12 +101,12 @@ class Transform:
 
         def sizes(values: Array, _: Array) -> Array:
             """Relative to the panel's values, but for those below OF_LARGEST of its largest, or known no better."""
-            held = np.abs(values[0])
-            held = np.maximum(
-                held.min(axis=1), np.maximum(OF_LARGEST * held.max(axis=1), UNDERFLOW)
+            survival = np.abs(values[0])
+            survival = np.maximum(
+                survival.min(axis=1), np.maximum(OF_LARGEST * survival.max(axis=1), UNDERFLOW)
             )
-            known = life.error_at(held, self._survival_error)
-            return np.maximum(held, np.stack([known, known + life.error_of_force]) / accuracy)
+            known = life.error_at(survival, self._survival_error)
+            return np.maximum(survival, np.stack([known, known + life.error_of_force]) / accuracy)
 
         shortest = NARROWEST_PANEL * min(cycle.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself
@@ -120,16 +122,18 @@ class Transform:
         edges = np.interp(np.arange(numbers[-1] + 1), numbers, table.edges[: felt + 1])[:, None]
         distance = edges[:-1] + np.diff(edges, axis=0) * polynomials.gauss(size).nodes
         weight = np.diff(edges, axis=0) * polynomials.gauss(size).series[:, 0]
-        held, force = values = table(distance)
+        survival, force = values = table(distance)
         # a contact that holds though it should not, or the other way round, bears the force of the others there
-        by_one = np.divide(np.abs(force), held, out=np.zeros_like(held), where=held > UNDERFLOW)
-        wrong = life.error_at(held, self._survival_error)
+        by_one = np.divide(
+            np.abs(force), survival, out=np.zeros_like(survival), where=survival > UNDERFLOW
+        )
+        wrong = life.error_at(survival, self._survival_error)
         errors = wrong * np.stack([np.ones(distance.shape), np.maximum(by_one, distance / scale)])
         # shares below NOBODY are of contacts that nobody has: no wave may hang on them
-        errors += np.abs(values) * np.where(held < NOBODY, 1.0, SUM_ROUNDING)
+        errors += np.abs(values) * np.where(survival < NOBODY, 1.0, SUM_ROUNDING)
         errors += np.repeat(table.tails[:, :felt], pieces, axis=1)[..., None]
         errors[1] = (errors[1] + life.error_of_force * (distance < life.largest_stretch)) * scale
-        some, sums = held > UNDERFLOW, np.stack([held, -distance * held, force * scale])
+        some, sums = survival > UNDERFLOW, np.stack([survival, -distance * survival, force * scale])
         return _Nodes(distance[some], (weight * sums)[:, some], (weight * errors)[:, some])
 
     def __call__(self, s: Complex, nodes: _Nodes | None = None) -> Values:
@@ -144,15 +148,15 @@ class Transform:
                 wave = np.exp(-number * distance)
                 transforms[:, i] = sums @ wave
                 off[:, i] = (errors + SUM_ROUNDING * abs(number) * rounded) @ np.abs(wave)
-            held, held_slope, force = transforms
+            survival, survival_slope, force = transforms
             waited, out = np.exp(-s * wait), -np.expm1(-s * wait) / s
-            conserved = held * waited + out
-            slope = waited * (held_slope - wait * held) + (wait * waited - out) / s
+            conserved = survival * waited + out
+            slope = waited * (survival_slope - wait * survival) + (wait * waited - out) / s
             cancelled = 1.0 + (1.0 + np.abs(s) * wait) * np.abs(waited)
             error = off[0] * np.abs(waited) + np.finfo(float).eps * cancelled / np.abs(s)
-        return Values(held, off[0], force, off[1], conserved, error, slope)
+        return Values(survival, off[0], force, off[1], conserved, error, slope)
 
-    def held_on_line(self, decay: float, step: float, count: int) -> Complex:
+    def survival_on_line(self, decay: float, step: float, count: int) -> Complex:
         """The transform of E at -decay + i step k for k < count, to 1e-8."""
         fastest = float(np.hypot(decay, step * count))
         distance, sums, _ = self.nodes(fastest, decay, ON_LINE_SIZE, ON_LINE_WAVE)

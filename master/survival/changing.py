@@ -36,10 +36,10 @@ class ChangingLife(Life):
         assert law is not None
         self.contacts, self.start_as_births = contacts, not law.older_at_start
         # a contact that starts in the far tail has a threshold even farther out
-        held = float(fresh.sf(max(abs(end) for end in contacts.start.span)))
-        share = NEGLECTED * max(held, 1e-280)  # less underflows
-        furthest = min(float(fresh.isf(share)), fresh.support()[1])
-        self.largest_stretch = law.largest_threshold(furthest, share, longest)
+        survival = float(fresh.sf(max(abs(end) for end in contacts.start.span)))
+        fraction = NEGLECTED * max(survival, 1e-280)  # less underflows
+        furthest = min(float(fresh.isf(fraction)), fresh.support()[1])
+        self.largest_stretch = law.largest_threshold(furthest, fraction, longest)
         if np.shape(self.largest_stretch) or not np.isfinite(self.largest_stretch):
             self._refuse(
                 f"largest_threshold must return a finite number, not {self.largest_stretch!r}"

@@ -122,8 +122,8 @@ class Life:
         """Upper bound of the fraction of contacts born at a stretch that have the exact threshold `atom`."""
         return 0.0
 
-    def error_at(self, held: Array, error: float) -> Array:
-        """Error of survivals `held`, if `error` is the largest of any survival; same shape.
+    def error_at(self, survival: Array, error: float) -> Array:
+        """Error of each survival, if `error` is the largest of any survival; same shape.
 
         Integrals of E over all lags, and transforms even more, need it where few contacts hold; a march needs the
         largest one alone. A survival that is closed, or a sum for each lag by itself, is known to a part of itself
@@ -132,8 +132,8 @@ class Life:
         lags.
         """
         if not self.error_is_relative:
-            return np.full(held.shape, error)
-        return error * np.minimum(held / FEW, 1.0) + self.neglected
+            return np.full(survival.shape, error)
+        return error * np.minimum(survival / FEW, 1.0) + self.neglected
 
     def rounded_away(self, velocity: float) -> Array:
         """Bounds of what rounding of the survival hides in the integrals of E and K over the distance since birth, at a

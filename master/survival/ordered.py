@@ -67,8 +67,8 @@ class OrderedLife(ChangingLife):
                     found = self._largest(*begins, first[rows, legs], last[rows, legs])
                     np.maximum.at(worst, rows, found)
         thresholds = self._law.at_start
-        held = thresholds.sf(worst) / thresholds.sf(np.abs(born))
-        return Survivors(held, held * x[:, -1], self.error)
+        survival = thresholds.sf(worst) / thresholds.sf(np.abs(born))
+        return Survivors(survival, survival * x[:, -1], self.error)
 
     def _largest(
         self, x: Array, speed: Array, age: Array, travelled: Array, first: Array, last: Array
@@ -76,8 +76,8 @@ class OrderedLife(ChangingLife):
         """The largest birth_threshold of contacts between two times on a leg that begins with these; all (n,)."""
 
         def value(time: Array) -> Array:
-            stretch, way = np.abs(x + speed * time), travelled + np.abs(speed) * time
-            found: Array = self._law.birth_threshold(stretch, age + time, way)
+            stretch, distance = np.abs(x + speed * time), travelled + np.abs(speed) * time
+            found: Array = self._law.birth_threshold(stretch, age + time, distance)
             return found
 
         values = value(first + (last - first) * PLACES)

@@ -200,11 +200,11 @@ class AgeingLife(ChangingLife):
             at_nodes = np.array([table.at(lag) for table in tables])
             series = np.linalg.solve(chebyshev.chebvander(nodes, count - 1), at_nodes)
             last = np.abs(series[int((1.0 - LAST_PART) * count) :])
-            left_out = MARGIN * float(last.sum(axis=0).max())
-            if left_out <= INTERPOLATED:
+            interpolation = MARGIN * float(last.sum(axis=0).max())
+            if interpolation <= INTERPOLATED:
                 break
-        held = chebyshev.chebval(2.0 * (stretch - low) / span - 1.0, series, tensor=False)
-        return held.clip(0.0, 1.0), max(table.error for table in tables) + left_out
+        survival = chebyshev.chebval(2.0 * (stretch - low) / span - 1.0, series, tensor=False)
+        return survival.clip(0.0, 1.0), max(table.error for table in tables) + interpolation
 
     def _table(self, speed: float, stretch: float) -> TimedSurvival:
         """Survival over the time of contacts born at this stretch on a slider that keeps this speed."""
@@ -218,8 +218,8 @@ class AgeingLife(ChangingLife):
             passage = self._passage(along)
             passage.move(abs(speed), followed)
             # contacts that hold when they are followed no longer count as an error
-            left = max(passage.left, 0.0) if followed < whole else 0.0
-            self._tables[speed, stretch] = TimedSurvival(passage.survival, passage.error + left)
+            rest = max(passage.surviving, 0.0) if followed < whole else 0.0
+            self._tables[speed, stretch] = TimedSurvival(passage.survival, passage.error + rest)
         return self._tables[speed, stretch]
 
     def _passage(self, stretch: float) -> Passage:

@@ -106,10 +106,14 @@ class Passage:
         if self._pull * normal.mean > _MOST_RELAXED * fastest > 0.0:
             hint = f"relaxes thresholds 1e10 times while the slider moves by one at the speed {fastest:g}"
             refuse("rate", ageing.rate, f"{hint}, too often to follow; slide faster")
-        self.age, self.stretch, self.left = 0.0, start, 1.0
+        self.age, self.stretch, self.surviving = 0.0, start, 1.0
         self.error = self._tails = self._missed = 0.0
         # the fresh thresholds of contacts that hold at first: exact values, and edges of the others
-        self._fresh, self._held, above = fresh, float(fresh.sf(least)), fresh.atoms[0] > least
+        self._fresh, self._fresh_survival, above = (
+            fresh,
+            float(fresh.sf(least)),
+            fresh.atoms[0] > least,
+        )
         self._values, self._weights = (part[above] for part in fresh.atoms)
         self._pieces = np.unique(np.maximum(np.append(panel_edges(fresh), least), least))
         # fresh thresholds above the rounding of 1, and as far as the final law spreads any
@@ -146,7 +150,7 @@ class Passage:
     def at(self, age: float, stretch: float) -> "Passage":
         """These contacts at an earlier age, when they had this stretch."""
         out, out.age, out.stretch = copy(self), age, stretch
-        out.left = float(self.survival(np.array([age]))[0])
+        out.surviving = float(self.survival(np.array([age]))[0])
         kept = [each for each in self._segments if each.begin <= age]
         ends = [min(each.root, float(np.sqrt(age - each.begin))) for each in kept]
         out._segments = [each._replace(root=end) for each, end in zip(kept, ends, strict=True)]
@@ -165,7 +169,7 @@ class Passage:
         first = _FIRST_PART * float(np.sqrt(min(1.0 / self._pull, least)))
         few = bool(self._panels) and abs(self._panels[-1].breaks) < self._accuracy  # near the level
         width, low, before = max(first, 0.25 * last) if few else first, 0.0, np.inf
-        while last - low > 1e-12 * last and self.left > _NOTHING:  # less is rounding
+        while last - low > 1e-12 * last and self.surviving > _NOTHING:  # less is rounding
             step = min(width, last - low)
             series = self._panel(low, step)
             # the last coefficients, in the integral of the density
@@ -178,9 +182,9 @@ class Passage:
                 width, before = 0.5 * step, tail
                 continue
             breaks = float(series[0]) * step  # the first coefficient is the mean
-            panel = _Panel(len(self._segments) - 1, low, step, self.left, breaks, series)
+            panel = _Panel(len(self._segments) - 1, low, step, self.surviving, breaks, series)
             self._panels.append(panel)
-            low, self.left = low + step, self.left - breaks
+            low, self.surviving = low + step, self.surviving - breaks
             self._tails += float(tail)
             self.error = self._tails + self._missed
             wider = _FAR_WIDER if breaks < _HARDLY_ANY * self._accuracy else _WIDER
@@ -257,7 +261,7 @@ class Passage:
         each = finite_density(self._fresh, values) * below @ _INNER_WEIGHTS
         spread = np.bincount(row, each * (high - low), time.size)
         exact = self._below(level, level - self._values, time) @ self._weights
-        return np.asarray((spread + exact) / self._held)
+        return np.asarray((spread + exact) / self._fresh_survival)
 
     def _below(self, level: Array, rise: Array, time: Array) -> Array:
         """Share below a level now of the thresholds that were `rise` below it a time ago; the shapes broadcast."""

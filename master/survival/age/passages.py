@@ -83,7 +83,10 @@ class Passages:
 
     def surviving_shares(self) -> Array:
         """Fraction of each strand that holds now, and its force per contact born, shape (2, strands)."""
-        now = [[(part.left, part.left * part.stretch) for part in parts] for parts in self._strands]
+        now = [
+            [(part.surviving, part.surviving * part.stretch) for part in parts]
+            for parts in self._strands
+        ]
         return np.moveaxis(np.array(now), 2, 0) @ self._weights
 
 
