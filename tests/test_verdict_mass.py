@@ -24,6 +24,7 @@ from toolkit.verdict.judge import verdict
 from toolkit.verdict.machine import Behaviour, Finite, Known, Machine
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict
+from toolkit.verdict.table import table
 from toolkit.verdict.uncertainty import widest
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
@@ -202,3 +203,27 @@ def test_one_contact_is_no_plural(capsys: Any) -> None:
     page = "\n".join(out)
     assert "drive.area holds 1 contact: is it right" in page and "1 contacts" not in page
     assert "\nsliders of 1 contact stick and slip, from " in page
+
+
+def test_the_force_of_a_slider_on_which_few_contacts_hold_says_so_beside_the_mean_of_slips() -> (
+    None
+):
+    """F_k of contacts of which a thousandth holds is a thousandth of the force before a slip, and startled; the mean of
+    a sawtooth from 0 to 0.8 is 0.4, without its first third, where it rises twice as high."""
+    drive = np.array([0.0, 800.0, 800.0, 1600.0, 1600.0, 2400.0, 2400.0, 2800.0])
+    force = np.array([0.0, 1.6, 0.0, 0.8, 0.0, 0.8, 0.0, 0.4])
+    told = replace(of_a_mass("stick-slip", 0.8), drive=drive, force=force, period=800.0)
+    found = of(told)
+    few = replace(found, answers=(replace(found.own, holding=1e-3),))
+    lines = table(few)
+    (kinetic,) = (one for one in lines if one.startswith("kinetic friction F_k"))
+    assert "of whose contacts 0.1% hold" in kinetic
+    (mean,) = (one for one in lines if one.startswith("mean force of stick-slip (mass)"))
+    assert "0.4000 N_c<k> length" in mean
+    (why,) = (one for one in dependence(few) if "F_k is that small" in one)
+    assert "waits while the drive goes on by 30.0" in why and "0.1% of them hold" in why
+    many = table(found)
+    assert not any("hold" in one for one in many)
+    assert not any("F_k is that small" in one for one in dependence(found))
+    smooth = of(of_a_mass("smooth", 0.8, drive=drive, force=force))
+    assert not any(one.startswith("mean force") for one in table(smooth))

@@ -39,6 +39,7 @@ class Answer:
     """What one reading says. Forces F/(N_c <k>) are lengths, springs are per N_c<k>.
 
     machine : what pulls; None where the scene has no spring
+    holding : share of the contacts that hold, and do not wait, on a rigid slider that slides as fast as the drive
     behaviours : of the machine's slider, one for each rule
     """
 
@@ -50,6 +51,7 @@ class Answer:
     critical_spring: Quantity
     machine: Machine | None
     behaviours: tuple[Behaviour, ...]
+    holding: float = 1.0
 
     @property
     def softer(self) -> bool:

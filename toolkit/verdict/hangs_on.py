@@ -29,7 +29,7 @@ from toolkit.verdict.kinds import (
 )
 from toolkit.verdict.machine import Finite
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
-from toolkit.verdict.table import drop_of, in_units, regained_by
+from toolkit.verdict.table import HOLDING, drop_of, in_units, regained_by
 from toolkit.verdict.uncertainty import reach_of_force, shares_of
 from toolkit.verdict.undone import left_undone, of_errors
 
@@ -121,8 +121,21 @@ def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
             apart,
             "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
             "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
-            "before a slip",
+            f"before a slip{_of_waiting(own)}",
         )
+
+
+def _of_waiting(own: Answer) -> str:
+    """Why F_k of contacts that wait is small."""
+    if own.holding > HOLDING:
+        return ""
+    scale, mean = own.scale, own.contacts.mean_threshold
+    way = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
+    waits, breaks = (written(one, scale.length_unit) for one in (way, mean))
+    return (
+        f". F_k is that small as a contact waits while the drive goes on by {waits}, and breaks after {breaks}: "
+        f"{100.0 * own.holding:.2g}% of them hold"
+    )
 
 
 def why_smooth(verdict: Verdict) -> list[str]:

@@ -175,12 +175,14 @@ def _answer(
     velocity, contacts = table.velocity, cast(Contacts, reading.contacts)
     in_time = TOLERANCE_IN_TIME if reading.own else WHETHER_IT_SLIPS
     kinetic = static = critical = UNKNOWN
+    holding = 1.0
     scale = scale_of(contacts, table.area)
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     asked = rules if machine is not None else ()
     with suppress(TimeIsUp):  # what is found by then is told
         steady = master.steady_state(contacts, velocity=velocity)
         kinetic = Quantity(steady.force, steady.force_error * contacts.mean_threshold)
+        holding = steady.holding
         found = _propensity(contacts, velocity, budget)
         ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
         static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
@@ -223,6 +225,7 @@ def _answer(
         critical_spring=critical,
         machine=machine,
         behaviours=tuple(behaviours),
+        holding=holding,
     )
 
 

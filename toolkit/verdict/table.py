@@ -7,13 +7,17 @@ from itertools import zip_longest
 import numpy as np
 
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
-from toolkit.verdict.answers import Quantity, Verdict
+from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
 from toolkit.verdict.uncertainty import share_of
 
 # of a force: a larger error of it is told beside it
 KNOWN = 1e-3
+# of the contacts: where no more of them hold, F_k is told with their share
+HOLDING = 0.9
+# of a path, its first part, over which the force of stick-slip is not averaged: contacts began together there
+FORGOTTEN = 1.0 / 3.0
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
 
@@ -44,7 +48,7 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     # contacts that depend on time bear another force where the slider sticks: see `dependence`
     speed = guarded(verdict.velocity, speed_unit(verdict), 0.0)
     at = f" of a rigid slider at {speed}" * bool(own.contacts.in_time)
-    yield row(f"kinetic friction F_k{at}", kinetic, forces, unit, share)
+    yield row(f"kinetic friction F_k{at}{_of_holding(own)}", kinetic, forces, unit, share)
     yield row(f"static friction F_s{at}", static, forces, unit, share)
     if scale.load is not None:
         coefficients = [one.scale.force / (one.scale.load or 1.0) for one in answers]
@@ -129,6 +133,14 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         if (regained := regained_by(verdict, behaviour)) is not None:
             back = regained * scale.force
             told["of it regained over a period"] = to_digits(back, force, share * back, error)
+        if (mean_force := mean_over_slips(behaviour)) is not None:
+            mean_force *= scale.force
+            told["mean force of stick-slip"] = to_digits(
+                mean_force, force, share * mean_force, error
+            )
+            if load:
+                over = to_digits(mean_force / load, "", share * mean_force / load, error / load)
+                told["mean force of stick-slip"] += f", {over} of the load"
         if behaviour.period is not None:
             told["period"] = ", ".join(period_of(verdict, behaviour.period, share, bool(error)))
         if behaviour.slip_time is not None:
@@ -139,6 +151,28 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
             rows.setdefault((name + whose, value), []).append(rule)
     for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
+
+
+def _of_holding(answer: Answer) -> str:
+    """How few contacts bear F_k, where most of them wait."""
+    if answer.holding > HOLDING:
+        return ""
+    return f", of whose contacts {100.0 * answer.holding:.2g}% hold"
+
+
+def mean_over_slips(behaviour: Behaviour) -> float | None:
+    """The mean force over the last periods of stick-slip, F/(N_c <k>) (a length); None where none is seen."""
+    drive, period = behaviour.drive, behaviour.period
+    if behaviour.kind != "stick-slip" or not period or not drive.size:
+        return None
+    many = max(int((1.0 - FORGOTTEN) * (drive[-1] - drive[0]) / period), 1)
+    begin = drive[-1] - many * period
+    if begin < drive[0]:
+        return None
+    later = drive > begin
+    places = np.append(begin, drive[later])
+    force = np.append(np.interp(begin, drive, behaviour.force), behaviour.force[later])
+    return float(np.trapezoid(force, places) / (many * period))
 
 
 def _with_error(value: float, unit: str, uncertainty: float, error: float) -> str:
