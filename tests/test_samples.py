@@ -222,6 +222,10 @@ def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
         ),  # it is not guessed
         ("1 2\n", {"column": 3}, "there is no column 3 of 2"),
         ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2: weights must be a number > 0"),
+        ("t f\n1 2\n", {}, 'holds 2 columns; say which has x_s, as column = "t" or "f"$'),
+        ("t f\n1 2\n", {"column": 3}, 'there is no column 3 of 2, "t" or "f"$'),
+        ("1 2\n", {}, "holds 2 columns; say which has x_s, as column = 1 to 2$"),
+        ("1 2 3 4 5 6\n", {}, "as column = 1 to 6; or is it another file, as of heights or atoms"),
         ("# nothing\n", {}, "holds no numbers"),
         ("0.9O1\n1.0\n", {}, "line 1: x_s must be a number > 0"),  # and no header
         ("1.0 1\n1.1 2\n", {"column": 1, "weight_column": 1}, "is that of the samples"),

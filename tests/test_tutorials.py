@@ -12,8 +12,16 @@ import numpy as np
 import pytest
 from scenes import said
 
+import origins
+from toolkit.scene.scale import scale_of
+from toolkit.scene.scene import load_scene
+
 DOCS = Path(__file__).parents[1] / "docs"
-SCENES = {"tutorial-thresholds.md": "polymer.toml", "tutorial-ensemble.md": "film.toml"}
+SCENES = {
+    "tutorial-thresholds.md": "polymer.toml",
+    "tutorial-ensemble.md": "film.toml",
+    "tutorial-structure.md": "flake.toml",
+}
 
 
 @pytest.fixture
@@ -108,6 +116,41 @@ def test_an_ensemble(page: str, capsys: Any) -> None:
     (told,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
     assert run(last, names) == told
     assert "4.95 ±" in told and "12.8 ms" in told
+
+
+@pytest.mark.parametrize("page", ["tutorial-structure.md"], indirect=True)
+def test_a_structure(page: str) -> None:
+    """At one angle the flake's barrier over the period is its force, and forces are in newtons."""
+    pytest.importorskip("ase")
+    from ase.io import read
+
+    run(python(page)[0], {})
+    changes = {"contacts.thresholds.angles": [0.3], "contacts.thresholds.samples": 1}
+    scene = load_scene("flake.toml", solved=False, changes=changes)
+    atoms = read("POSCAR")
+    assert len(atoms) == 109 and "109 atoms" in page
+    # in electronvolts and ångströms: 1 eV is 1.602e-19 J, and a threshold is ε/(a_s k)
+    graphite = origins.hexagonal_substrate(-3.2e-21 / 1.602176634e-19, 2.46)
+    force = origins.barrier(atoms, 0.3, graphite) / 2.46 * 1.602176634e-9
+    assert scene.contacts.mean_threshold == pytest.approx(force / 32.0, rel=1e-6)
+    assert scale_of(scene.contacts, 1e-6).force_unit == "N"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["tutorial-structure.md"], indirect=True)
+def test_the_verdict_on_a_structure(page: str, capsys: Any) -> None:
+    """Slips are means of as many contacts as there is time for: numbers agree to a hundredth."""
+    run(python(page)[0], {})
+    status, out, _ = said(capsys, "verdict", "flake.toml")
+    (told,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    first, slips, smooth, other = told.splitlines()
+    assert status == 0 and first in out and f"{other}" in out
+    read = json.loads(Path("flake-output/verdict.json").read_text(encoding="utf-8"))["readings"]
+    each = {one["rule"]: one for one in read[0]["behaviours"]}
+    for rule in ("reset", "reform-after"):
+        assert each[rule]["before"] == pytest.approx(1.78e-3, rel=0.01) and "1.78 mN" in slips
+        assert each[rule]["period"] == pytest.approx(35.6e-6, rel=0.01) and "35.6 µm" in slips
+    assert each["instant"]["after"] == pytest.approx(1.47e-3, rel=0.01) and "1.47 mN" in smooth
 
 
 @pytest.mark.slow

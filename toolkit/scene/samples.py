@@ -14,6 +14,8 @@ from origins.roughness.surface import METRES
 from toolkit.scene.files import read_file, read_text
 from toolkit.scene.tables import did_you_mean
 
+# of a file of samples; one with more, and no header, may be another one
+FEW_COLUMNS = 4
 NEWTONS = {"N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12}
 
 
@@ -102,11 +104,11 @@ def _column(file: str, lines: list[str], name: str, place: int | None, decimal: 
         hint = """a decimal comma? write decimal = ","; two columns? say which, as column = 2"""
         refuse("file", file, f"holds two numbers a line, parted by a comma: {hint}")
     if place is None and width > 1:
-        names = _names(lines)
-        such = f'"{names[-1]}"' if len(names) == width else width
-        refuse("file", file, f"holds {width} columns; say which has {name}, as column = {such}")
+        _refuse_many(file, name, width, _names(lines))
     if (column := whole("column", 1 if place is None else place, 1)) > width:
-        refuse("file", file, f"there is no column {place} of {width}")
+        listed = _listed(_names(lines), width)
+        of = f", {listed}" * bool(listed)
+        refuse("file", file, f"there is no column {place} of {width}{of}")
     for number, row in rows:
         # do not show the line itself: the file may be private
         if len(row) != width:
@@ -114,6 +116,24 @@ def _column(file: str, lines: list[str], name: str, place: int | None, decimal: 
         if not 0.0 < row[column - 1] < np.inf:
             refuse("file", file, f"line {number}: {name} must be a number > 0; else leave it out")
     return [row[column - 1] for _, row in rows]
+
+
+def _refuse_many(file: str, name: str, width: int, names: list[str]) -> None:
+    """Refuse to choose among columns, which are named where the header names as many."""
+    listed = _listed(names, width)
+    which = f"1 to {width}" if not listed else f'"{name}"' if name in names else listed
+    other = "; or is it another file, as of heights or atoms?" * (
+        not listed and width > FEW_COLUMNS
+    )
+    hint = f"say which has {name}, as column = {which}"
+    refuse("file", file, f"holds {width} columns; {hint}{other}")
+
+
+def _listed(names: list[str], width: int) -> str:
+    """The names of the columns, as many as a line takes; "" where the file has no header of as many words."""
+    if len(names) != width or not any(map(str.isidentifier, names)):
+        return ""
+    return shorten(" or ".join(f'"{one}"' for one in names), 100, placeholder=" ...")
 
 
 def _words(line: str) -> list[float]:
