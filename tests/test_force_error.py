@@ -19,6 +19,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 import scipy.stats
@@ -180,6 +181,41 @@ def test_finite_volumes_meet_the_first_passage_of_thresholds_that_diffuse_freely
     spread = origins.Contacts(old, origins.gaussian_start(0.1, 0.01))
     with pytest.raises(origins.InputError, match="start"):
         by_renewal(spread, path)
+
+
+@pytest.mark.parametrize(
+    ("shape", "rate", "delay"), [(2.5, 0.0, 0.0), (3.3, 0.7, 0.0), (6.0, 0.0, 0.4), (2.5, 0.7, 1.3)]
+)
+@pytest.mark.filterwarnings("ignore::origins.laws.temperature.TooHot")
+def test_force_is_the_laplace_inversion_of_its_transform(
+    shape: float, rate: float, delay: float
+) -> None:
+    """Of relaxed contacts with gamma thresholds of mean 1, which break far above all barriers at one rate as well:
+    survivals E = exp(-rate x) S(x) and stretches K = x E have closed transforms, and de Hoog's method, which knows
+    neither stretches nor cohorts, inverts F^ = K^ (1 + e^(-sd) (1/s - E^)/D) of docs/equations.md."""
+
+    def transform(s: Any) -> Any:
+        z, late = s + rate, mpmath.exp(-s * delay)
+        left = (1.0 + z / shape) ** -shape
+        holds = (1.0 - left) / z
+        stretched = holds / z - left / (z * (1.0 + z / shape))
+        holding = holds * late + (1.0 - late) / s
+        return stretched * (1.0 + late * (1.0 / s - holds) / holding)
+
+    at = np.array([0.3, 0.9, 1.7, 6.0])  # not a whole number of delays, where F bends
+    with mpmath.workdps(25):
+        known = [
+            float(mpmath.invertlaplace(transform, x, method="dehoog", degree=40))
+            for x in at.tolist()
+        ]
+    contacts = origins.Contacts(
+        scipy.stats.gamma(shape, scale=1.0 / shape),
+        thermal=origins.Thermal("soft", 1e12, rate) if rate else None,
+        delay=origins.Delay(delay) if delay else None,
+    )
+    found = master.solve(contacts, at, 1e-9)
+    differ = np.abs(found.force / contacts.mean_threshold - known).max()
+    assert found.success and differ <= found.force_error + 1e-12
 
 
 def test_a_fault_of_both_answers_of_the_master_equation_is_seen(monkeypatch: Any) -> None:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import signal
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -14,8 +15,9 @@ import pytest
 import origins
 from origins.contacts import Contacts
 from toolkit.command import main
+from toolkit.scene.laws import THRESHOLDS
 from toolkit.scene.scene import load_scene
-from toolkit.stability import sliders
+from toolkit.stability import laws, sliders, speeds, surfaces, thresholds
 from toolkit.stability.case import Answer, Case, Question, Row, Truth, judged, rows
 from toolkit.stability.scene_map import numbers, scene_map, times, trusted
 from toolkit.stability.table import VERDICTS, extreme_cases, stability, summary
@@ -178,6 +180,29 @@ def test_every_case_has_a_name_of_its_own() -> None:
     assert len(set(names)) == len(names)
     solvers = {case.solver for case in extreme_cases() if isinstance(case, Question)}
     assert {"master", "ensemble", "steady_state", "propensity"} <= solvers
+
+
+def test_every_origin_has_a_case() -> None:
+    """All kinds of thresholds that a scene may name, and barriers of islands."""
+    asked = "".join(
+        Path(str(room.__file__)).read_text(encoding="utf-8")
+        for room in (laws, sliders, surfaces, thresholds)
+    )
+    functions = [place.partition(":")[2] for place in THRESHOLDS.values()]
+    for name in [*functions, "triangular_barrier", "barrier", "relaxed_barrier"]:
+        assert re.search(rf"origins\.{name}\b", asked), name
+
+
+def test_cases_of_rate_and_state_and_of_barriers() -> None:
+    """Those that are answered at once, and a slope that is off by 1e-7 is wrong."""
+    quick = [*surfaces.islands(), *speeds.rate_and_state()[1:]]
+    found = stability(quick, lambda line: None)
+    _checked(found)
+    assert [row.verdict for row in found].count("refused") == 1
+    slope = quick[-2]
+    assert isinstance(slope, Question)
+    off = replace(slope, ask=lambda: replace(slope.ask(), values=slope.ask().values + 1e-7))
+    assert rows(off)[0].verdict == "wrong"
 
 
 def test_numbers_of_a_scene() -> None:

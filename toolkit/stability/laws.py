@@ -21,10 +21,10 @@ def cases() -> list[Case | Question]:
         *heat(),
         *eyring(),
         *room(),
-        *speeds(),
         *ageing(),
         *strengthening(),
         *delays(),
+        *reforming(),
         *grains(),
     ]
 
@@ -167,27 +167,6 @@ def room() -> list[Case | Question]:
     ]
 
 
-def speeds() -> list[Case | Question]:
-    """Speeds to 0 and to infinity at one temperature, T = 0.05 <x_s>²; v in ω<x_s>."""
-    group, found = "speed", list[Case | Question]()
-    for speed in (1e-30, 1e-6, 1e6, 1e30):
-        # a contact attempts 1/v times in its life
-        fast = truths.without_laws(2.0 / speed, "T = 0, in closed form") if speed > 1.0 else None
-        drive = {"velocity": speed}
-        found.append(
-            Case(
-                group,
-                f"v = {speed:g}",
-                lambda: warm("soft", 0.05),
-                FORWARD,
-                fast,
-                drive,
-                n_contacts=20_000,
-            )
-        )
-    return found
-
-
 def ageing() -> list[Case | Question]:
     """D/v from 1e-8 to 1e4 <x_s>, from gaussian(0.5, 0.05) to gaussian(0.8, 0.2)."""
     group, found = "ageing", list[Case | Question]()
@@ -232,6 +211,24 @@ def delays() -> list[Case | Question]:
             ),
         ]
     return found
+
+
+def reforming() -> list[Case | Question]:
+    """Contacts that form with stretches of 1e-9, of 0.1 and of 1 <x_s>."""
+    group = "forming with a stretch"
+    # which moves F by the mean stretch 0, and by its square
+    relaxed = truths.without_laws(1e-8, "relaxed contacts, in closed form")
+    return [
+        Case(
+            group,
+            f"{width:g} <x_s> wide",
+            partial(Contacts, PEAK, reforming=origins.boltzmann_reforming(width**2)),
+            FORWARD,
+            relaxed if width < 1e-6 else None,
+            n_contacts=20_000,
+        )
+        for width in (1e-9, 0.1, 1.0)
+    ]
 
 
 def grains() -> list[Case | Question]:

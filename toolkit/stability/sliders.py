@@ -4,6 +4,7 @@ from functools import partial
 from typing import Any, get_args
 
 import numpy as np
+import scipy.stats
 
 import origins
 from origins.contacts import Contacts
@@ -34,6 +35,13 @@ def springs() -> list[Case | Question]:
             "propensity",
             lambda: critical(Contacts(origins.identical(1.0))),
             lambda: Truth(np.inf, 0.0, "infinite, as all contacts break at one place"),
+        ),
+        Question(
+            group,
+            "K* of a density that diverges",
+            "propensity",
+            lambda: critical(Contacts(scipy.stats.beta(0.5, 0.5)), 1e-3),
+            lambda: Truth(np.inf, 0.0, "infinite, as x P_c(x) is"),
         ),
     ]
     for side in (-1e-6, 1e-6):

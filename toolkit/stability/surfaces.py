@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ POLYMER = origins.Material(
 
 
 def cases() -> list[Case | Question]:
-    return [*edges(), *units(), *of_surfaces(), *of_samples()]
+    return [*edges(), *islands(), *units(), *of_surfaces(), *of_samples()]
 
 
 def edges() -> list[Case | Question]:
@@ -87,12 +88,48 @@ def edges() -> list[Case | Question]:
             lambda: Contacts(origins.gw_gaussian(-3.0, 1.0)),
             FORWARD,
         ),
+    ]
+
+
+def islands() -> list[Case | Question]:
+    """Barriers of islands: very large ones, in valleys all but level, and as ASE moves them."""
+    group = "barriers of islands"
+    shallow = origins.fourier_substrate([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], [1.0, -1e-6, 1e-6])
+    square = origins.square_substrate()
+
+    def turned(atoms: int) -> Any:
+        island = origins.square_island(0.9, atoms, atoms)
+        island.rotate(1.0, "z")  # degrees
+        return island
+
+    def moved() -> Answer:
+        found = origins.relaxed_barrier(turned(30), origins.substrate_calculator(square))
+        return Answer(found.barrier, found.barrier_error)
+
+    return [
         Question(
             group,
-            "islands of ten million atoms, unrotated: the barrier",
+            "ten million atoms, unrotated: the barrier",
             "triangular_barrier",
             lambda: Answer(float(origins.triangular_barrier(1.0, 10_000, 1_000, 0.0)), 1e-8),
             island,
+        ),
+        Question(
+            group,
+            "one atom, valleys 1e-6 beside each other: the barrier",
+            "barrier",
+            lambda: Answer(float(origins.barrier(turned(1), 0.0, shallow)), 1e-12),
+            # (cos u, cos v, cos(u + v)) is (-1, 1, -1) at its lowest and (-1, -1, 1) on the way
+            lambda: Truth(4e-6, 1e-15, "the energies of both places"),
+        ),
+        Question(
+            group,
+            "900 atoms that ASE moves as a whole: the barrier",
+            "relaxed_barrier",
+            moved,
+            lambda: Truth(
+                float(origins.barrier(turned(30), 0.0, square)), 1e-10, "structure factors"
+            ),
         ),
     ]
 
@@ -131,20 +168,25 @@ def _of_scale(law: Callable[[float], object], scale: float) -> Contacts:
 
 
 def of_surfaces() -> list[Case | Question]:
-    """A rough polymer, barely touching and pressed until it flattens."""
+    """A rough polymer, barely touching and pressed until it flattens; and heights that are all but flat, or spikes."""
     # m², slope² and 1/m² along both axes, of a surface with 1 µm of roughness, slopes of 0.1
     rough = origins.SpectralMoments(1e-12, (1e-2, 1e-2), (1e10, 1e10))
-    return [
-        Case(
-            "surfaces",
-            f"{model}, {pressure:g} Pa",
-            partial(_pressed, rough, model, pressure),
-            FORWARD,
-            n_contacts=20_000,
-        )
+    asked = {
+        f"{model}, {pressure:g} Pa": partial(_pressed, rough, model, pressure)
         for model in ("gw", "persson")
         for pressure in (1e-3, 1e5, 1e9)
-    ]
+    }
+    asked |= {
+        f"64 x 64 heights, slopes of {slope:g}": partial(_measured, slope) for slope in (1e-6, 1e3)
+    }
+    return [Case("surfaces", name, law, FORWARD, n_contacts=20_000) for name, law in asked.items()]
+
+
+def _measured(slope: float) -> Contacts:
+    heights = origins.self_affine_surface((64, 64), 1e-6, hurst=0.8, rms_slope=slope, seed=1)
+    how: dict[str, Any] = {"model": "gw", "law": "amontons", "material": POLYMER, "pressure": 1e3}
+    law = origins.from_topography(heights, 1e-6, detrend="centre", periodic=True, **how)
+    return Contacts(law)
 
 
 def _pressed(rough: origins.SpectralMoments, model: str, pressure: float) -> Contacts:

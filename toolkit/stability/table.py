@@ -26,9 +26,10 @@ _WIDE = 54  # letters of a case's name in a line
 
 def extreme_cases() -> list[Case | Question]:
     """All cases that are shipped."""
-    from toolkit.stability import laws, sliders, surfaces, thresholds
+    from toolkit.stability import laws, sliders, speeds, surfaces, thresholds
 
-    return [*thresholds.cases(), *surfaces.cases(), *laws.cases(), *sliders.cases()]
+    rooms = (thresholds, surfaces, laws, speeds, sliders)
+    return [case for room in rooms for case in room.cases()]
 
 
 def uncounted(done: int, expected: int) -> None:

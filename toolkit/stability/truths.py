@@ -80,6 +80,17 @@ def grown(law: Thresholds, beta: float, speed: float) -> Truth:
     return _mean_stretch(x, held)
 
 
+def slope_of_grown(law: Thresholds, beta: float, speed: float) -> Truth:
+    """Their dF_k/dln v, which is a - b of rate and state, by differences over an e-fold and half of it."""
+    wide, near = (
+        (up.values - down.values) / (2.0 * step)
+        for step in (0.2, 0.1)
+        for up, down in [(grown(law, beta, speed * np.exp(s)) for s in (step, -step))]
+    )
+    value = float((4.0 * near - wide) / 3.0)
+    return Truth(value, abs(value - float(near)) + 1e-8, "differences of F_k by quadrature")
+
+
 def before_breaks(
     spring: float, mass: float, damping: float, contacts: Contacts, path: Array
 ) -> Truth:

@@ -1,0 +1,70 @@
+"""Extremes of the speed: F far below and above every attempt of heat, and a - b of rate and state."""
+
+from functools import partial
+
+import origins
+from origins.contacts import Contacts
+from toolkit.stability import truths
+from toolkit.stability.case import Answer, Case, Question, Truth
+from toolkit.stability.laws import PEAK, warm
+from toolkit.stability.thresholds import FORWARD
+
+
+def cases() -> list[Case | Question]:
+    return [*speeds(), *rate_and_state()]
+
+
+def speeds() -> list[Case | Question]:
+    """Speeds to 0 and to infinity at one temperature, T = 0.05 <x_s>²; v in ω<x_s>."""
+    group, found = "speed", list[Case | Question]()
+    for speed in (1e-30, 1e-6, 1e6, 1e30):
+        # a contact attempts 1/v times in its life
+        fast = truths.without_laws(2.0 / speed, "T = 0, in closed form") if speed > 1.0 else None
+        drive = {"velocity": speed}
+        found.append(
+            Case(
+                group,
+                f"v = {speed:g}",
+                lambda: warm("soft", 0.05),
+                FORWARD,
+                fast,
+                drive,
+                n_contacts=20_000,
+            )
+        )
+    return found
+
+
+def rate_and_state() -> list[Case | Question]:
+    """a - b of thresholds that grow with the age, where lives are 1e9 τ_0 long and as short."""
+    group, found = "rate and state", list[Case | Question]()
+    for speed in (1e-9, 1e9):
+        grown = Contacts(origins.strengthening(PEAK, 0.05, 1.0))
+        found.append(
+            Question(
+                group,
+                f"β = 0.05, v τ_0 = {speed:g}: a - b",
+                "rate_state",
+                partial(slope, grown, speed),
+                partial(truths.slope_of_grown, PEAK, 0.05, speed),
+            )
+        )
+    found.append(
+        Question(
+            group,
+            "no law in time",
+            "rate_state",
+            partial(slope, Contacts(PEAK), 1.0),
+            lambda: Truth(0.0, 0.0, "F at T = 0 does not hang on the speed"),
+        )
+    )
+    return found
+
+
+def slope(contacts: Contacts, velocity: float) -> Answer:
+    """a - b by the toolkit, in mean thresholds."""
+    import master
+
+    found = master.rate_state(contacts, velocity).a_minus_b
+    unit = contacts.mean_threshold
+    return Answer(found.value / unit, found.error / unit)
