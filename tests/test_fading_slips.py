@@ -1,5 +1,6 @@
 """Slips that shrink: those that die out end in steady sliding at F_k, those that shrink ever less go on."""
 
+import time
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,8 +8,11 @@ import numpy as np
 import pytest
 
 import master
-from master.soft.regime import LASTING
+from master.soft.followed import ErrorPart, Followed
+from master.soft.regime import LASTING, Regime, regime
+from master.soft.slips import Slips
 from origins import Contacts, Delay, gaussian, identical, mixture
+from origins.drive import Drive
 from toolkit.results.slips import are_fading
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
@@ -95,3 +99,35 @@ def test_slips_that_shrink_ever_more_die_out() -> None:
     """As each is a larger part smaller than the one before."""
     found = master.solve(NARROW, np.linspace(0.0, 17.8, 600), 1e-6, spring=0.5, slip="instant")
     assert found.regime.verdict == "decaying transient" and found.regime.slips == 16
+
+
+def judged(drops: list[float], error: float) -> Regime:
+    """The regime of a slider with mass, whose contacts wait, with these drops of its force, known to `error` each."""
+    contacts = NARROW.replace(delay=Delay(1.0))
+    pulled: dict[str, Any] = {"spring": 1e-3, "mass": 1e-3, "damping": 0.01, "velocity": 1.0}
+    drop = np.array(drops)
+    at = 1e3 * np.cumsum(drop)
+    # some contacts hold on: the slider moves by less than a threshold
+    slips = Slips(at, at, at + 0.5, 0.9 + 0.0 * drop, 0.9 - drop, 0.0)
+    path = np.linspace(0.0, at[-1] + 10.0, 50)
+    part = ErrorPart("two runs", error)
+    found = Followed(0.0, 0.5 + 0.0 * path, 1.0 + 0.0 * path, slips, error, 1, (part,))
+    return regime(contacts, Drive(path, **pulled), found, 1e-3, time.monotonic() + 60.0)
+
+
+def test_drops_that_fade_by_less_than_their_error_are_no_end_of_the_slips() -> None:
+    """Forces known to 1e-2: these drops shrink by 0.16 % each, as much as two runs of another tolerance differ by, and
+    a verdict called it smooth. Known well enough, the same drops fade; small ones are not told of."""
+    drops = [1.53, 1.675, 1.6892, 1.6837, 1.6840]
+    told, small = judged(drops, 1e-2), judged([0.1 * each for each in drops], 1e-2)
+    assert told.verdict == "stick-slip" and "alike within their errors" in told.reason
+    assert judged(drops, 1e-5).verdict == "decaying transient"
+    assert small.verdict == "undecided" and "tighten the tolerance" in small.reason
+
+
+def test_drops_that_close_in_go_on() -> None:
+    """A long slip is followed by a short one, as contacts pull the slider on that formed in it: each drop lies between
+    the two before it, and so does the last one. Drops that only go up and down are not told of."""
+    told = judged([1.40, 1.89, 1.57, 1.78, 1.585], 5e-3)
+    assert told.verdict == "stick-slip" and "between the two before it" in told.reason
+    assert judged([1.89, 1.40, 1.5, 1.3, 1.45], 5e-3).verdict == "undecided"

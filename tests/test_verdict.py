@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import re
 import time
 from dataclasses import replace
@@ -1317,6 +1318,8 @@ def test_curves_that_lie_on_one_another_are_one_in_the_legend(capsys: Any) -> No
 def test_a_busy_machine_is_given_more_of_the_clock(monkeypatch: Any) -> None:
     """Half of the processor for one process: 60 s of its work are 120 of the clock, but not where these were given."""
     now = {"clock": 0.0, "work": 0.0}
+    monkeypatch.setattr(os, "getloadavg", lambda: (1.0, 1.0, 1.0))
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
     monkeypatch.setattr(time, "monotonic", lambda: now["clock"])
     monkeypatch.setattr(time, "process_time", lambda: now["work"])
     shared, given = Budget(60.0, strict=False), Budget(60.0, strict=True)
@@ -1325,6 +1328,10 @@ def test_a_busy_machine_is_given_more_of_the_clock(monkeypatch: Any) -> None:
     assert shared.part(0.5).left() == pytest.approx(40.0, rel=0.05)
     now["work"] = 80.0  # several threads: the clock counts
     assert shared.left() == 20.0
+    # before anything is known of the pace, two programs beside this one want the cores
+    now |= {"clock": 0.0, "work": 0.0}
+    monkeypatch.setattr(os, "getloadavg", lambda: (3.0, 1.0, 1.0))
+    assert Budget(60.0, strict=False).left() == 120.0
 
 
 def test_a_mass_without_time_is_not_told_to_shorten_its_path() -> None:

@@ -9,6 +9,7 @@ from scipy import stats
 
 import eq_model
 import master
+from master.soft.inertia.run import SlipsInTime
 from origins import Contacts, Delay, InputError, gaussian
 from tests.scenes import said, write
 from toolkit.scene.scale import scale_of
@@ -102,6 +103,43 @@ def test_contacts_that_wait_are_pulled_as_far_as_a_slider_that_sticks() -> None:
     assert found.period is not None
     # what the spring regains over a period is less than the force before, by what it swings back
     assert 0.5 * found.before < machine.spring * found.period < 1.05 * found.before
+
+
+def test_contacts_that_wait_for_a_moment_break_at_each_threshold_of_a_slip() -> None:
+    """Slips of 1.3e5 mean thresholds, at each of which all contacts break, as they wait for far less than it takes to
+    the next one: a pilot of a thousand of them would take minutes."""
+    machine = Machine(spring=1e-5, mass=1e-5, damping=1e-4, velocity=1.0)
+    short = Contacts(gaussian(1.0, 0.3), delay=Delay(1e-6))
+    told = of_a_mass("stick-slip", 0.85)
+    found = follow_finite(machine, short, 1e5, told, 0.8, 1e3)
+    assert found.kind == "unknown" and "breaks are more than are followed here" in found.message
+
+
+def test_what_a_shorter_path_told_stands_where_a_longer_one_takes_too_long(
+    monkeypatch: Any,
+) -> None:
+    """Three slips on the first path, four needed: the second ends behind the fifth, no 20 loadings away, and where it
+    is not done in time the three are told."""
+    machine = Machine(spring=1e-3, mass=1e-5, damping=1e-4, velocity=1.0)
+    contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(30.0))
+    solve, ends = master.solve, list[float]()
+    slips = np.array([800.0, 2200.0, 3600.0])
+
+    def without_time(contacts: Contacts, path: Any, *given: Any, **named: Any) -> Any:
+        ends.append(path[-1])
+        if len(ends) > 1:
+            return solve(contacts, path, *given, **(named | {"wall_time": 1e-9}))
+        found = solve(contacts, np.linspace(0.0, 10.0, path.size), *given, **named)
+        none, moved = 0.0 * slips, slips + 1400.0
+        of = SlipsInTime(slips, slips, moved, none + 0.9, none - 0.5, 0.0, slips, none, none, 0.0)
+        undecided = replace(found.regime, verdict="undecided")
+        told = {"slips": of, "period": 1400.0, "regime": undecided}
+        return replace(found, path=path, **told)
+
+    monkeypatch.setattr(master, "solve", without_time)
+    found = follow(machine, contacts, "mass", Known(0.8, 0.5, 0, 3, 500), 60.0)
+    assert found.kind == "undecided" and found.slips == 3 and found.before == 0.9
+    assert ends[1] == pytest.approx(3600.0 + 2.2 * 1400.0)
 
 
 def test_contacts_of_a_fast_drive_are_pulled_beyond_the_force_that_infinitely_many_reach() -> None:

@@ -131,6 +131,16 @@ def _by_slips(
     if count < FEWEST:
         far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * (FEWEST + 1 - count) * longest
         return "undecided", f"{counted} are too few to tell; drive to about X_T = {far:.3g}"
+    # a drop is known to the error of its two forces
+    unsure = 2.0 * found.error * contacts.mean_threshold
+    faded = trend is not None and trend < -STEADY
+    if faded and drops[count // 2] - drops[-1] <= unsure:
+        if unsure <= KNOWN * drops[-1]:
+            return "stick-slip", f"{counted}, their drops alike within their errors"
+        return (
+            "undecided",
+            f"{counted}, which may fade by less than their error; tighten the tolerance",
+        )
     if trend is not None and trend < -STEADY and (left := _limit(drops)) > LASTING * drops[-1]:
         fading = f"whose drops fade ever less, perhaps to {left:.3g}"
         far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * count * longest
@@ -141,7 +151,16 @@ def _by_slips(
     late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
     if trend is not None or late >= (1.0 - STEADY) * longer:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
+    if _closes_in(drops):
+        return "stick-slip", f"{counted}, each drop between the two before it"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
+
+
+def _closes_in(drops: Array) -> bool:
+    """Whether late |drops| go up and down, each between the two before it, as a short slip follows a long one."""
+    late = drops[-FEWEST:]
+    low, high = np.minimum(late[:-2], late[1:-1]), np.maximum(late[:-2], late[1:-1])
+    return bool(((low < late[2:]) & (late[2:] < high)).all())
 
 
 def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[np.int64]:

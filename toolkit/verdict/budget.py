@@ -1,5 +1,6 @@
 """How long a verdict may take: on a busy machine longer than on a quiet one, so that both say the same."""
 
+import os
 import time
 
 # s for all readings and rules together, where the scene gives none, and what to do where they do not suffice
@@ -13,11 +14,13 @@ class Budget:
     """So many `seconds`, of the clock on the wall if `strict`, else of those in which this process could work.
 
     Where other programs have the cores, a process has fewer seconds of the processor than of the clock; with several
-    threads it has more, and then the clock counts. `pace`: seconds of the clock for each that counts, so far.
+    threads it has more, and then the clock counts. `pace`: seconds of the clock for each that counts, so far; at first
+    that which the programs that run beside this one let expect.
     """
 
-    def __init__(self, seconds: float, strict: bool, pace: float = 1.0) -> None:
-        self._seconds, self._strict, self._first_pace = seconds, strict, pace
+    def __init__(self, seconds: float, strict: bool, pace: float | None = None) -> None:
+        self._seconds, self._strict = seconds, strict
+        self._first_pace = _expected_pace() if pace is None else pace
         self._clock, self._work = time.monotonic(), time.process_time()
 
     def left(self) -> float:
@@ -37,3 +40,9 @@ class Budget:
             return clock, 1.0
         used = min(clock, time.process_time() - self._work)
         return used, (clock + _SMOOTH * self._first_pace) / (used + _SMOOTH)
+
+
+def _expected_pace() -> float:
+    """Programs that wanted a core in the last minute, and this one, for each core; at least 1."""
+    waiting = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    return max((1.0 + waiting) / (os.cpu_count() or 1), 1.0)

@@ -192,6 +192,12 @@ def told_by(number: int, heat: float | None = None) -> str:
     return f"{said} without heat, which changes the force by at most {heat:.1e} mean thresholds"
 
 
+def without_heat(found: Behaviour, change: float) -> Behaviour:
+    """What the ensemble found without heat that changes the force by at most so many mean thresholds."""
+    message = told_by(found.contacts or 0, change)
+    return replace(found, error=found.error + change, message=message, heat_left_out=change)
+
+
 def _too_early(found: Any, few: Any, unit: float) -> float:
     """By how much F before the first slip may be too low as there are not more contacts (a length): by N^(-2/3) mean
     thresholds `unit`, or by what a few contacts say of its factor, with their standard errors; of these few themselves

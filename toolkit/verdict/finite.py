@@ -15,6 +15,7 @@ from toolkit.results.slips import are_fading, large_slips, main_slips
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
 from toolkit.verdict.ensemble import (
     FEW,
+    LONG_DELAY,
     NOT_SLID,
     SLIDERS,
     has_slid,
@@ -22,13 +23,15 @@ from toolkit.verdict.ensemble import (
     trace_of,
     with_late_slips,
 )
-from toolkit.verdict.machine import Behaviour, Finite, Machine
+from toolkit.verdict.machine import Behaviour, Finite, Machine, half_a_swing
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
 # most contacts of each slider; most breaks of all, some 10 s at 25 ns each
 MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
-# times MOST_BREAKS: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
+# and where contacts wait while a slider with mass moves, as it rings on them when it sticks: some 10 s at 400 ns each
+MOST_BREAKS_RINGING = 2.5e7
+# times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
@@ -120,8 +123,16 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     settles = asked.settles
     held = max(round(asked.number), 1)
     mean = contacts.mean_threshold
-    # with a delay far above the time of a slip (see `follow_by_contacts`) contacts are out until the slip is over
-    flowing = rule in FLOWING and not (rule == "mass" and contacts.waiting_time)
+    # with a delay far above the time of a slip (see `may_follow`) contacts are out until the slip is over
+    swing = half_a_swing(machine) if rule == "mass" else 0.0
+    outlasted = rule == "mass" and contacts.waiting_time >= LONG_DELAY * swing > 0.0
+    flowing = rule in FLOWING and not outlasted
+    # the slider's way in one life of a contact, which waits while a slip goes on
+    in_a_life = mean
+    if rule == "mass" and slips:
+        in_a_life += (
+            contacts.waiting_time * (infinite.before - infinite.after) / machine.spring / swing
+        )
 
     def planned(number: int) -> _Way:
         """The way of the drive for so many contacts, and how often each breaks on it, at most."""
@@ -137,7 +148,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         if rule not in FLOWING and SLIDERS * number * lasting < CHEAP:
             end = max(end, longer)
         # in a slip that renews contacts all break once; contacts that re-form at once do at each threshold passed
-        lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
+        lives = 2.0 + BEYOND if not slips else end / in_a_life if flowing else LOADINGS
         lives += sliding * softness
         if flowing and not slips:
             # the spring relaxes to the force of sliding, to none where that is not known
@@ -146,10 +157,11 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         return _Way(end, SLIDERS * number * lives)
 
     # fewer contacts have to be pulled further
+    most = MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
     followed, way = min(held, MOST_CONTACTS), planned(held)
     breaks_of_all = way.breaks
-    while followed >= min(held, FEW) and (way := planned(followed)).breaks > MORE * MOST_BREAKS:
-        followed = int(followed * MOST_BREAKS / way.breaks)
+    while followed >= min(held, FEW) and (way := planned(followed)).breaks > MORE * most:
+        followed = int(followed * most / way.breaks)
     if followed < min(held, FEW):
         why = f"some {breaks_of_all:.1g} breaks are more than are followed here"
         return Finite(rule, held, "unknown", message=why)

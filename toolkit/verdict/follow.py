@@ -10,7 +10,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_known
 from toolkit.verdict.budget import MORE_TIME
-from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_follow, told_by
+from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_follow, without_heat
 from toolkit.verdict.machine import (
     NO_TIME,
     Behaviour,
@@ -34,6 +34,8 @@ WHETHER_IT_SLIPS = 0.03
 TOLERANCE_WITH_DELAY = 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
 LENGTHS = (LOADINGS, 20.0, 60.0)
+# the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
+FIRST_WITH_DELAY = 9.0
 # of critical damping, taken where none is given and the slider rings for too long
 DAMPED = 0.1
 # tolerance of F_s and K*, where they decide how far a slider is pulled
@@ -46,6 +48,8 @@ FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
 FORGOTTEN, SOFTEST = 30.0, 1e-3
 # of a period, the way of the drive during a slip of a mass, up to which slips count as taking no time
 SHORT_SLIP = 0.1
+# slips that tell a regime, and part of a period by which the path goes on beyond them
+ENOUGH_SLIPS, PART_OF_PERIOD = 5, 0.2
 # part of the path, its last fifth, along which the force of smooth sliding with mass is looked at for what still swings
 SETTLED_IN = 5
 SWINGING = "the slider still swings about its balance at the path's end"
@@ -87,6 +91,7 @@ def follow(
     tolerance = in_time if contacts.in_time else TOLERANCE
     if rule == "mass" and contacts.waiting_time:
         tolerance = max(tolerance, TOLERANCE_WITH_DELAY)
+        lengths = (FIRST_WITH_DELAY, *lengths[1:])
     ways = [each * loading for each in lengths]
     found = _by_distribution(machine, contacts, rule, ways, until, tolerance)
     if found.kind != "undecided":
@@ -97,7 +102,7 @@ def follow(
         other = follow_by_contacts(machine, cold, rule, loading, end, known)
         if other.kind == "undecided":
             return found
-        return other if found.heat_left_out is None else _without_heat(other, found.heat_left_out)
+        return other if found.heat_left_out is None else without_heat(other, found.heat_left_out)
     if forgets:
         return _after_forgetting(machine, contacts, known, found)
     if undamped:
@@ -161,12 +166,6 @@ def follow_other_delay(
     return told
 
 
-def _without_heat(found: Behaviour, change: float) -> Behaviour:
-    """What the ensemble found without heat that changes the force by at most so many mean thresholds."""
-    message = told_by(found.contacts or 0, change)
-    return replace(found, error=found.error + change, message=message, heat_left_out=change)
-
-
 def _by_distribution(
     machine: Machine,
     contacts: Contacts,
@@ -184,7 +183,9 @@ def _by_distribution(
     settled = settling_way(machine, contacts.mean_threshold)
     if lengths[-1] < settled < np.inf:
         lengths = [*lengths, settled]
-    for length in lengths:
+    enough = np.inf  # where the slider will have slipped often enough, as its slips tell
+    for given in lengths:
+        length = min(given, enough)
         if swings and length < settled:
             continue
         path = begin + np.linspace(0.0, length, POINTS)
@@ -201,6 +202,8 @@ def _by_distribution(
             if key.startswith("path") or "end the path" in why:
                 why = why.partition("; ")[0]
             return not_followed(rule, why or str(error))
+        if found.slips and not is_known(solved):
+            break  # what the shorter path told stands
         found = replace(
             _behaviour(rule, solved, machine.velocity), cut=solved.path.size < path.size
         )
@@ -213,6 +216,10 @@ def _by_distribution(
             found = replace(found, error=found.error + left)
         if found.kind != "undecided" or not solved.success:
             break
+        enough = np.inf
+        if solved.period is not None and found.slips < ENOUGH_SLIPS:
+            more = ENOUGH_SLIPS - found.slips + PART_OF_PERIOD
+            enough = float(solved.slips.drive[-1]) + more * solved.period - begin
     return found
 
 

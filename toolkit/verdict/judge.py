@@ -97,9 +97,10 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
                 raise
             left_out[reading.name] = str(error)
         if reading.own:
+            # first what takes a moment: sliders of all contacts may take all of the time
+            turned = _turned(answers[0], budget.part(OWN))
             finite = _finite(scene, answers[0], budget.part(OWN), progress)
             answers[0] = _with_more(answers[0], finite)
-            turned = _turned(answers[0], budget.part(OWN))
             answers[0] = _with_a_slip(answers[0], budget.part(OWN))
     return Verdict(
         name=scene.name,
