@@ -22,11 +22,12 @@ from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import verdict
-from toolkit.verdict.machine import Behaviour, Finite, Known, Machine
+from toolkit.verdict.machine import NO_TIME, Behaviour, Finite, Known, Machine, not_followed
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.table import table
 from toolkit.verdict.uncertainty import widest
+from toolkit.verdict.words import page, sentence
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
@@ -265,3 +266,27 @@ def test_the_force_of_a_slider_on_which_few_contacts_hold_says_so_beside_the_mea
     assert not any("F_k is that small" in one for one in dependence(found))
     smooth = of(of_a_mass("smooth", 0.8, drive=drive, force=force))
     assert not any(one.startswith("mean force") for one in table(smooth))
+
+
+def test_a_slider_that_is_not_decided_in_time_lies_between_two_that_are() -> None:
+    """With a long delay contacts re-form after a slip, without one at once: both are told, and what to do."""
+    late = not_followed("mass", NO_TIME)
+    each = {"reset": "stick-slip", "reform-after": "stick-slip", "instant": "smooth"}
+    light = [replace(of_a_mass(kind, 0.8), rule=rule) for rule, kind in each.items()]
+    found = of(late)
+    between = replace(found, answers=(replace(found.own, behaviours=(late, *light)),))
+    assert sentence(between) == (
+        "not decided in time: stick-slip if the contacts' delay were far above the time of a slip, "
+        "0.314 units of time, smooth if they had none; "
+        "the command's --set wall_time=600 gives it ten minutes"
+    )
+    text = "\n".join(page(between))
+    assert "stick-slip: 0.8000 N_c<k> length down to" in text and "smooth at 0.8000" in text
+    refused = replace(late, message="no such slider")
+    other = replace(between, answers=(replace(found.own, behaviours=(refused, *light)),))
+    said = sentence(other)
+    assert said.startswith("not decided: stick-slip if") and "wall_time" not in said
+    slipped = of_a_mass("undecided", 0.8, message="stopped by wall_time", cut=True)
+    said = "\n".join(page(of(slipped, replace(of_a_mass("smooth", 0.6), rule="instant"))))
+    assert "goes on is not known; the command's --set wall_time=600" in said
+    assert "contacts that form again at once would make it smooth at 0.6000" in said

@@ -156,10 +156,10 @@ def _with_a_slip(own: Answer, budget: Budget) -> Answer:
 
 
 def _turned(own: Answer, budget: Budget) -> Behaviour | None:
-    """What the own reading's slider with mass would do with another delay, where its own is known."""
+    """What the own reading's slider with mass would do with another delay, where it was seen to slip or slide."""
     if own.machine is None or [one.rule for one in own.behaviours] != ["mass"]:
         return None
-    if own.behaviours[0].kind == "undecided":
+    if own.behaviours[0].kind == "undecided" and not own.behaviours[0].slips:
         return None
     with suppress(InputError, TimeIsUp):
         return follow_other_delay(own.machine, own.contacts, own.scale.contacts, budget.left())

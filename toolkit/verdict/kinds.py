@@ -3,10 +3,12 @@ verdict hangs on, each with how much it may change the answer, by which they are
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.machine import Behaviour, half_a_swing
+from toolkit.verdict.budget import LONGER
+from toolkit.verdict.machine import RULES, Behaviour, Machine, half_a_swing
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
 # what turns the answer or leaves it open; what changes the forces nobody knows how much, which is taken for half of
@@ -81,6 +83,24 @@ def delay_decides(verdict: Verdict) -> bool:
     kinds = {one.kind for one in verdict.own.behaviours}
     other = verdict.turned
     return other is not None and "undecided" not in kinds | {other.kind} and other.kind not in kinds
+
+
+def of_extremes(verdict: Verdict) -> str:
+    """Where a slider with mass is not decided: what it does with a delay of its contacts far above a slip's duration,
+    and without one, as sliders without mass tell; "" where it is decided, and where these are not known."""
+    first, *light = verdict.own.behaviours
+    each = {one.rule: one.kind for one in light if one.kind != "undecided"}
+    waits = bool(verdict.own.contacts.waiting_time)
+    if first.rule != "mass" or first.kind != "undecided" or len(each) < len(RULES) or not waits:
+        return ""
+    slip = spoken(half_a_swing(cast(Machine, verdict.own.machine)), verdict.own.scale.time_unit)
+    long = f"the contacts' delay were far above the time of a slip, {slip}"
+    if each["reform-after"] == each["instant"]:
+        said = f"{each['instant']} if {long}, and if they had none"
+    else:
+        said = f"{each['reform-after']} if {long}, {each['instant']} if they had none"
+    late = "wall_time" in first.message
+    return f"not decided{' in time' * late}: {said}{f'; {LONGER}' * late}"
 
 
 def of_rules(verdict: Verdict) -> Iterator[Line]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
-from toolkit.verdict.machine import Behaviour
+from toolkit.verdict.machine import NO_FORCES, Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
 from toolkit.verdict.uncertainty import share_of
 
@@ -191,6 +191,33 @@ def _unfinished(behaviour: Behaviour) -> str:
     if behaviour.kind != "undecided":
         return ""
     return ": path cut" if behaviour.cut else ": not decided"
+
+
+def without_spring(verdict: Verdict) -> str:
+    """Below which spring the interface slips, over all readings."""
+    if verdict.own.smoothed:
+        return (
+            "slips on springs softer than K*, which is not known: it hangs on the smoothing of P_c of these islands; "
+            "give drive.spring for a verdict on a machine"
+        )
+    if verdict.own.critical_spring.unknown:
+        return NO_FORCES
+    if verdict.own.critical_spring.lost:
+        return (
+            "slips on springs softer than K*, which is not known: its numerical error is as large as itself; give "
+            "drive.spring for a verdict on a machine"
+        )
+    known = [answer for answer in verdict.answers if not answer.critical_spring.lost]
+    springs = [answer.critical_spring.value * answer.scale.spring for answer in known]
+    own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
+    if not np.isfinite(spread):
+        spread = 0.0
+    spread = max(spread, (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring)
+    said = f"slips on a spring softer than K* = {guarded(own, unit, spread)}"
+    if len(springs) > 1:
+        ends = " to ".join(guarded(value, unit, spread) for value in (min(springs), max(springs)))
+        said += f" (from {ends} over {len(springs)} readings)"
+    return f"{said}; give drive.spring for a verdict on a machine"
 
 
 def drop_of(behaviour: Behaviour) -> float:

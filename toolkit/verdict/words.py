@@ -14,11 +14,27 @@ from toolkit.scene.scale import (
     written,
 )
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.budget import LONGER
 from toolkit.verdict.hangs_on import dependence, why_smooth
-from toolkit.verdict.kinds import delay_decides, named, not_decided, others, out_of_time
-from toolkit.verdict.machine import NO_FORCES, Behaviour, Finite, half_a_swing
+from toolkit.verdict.kinds import (
+    delay_decides,
+    named,
+    not_decided,
+    of_extremes,
+    others,
+    out_of_time,
+)
+from toolkit.verdict.machine import Behaviour, Finite, half_a_swing
 from toolkit.verdict.of_area import apart, behaved, disagreeing, falls, subject
-from toolkit.verdict.table import KNOWN, drop_of, in_units, speed_unit, table, to_digits
+from toolkit.verdict.table import (
+    KNOWN,
+    drop_of,
+    in_units,
+    speed_unit,
+    table,
+    to_digits,
+    without_spring,
+)
 from toolkit.verdict.uncertainty import numerical_errors, reach_of_force, share_of, widest
 
 WORTH_TELLING = 0.01  # of the force of smooth sliding, what the damping bears
@@ -54,13 +70,12 @@ def _answered(verdict: Verdict) -> str:
     """What the sentence says of the readings that were decided."""
     own = verdict.own
     if own.machine is None:
-        return _without_spring(verdict)
+        return without_spring(verdict)
     if apart := _disagreement(verdict):
         return apart
-    if (
-        len({one.kind for answer in verdict.answers for one in answer.behaviours} - {"undecided"})
-        > 1
-    ):
+    if extremes := of_extremes(verdict):
+        return extremes
+    if len({one.kind for each in verdict.answers for one in each.behaviours} - {"undecided"}) > 1:
         return f"the assumptions decide: {', '.join(_kinds(verdict))}"
     return "; ".join(_told(verdict, own))
 
@@ -74,7 +89,8 @@ def details(verdict: Verdict) -> list[str]:
 def turned(verdict: Verdict) -> list[str]:
     """With which delay of the contacts a slider with mass would do something else, where that is known."""
     own, other = verdict.own, verdict.turned
-    if other is None or own.machine is None or not delay_decides(verdict):
+    seen = any(one.kind == "undecided" and one.slips for one in own.behaviours)
+    if other is None or own.machine is None or not (delay_decides(verdict) or seen):
         return []
     slip = spoken(half_a_swing(own.machine), own.scale.time_unit)
     whose = "at once"
@@ -154,33 +170,6 @@ def _plain_fall(finite: Finite, force: float, unit: str) -> str:
         return ""
     high, low = (written(end * force, unit) for end in (finite.before, finite.after))
     return falls(high, low, (finite.before - finite.after) * force, unit)
-
-
-def _without_spring(verdict: Verdict) -> str:
-    """Below which spring the interface slips, over all readings."""
-    if verdict.own.smoothed:
-        return (
-            "slips on springs softer than K*, which is not known: it hangs on the smoothing of P_c of these islands; "
-            "give drive.spring for a verdict on a machine"
-        )
-    if verdict.own.critical_spring.unknown:
-        return NO_FORCES
-    if verdict.own.critical_spring.lost:
-        return (
-            "slips on springs softer than K*, which is not known: its numerical error is as large as itself; give "
-            "drive.spring for a verdict on a machine"
-        )
-    known = [answer for answer in verdict.answers if not answer.critical_spring.lost]
-    springs = [answer.critical_spring.value * answer.scale.spring for answer in known]
-    own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
-    if not np.isfinite(spread):
-        spread = 0.0
-    spread = max(spread, (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring)
-    said = f"slips on a spring softer than K* = {guarded(own, unit, spread)}"
-    if len(springs) > 1:
-        ends = " to ".join(guarded(value, unit, spread) for value in (min(springs), max(springs)))
-        said += f" (from {ends} over {len(springs)} readings)"
-    return f"{said}; give drive.spring for a verdict on a machine"
 
 
 def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
@@ -286,6 +275,7 @@ def _behaved(
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
         what = "whether it goes on is not known"
+        what += f"; {LONGER}" * ("wall_time" in last.message)
         return f"not decided: {seen} from {fall}, and {what}"
     if bare:
         return fall
