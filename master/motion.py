@@ -117,7 +117,12 @@ def drive_motion(drive: Drive, balance: float) -> Motion | None:
 def middle_of(rows: Array) -> Array:
     """The middle between the least and the largest of each row, shape (rows, 1). Where a row lies within one piece of a
     range, so does this, and well inside it: it tells on which side of the piece's ends the row is."""
-    return 0.5 * (rows.min(axis=1, keepdims=True) + rows.max(axis=1, keepdims=True))
+    count, width = rows.shape
+    if count < width:
+        return 0.5 * (rows.min(axis=1, keepdims=True) + rows.max(axis=1, keepdims=True))
+    # along the short rows themselves numpy takes five times as long
+    columns = np.ascontiguousarray(rows.T)
+    return 0.5 * (columns.min(axis=0) + columns.max(axis=0))[:, None]
 
 
 class History:
