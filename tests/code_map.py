@@ -66,7 +66,18 @@ QUESTIONS = {
         "master:kinetic_curve",
     ),
     "K*, the critical spring; where F falls most": ("master:propensity", "master:extremes"),
+    "a slider on a spring: solved; followed; its slips": (
+        "master:solve_soft",
+        "master:Followed",
+        "master:slips_of",
+    ),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
+    "the rule of a slip: reset; reform-after, in the slip and its births; instant": (
+        "master:ColdSlider._reset",
+        "master:ColdSlider._reform_after",
+        "master:March.postpone_births",
+        "master:Move.end_of_slip",
+    ),
     "a slider with mass": ("master:InertialSlider",),
     "a slip's begin: T = 0, in time": (
         "master:LoadCurve.slip_begins",
@@ -83,10 +94,12 @@ QUESTIONS = {
         "master:ContactsInSteps",
         "master:BreaksInSteps.births_up_to",
     ),
-    "a delay under a spring with mass: the slider; its contacts; births": (
+    "a delay under a spring with mass: the slider; its contacts; births; on a panel": (
         "master:DelayedSlider",
         "master:Cohorts",
         "master:PastBreaks.born",
+        "master:PanelBirths",
+        "master:PullOnPanel",
     ),
     "the rate of thermal breaking": ("origins:SoftRates", "origins:StiffRates"),
     "what survives with heat; by one mean rate": ("master:ThermalLife", "master:MeanRateLife"),

@@ -72,7 +72,7 @@ def test_births_are_the_breaks_one_delay_before() -> None:
 
 def test_births_have_a_kink_after_each_delay() -> None:
     """The first one stands for the kink of breaks itself; echoes of it are smoother each time."""
-    breaks = PastBreaks(2.0, held=1.0)
+    breaks = PastBreaks(2.0, holding=1.0)
     breaks.kink(1.0)
     assert breaks.next_kink(1.0) == 3.0 and breaks.next_kink(3.0) == 5.0
 
@@ -209,15 +209,15 @@ def test_contacts_of_a_wide_start_all_hold_and_pull_by_their_mean_stretch() -> N
 def test_contacts_at_an_exact_threshold_are_as_far_from_it_as_their_stretch_leaves() -> None:
     one = origins.identical(1.0)
     contacts = Cohorts.at_start(delayed(1.0, one), Survival(one)).moved(0.3)
-    assert contacts.reach(0.3, 1, 1e-12, 1e-6) == pytest.approx(0.7, abs=1e-15)
-    assert contacts.reach(0.3, -1, 1e-12, 1e-6) == pytest.approx(1.3, abs=1e-15)
+    assert contacts.distance_to_break(0.3, 1, 1e-12, 1e-6) == pytest.approx(0.7, abs=1e-15)
+    assert contacts.distance_to_break(0.3, -1, 1e-12, 1e-6) == pytest.approx(1.3, abs=1e-15)
 
 
 @pytest.mark.parametrize("way", [1, -1])
 def test_contacts_reach_as_far_as_breaks_take_some_force_at_most(way: int) -> None:
     """They have been at 0.6, and are at 0.45: backwards they are as strong, and forwards weak from 0.6 on."""
     contacts, least = Cohorts.at_start(delayed(1.0), Survival(WIDE)).moved(0.6).moved(0.45), 1e-3
-    far = contacts.reach(0.45, way, 1e-4, least)
+    far = contacts.distance_to_break(0.45, way, 1e-4, least)
     x = 0.45 + way * far * np.array([1.0, 1.2])
     lost = np.abs(x) * (WIDE.sf(0.6) - WIDE.sf(np.maximum(np.abs(x), 0.6)))
     assert lost[0] <= least < lost[1]
@@ -288,7 +288,7 @@ def test_a_drive_that_rests_keeps_its_way() -> None:
     positions = np.array([0.0, 0.0, 1.0, 1.0, 0.5, 0.5])
     drive, ways = DrivePath(Motion(np.arange(6.0), positions)), []
     while not drive.over:
-        ways.append(drive.way)
+        ways.append(drive.direction)
         assert drive.at(drive.leg_end) == pytest.approx(positions[drive.leg + 1])
         drive.next_leg()
     assert ways == [1, 1, 1, -1, -1]

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 import master
 import origins
 from master.motion import Motion
+from master.soft.in_time import cells_kernel
 from master.soft.in_time import steps as steps_in_time
 from master.soft.in_time.answer import extrapolation
 from master.soft.in_time.answer.extrapolation import extrapolated
@@ -425,7 +426,7 @@ def test_cells_of_thresholds_lose_those_that_a_jump_meets_and_those_that_heat_br
     # what is above the level of the jump, without moving the weights; and the monotone cubics of another hand
     fresh, rise = cells.fresh(np.array([0.0, 0.3])), np.array([1.02, 0.66])
     moved = cells.shifted(fresh, rise)
-    np.testing.assert_allclose(cells.held_above(fresh, rise), moved.sum(axis=1), atol=1e-14)
+    np.testing.assert_allclose(cells.weight_above(fresh, rise), moved.sum(axis=1), atol=1e-14)
     for weights, by, found in zip(fresh, rise, moved, strict=True):
         below = PchipInterpolator(cells.edges, np.append(0.0, weights.cumsum()))
         exact = np.diff(below(np.clip(by + cells.edges, 0.0, cells.edges[-1])))
@@ -460,6 +461,39 @@ def test_thresholds_age_the_same_alone_and_beside_others() -> None:
     alone = [cells.stepped(fresh[[i]], begin[[i]], end[[i]], 0.1)[0] for i in range(begin.size)]
     np.testing.assert_array_equal(together, alone)
     assert 0.5 < together.sum(axis=1).min() < 0.999
+
+
+def test_one_step_of_the_cells_solves_its_equations() -> None:
+    """The weights of the last stage, with every term of the equations at random, beside those by a dense matrix."""
+    random, cells = np.random.default_rng(1), 9
+    shape = (2, cells, cells_kernel.LANES)
+    leaving, entering, breaking = random.normal(size=(3, *shape))
+    spread, weights = random.random((2, shape[2])), random.random(shape[1:])
+    value, slope = random.normal(size=(2, 4, cells + 1))
+    value[:, -1] = slope[:, -1] = 0.0  # nothing comes through the upper face of the last cell
+    terms = leaving, entering, breaking, spread, value, slope
+    found = cells_kernel.step(weights, *terms)
+    # density and slope at the lower face of each cell, by the weights of cells
+    at_faces = np.zeros((2, cells + 1, cells))
+    for face in range(cells):
+        for k in range(4):
+            if 0 <= (cell := face - 2 + k) < cells:
+                at_faces[:, face, cell] = value[k, face], slope[k, face]
+    for lane in (0, 5, shape[2] - 1):
+        loss = np.diag(np.ones(cells))[None] * breaking[:, :, lane, None]
+        for stage in range(2):
+            density, steepness = at_faces
+            out = (
+                leaving[stage, :, lane, None] * density[:-1] + spread[stage, lane] * steepness[:-1]
+            )
+            come = np.zeros((cells, cells))
+            come[:-1] = entering[stage, 1:, lane, None] * density[1:-1]
+            come[:-1] += spread[stage, lane] * steepness[1:-1]
+            loss[stage] += out - come
+        blocks = [[cells_kernel.RADAU[a, b] * loss[b] for b in range(2)] for a in range(2)]
+        matrix = np.eye(2 * cells) + np.block(blocks)
+        exact = np.linalg.solve(matrix, np.tile(weights[:, lane], 2))[cells:]
+        np.testing.assert_allclose(found[:, lane], exact, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("spring", [1e-3, 0.3, 1.0])
@@ -648,7 +682,7 @@ def test_the_last_contact_that_held_at_a_slip_s_begin_breaks_once(sign: float) -
         contacts.groups.stretch = sign * np.array([0.1, min(0.5 + way, 0.9)])
         so_far.add(contacts, 0.0)
         broken = len(so_far.travelled) > 2
-        assert so_far.none_left_since == (so_far.travelled[2] if broken else np.inf)
+        assert so_far.none_holds_since == (so_far.travelled[2] if broken else np.inf)
     assert so_far.travelled == pytest.approx([0.4, 1.0, 1.2, 1.4, 3.0])
 
 

@@ -311,6 +311,16 @@ def test_a_millionth_off_critical_is_decided_rightly(law):
         assert solved(contacts, path, critical * (1.0 - 1e-6), rule).slips.drive.size
 
 
+def test_a_travel_without_balance_is_passed_at_once():
+    """In a slip F rises by no more than those that hold can pull: nine tenths of the travel on which that is too little
+    take one panel, wherever the slider was before."""
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2))
+    found = solved(contacts, [10.0], 0.3, "reform-after", 1e-6)
+    assert (
+        found.slips.drive.size == 3 and found.nodes <= 800
+    )  # 976 where the passed travel is too short
+
+
 def test_slips_that_die_out_and_slips_that_do_not():
     contacts, path = origins.Contacts(origins.gaussian(1.0, 0.2)), np.linspace(0.0, 20.0, 101)
     after = solved(contacts, path, 0.5, "reform-after", 1e-6)

@@ -285,7 +285,8 @@ class March:
         return other
 
     def postpone_births(self, begin: float, end: float) -> None:
-        """For soft/moves.py: add panels without births from begin to end, where broken contacts are born together."""
+        """For soft/moves.py: add panels without births from begin to end, where broken contacts are born together.
+        Tests: test_soft.py, as of `cut`."""
         number, _ = self.enter_and_sum_at(np.full((1, TARGETS.size), end))
         leg_start_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         # `_numbers_at_edge` looks back from the end over half of the last panel, which therefore has to be short

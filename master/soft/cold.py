@@ -24,7 +24,7 @@ from origins.thresholds.law import Array
 # some 5 s for one value, 30 s for two values.
 MOST_TOGETHER = 2000
 # Way on which they are counted first, in mean thresholds.
-FIRST_WAY = 50.0
+FIRST_DISTANCE = 50.0
 # Longest life of contacts, in mean thresholds, up to which breaks are followed until they are steady: some 25 s.
 LONGEST_LIFE = 500.0
 # Part of the tolerance, and of the error of each slip, that slips may miss together, and each, which are repeated
@@ -34,6 +34,7 @@ OF_REPEATING = 0.1
 ROUNDED = 1e-15
 # Thresholds at which the first breaks are looked at.
 QUANTILES = 2000
+Onset = tuple[Move, float]  # of a slip: the move that leads to it, and the travel on it
 
 
 class ColdSlider:
@@ -66,10 +67,11 @@ class ColdSlider:
         self._loaded = LoadingHistory(cold.formed_again if relaxed else contacts.start)
         # resets repeat the same move, in each direction: it is solved once
         self._begun = lru_cache(4)(partial(Move, cold))
-        # share of the contacts that break in slips from these moves and travels on; 1 where none holds on
-        self._broken = dict[tuple[Move, float], float]()
+        # of slips: the share of the contacts that break before a reset, nan where that takes too much work; and those
+        # of "reform-after" that leave no contact holding, which are resets
+        self._broken, self._leave_none = dict[Onset, float](), set[Onset]()
         # slips that leave some contacts holding, once they repeat
-        self._cycle, self._repeated = LimitCycle(), dict[tuple[Move, float], Slipped]()
+        self._cycle, self._repeated = LimitCycle(), dict[Onset, Slipped]()
         self.shares = list[float]()  # the same of each slip; nan where contacts form again at once
         if self.slip == "instant" and cold.life.atoms.size and drive.forward:
             self._refuse_endless_slips(contacts)
@@ -85,17 +87,17 @@ class ColdSlider:
         cold = self.contacts
         largest = cold.life.largest_stretch
         stretched = float(contacts.relative_stiffness(largest)) * largest / self.spring
-        way = float(self.path[-1]) - stretched
-        ahead, breaks = FIRST_WAY * cold.unit, 0
+        distance = float(self.path[-1]) - stretched
+        ahead, breaks = FIRST_DISTANCE * cold.unit, 0
         # way after way, as to count all instants would take long where there are millions
-        while breaks <= MOST_TOGETHER and ahead < 2.0 * way:
-            motion = Motion.along(np.array([0.0, min(ahead, way)]))
+        while breaks <= MOST_TOGETHER and ahead < 2.0 * distance:
+            motion = Motion.along(np.array([0.0, min(ahead, distance)]))
             plan = edges(
                 Births(cold.life, cold.formed_again, motion), contacts.start, cold.of_panels
             )
             ahead, breaks = 2.0 * ahead, plan.times.size
         if breaks > MOST_TOGETHER:
-            fault = f"the slider goes on by {way:.3g}, and contacts of exact thresholds break"
+            fault = f"the slider goes on by {distance:.3g}, and contacts of exact thresholds break"
             what = f"together more than {MOST_TOGETHER:,} times on the way"
             hint = 'give the values a width, end the path sooner, or take "reset" or "reform-after"'
             refuse("path[-1]", self.path[-1], f"{fault} {what}; {hint}")
@@ -106,21 +108,18 @@ class ColdSlider:
         From relaxed contacts F is at most <x_s^2>/<x_s>, by Lorden's inequality of renewal theory. A slip that leaves
         no contact as it was ends this way; up to second breaks F' is 1 - X P_c(X), and tells whether there is one.
         """
-        law, unit, longest = (
-            contacts.thresholds,
-            self.contacts.unit,
-            self.contacts.life.largest_stretch,
-        )
+        law, unit = contacts.thresholds, self.contacts.unit
+        longest = self.contacts.life.largest_stretch
         latest = law.moment(2) / law.mean() / self.spring
-        way = float(self.path[-1]) - latest
+        distance = float(self.path[-1]) - latest
         relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
-        if not (relaxed and contacts.stiffness == "independent" and way > LONGEST_LIFE * unit):
+        if not (relaxed and contacts.stiffness == "independent" and distance > LONGEST_LIFE * unit):
             return
         x = law.isf((np.arange(QUANTILES) + 0.5) / QUANTILES)
         slips = float((x * law.pdf(x)).max()) > 1.0 + self.spring
         if self.slip == "instant" or not slips:
             fault = f"contacts of a heavy tail, that hold for up to {longest / unit:.3g} mean thresholds, are followed"
-            most = f"for {LONGEST_LIFE:g}, and the slider goes on by {way / unit:.3g}"
+            most = f"for {LONGEST_LIFE:g}, and the slider goes on by {distance / unit:.3g}"
             hint = f"end the path before {latest + LONGEST_LIFE * unit:.4g}, or cut the tail"
             refuse("path[-1]", self.path[-1], f"{fault} {most}; {hint}")
 
@@ -228,17 +227,18 @@ class ColdSlider:
 
     def _share_broken(self, move: Move, slip: SlipBegin) -> float:
         """The share of the contacts that break before a reset renews the others; nan where that takes too much work
-        and, as finding it takes as long as another slip, once a slip is known in which enough contacts break."""
-        if any(share >= SLIP_SHARE for share in self._broken.values()):
-            return self._broken.get((move, slip.travel), np.nan)
+        and, as finding it takes as long as another slip, once one is known in which SLIP_SHARE or more break."""
         key = move, slip.travel
-        if key not in self._broken:
+        if key in self._leave_none:
+            return 1.0
+        main_slip_known = any(share >= SLIP_SHARE for share in self._broken.values())
+        if key not in self._broken and not main_slip_known:
             try:
                 slide, end = self._slide(move, slip)
-                self._broken[key] = 1.0 - slide.held(end.travel)
+                self._broken[key] = 1.0 - slide.holding_after(end.travel)
             except StoppedError:
                 self._broken[key] = np.nan
-        return self._broken[key]
+        return self._broken.get(key, np.nan)
 
     def _slide(self, move: Move, slip: SlipBegin) -> tuple[MoveWithoutBirths, SlipEnd]:
         """The way of a slip in which broken contacts stay out, and where it ends."""
@@ -249,14 +249,14 @@ class ColdSlider:
     def _reform_after(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip in which broken contacts stay out until the slider stops."""
         key = move, slip.travel
-        if self._broken.get(key) == 1.0:
+        if key in self._leave_none:
             return self._reset(move, slip, begin)
         if (slipped := self._repeated.get(key) or self._slipped(move, slip)) is None:
             # such a slip is a reset at another place, whose moves are known
-            self._broken[key] = 1.0
+            self._leave_none.add(key)
             return self._reset(move, slip, begin)
         self._note(move, slip, begin, slipped.force, slipped.share)
-        self._base += slipped.way
+        self._base += slipped.shift
         self._base_error += slipped.error
         return slipped.loaded
 
@@ -267,7 +267,7 @@ class ColdSlider:
         slide, (curve, y) = self._slide(move, slip)
         if slide.holds_none(y):
             return None
-        held, force = slide.held(y), float(curve.force(y))
+        holding, force = slide.holding_after(y), float(curve.force(y))
         # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
         far = min(y, self.contacts.life.largest_stretch)  # no contact that holds is stretched more
         error = (1.0 + spring) * slip.begin_error * far / unit
@@ -275,15 +275,16 @@ class ColdSlider:
         # the slider moves as far as the drive from slip to slip
         slips = float(np.abs(np.diff(self.path, prepend=0.0)).sum()) / (slip.travel + y)
         most = min(slip.error, self.contacts.tolerance * unit / (spring * slips))
-        after = np.array([y, force, held * unit])
-        if again := self._cycle.closed_by(move.loaded, slip, after, OF_REPEATING * most):
-            way = slide.at(y) - move.loaded.places[-1]
-            moved += 2.0 * self._cycle.left  # both of the travel up to the slip and of that in it
-            self._repeated[move, slip.travel] = Slipped(force, 1.0 - held, moved, again, way)
-            return self._repeated[move, slip.travel]
+        after = np.array([y, force, holding * unit])
+        if repeated := self._cycle.closed_by(move.loaded, slip, after, OF_REPEATING * most):
+            shift = slide.at(y) - move.loaded.places[-1]
+            # both of the travel up to the slip and of that in it
+            moved += 2.0 * self._cycle.remaining
+            slipped = Slipped(force, 1.0 - holding, moved, repeated, shift)
+            return self._repeated.setdefault((move, slip.travel), slipped)
         # errors of the history do not affect contacts that broke
-        history = slide.after_slip(y, (error + float(curve.error_at(y))) * held)
-        return Slipped(force, 1.0 - held, moved, history)
+        history = slide.after_slip(y, (error + float(curve.error_at(y))) * holding)
+        return Slipped(force, 1.0 - holding, moved, history)
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, share: float) -> None:
         """Record a slip, of a move that begins at `begin`, with F after it along the motion, and the share broken."""

@@ -24,14 +24,14 @@ class Slipped:
     share : of the contacts that break
     error : of the slider's position by it (a length)
     loaded : the history of the next move
-    way : by how much this history begins elsewhere than the one before (a length); 0 where it goes on
+    shift : by how much this history begins elsewhere than the one before (a length); 0 where it goes on
     """
 
     force: float
     share: float
     error: float
     loaded: LoadingHistory
-    way: float = 0.0
+    shift: float = 0.0
 
 
 @dataclass
@@ -43,7 +43,7 @@ class LimitCycle:
     """
 
     loaded: LoadingHistory | None = None
-    left: float = np.inf  # what all slips to come differ from those of `loaded` (a length)
+    remaining: float = np.inf  # what all slips to come differ from those of `loaded` (a length)
     _last: Array = field(default_factory=lambda: np.empty(0))
     _changes: list[float] = field(default_factory=list)
 
@@ -63,9 +63,9 @@ class LimitCycle:
         if self._last.size:
             self._changes.append(float(np.abs(seen - self._last).max()))
         self._last = seen
-        if not (left := self._remainder(ROUNDED * (slip.travel + float(after[0])))) <= most:
+        if not (remaining := self._remainder(ROUNDED * (slip.travel + float(after[0])))) <= most:
             return None
-        self.left, self.loaded = left, replace(loaded, error=loaded.error + left)
+        self.remaining, self.loaded = remaining, replace(loaded, error=loaded.error + remaining)
         return self.loaded
 
     def _remainder(self, rounded: float) -> float:

@@ -212,10 +212,10 @@ class Move:
         ahead = (level - most) / contacts.spring - (march.solved.end - self.loaded.end)
         if ahead <= 0.0 or not np.isfinite(contacts.decoherence_length):
             return None
-        left = HIDDEN * half * np.exp(-ahead / contacts.decoherence_length)
-        if left > contacts.steady_rates * contacts.unit:
+        remaining = HIDDEN * half * np.exp(-ahead / contacts.decoherence_length)
+        if remaining > contacts.steady_rates * contacts.unit:
             return None
-        return SteadyForce(steady, error + left)
+        return SteadyForce(steady, error + remaining)
 
     def travel_of_state(self, y: float) -> float:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""

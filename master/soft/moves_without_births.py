@@ -24,7 +24,7 @@ class MoveWithoutBirths(Move):
     """Contacts during a slip in which broken contacts stay out until the slider stops."""
 
     # share of the contacts that hold where the last panel ends, and the force along the motion there (a length)
-    _held, _force = 1.0, np.inf
+    _holding, _force = 1.0, np.inf
     # load at which the slip ends (a length)
     _level = np.inf
     # panels that are tried together, as most of the work is the same for one and for many
@@ -32,7 +32,7 @@ class MoveWithoutBirths(Move):
 
     def _steady_force(self) -> SteadyForce | None:
         """The force 0, once no contact holds any more."""
-        return SteadyForce(0.0, 0.0) if self._held <= NO_SURVIVAL else None
+        return SteadyForce(0.0, 0.0) if self._holding <= NO_SURVIVAL else None
 
     def holds_none(self, y: float) -> bool:
         """Whether no contact holds any more after the travel y."""
@@ -51,7 +51,7 @@ class MoveWithoutBirths(Move):
         march, contacts = self._march, self.contacts
         begin = max(march.solved.end, self.loaded.end)
         missing = self._level - self._force - contacts.spring * (begin - self.loaded.end)
-        stiffness = self._held * contacts.largest_stiffness
+        stiffness = self._holding * contacts.largest_stiffness
         travel = PASSED * missing / (stiffness + contacts.spring)
         travel = min(travel, float(march.edges[-1]) - begin)
         if not WORTH_PASSING * self._widest < travel < np.inf:
@@ -60,7 +60,7 @@ class MoveWithoutBirths(Move):
         batch = Batch(np.zeros_like(bound), self.direction * bound, np.zeros(1))
         self._append(begin, travel, batch, 1)
         number, force = march.enter_and_sum_at(np.full((1, TARGETS.size), begin + travel))[:, 0, 0]
-        self._held, self._force = float(number), self.direction * float(force)
+        self._holding, self._force = float(number), self.direction * float(force)
         return True
 
     def _append(self, begin: float, width: float, batch: Batch, count: int) -> None:
@@ -97,7 +97,7 @@ class MoveWithoutBirths(Move):
             if good:
                 break
             self._widest, count = 0.5 * width, 1
-        self._held = float(known[0, good - 1, -1])
+        self._holding = float(known[0, good - 1, -1])
         self._force = self.direction * float(force[good - 1, -1])
         # beside a panel that was too wide the next ones are, too; the error grows as the width to the power DEGREE
         if good < count:
@@ -108,7 +108,7 @@ class MoveWithoutBirths(Move):
         self._append(begin, width, Batch(np.zeros_like(force), force, error), good)
         return True
 
-    def held(self, y: float) -> float:
+    def holding_after(self, y: float) -> float:
         """The share of the contacts that hold after the travel y."""
         if self.holds_none(y):
             return 0.0

@@ -95,8 +95,8 @@ class ThermalLife(LawLife):
         is_linked = self._contacts.stiffness == "linked"
 
         def survival(contact: Rows, threshold: Array) -> Array:
-            log_rate = np.minimum(integrated.log(contact, threshold), _ZERO_FROM)
-            fraction = (per_survival[contact, None] * np.exp(-np.exp(log_rate)))[None]
+            log_integrated = np.minimum(integrated.log(contact, threshold), _ZERO_FROM)
+            fraction = (per_survival[contact, None] * np.exp(-np.exp(log_integrated)))[None]
             if not is_linked:
                 return fraction
             by_stiffness = fraction * self._contacts.relative_stiffness(threshold)
@@ -106,10 +106,11 @@ class ThermalLife(LawLife):
             return survival(contact, threshold) * finite_density(self.law, threshold)
 
         least = np.maximum(integrated.furthest, SMALLEST)
-        log_rate = integrated.log(every, np.maximum(self.panels, least[:, None]))
+        log_integrated = integrated.log(every, np.maximum(self.panels, least[:, None]))
         counted = self._weights * per_survival[:, None] > _NO_WEIGHT
-        # as a function of the threshold A rises, then falls, so that on a panel it is least at an end
-        counted &= np.minimum(log_rate[:, 1:], log_rate[:, :-1]) < _NEGLIGIBLE_FROM
+        # as a function of the threshold A falls as the barrier grows, and may rise before: it has no least value inside
+        # a panel, which is left out where A is large at both ends
+        counted &= np.minimum(log_integrated[:, 1:], log_integrated[:, :-1]) < _NEGLIGIBLE_FROM
         few = np.maximum(per_survival * self.law.sf(least), FEW)
         # a tenth, as the error of these sums is one of several
         accuracy = max(0.1 * self.coefficient_limit, _FINEST) * few

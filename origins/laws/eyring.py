@@ -69,8 +69,8 @@ class EyringRates(RateLaw):
     ) -> Array:
         """ln of the integral of h from near to far; -inf where they are equal."""
         length = self.width * threshold
-        way = np.log(-length * np.expm1((near - far) / length))
-        return self.log_rate(far, threshold, stiffness) + way
+        log_length = np.log(-length * np.expm1((near - far) / length))
+        return self.log_rate(far, threshold, stiffness) + log_length
 
     @quiet
     def reached(
@@ -78,8 +78,8 @@ class EyringRates(RateLaw):
     ) -> Array:
         """Stretch at which the integral of h from near is e^log_amount, or the threshold."""
         length = self.width * threshold
-        share = log_amount - np.log(length) - self.log_rate(near, threshold, stiffness)
-        return np.minimum(near + length * np.logaddexp(0.0, share), threshold)
+        log_ratio = log_amount - np.log(length) - self.log_rate(near, threshold, stiffness)
+        return np.minimum(near + length * np.logaddexp(0.0, log_ratio), threshold)
 
     def compiled(self) -> CompiledRates:
         """The same formulas for compiled loops."""
@@ -96,9 +96,9 @@ def _formulas() -> tuple[Any, ...]:
 
     def reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
         length = law.width * threshold
-        share = log_amount - np.log(length) - law.log_scale + 1.0 / law.width
+        log_ratio = log_amount - np.log(length) - law.log_scale + 1.0 / law.width
         # of 1 + e^share
-        log_sum = max(share, 0.0) + np.log1p(np.exp(-abs(share)))
+        log_sum = max(log_ratio, 0.0) + np.log1p(np.exp(-abs(log_ratio)))
         return min(length * log_sum, threshold)
 
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]

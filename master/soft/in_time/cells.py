@@ -11,7 +11,8 @@ faces comes from cubics through the four cells around, of fourth order, and weig
 One step in time is implicit, Radau's of two stages (`cells_kernel.step`). Each term of the equation, times the step's
 duration, is an array of a name there:
 
-    D U' + d|x|/dt   `flow`, at lower faces; with heat `leaving` and `entering`, which count the tilt of h, too
+    D U' + d|x|/dt   `flow`, at lower faces; with heat `leaving` and `entering`, which add that h
+                     varies on a cell (the tilt, see `_early`)
     D                `spread`, never so small that the first cell is wider than the layer at |x|
     h                `breaking`, of cells
     u, du/dy         `face_density`, `face_slope`: what the weights of four cells count for them at a face
@@ -99,13 +100,15 @@ class Cells:
         self._diffusion = ageing.rate
         self.width, self.heat_rate = min(narrowest(law), narrowest(ageing.final)), 0.0
         if self._thermal is not None:
-            share = (np.arange(CELLS.quantiles) + 0.5) / CELLS.quantiles
-            thresholds = np.asarray(law.ppf(share))
+            fraction = (np.arange(CELLS.quantiles) + 0.5) / CELLS.quantiles
+            thresholds = np.asarray(law.ppf(fraction))
             self.heat_rate = float(self._thermal.rates.rate(0.0, thresholds, 1.0).mean())
         layer = CELLS.of_layer * ageing.rate / fastest if fastest > 0.0 else np.inf
         least, most = CELLS.least_thin * self.width, CELLS.thinnest * self.width
         thinnest = float(np.clip(layer, least, most))
-        far, bulk = (highest(law, ageing.final, share) for share in (CELLS.far, CELLS.beyond_bulk))
+        far, bulk = (
+            highest(law, ageing.final, fraction) for fraction in (CELLS.far, CELLS.beyond_bulk)
+        )
         factor = 2.0 ** (-CELLS.finer * resolution)
         self.edges = _cell_edges(far, self.width, thinnest, bulk, factor)
         self._face_density, self._face_slope = _at_faces(self.edges)
@@ -190,25 +193,27 @@ class Cells:
         """Weights that remain above |x| when it jumps by these rises (n,), of either sign, and thresholds stay."""
         return np.asarray(self._kernel.shifted(np.ascontiguousarray(weights), self.edges, rise))
 
-    def held_above(self, weights: Array, rise: Array) -> Array:
+    def weight_above(self, weights: Array, rise: Array) -> Array:
         """The sums of the weights that `shifted` would leave after these rises (n,) >= 0; at least 0."""
-        return np.asarray(self._kernel.held_above(weights, self.edges, rise))
+        return np.asarray(self._kernel.weight_above(weights, self.edges, rise))
 
 
-def _cell_edges(reach: float, width: float, thinnest: float, bulk: float, factor: float) -> Array:
-    """Ends of cells from 0 to `reach`: their widths grow from `thinnest` with the distance to 0 until they are the
+def _cell_edges(largest: float, width: float, thinnest: float, bulk: float, factor: float) -> Array:
+    """Ends of cells from 0 to `largest`: their widths grow from `thinnest` with the distance to 0 until they are the
     widest, and grow further beyond `bulk` (see CellControl); all are multiplied by `factor`."""
     edges = [0.0]
-    while edges[-1] < reach:
+    while edges[-1] < largest:
         widest = CELLS.widest * width + CELLS.growth_beyond * max(edges[-1] - bulk, 0.0)
         near = thinnest + CELLS.growth * edges[-1]
         # about the smaller of both
         edges.append(edges[-1] + factor / (1.0 / near + 1.0 / widest))
         if len(edges) > CELLS.most:
             hint = f"need more than {CELLS.most} cells; use wider laws, or a larger tolerance"
-            raise InputError(f"ageing: laws as sharp as {width:.3g} that reach {reach:.3g} {hint}")
-    # scale so that the last cell ends at `reach`
-    return np.array(edges) * (reach / edges[-1])
+            raise InputError(
+                f"ageing: laws as sharp as {width:.3g} that reach {largest:.3g} {hint}"
+            )
+    # scale so that the last cell ends at `largest`
+    return np.array(edges) * (largest / edges[-1])
 
 
 def _at_faces(edges: Array) -> Array:

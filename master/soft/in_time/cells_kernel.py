@@ -136,6 +136,7 @@ def step(
                 done[i + 5, 0, s] = 1.0 / a5
                 done[i + 5, 1, s], done[i + 5, 2, s], done[i + 5, 3, s] = a6, a7, a8
                 done[i + 5, 4, s], done[i + 5, 5, s], done[i + 5, 6, s] = a9, a10, right
+    # from the last unknown up: done[i + k, 6] is the unknown k below, already found, done[i, k] its element in row i
     for back in range(2 * cells):
         i = 2 * cells + 4 - back
         for s in range(LANES):
@@ -183,14 +184,14 @@ def weight_below(weights: Array, edges: Array, cell: int, at: float) -> float:
 
 
 @compiled
-def held_above(weights: Array, edges: Array, rise: Array) -> Array:
+def weight_above(weights: Array, edges: Array, rise: Array) -> Array:
     """Sums of the weights (strands, cells) that remain after the rise of each strand, at least 0; shape (strands,)."""
     out = np.zeros(rise.size)
     for i in range(rise.size):
         if rise[i] < edges[-1]:
             cell = np.searchsorted(edges, rise[i], "right") - 1
-            held = weights[i, cell] - weight_below(weights[i], edges, cell, rise[i])
-            out[i] = held + weights[i, cell + 1 :].sum()
+            above = weights[i, cell] - weight_below(weights[i], edges, cell, rise[i])
+            out[i] = above + weights[i, cell + 1 :].sum()
     return out
 
 

@@ -95,10 +95,10 @@ class AgeingMemory(Memory):
         return out
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
-        held, risen = record[:, :RISEN].sum(axis=1), np.flatnonzero(record[:, RISEN])
+        holding, risen = record[:, :RISEN].sum(axis=1), np.flatnonzero(record[:, RISEN])
         if risen.size:
-            held[risen] = self._cells.held_above(record[risen, :RISEN], record[risen, RISEN])
-        return np.stack([held, stretch * held])
+            holding[risen] = self._cells.weight_above(record[risen, :RISEN], record[risen, RISEN])
+        return np.stack([holding, stretch * holding])
 
 
 class GrowingMemory(Memory):

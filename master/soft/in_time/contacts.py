@@ -105,7 +105,7 @@ class ContactsInSteps:
         reformed = stretch_nodes(reforming_law(contacts), memory.largest_stretch, most)
         # the groups of a cohort, by the stretches at its birth
         self._at_birth = _divided_by_survival(memory, reformed)
-        self._survival_at_birth = _held_at_birth(memory, reformed.stretch)
+        self._survival_at_birth = _survivals_at_birth(memory, reformed.stretch)
         # part of all births that is in cohorts: at stretches that no contact bears contacts break as they form
         self._part_in_cohorts = float(reformed.weight[self._survival_at_birth > 0.0].sum())
         count = reformed.stretch.size
@@ -134,8 +134,8 @@ class ContactsInSteps:
     def _replace_all(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
         groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
-        held = groups.survival_and_force(self.memory)
-        self.holding, self.force = (held @ groups.weight).tolist()
+        sums = groups.survival_and_force(self.memory)
+        self.holding, self.force = (sums @ groups.weight).tolist()
         self.are_new, self._of_start = False, start.stretch.size
         # the cohort at the begin of the first step, whose size tells the slider's speed
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, speed=0.0)
@@ -163,27 +163,27 @@ class ContactsInSteps:
         speed = abs(travel) / duration if duration > 0.0 else np.inf
         groups = self.groups.moved(self.memory, travel, duration)
         groups = groups.and_born(self.memory, self._at_birth, 0.0, speed)
-        held = groups.survival_and_force(self.memory)
-        kept, force_of_kept = (held @ groups.weight).tolist()
+        sums = groups.survival_and_force(self.memory)
+        kept, force_of_kept = (sums @ groups.weight).tolist()
         # of those born in this step, per contact born: survival and force at its end
-        survival, force_of_new = (held[:, self._last_two] @ self._per_birth).tolist()
+        survival, force_of_new = (sums[:, self._last_two] @ self._per_birth).tolist()
         per_break, rest = BirthsUpTo(0.0, self._births)
         nothing_forms = (end == self.now) if self.delay else (survival <= 0.0)
         if not (without_births or nothing_forms):
             per_break, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
             rest = max(rest, self._births) if self.holding and not per_break else rest
-        broken_again = 1.0 - survival  # of those born in this step, per contact born
-        breaks = 1.0 - kept + survival * self._births + broken_again * rest
+        broken_of_new = 1.0 - survival  # of those born in this step, per contact born
+        breaks = 1.0 - kept + survival * self._births + broken_of_new * rest
         # 1 - broken_again per_break, in a form that keeps its digits where hardly any of those born hold
         breaks /= (1.0 - per_break) + survival * per_break
         new = per_break * breaks + rest - self._births
         force, holding = force_of_kept + force_of_new * new, kept + survival * new
-        return Trial(travel, end, groups, held, force, holding, breaks, self._births + new, kept)
+        return Trial(travel, end, groups, sums, force, holding, breaks, self._births + new, kept)
 
     def take(self, trial: Trial, size: float) -> None:
         """Take the step, of this size (0 in a slip): its groups, with the births in it, become those of the contacts;
         the trial stays as it is. StoppedError where there are too many steps."""
-        held, weight = trial.survival_and_force, trial.groups.weight.copy()
+        sums, weight = trial.survival_and_force, trial.groups.weight.copy()
         self.are_new = False
         self.steps += 1
         self.work += weight.size * (self.memory.width + FIXED_WORK)
@@ -192,28 +192,28 @@ class ContactsInSteps:
         weight[self._last_two] += new
         self._births_in_cohorts += float(new @ np.tile(self._survival_at_birth, 2))
         self.past_breaks.add(trial.end, trial.breaks, size)
-        self._check_number(trial.births, float(held[0] @ weight))
+        self._check_number(trial.births, float(sums[0] @ weight))
         self.position, self.now = self.position + trial.travel, trial.end
         self.force, self.holding = trial.force, trial.holding
         of_cohorts = slice(self._of_start, None)
         unknown = unknown_force_of_births(
-            weight[of_cohorts], held[:, of_cohorts], self._at_birth.stretch.size
+            weight[of_cohorts], sums[:, of_cohorts], self._at_birth.stretch.size
         )
         self.unresolved.note(OF_BIRTHS, unknown, self.now)
         groups = trial.groups._replace(weight=weight)
-        self.groups = self._without_negligible(self._without_dead(groups, held[0]))
+        self.groups = self._without_negligible(self._without_dead(groups, sums[0]))
         self._births = trial.births
 
-    def _check_number(self, births: float, held: float) -> None:
+    def _check_number(self, births: float, holding: float) -> None:
         """FaultError unless the weights of all cohorts are those births, and as many contacts hold as have formed and
         not broken. Both hold to 5e-16 on thousands of steps (measured on six motions). This sees contacts that are lost
         or counted twice; no wrong number of births, to which `trial` fits the breaks: test_plain_in_time.py does."""
         formed, expected = births * self._part_in_cohorts, 1.0 + births - self.past_breaks.total
         most = UNACCOUNTED * (1.0 + births)
-        if abs(self._births_in_cohorts - formed) > most or abs(held - expected) > most:
+        if abs(self._births_in_cohorts - formed) > most or abs(holding - expected) > most:
             raise FaultError(
-                f"number is not conserved: after t = {self.now:.6g}, X = {self.position:.6g} a share {held:.6g} of the "
-                f"contacts holds, {expected:.6g} have formed and not broken, and of {formed:.6g} births "
+                f"number is not conserved: after t = {self.now:.6g}, X = {self.position:.6g} a share {holding:.6g} of "
+                f"the contacts holds, {expected:.6g} have formed and not broken, and of {formed:.6g} births "
                 f"{self._births_in_cohorts:.6g} are in cohorts, a fault of the program"
             )
 
@@ -290,11 +290,11 @@ class ContactsInSteps:
 
 def _divided_by_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:
     """The nodes with weights divided by the survival at birth, 0 where none hold: what Groups take as weights."""
-    stretch, survival = nodes.stretch, _held_at_birth(memory, nodes.stretch)
+    stretch, survival = nodes.stretch, _survivals_at_birth(memory, nodes.stretch)
     weight = np.divide(nodes.weight, survival, out=np.zeros(survival.size), where=survival > 0.0)
     return StretchNodes(stretch, weight)
 
 
-def _held_at_birth(memory: Memory, stretch: Array) -> Array:
+def _survivals_at_birth(memory: Memory, stretch: Array) -> Array:
     """The share of contacts that hold of those that form at these stretches (n,): whose thresholds are above."""
     return memory.survival_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]

@@ -43,8 +43,8 @@ from origins.thresholds.law import Array
 class CreepControl(NamedTuple):
     """Numbers of the search for steady creep; none has a unit but mean thresholds, m, and tolerances.
 
-    least_way : way of a section, in mean stretches F/N_c<k>, from which on creep is looked for
-    look_again : factor on the number of the section's steps since it was looked for last, from which on it is again
+    least_distance : travel of a section, in mean stretches F/N_c<k>, from which on creep is looked for
+    next_look : factor on the number of the section's steps when creep was looked for last, at which it is next
     last_part : of the way, along which F is compared with F_k(V)
     variation : by how much F - F_k(V) may vary along it, in dF_k/d ln V
     square_of_ratio : largest square of the ratio of two sliders' steps (fine over coarse; halved steps have 1/4) by
@@ -58,8 +58,8 @@ class CreepControl(NamedTuple):
     s_per_step, s_at_end : steps of s; and s at which F is F_k(v) to rounding, e^-40
     """
 
-    least_way: float = 20.0
-    look_again: float = 1.2
+    least_distance: float = 20.0
+    next_look: float = 1.2
     last_part: float = 0.25
     variation: float = 0.1
     square_of_ratio: float = 0.5
@@ -137,37 +137,37 @@ class Creep:
         steps: where creep is not steady or not known to be, and where `most_steps`, as long on the average as those of
         the section so far, lead to the end of the path."""
         last, sign = nodes[-1], self._sign
-        way = sign * (last.position - nodes[0].position)
+        distance = sign * (last.position - nodes[0].position)
         # too early, or looked at a few steps ago
         if (
-            way < CREEP.least_way * abs(last.force)
-            or len(nodes) < CREEP.look_again * self._looked_at
+            distance < CREEP.least_distance * abs(last.force)
+            or len(nodes) < CREEP.next_look * self._looked_at
         ):
             return None
         self._looked_at = len(nodes)
-        way_of_steps = most_steps * way / len(nodes)
+        distance_of_steps = most_steps * distance / len(nodes)
         # the drive is so near to its end that steps lead there
-        if self._speed * (self._motion.times[-1] - last.time) < way_of_steps:
+        if self._speed * (self._motion.times[-1] - last.time) < distance_of_steps:
             return None
-        steady = self._steady(nodes, way)
+        steady = self._steady(nodes, distance)
         if steady is None:
             return None
         sections = self._sections(last, steady.log_speed, steady.table)
         # the slider's own way to the end may be shorter than the drive's
-        way_ahead = sign * (sections[-1][-1].position - last.position)
-        if way_ahead < way_of_steps or not self._stable(steady.log_speed):
+        distance_ahead = sign * (sections[-1][-1].position - last.position)
+        if distance_ahead < distance_of_steps or not self._stable(steady.log_speed):
             return None
         before, self._before = self._before, steady.offset
         error = max(steady.offset.at_step_0(before), steady.lag)
         return Crept(sections, float(error + steady.offset.varies + steady.table.error))
 
-    def _steady(self, nodes: list[Node], way: float) -> SteadyCreep | None:
+    def _steady(self, nodes: list[Node], distance: float) -> SteadyCreep | None:
         """Whether creep is steady along the last part of the way of these nodes, but for its stability: it goes
         forward, F_k is known at its speeds and rises from there to the drive's, F - F_k(V) hardly varies, and F lags
         behind by little. None where one of these is not so."""
         last, sign = nodes[-1], self._sign
         position, time, force = np.array([(n.position, n.time, n.force) for n in nodes]).T
-        late = np.flatnonzero(sign * (last.position - position) <= CREEP.last_part * way)
+        late = np.flatnonzero(sign * (last.position - position) <= CREEP.last_part * distance)
         speeds = sign * np.diff(position[late]) / np.maximum(np.diff(time[late]), TINY)
         if speeds.size < CREEP.fewest_steps or speeds.min() <= 0.0:
             return None
@@ -178,9 +178,9 @@ class Creep:
         # the speed from here on is that at which F is F_k, not the last one of the steps
         now = table.log_speed(sign * last.force)
         offsets = 0.5 * sign * (force[late][1:] + force[late][:-1]) - table.force(log_speeds)
-        late_way = sign * (last.position - position[late[0]])
-        offset = Offset(float(offsets.mean()), float(np.ptp(offsets)), late_way / speeds.size)
-        lag = self._lag(now, abs(log_speeds[-1] - log_speeds[0]) / late_way, table)
+        late_distance = sign * (last.position - position[late[0]])
+        offset = Offset(float(offsets.mean()), float(np.ptp(offsets)), late_distance / speeds.size)
+        lag = self._lag(now, abs(log_speeds[-1] - log_speeds[0]) / late_distance, table)
         if offset.varies > CREEP.variation * self._slope(now, table) or np.isinf(lag):
             return None
         return SteadyCreep(table, now, offset, lag)

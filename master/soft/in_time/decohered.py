@@ -22,9 +22,9 @@ from origins.start import Start
 from origins.thresholds.law import Thresholds
 
 # Survival that counts as none: what so few contacts add to F is below the margin.
-NONE_LEFT = 1e-9
+NONE_HOLDS = 1e-9
 # Margin between the spring's force and the largest force, in mean thresholds; and what may be left of F - F_k.
-MARGIN, LEFT = 1e-6, 1e-12
+MARGIN, REMAINING = 1e-6, 1e-12
 # Ways, in longest lives, along which F is compared, and that the slider must have gone since none is left.
 COMPARED_ALONG, UNDISTURBED = 1.1, 2.2
 # The way of a slip behind this, in longest lives: more than those along which F is compared.
@@ -39,7 +39,7 @@ class SlipSoFar:
 
     travelled, forces : the slider's way since the begin of the slip, and F, at the end of each step (lengths)
     load : the spring's force there (a length)
-    none_left_since : the way at which the last contact that held at its begin had broken; inf before
+    none_holds_since : the travel at which the last contact that held at its begin had broken; inf before
     decohered_since : the way at which all contacts were replaced by those of Decohered; inf before
     """
 
@@ -50,17 +50,17 @@ class SlipSoFar:
         self._least_stretch = min(float((sign * contacts.groups.stretch).min()), 0.0)
         self.travelled, self.forces = list[float](), list[float]()
         self.load = np.nan
-        self.none_left_since = self.decohered_since = np.inf
+        self.none_holds_since = self.decohered_since = np.inf
 
     def add(self, contacts: ContactsInSteps, pull: float) -> None:
         """A step was taken, at whose end the spring pulls by so much more than the contacts (a length)."""
-        way = abs(contacts.position - self._began_at)
-        self.travelled.append(way)
+        distance = abs(contacts.position - self._began_at)
+        self.travelled.append(distance)
         self.forces.append(self._sign * contacts.force)
         self.load = pull + self.forces[-1]
         longest_stretch = float((self._sign * contacts.groups.stretch).max())
-        if longest_stretch < way + self._least_stretch:
-            self.none_left_since = min(self.none_left_since, way)
+        if longest_stretch < distance + self._least_stretch:
+            self.none_holds_since = min(self.none_holds_since, distance)
 
 
 class SteadyStretches(Start):
@@ -77,15 +77,15 @@ class Decohered:
     """What a long slip of these contacts leads to; asked for after each of its steps.
 
     start : nodes for the stretches of all contacts then
-    life : the longest life, on which all but NONE_LEFT break (a length)
-    way_after : the slider's way from then on up to the end of the slip, on which F in steps gets near to its own limit
+    life : the longest life, on which all but NONE_HOLDS break (a length)
+    distance_after : the slider's travel from then on to the end of the slip, on which F in steps gets near to its limit
     """
 
     def __init__(self, contacts: Contacts, spring: float, nodes: int) -> None:
         law = contacts.thresholds
         self._cold, self._spring = contacts.replace(thermal=None, ageing=None), spring
         self._unit, self.life = law.mean(), longest_life(law)
-        self.way_after, self._nodes = AFTER * self.life, nodes
+        self.distance_after, self._nodes = AFTER * self.life, nodes
 
     @cached_property
     def start(self) -> StretchNodes:
@@ -100,17 +100,17 @@ class Decohered:
 
     def swing(self, slip: SlipSoFar) -> float:
         """By how much F changed along the last life (a length), by those at the ends of steps."""
-        way = slip.travelled[-1] - COMPARED_ALONG * self.life
-        return float(np.ptp(slip.forces[int(np.searchsorted(slip.travelled, way)) :]))
+        distance = slip.travelled[-1] - COMPARED_ALONG * self.life
+        return float(np.ptp(slip.forces[int(np.searchsorted(slip.travelled, distance)) :]))
 
     def ends_by_now(self, slip: SlipSoFar) -> bool:
         """Whether a slip has gone on for long enough since its contacts were replaced by these."""
-        return slip.travelled[-1] - slip.decohered_since >= self.way_after
+        return slip.travelled[-1] - slip.decohered_since >= self.distance_after
 
     def is_sure(self, slip: SlipSoFar) -> bool:
         """Whether this slip is sure to go on until the contacts are such, by the argument at the head."""
         now, needed = slip.travelled[-1], UNDISTURBED * self.life
-        if now - slip.none_left_since < needed:
+        if now - slip.none_holds_since < needed:
             return False
         swing = self.swing(slip)
         # F was no larger than now by more than a swing, and between the ends of steps by no more than another
@@ -118,12 +118,12 @@ class Decohered:
         ahead = (slip.load - most) / self._spring
         if ahead <= needed:
             return False
-        return HIDDEN * swing * np.exp(-ahead / self._length) <= LEFT * self._unit
+        return HIDDEN * swing * np.exp(-ahead / self._length) <= REMAINING * self._unit
 
 
 def longest_life(law: Thresholds) -> float:
-    """The way on which all but NONE_LEFT of the contacts break (a length)."""
-    return min(float(law.support()[1]), float(law.isf(NONE_LEFT)))
+    """The way on which all but NONE_HOLDS of the contacts break (a length)."""
+    return min(float(law.support()[1]), float(law.isf(NONE_HOLDS)))
 
 
 def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:

@@ -80,8 +80,8 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
     if drive.slip == "reform-after":
         stepless &= float(drive.spring or 0.0) < NONE_HOLDS_ON
     if stepless and idle.error < WEAK and missed_by_cells(MOST_HALVINGS):
-        told = "heat is left out, as steps in time miss it: it may change the force by up to"
-        return idle._replace(message=told)
+        note = "heat is left out, as steps in time miss it: it may change the force by up to"
+        return idle._replace(message=note)
     return Idle(contacts)
 
 
@@ -92,8 +92,8 @@ def without_weak_heat(contacts: Contacts, drive: Drive, duration: float) -> Idle
     idle = Idle(contacts, effect, repeats_of_effect(contacts, drive))
     if not idle.error < WEAK:
         return idle
-    told = "heat is left out beside a mass: it may change the force by up to"
-    return idle._replace(contacts=contacts.replace(thermal=None), message=told)
+    note = "heat is left out beside a mass: it may change the force by up to"
+    return idle._replace(contacts=contacts.replace(thermal=None), message=note)
 
 
 def unresolved_heat(contacts: Contacts, memory: Memory, drive: Drive, duration: float) -> float:
@@ -145,8 +145,8 @@ def largest_effect(contacts: Contacts, duration: float, early: float) -> float:
     early_births *= STIFFER if contacts.stiffness == "linked" else 1.0
     most = max(float(lost.max()), float(beyond.max(initial=0.0))) + early_births
     generations = 1.0 + (unit / narrowest(law)) ** 2 / (2.0 * np.pi**2)
-    share = _most_of_fresh(contacts, most / unit)
-    return float(np.sqrt(generations) * (share + early + TAIL))
+    fraction = _most_of_fresh(contacts, most / unit)
+    return float(np.sqrt(generations) * (fraction + early + TAIL))
 
 
 def _most_of_fresh(contacts: Contacts, lost: float) -> float:

@@ -36,7 +36,7 @@ WARM_NODES, MORE_WARM_NODES = 24, 8
 COLD_NODES, MOST_DOUBLINGS = 100, 3
 # Fall of ln h over two cells, from the attempt frequency, up to which A is still told apart from 0 at the far edge; and
 # least fraction of the contacts in a cell where that matters.
-TOLD_APART, BULK = 600.0, 1e-3
+DISTINCT, BULK = 600.0, 1e-3
 
 
 class Scales(NamedTuple):
@@ -194,7 +194,7 @@ def resolves_heat(contacts: Contacts, edges: Array) -> bool:
     bulk = np.flatnonzero(np.diff(-law.sf(edges)) > BULK)[:-1]
     far = edges[bulk + 2]
     log_rate = thermal.rates.log_rate(edges[bulk], far, contacts.relative_stiffness(far))
-    return bool((np.log(thermal.rates.scale) - log_rate < TOLD_APART).all())
+    return bool((np.log(thermal.rates.scale) - log_rate < DISTINCT).all())
 
 
 def warm_nodes(halvings: int) -> int:

@@ -143,12 +143,12 @@ def refuse_long_slides(contacts: Contacts, drive: Drive) -> None:
         return
     law, memory = contacts.thresholds, memory_of(contacts, 0, 1.0)
     latest = law.moment(2) / law.mean() / float(drive.spring or 0.0)
-    way = float(drive.path[-1]) - latest
-    steps = way / (CONTROL.coarsest * memory.scales.length)
+    distance = float(drive.path[-1]) - latest
+    steps = distance / (CONTROL.coarsest * memory.scales.length)
     most = MOST_STEPS * 0.5 ** (COMPARED - 1)
     if steps > most:
-        goes = f'by {way:.3g} or more with its drive under "instant", in {steps:.2g} steps'
-        hint = f"end the path before {latest + way * most / steps:.4g}"
+        goes = f'by {distance:.3g} or more with its drive under "instant", in {steps:.2g} steps'
+        hint = f"end the path before {latest + distance * most / steps:.4g}"
         refuse("path[-1]", drive.path[-1], f"the slider goes {goes}, above {most:.2g}; {hint}")
 
 
@@ -161,16 +161,16 @@ def refuse_long_delays(contacts: Contacts, drive: Drive) -> None:
     """
     law, spring, unit = contacts.thresholds, float(drive.spring or 0.0), contacts.mean_threshold
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.stiffness == "independent"
-    way = drive.velocity * contacts.waiting_time
+    distance = drive.velocity * contacts.waiting_time
     follows = drive.slip == "reset" or drive.time is not None or not drive.forward
-    short = way < LONG_DELAY * unit or spring * way < LOADED * unit
+    short = distance < LONG_DELAY * unit or spring * distance < LOADED * unit
     latest = law.moment(2) / law.mean() / spring
     if follows or short or contacts.laws != ("delay",) or not relaxed or drive.path[-1] < latest:
         return
     x = law.isf((np.arange(QUANTILES) + 0.5) / QUANTILES)
     if law.atoms[0].size or float((x * law.pdf(x)).max()) <= 1.0 + spring:
         return
-    fault = f"contacts come back one by one for a delay after a slip, in which the drive moves by {way / unit:.3g}"
+    fault = f"contacts come back one by one for a delay after a slip, in which the drive moves by {distance / unit:.3g}"
     most = f"mean thresholds; that is followed up to {max(LONG_DELAY, LOADED / spring):.3g}"
     hint = f'end the path before {latest:.4g}, shorten the delay, or take "reset"'
     refuse("path[-1]", drive.path[-1], f"{fault} {most}; {hint}")

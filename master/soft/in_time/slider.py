@@ -155,16 +155,16 @@ class Slider:
         tell which contacts are out.
 
         Such a step takes the rate of breaks as constant. But breaks come ever faster towards a slip: of the births up
-        to its begin a share is told too early, as the cubics of past breaks say. Those contacts have been stretched by
-        the travel since the last step that ended a delay before, at most.
+        to its begin a fraction counts as formed too early, as the cubics of past breaks say. Those contacts have been
+        stretched by the travel since the last step that ended a delay before, at most.
         """
         contacts = self.contacts
         past, now = contacts.past_breaks, contacts.now
-        told = contacts.holding - 1.0 + past.total
-        share = abs(told - past.births_up_to(begin=now, end=now).rest)
+        counted = contacts.holding - 1.0 + past.total
+        fraction = abs(counted - past.births_up_to(begin=now, end=now).rest)
         before = next((node for node in reversed(nodes) if node.time <= now - past.delay), nodes[0])
-        self._unknown_waiting = share
-        error = share * abs(contacts.position - before.position)
+        self._unknown_waiting = fraction
+        error = fraction * abs(contacts.position - before.position)
         self._off_by_waiting = max(self._off_by_waiting, error)
 
     def _weigh_waiting_after_slip(self) -> None:
@@ -177,8 +177,8 @@ class Slider:
         assert motion is not None
         error = self._unknown_waiting * contacts.unit
         if not contacts.holding:
-            way = float(np.ptp(motion.at(np.array([contacts.now, contacts.now + delay]))))
-            error = min(error, self.spring * way)
+            distance = float(np.ptp(motion.at(np.array([contacts.now, contacts.now + delay]))))
+            error = min(error, self.spring * distance)
         self._off_by_waiting = max(self._off_by_waiting, error)
 
     def _remember_if_new(self, new_since: int | None) -> None:
@@ -215,9 +215,9 @@ class Slider:
         last = contacts.now + (contacts.now - began) * (most - contacts.steps) / count
         if last < end:
             steps = "1 step" if count == 1 else f"{count} steps"
-            told = f"a slip takes {steps}, and the {most:.0f} that are taken on at this tolerance"
+            fault = f"a slip takes {steps}, and the {most:.0f} that are taken on at this tolerance"
             ends = f"the last slips begin at {began:.6g} and {two[1].time:.6g}"
-            raise StoppedError(f"{told} lead to a time of some {last:.3g} only; {ends}")
+            raise StoppedError(f"{fault} lead to a time of some {last:.3g} only; {ends}")
 
     def _drive_position(self) -> float:
         """Where the drive is now (a length)."""

@@ -190,17 +190,17 @@ class SlipBegins:
         self.shrink = 1.0
         nearing = self._steps.contacts.memory.nearing
         if change < 0.0 and np.isfinite(nearing):
-            sizes_left = -time_fraction * size / change
-            self.shrink = min(max(nearing * sizes_left, ONSET.least_shrink), 1.0)
+            sizes_to_slip = -time_fraction * size / change
+            self.shrink = min(max(nearing * sizes_to_slip, ONSET.least_shrink), 1.0)
 
     def _resolving_factor(self, trial: Trial, size: float) -> float:
         """The factor on the size of this slider's steps at which as many contacts break on a step as is resolved, if
         they break as fast as on this one, which has this size; at most 1."""
-        held = self._steps.contacts.holding
-        if trial.kept >= held:
+        holding = self._steps.contacts.holding
+        if trial.kept >= holding:
             return 1.0
         # e-folds that break on a step of the size 1
-        loss = np.log(held / trial.kept) / size if trial.kept > 0.0 else np.inf
+        loss = np.log(holding / trial.kept) / size if trial.kept > 0.0 else np.inf
         return float(np.clip(CONTROL.e_folds / loss, ONSET.least_shrink, 1.0))
 
     def _at_fold(self, size: float, longest_size: float) -> Root:

@@ -48,7 +48,7 @@ class Unresolved:
         return self.largest[of].error if of in self.largest else 0.0
 
 
-def unknown_force_of_births(weight: Array, held: Array, count: int) -> float:
+def unknown_force_of_births(weight: Array, survival_and_force: Array, count: int) -> float:
     """Bound on the force (a length) of contacts born in steps of which it is unknown how many hold: half of what the
     forces of first and last births differ by, for the geometric mean of the births in both cohorts.
 
@@ -58,7 +58,7 @@ def unknown_force_of_births(weight: Array, held: Array, count: int) -> float:
     Half of the births count as the first, half as the last. If the force changes one way from first to last, the
     mean over the step lies between the two, and so is off by half of their difference at most.
     """
-    survival, force = held
+    survival, force = survival_and_force
     born = np.abs(weight)
     is_unknown = survival[:-count] < UNKNOWN_BELOW * survival[count:]
     differ = 0.5 * np.abs(force[count:] - force[:-count])

@@ -33,7 +33,7 @@ class Body:
     work, damped, on_contacts : see Record
     broken : breaks per contact before that move
     steps, turns : number of the integrator's steps and of turns so far
-    way : direction of the drive, +1 or -1, in a hold the one before
+    drive_direction : of the drive, +1 or -1, in a hold the one before
     """
 
     move: Reaction
@@ -52,7 +52,7 @@ class Body:
         self.work = self.damped = self.on_contacts = self.broken = 0.0
         self.steps = self.turns = 0
         moving = motion.speeds[motion.speeds != 0.0]
-        self.way = int(np.sign(moving[0])) if moving.size else 1
+        self.drive_direction = int(np.sign(moving[0])) if moving.size else 1
 
     def held(self) -> Mode:
         """No contact breaks."""
@@ -96,7 +96,9 @@ class Body:
         """Go on to the next leg of the drive, at its beginning."""
         self.t, self.leg = self._leg_end(), self.leg + 1
         if self.leg < self.motion.speeds.size:
-            self.way = int(np.sign(self.motion.speeds[self.leg])) or self.way
+            self.drive_direction = (
+                int(np.sign(self.motion.speeds[self.leg])) or self.drive_direction
+            )
 
     def _force(self, y: float) -> float:
         """F along the move at the travel y."""
@@ -123,11 +125,13 @@ class Body:
     ) -> Watched:
         """For the record: travels and speeds along the move, and X_T, at these times."""
         y, w = travels
-        places, d = self.base + self.move.direction * y, self.move.direction * self.way
-        drive_speed = self.way * float(self.motion.speeds[self.leg])
+        places, d = self.base + self.move.direction * y, self.move.direction * self.drive_direction
+        drive_speed = self.drive_direction * float(self.motion.speeds[self.leg])
         forces = self.spring * (drives - places)
-        held = np.ones(times.size)
-        return Watched(times, d * w, places, forces, held, drive_speed, self.way, at, when)
+        holding = np.ones(times.size)
+        return Watched(
+            times, d * w, places, forces, holding, drive_speed, self.drive_direction, at, when
+        )
 
     def _follows(self, part: float) -> bool:
         """Whether the slider follows its drive slowly, up to a part of what counts as rest."""

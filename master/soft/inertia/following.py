@@ -125,7 +125,7 @@ class Following(Body):
         m, d = self.mass, move.direction
         curve, k, rate = move.curve, self.spring, self.spring * self._speed
         slow = slow_motion(curve, balance, rate, m, self.damping)
-        if rate > 0.0 and d == self.way:
+        if rate > 0.0 and d == self.drive_direction:
             self._watch_slowly(float(balance[-1]), rate)
         y, w = np.maximum(slow.travel, 0.0), slow.speed
         energy = np.array([self._taken(one, rate) for one in y.tolist()])

@@ -46,9 +46,9 @@ def oscillations(contacts: Contacts, drive: Drive) -> float:
     F' is 1 - X P_c(X) before contacts break for the second time; below -K somewhere, the slider slips.
     """
     law, mass, spring = contacts.thresholds, float(drive.mass or 0.0), float(drive.spring or 0.0)
-    _, left = _after_first_slip(contacts, drive)
+    _, time_after = _after_first_slip(contacts, drive)
     fading = FADES * 2.0 * mass / drive.damping if drive.damping else np.inf
-    turns = min(left, fading) * np.sqrt((1.0 + spring) / mass) / (2.0 * np.pi)
+    turns = min(time_after, fading) * np.sqrt((1.0 + spring) / mass) / (2.0 * np.pi)
     if turns < MOST_OSCILLATIONS:
         return 0.0
     x = law.isf((np.arange(QUANTILES) + 0.5) / QUANTILES)

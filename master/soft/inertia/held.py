@@ -27,7 +27,7 @@ class AskedTurn(NamedTuple):
 
     move: Reaction
     travel: float
-    way_back: float
+    turning_distance: float
 
 
 class Held(Body):
@@ -51,10 +51,10 @@ class Held(Body):
         swing = 2.0 * pulled / self.stiff
         asked = self._asked
         if asked is not None and asked.move is self.move:
-            way = asked.way_back
-            if self.y - asked.travel < SAME_TURN * way and swing < SURELY_HELD * way:
+            distance = asked.turning_distance
+            if self.y - asked.travel < SAME_TURN * distance and swing < SURELY_HELD * distance:
                 self._hold(self.y, self.y, None)
-                self._range = way
+                self._range = distance
                 return self.held
         other = self._new_move(-self.move.direction, self.move.stop(self.y, self._error))
         self._asked = AskedTurn(self.move, self.y, other.elastic_end)

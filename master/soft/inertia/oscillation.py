@@ -15,7 +15,7 @@ APART = 1e-4
 # Most periods that are looked through at once.
 AT_ONCE = 64
 # Accuracy of the times from which on, or up to which, a level is within reach, in steps between samples.
-OF_REACH = 1e-3
+OF_LIMIT = 1e-3
 # Accuracies of a peak and of a crossing, in periods, and relative; rounding of a level, relative.
 OF_PEAK, OF_CROSSING, RELATIVE, ROUNDING = 1e-14, 1e-15, 1e-14, 1e-15
 # Exponents below which e^z - 1 is taken by its first two terms, as the integral divides by the rate, possibly 0.
@@ -125,7 +125,7 @@ class Oscillation:
         if above(0.0) < 0.0:
             if not np.isfinite(end) or above(end) < 0.0:
                 return np.inf
-            begin = max(0.0, float(brentq(above, 0.0, end, xtol=OF_REACH * step)) - step)
+            begin = max(0.0, float(brentq(above, 0.0, end, xtol=OF_LIMIT * step)) - step)
         while begin < end:
             whole = end - begin
             lasts = whole if self._fades(whole) else min(whole, AT_ONCE * self.period)
@@ -143,7 +143,7 @@ class Oscillation:
             if begin < end and above(begin) < 0.0:
                 if not np.isfinite(end) or above(end) < 0.0:
                     return np.inf
-                begin = max(begin, float(brentq(above, begin, end, xtol=OF_REACH * step)) - step)
+                begin = max(begin, float(brentq(above, begin, end, xtol=OF_LIMIT * step)) - step)
         return np.inf
 
     def _fades(self, lasts: float) -> bool:

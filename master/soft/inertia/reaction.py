@@ -170,9 +170,9 @@ class Reaction(Move):
         march, at = self._march, self.loaded.end + steady
         begins = march.solved.begin[self._first :]
         index = self._first + max(int(np.searchsorted(begins, at)) - 1, 0)
-        share = np.clip((at - march.solved.begin[index]) / march.solved.width[index], 0.0, 1.0)
+        fraction = np.clip((at - march.solved.begin[index]) / march.solved.width[index], 0.0, 1.0)
         done = float(march.solved.breaks[self._first : index, -1].sum())
-        done += float(polynomials.values(np.array([share]))[0] @ march.solved.breaks[index])
+        done += float(polynomials.values(np.array([fraction]))[0] @ march.solved.breaks[index])
         done += sum(one.weight for one in march.lumps[1:] if self.loaded.end < one.birth < at)
         if y > steady:
             done += (y - steady) * float(self._rates(march.solved.count - 1).mean())

@@ -39,8 +39,8 @@ class Watched(NamedTuple):
     """A slider at some times in order, close enough to see each fall of its spring's force.
 
     times, speeds, places, forces : arrays of shape (n,); speeds along the way of the drive, others as in Instant
-    held : share of the contacts that hold, array of shape (n,)
-    drive_speed : of the drive along its way; way : +1 or -1
+    holding : share of the contacts that hold, array of shape (n,)
+    drive_speed : of the drive along its way; drive_direction : +1 or -1
     at : the slider at a time between the first and the last
     when : the time between the k-th and the next one at which the slider is as fast as its drive
     """
@@ -49,9 +49,9 @@ class Watched(NamedTuple):
     speeds: Array
     places: Array
     forces: Array
-    held: Array
+    holding: Array
     drive_speed: float
-    way: int
+    drive_direction: int
     at: Callable[[float], Instant]
     when: Callable[[int], float]
 
@@ -121,10 +121,10 @@ class Record:
         """Begin and end falls of the spring's force, and see whether the slider sticks outside of them."""
         limit = max(seen.drive_speed, 0.0)
         if (seen.speeds[0] > limit) != (self._fall is not None):  # the drive's speed has changed
-            self._turn(seen.at(float(seen.times[0])), limit, seen.way)
+            self._turn(seen.at(float(seen.times[0])), limit, seen.drive_direction)
         for k, t in enumerate(seen.times.tolist()):
             if k and (seen.speeds[k] > limit) != (seen.speeds[k - 1] > limit):
-                self._turn(seen.at(seen.when(k - 1)), limit, seen.way)
+                self._turn(seen.at(seen.when(k - 1)), limit, seen.drive_direction)
             if self._fall is None:
                 self._see_stick(k, t, seen)
             else:
@@ -139,25 +139,25 @@ class Record:
         rest, force = self._rest, float(seen.forces[k])
         if (
             rest is None
-            or seen.held[k] < SLIP_SHARE
+            or seen.holding[k] < SLIP_SHARE
             or abs(seen.places[k] - rest.place) > self._room
         ):
             self._rest = seen.at(t)
-        elif seen.way * (force - rest.force) >= self._rise:
+        elif seen.drive_direction * (force - rest.force) >= self._rise:
             self._rest = here = seen.at(t)
             if here.breaks - rest.breaks < SLIP_SHARE:
                 self._stuck, self._broken_before = True, here.breaks
 
-    def _turn(self, at: Instant, limit: float, way: int) -> None:
+    def _turn(self, at: Instant, limit: float, drive_direction: int) -> None:
         """The spring's force begins to fall, or a fall ends, which was a slip if it ended a stick."""
         begin, self._fall = self._fall, None
         if begin is None:
             self._fall, self._top_speed = at, 0.0
             return
         slips = self._stuck and at.breaks - self._broken_before >= SLIP_SHARE
-        slips &= way * (begin.force - at.force) >= self._rise
+        slips &= drive_direction * (begin.force - at.force) >= self._rise
         if slips and self._top_speed >= FASTER * limit:
-            self.slips.append(Slip(begin, at, way * self._top_speed))
+            self.slips.append(Slip(begin, at, drive_direction * self._top_speed))
             self._stuck, self._rest = False, at
         elif at.breaks - begin.breaks > ANY:
             self._rest = at

@@ -161,5 +161,5 @@ class Run:
             return ""
         t, x = self.record.times[apart[0]], self.record.place[apart[0]]
         slips = len(self.record.slips), len(other.record.slips)
-        told = "" if slips[0] == slips[1] else f", and slip {slips[0]} and {slips[1]} times"
-        return f": the two runs part by {off.max():.1e} mean thresholds, from t = {t:.6g}, X = {x:.6g} on{told}"
+        slips_differ = "" if slips[0] == slips[1] else f", and slip {slips[0]} and {slips[1]} times"
+        return f": the two runs part by {off.max():.1e} mean thresholds, from t = {t:.6g}, X = {x:.6g} on{slips_differ}"

@@ -95,8 +95,8 @@ def short_delay(
         *(float(np.abs(one).max(initial=0.0)) for one in (run.record.speed, slips.top_speed)),
     )
     waits = waiting * fastest
-    way = min(float(np.abs(slips.after - slips.before).min(initial=np.inf)), unit / spring)
-    error = changes * (2.0 * waits + UNSTEADY * unit / way) + waiting * pulled
+    distance = min(float(np.abs(slips.after - slips.before).min(initial=np.inf)), unit / spring)
+    error = changes * (2.0 * waits + UNSTEADY * unit / distance) + waiting * pulled
     if waits > MOST_WAITING or error > OF_TOLERANCE * tolerance:
         return None
     return ShortDelay(without, damped, waiting, takes / (drive.damping - takes), error)

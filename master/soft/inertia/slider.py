@@ -35,12 +35,12 @@ class InertialSlider(Held, Moving, Following):
     @cached_property
     def stored_first(self) -> float:
         """Energy of the contacts at t = 0, per N_c<k> (length squared)."""
-        return float(self._new_move(self.way, self._loaded).stored(np.zeros(1))[0])
+        return float(self._new_move(self.drive_direction, self._loaded).stored(np.zeros(1))[0])
 
     def run(self) -> None:
         """Follow the drive to its end; StoppedError where that takes too long."""
-        self.move = self._new_move(self.way, self._loaded)
-        self._hold(0.0, self.move.elastic_end, self._new_move(-self.way, self._loaded))
+        self.move = self._new_move(self.drive_direction, self._loaded)
+        self._hold(0.0, self.move.elastic_end, self._new_move(-self.drive_direction, self._loaded))
         mode: Mode = self.held
         while self.leg < self.motion.speeds.size:
             stop_after(self.contacts.until)

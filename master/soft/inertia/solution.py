@@ -128,16 +128,16 @@ def solve_inertial(
     if most > 1.0 + max(tolerance, best.tolerance):
         stopped = f"number is not conserved: holding reaches {most:.4g}, a fault of the program"
         error = of_contacts = np.inf
-    left_out = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
+    neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
-        left_out += idle.error
+        neglected += idle.error
     notes, of_holding = list[str](), best.tolerance if np.isinf(error) else 0.0
     if short is not None:
-        left_out += short.error
+        neglected += short.error
         short.correct(best.record)
         notes.append(short.message)
     if (swings := best.goes_on) is not None:
-        left_out += swings.force / unit
+        neglected += swings.force / unit
         of_contacts += swings.contact_force / unit
         of_holding = max(of_holding, swings.holding)
         notes.append(
@@ -149,15 +149,15 @@ def solve_inertial(
         force=best.force,
         holding=best.record.holding[: best.force.size],
         slips=best.slips(
-            (error + left_out) * unit / spring, best.duration_error(coarser, error + left_out)
+            (error + neglected) * unit / spring, best.duration_error(coarser, error + neglected)
         ),
-        error=float(error + left_out),
+        error=float(error + neglected),
         of_holding=ErrorPart("the share that holds", of_holding),
         nodes=nodes,
         stopped_because=stopped,
         parts=(
             ErrorPart(f"two runs with other tolerances{parting}", error),
-            ErrorPart("rounding, and heat, a delay or swings that are left out", left_out, LOOSEN),
+            ErrorPart("rounding, and heat, a delay or swings that are left out", neglected, LOOSEN),
         ),
         note="; ".join(notes),
     )
@@ -173,7 +173,7 @@ def solve_inertial(
         run_time=time.perf_counter() - began,
         velocity=record.speed[solved],
         contact_force=record.contact_force[solved],
-        contact_force_error=float(of_contacts + left_out),
+        contact_force_error=float(of_contacts + neglected),
         energy=_energy(record, found, spring, float(drive.mass or 0.0), best.stored_first),
     )
 
@@ -194,8 +194,8 @@ def _check(contacts: Contacts, drive: Drive, idle: Idle) -> None:
             "mass", drive.mass, f"{hint} {change}; leave out the heat, or the mass and give slip"
         )
     if others:
-        held = ", ".join(others)
-        hint = f"the master equation follows a slider with mass at T = 0, with no law but a delay, not with {held}"
+        known = ", ".join(others)
+        hint = f"the master equation follows a slider with mass at T = 0, with no law but a delay, not with {known}"
         also = "use eq_model.simulate, or " if others == ["stiffness"] else ""
         refuse("mass", drive.mass, f"{hint}; {also}leave one of them out")
     if contacts.delay is None:

@@ -74,13 +74,13 @@ class ComparedSlips(NamedTuple):
     times : when they begin, shape (3, m): slider, slip
     lengths : the rows of SlipArrays, shape (3, 3, m): slider, row, slip
     of_last : indices of these among all slips of the last slider, shape (m,)
-    left_over : the largest drop of F in slips that are not compared, in mean thresholds
+    remaining : the largest drop of F in slips that are not compared, in mean thresholds
     """
 
     times: Array
     lengths: Array
     of_last: npt.NDArray[np.intp]
-    left_over: float
+    remaining: float
 
     def beside(self, times: Array) -> npt.NDArray[np.bool_]:
         """Which of the times (n,) lie between a slip's times in one slider and in the next, or nearly so."""
@@ -139,8 +139,10 @@ def extrapolated(
 def _at_exact_thresholds(slider: Slider, contacts: Contacts, slips: int, time: float) -> ErrorPart:
     """Half a step, for slips of contacts that heat breaks at exact thresholds, most of them within one step. Halved
     steps end at the same places, so that sliders agree on a slip by chance (to 1e-6, where it was off by 8e-3)."""
-    thermal, share = contacts.thermal, float(contacts.thresholds.atoms[1].sum())
-    broken_by_heat = min(thermal.rates.scale * time, share) if thermal and slips else 0.0  # at most
+    thermal, at_exact = contacts.thermal, float(contacts.thresholds.atoms[1].sum())
+    broken_by_heat = 0.0  # at most
+    if thermal and slips:
+        broken_by_heat = min(thermal.rates.scale * time, at_exact)
     step = CONTROL.coarsest * slider.contacts.memory.scales.length * 0.5**slider.contacts.halvings
     of_slips = "slips where heat breaks contacts at exact thresholds, most within one step"
     return ErrorPart(of_slips, 0.5 * broken_by_heat * step / slider.contacts.unit, GIVE_WIDTH)
@@ -181,7 +183,7 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
         answer.force[beside], answer.holding[beside] = from_slip.force, from_slip.holding
     # beside a slip F changes by its drop, which is no error; K X_T at slips says how far F is off
     far = ~beside
-    parts = [_of_force(last, answers, slips, far, times), _of_slips_left_over(last, slips)]
+    parts = [_of_force(last, answers, slips, far, times), _of_slips_unmatched(last, slips)]
     undecided = _of_undecided_end(sliders, answer)
     if undecided is not None and undecided.size > total(parts):
         parts = [undecided]
@@ -217,9 +219,9 @@ def _of_force(
     return _of_steps(last, changes, np.append(times[far], slips_at), "F and loads at slips")
 
 
-def _of_slips_left_over(last: Slider, slips: ComparedSlips) -> ErrorPart:
+def _of_slips_unmatched(last: Slider, slips: ComparedSlips) -> ErrorPart:
     """The error by slips that finer steps have and coarser ones have not, or the other way round."""
-    size = last.contacts.memory.safety * slips.left_over
+    size = last.contacts.memory.safety * slips.remaining
     return ErrorPart("slips that not all halvings have", size)
 
 
@@ -251,7 +253,7 @@ def _compared(sliders: list[Slider], answers: list[Answer]) -> ComparedSlips:
     fewest = min(drop.size for drop in drops)
     by_size = [np.argsort(-drop, kind="stable") for drop in drops]
     which = [np.sort(order[:fewest]) for order in by_size]
-    left_over = [
+    remaining = [
         drop[order[fewest:]].max(initial=0.0) for drop, order in zip(drops, by_size, strict=True)
     ]
     times = [np.array([slip.time for slip in one.slips]) for one in sliders]
@@ -261,7 +263,7 @@ def _compared(sliders: list[Slider], answers: list[Answer]) -> ComparedSlips:
             [np.array(one.slips)[:, some] for one, some in zip(answers, which, strict=True)]
         ),
         of_last=which[-1],
-        left_over=float(max(left_over)),
+        remaining=float(max(remaining)),
     )
 
 

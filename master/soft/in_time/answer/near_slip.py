@@ -24,13 +24,13 @@ def undecided_end(sliders: list[Slider]) -> float | None:
     """
     motion = sliders[-1].motion
     for end in [] if motion is None else motion.times[1:].tolist():
-        before, now = (_way_since_slip(one, end) for one in sliders[-2:])
+        before, now = (_distance_since_slip(one, end) for one in sliders[-2:])
         if _to_slip(sliders[-1], end) < NEAR * abs(now - before):
             return end
     return None
 
 
-def _way_since_slip(slider: Slider, end: float) -> float:
+def _distance_since_slip(slider: Slider, end: float) -> float:
     """X at a time, relative to where the last slip before it ended, or where what broke in it formed again (a length):
     few contacts hold in between, and where the slider stood then does not matter."""
     until = [section for section in slider.sections if section[0].time < end]
@@ -39,8 +39,8 @@ def _way_since_slip(slider: Slider, end: float) -> float:
         return until[-1][-1].position
     after = [section for section in until if section[0].time >= slipped[-1]]
     delay = slider.contacts.delay * (1.0 - AT_ONCE)
-    again = [section for section in after if section[0].time >= slipped[-1] + delay]
-    return until[-1][-1].position - (again or after)[0][0].position
+    reformed = [section for section in after if section[0].time >= slipped[-1] + delay]
+    return until[-1][-1].position - (reformed or after)[0][0].position
 
 
 def _to_slip(slider: Slider, end: float) -> float:

@@ -113,21 +113,21 @@ class DelayedBody:
         """FaultError unless as many contacts hold, by their survivals, as have formed and not broken by the past. Both
         differ by what panels miss: by up to 0.06 of the tolerance (measured on seven motions)."""
         past, unit = self.past, self.machine.unit
-        told, held = past.holding(past.formed, past.breaks), self.contacts.unbroken()
-        if abs(told - held) > NUMBERS * self.tolerance / unit:
+        expected, holding = past.holding(past.formed, past.breaks), self.contacts.unbroken()
+        if abs(expected - holding) > NUMBERS * self.tolerance / unit:
             raise FaultError(
-                f"number is not conserved: at t = {self.state.t:.6g}, X = {self.state.x:.6g} a share {held:.6g} of the "
-                f"contacts holds, and {told:.6g} have formed and not broken, a fault of the program"
+                f"number is not conserved: at t = {self.state.t:.6g}, X = {self.state.x:.6g} a share {holding:.6g} of "
+                f"the contacts holds, and {expected:.6g} have formed and not broken, a fault of the program"
             )
 
-    def _check_force(self, told: float) -> None:
+    def _check_force(self, expected: float) -> None:
         """FaultError unless the contacts, by their survivals, pull as the panel told of its end (a length). Both differ
         by what panels miss: by up to 0.03 of the tolerance (measured on eight motions)."""
-        held = float(self.contacts.response(np.array([self.state.x])).force[0])
-        if abs(told - held) > FORCES * self.tolerance:
+        force = float(self.contacts.response(np.array([self.state.x])).force[0])
+        if abs(expected - force) > FORCES * self.tolerance:
             raise FaultError(
                 f"forces do not agree: at t = {self.state.t:.6g}, X = {self.state.x:.6g} the contacts pull "
-                f"by {held:.6g}, and at the end of the panel by {told:.6g}, a fault of the program"
+                f"by {force:.6g}, and at the end of the panel by {expected:.6g}, a fault of the program"
             )
 
     def take_swing(self, state: State, contacts: Cohorts, spent: Energies) -> None:
@@ -165,24 +165,24 @@ class DelayedBody:
         self.state = self.state._replace(x=x)
         self.past.add_lump(self.state.t, before - self.contacts.unbroken())
 
-    def _form(self, share: float) -> None:
+    def _form(self, fraction: float) -> None:
         """So many contacts form here and now."""
         x = self.state.x
-        self.contacts = self.contacts.and_born(np.array([x]), np.array([share]), x)
+        self.contacts = self.contacts.and_born(np.array([x]), np.array([fraction]), x)
 
     @property
     def balance_of_spring(self) -> float:
         """K (X_T - X) - F, per N_c<k> (a length)."""
-        held = self.contacts.response(np.array([self.state.x]))
+        response = self.contacts.response(np.array([self.state.x]))
         pull = self.machine.spring * (float(self.drive.at(self.state.t)) - self.state.x)
-        return pull - float(held.force[0])
+        return pull - float(response.force[0])
 
     @property
     def hardly_any_holds(self) -> bool:
         """Whether so few contacts hold that their force is below the tolerance."""
-        held = self.contacts.response(np.array([self.state.x])).holding[0]
+        response = self.contacts.response(np.array([self.state.x])).holding[0]
         longest = MOST_FORCE * self.contacts.survival.longest
-        return bool(held * longest <= ALIKE * self.tolerance)
+        return bool(response * longest <= ALIKE * self.tolerance)
 
     def near(self, x: float) -> float:
         """Positions nearer than that are the same."""
@@ -201,10 +201,10 @@ class DelayedBody:
         record, energies = self._record, self.energies.and_then(spent)
         record.place[at], record.speed[at] = state.x, state.w
         record.work[at], record.damped[at], record.on_contacts[at] = energies
-        held = contacts.response(np.array([state.x]))
+        response = contacts.response(np.array([state.x]))
         # where hardly any holds it may be below 0 by its error
-        record.holding[at] = max(float(held.holding[0]), 0.0)
-        record.contact_force[at] = held.force[0]
+        record.holding[at] = max(float(response.holding[0]), 0.0)
+        record.contact_force[at] = response.force[0]
         record.stored[at] = contacts.stored(state.x)
 
     def instant(self, t: float, x: float, breaks: float) -> Instant:
@@ -215,4 +215,4 @@ class DelayedBody:
     @property
     def slip_speed(self) -> float:
         """Speed along the way of the drive above which the spring's force falls."""
-        return max(self.drive.way * self.drive.speed, 0.0)
+        return max(self.drive.direction * self.drive.speed, 0.0)

@@ -65,29 +65,29 @@ class Cohorts:
         breaking = size >= self.largest
         largest = np.maximum(size, self.largest)
         survival, density = self.survival.sf_and_pdf(largest * (1.0 + TIE))
-        held, lost = self.weight * survival, np.where(breaking, self.weight * density, 0.0)
-        slope = (held - size * lost).sum(axis=1)
+        holding, lost = self.weight * survival, np.where(breaking, self.weight * density, 0.0)
+        slope = (holding - size * lost).sum(axis=1)
         return Response(
-            holding=held.sum(axis=1),
-            force=(stretch * held).sum(axis=1),
+            holding=holding.sum(axis=1),
+            force=(stretch * holding).sum(axis=1),
             slope=slope,
             of_holding=-(np.sign(stretch) * lost).sum(axis=1),
         )
 
     @cached_property
-    def _held(self) -> Array:
+    def _holding(self) -> Array:
         """Share of all contacts that holds, of each cohort."""
         return self.weight * self.survival.sf(self.largest * (1.0 + TIE))
 
     def unbroken(self) -> float:
         """Share that holds."""
-        return float(self._held.sum())
+        return float(self._holding.sum())
 
     def stored(self, x: float) -> float:
         """Energy of the contacts at a position, per N_c<k> (length squared)."""
         size = np.abs(x - self.born)
-        held = self.weight * self.survival.sf(np.maximum(size, self.largest) * (1.0 + TIE))
-        return 0.5 * float((size**2 * held).sum())
+        holding = self.weight * self.survival.sf(np.maximum(size, self.largest) * (1.0 + TIE))
+        return 0.5 * float((size**2 * holding).sum())
 
     def moved(self, x: float) -> "Cohorts":
         """After a straight move to this position; without those of which none holds any more."""
@@ -130,32 +130,32 @@ class Cohorts:
         if self.survival.atoms.size:
             return self
         found = self
-        for way in PASSES:
-            found = found._in_pairs(way, least_force / len(PASSES), near)
+        for direction in PASSES:
+            found = found._in_pairs(direction, least_force / len(PASSES), near)
         return found
 
-    def _in_pairs(self, way: int, least_force: float, near: float) -> "Cohorts":
+    def _in_pairs(self, direction: int, least_force: float, near: float) -> "Cohorts":
         """In the order of the positions from which they break on this way, then by birth, the first and the second, the
         third and the fourth, and so on, where they are alike and these positions the same, up to `near`."""
-        level = self.born + way * self.largest
+        level = self.born + direction * self.largest
         order = np.lexsort((self.born, np.round(level / near)))
         born, largest, weight = (each[order] for each in (self.born, self.largest, self.weight))
         level = level[order]
-        held, second = self._held[order], np.arange(1, order.size, 2)
-        pair = held[second - 1] + held[second]
+        holding, second = self._holding[order], np.arange(1, order.size, 2)
+        pair = holding[second - 1] + holding[second]
         apart = np.hypot(born[second] - born[second - 1], largest[second] - largest[second - 1])
         # a weight may be below 0, see `moved`; two that nearly cancel have no mean place
-        sizes = np.abs(held[second - 1]), np.abs(held[second])
+        sizes = np.abs(holding[second - 1]), np.abs(holding[second])
         alike, lost = np.abs(pair) > 0.5 * np.maximum(*sizes), np.full(second.size, np.inf)
         alike &= np.abs(level[second] - level[second - 1]) <= near
         mean = np.divide(sizes[0] * sizes[1], np.abs(pair), out=np.zeros(pair.size), where=alike)
         # the larger one's place is taken where only one is below 0
-        moves = np.where(held[second - 1] * held[second] < 0.0, np.minimum(*sizes), 0.0)
+        moves = np.where(holding[second - 1] * holding[second] < 0.0, np.minimum(*sizes), 0.0)
         lost[alike] = (apart * (mean * apart / self.survival.width + moves))[alike]
         cheapest = np.argsort(lost)
         merge = cheapest[np.cumsum(lost[cheapest]) <= least_force]
         pair, second = pair[merge], second[merge]
-        of_second = np.clip(held[second] / pair, 0.0, 1.0)
+        of_second = np.clip(holding[second] / pair, 0.0, 1.0)
         for values in (born, largest):
             values[second - 1] += of_second * (values[second] - values[second - 1])
         weight[second - 1] = pair / self.survival.sf(largest[second - 1] * (1.0 + TIE))
@@ -163,21 +163,23 @@ class Cohorts:
         stays[second] = False
         return replace(self, born=born[stays], largest=largest[stays], weight=weight[stays])
 
-    def reach(self, x: float, way: int, least: float, least_force: float) -> float:
+    def distance_to_break(
+        self, x: float, direction: int, least: float, least_force: float
+    ) -> float:
         """How far the slider can move from x before breaks lower the force of its contacts by more than `least_force`;
         0 for less than the distance `least`, inf where nothing holds."""
         if self.survival.atoms.size:
-            return self._to_atoms(x, way, self.survival.atoms)
-        held = self._held
+            return self._to_atoms(x, direction, self.survival.atoms)
+        holding = self._holding
 
         def lost(distance: Array) -> Array:
-            size = np.abs(x + way * distance[:, None] - self.born)
+            size = np.abs(x + direction * distance[:, None] - self.born)
             still = self.weight * self.survival.sf(np.maximum(size, self.largest) * (1.0 + TIE))
-            return np.asarray((size * np.maximum(held - still, 0.0)).sum(axis=1))
+            return np.asarray((size * np.maximum(holding - still, 0.0)).sum(axis=1))
 
         far = float(np.abs(x - self.born).max(initial=0.0) + self.largest.max(initial=least))
         far = FARTHEST * max(far, self.survival.longest)
-        if (self.largest * held).sum() + far * held.sum() <= least_force:
+        if (self.largest * holding).sum() + far * holding.sum() <= least_force:
             return np.inf
         low, high = least, far
         for _ in range(REFINED):
@@ -191,9 +193,9 @@ class Cohorts:
             low, high = float(tried[first - 1]), float(tried[first])
         return low
 
-    def _to_atoms(self, x: float, way: int, atoms: Array) -> float:
+    def _to_atoms(self, x: float, direction: int, atoms: Array) -> float:
         """How far the slider can move from x before contacts at an exact threshold break together."""
         stretch = x - self.born
         unmet = atoms > self.largest[:, None] * (1.0 + TIE)
-        distance = np.where(unmet, atoms - way * stretch[:, None], np.inf)
+        distance = np.where(unmet, atoms - direction * stretch[:, None], np.inf)
         return float(distance.min(initial=np.inf))

@@ -149,8 +149,8 @@ class Collocation:
         steady : whether sliding is nearly steady at the beginning; it is followed so on panels longer than the delay,
             on which the slider passes a mean threshold
         """
-        held, past = self._contacts.response(np.array([state.x])), self._past
-        force, holding = float(held.force[0]), float(held.holding[0])
+        response, past = self._contacts.response(np.array([state.x])), self._past
+        force, holding = float(response.force[0]), float(response.holding[0])
         begin = Begin(state, force, holding, past.holding(past.formed, 0.0))
         births: PanelBirths | SteadyBirths = PanelBirths(past, state.t, width)
         distance = width * abs(float(TO_NODES[-1] @ guess))

@@ -10,14 +10,14 @@ class DrivePath:
     """X_T(t) on the present leg of the drive's path.
 
     leg : the present leg, counted from 0; `next_leg` alone changes it
-    way : direction of the drive, +1 or -1; in a hold that of the leg before, or of the first that moves
+    direction : of the drive, +1 or -1; in a hold that of the leg before, or of the first that moves
     """
 
     def __init__(self, motion: Motion) -> None:
         """On the first leg."""
         self._motion, self.leg = motion, 0
         moving = motion.speeds[motion.speeds != 0.0]
-        self.way = int(np.sign(moving[0])) if moving.size else 1
+        self.direction = int(np.sign(moving[0])) if moving.size else 1
 
     @property
     def over(self) -> bool:
@@ -53,4 +53,4 @@ class DrivePath:
         """Go on to the next leg."""
         self.leg += 1
         if not self.over:
-            self.way = int(np.sign(self.speed)) or self.way
+            self.direction = int(np.sign(self.speed)) or self.direction

@@ -117,7 +117,7 @@ class FastSliding:
         nodes of the `whole` panel of which it may be a part. They count as born at one place where all their force is
         below `least_force`."""
         begin, end = (float(panel.at(t, POSITION)) for t in (panel.begin, panel.end))
-        way, far = np.sign(end - begin), min(self.passage, abs(end - begin))
+        direction, far = np.sign(end - begin), min(self.passage, abs(end - begin))
         at, weight = np.polynomial.legendre.leggauss(GAUSS)
         half = 0.5 * far / PIECES
         middle = far * (np.arange(PIECES) + 0.5) / PIECES
@@ -125,15 +125,15 @@ class FastSliding:
         back, weights = (middle[:, None] + half * at).ravel(), np.tile(half * weight, PIECES)
         t = np.full(back.size, panel.end)
         for _ in range(MOST_TRIES):
-            lack = way * (end - panel.at(t, POSITION)) - back
+            lack = direction * (end - panel.at(t, POSITION)) - back
             t = np.clip(t + lack / np.abs(panel.slope(t, POSITION)), panel.begin, panel.end)
             if np.abs(lack).max() <= CLOSE * far:
                 break
         place = (t - whole.begin) / whole.width
         births = np.vander(place, STAGES, increasing=True) @ (_POWERS @ rate)
-        places = end - way * back
-        share = weights * births / np.abs(panel.slope(t, POSITION))
-        born = float(share.sum())
+        places = end - direction * back
+        fraction = weights * births / np.abs(panel.slope(t, POSITION))
+        born = float(fraction.sum())
         if 0.0 < born * far <= least_force:
-            return np.array([float(share @ places) / born]), np.array([born])
-        return places, share
+            return np.array([float(fraction @ places) / born]), np.array([born])
+        return places, fraction

@@ -13,7 +13,7 @@ class PanelBirths:
 
     With B the breaks on the panel at its PLACES since its beginning, births there are `known` + `of_breaks` B.
 
-    born : of all contacts, shape (STAGES + 1,); where they broke on the panel itself, of no weight before `take`
+    born : of all contacts, shape (STAGES + 1,); where they broke on the panel itself, not valid before `take`
     all_known : whether they broke before the panel
     known : births of contacts that broke before it, shape (STAGES + 1,)
     of_breaks : of those that broke on it, shape (STAGES + 1, STAGES + 1), with 0 at places whose births are known
@@ -52,7 +52,7 @@ class PanelBirths:
 class SteadyBirths:
     """Births on a panel on which sliding is nearly steady, so that they follow from the slider's speed.
 
-    rate, born : as of PanelBirths; of no weight before Newton's method has found speeds
+    rate, born : as of PanelBirths; not valid before Newton's method has found speeds
     """
 
     all_known, missed = False, 0.0

@@ -48,16 +48,16 @@ class PanelSearch:
         A panel on which contacts form and break is tried first where it is the wider one. Else, or where it misses too
         much, a panel as wide as the last one's error lets it be, narrower until it misses little enough.
         """
-        t, left = self._body.state.t, stop - self._body.state.t
+        t, time_to_go = self._body.state.t, stop - self._body.state.t
         self.steady = self._is_nearly_steady()
         fast = self._fast_width()
-        if self._width < fast < left:
+        if self._width < fast < time_to_go:
             solved = self.solve(fast)
             if solved is not None and solved.missed.largest <= self._body.accuracy:
                 self._width = WIDTHS.growth * fast
                 return solved, False
         width = self._width if np.isfinite(self._width) else self._first_width()
-        width = min(width, self._fast_limit(), left)
+        width = min(width, self._fast_limit(), time_to_go)
         least = max(WIDTHS.least * t, WIDTHS.least_of_swing * self._swing_time)
         missed: Missed | None = None
         while True:
@@ -65,7 +65,7 @@ class PanelSearch:
                 raise StoppedError(self._too_many(width, missed))
             reaches = t + width >= stop * (1.0 - EPSILON)
             if reaches:
-                width = left
+                width = time_to_go
             solved = self.solve(width)
             if solved is None:
                 width *= WIDTHS.most_shrink
@@ -105,17 +105,17 @@ class PanelSearch:
         (_, x, w), exact = body.state, body.contacts.survival.atoms.size
         if w == 0.0 or exact or body.past.lumps:
             return False
-        way = float(np.sign(w))
-        speed, none = np.array([way * w]), np.zeros(1)
+        direction = float(np.sign(w))
+        speed, none = np.array([direction * w]), np.zeros(1)
         of_speed = self._sliding.nearly_steady(speed, none, body.past.delay)
-        held = body.contacts.response(np.array([x]))
-        pull = way * (body.balance_of_spring + float(held.force[0]))
+        response = body.contacts.response(np.array([x]))
+        pull = direction * (body.balance_of_spring + float(response.force[0]))
         rise = (pull - machine.damping * speed - of_speed.force) / (machine.mass + of_speed.by_rise)
         steady = self._sliding.nearly_steady(speed, rise, body.past.delay)
         if float(steady.change[0]) > MOST_CHANGE:
             return False
-        force_off = abs(float(held.force[0]) - way * float(steady.force[0]))
-        holding_off = machine.unit * abs(float(held.holding[0]) - float(steady.holding[0]))
+        force_off = abs(float(response.force[0]) - direction * float(steady.force[0]))
+        holding_off = machine.unit * abs(float(response.holding[0]) - float(steady.holding[0]))
         return max(force_off, holding_off) <= body.accuracy
 
     @property
@@ -138,8 +138,8 @@ class PanelSearch:
         if self.steady:
             passing = body.machine.unit / max(abs(body.state.w), TINY)
             return WIDTHS.steady * max(passing, body.past.delay)
-        way = WIDTHS.fast * LEAST_PASSAGE * self._sliding.passage
-        width = way / max(abs(body.state.w), TINY)
+        travel = WIDTHS.fast * LEAST_PASSAGE * self._sliding.passage
+        width = travel / max(abs(body.state.w), TINY)
         swing = float(np.sqrt(body.machine.mass / body.machine.spring))
         return width if width < min(body.past.delay, WIDTHS.of_swing * swing) else 0.0
 

@@ -116,13 +116,13 @@ class OnPanels:
         body = self._body
         speed = panel.slope(panel.begin + PARTS * panel.width, POSITION)
         # from rest the slider sets out as it moves up to the first node: before it the polynomial may wind by its error
-        way = np.sign(body.state.w) or np.sign(panel.nodes(POSITION)[0] - body.state.x)
-        back = np.flatnonzero((way * speed[:-1] > 0.0) & (way * speed[1:] <= 0.0))
+        direction = np.sign(body.state.w) or np.sign(panel.nodes(POSITION)[0] - body.state.x)
+        back = np.flatnonzero((direction * speed[:-1] > 0.0) & (direction * speed[1:] <= 0.0))
         for first in back.tolist():
             low, high = (panel.begin + panel.width * PARTS[first + k] for k in (0, 1))
             t = float(brentq(lambda t: float(panel.slope(t, POSITION)), low, high))
             later = panel.at(np.linspace(t, panel.end, LATER), POSITION)
-            gone = float((way * (later[0] - later)).max())
+            gone = float((direction * (later[0] - later)).max())
             if gone * (1.0 + body.machine.spring) > TURNED * body.accuracy and t > panel.begin:
                 return t
         return None
@@ -149,10 +149,10 @@ class OnPanels:
             else:
                 speed = float(panel.slope(panel.end, POSITION))
                 t = panel.end + (level - end) / speed if speed else panel.end
-            again = self.search.solve(t - panel.begin) if t > panel.begin else None
-            if again is None or again.missed.largest > self._body.accuracy:
+            shorter = self.search.solve(t - panel.begin) if t > panel.begin else None
+            if shorter is None or shorter.missed.largest > self._body.accuracy:
                 break
-            best = again
+            best = shorter
         return best
 
     def _passed(self, level: float, panel: TimePanel) -> None:
@@ -219,7 +219,7 @@ class OnPanels:
 
         def when(index: int) -> float:
             def excess(t: float) -> float:
-                return drive.way * float(panel.slope(t, POSITION)) - limit
+                return drive.direction * float(panel.slope(t, POSITION)) - limit
 
             return crossing(excess, times[index], times[index + 1])
 
@@ -231,12 +231,12 @@ class OnPanels:
         formed = past.formed + panel.width * (TO_PARTS @ part.birth_rate)
         watched = Watched(
             times=times,
-            speeds=drive.way * panel.slope(times, POSITION),
+            speeds=drive.direction * panel.slope(times, POSITION),
             places=x,
             forces=body.machine.spring * (drive.at(times) - x),
-            held=past.holding(formed, panel.at(times, BREAKS)),
-            drive_speed=drive.way * drive.speed,
-            way=drive.way,
+            holding=past.holding(formed, panel.at(times, BREAKS)),
+            drive_speed=drive.direction * drive.speed,
+            drive_direction=drive.direction,
             at=at,
             when=when,
         )

@@ -45,9 +45,9 @@ class PastBreaks:
         born_on_panels    0      0      0      0      0.6    0.6    0.7    0.7
     """
 
-    def __init__(self, delay: float, held: float) -> None:
+    def __init__(self, delay: float, holding: float) -> None:
         """Before any breaks, with this share that holds."""
-        self.delay, self.formed_together, self.formed = delay, held, 0.0
+        self.delay, self.formed_together, self.formed = delay, holding, 0.0
         self.breaks = self.broken_together = 0.0
         self.lumps = list[tuple[float, float]]()
         # panels with breaks, when they begin, and before each the sum of the few breaks in closed motions so far
@@ -79,16 +79,16 @@ class PastBreaks:
         """When the next lump forms again; inf for none."""
         return self.lumps[0][0] + self.delay if self.lumps else np.inf
 
-    def add_lump(self, t: float, share: float) -> None:
+    def add_lump(self, t: float, fraction: float) -> None:
         """So many contacts break together."""
-        self.lumps.append((t, share))
-        self.broken_together += share
+        self.lumps.append((t, fraction))
+        self.broken_together += fraction
 
     def form_lump(self) -> float:
         """The share of the next lump, which forms again."""
-        _, share = self.lumps.pop(0)
-        self.formed_together += share
-        return share
+        _, fraction = self.lumps.pop(0)
+        self.formed_together += fraction
+        return fraction
 
     @property
     def breaks_on_panels(self) -> float:
@@ -108,7 +108,7 @@ class PastBreaks:
         """The same without the few that broke in closed motions."""
         return self.born(t) - self._jumps[bisect_right(self._begins, t - self.delay)]
 
-    def next_birth(self, t: float, share: float) -> float:
+    def next_birth(self, t: float, fraction: float) -> float:
         """A time after t up to which at most this share of all contacts is born, and about as late as that; inf where
         no more are due."""
         due = self.next_lump
@@ -117,6 +117,6 @@ class PastBreaks:
             begins_to_form = panel.begin + self.delay
             if begins_to_form >= due:
                 break
-            if float(panel.at(panel.end, BREAKS)) - born > share:
+            if float(panel.at(panel.end, BREAKS)) - born > fraction:
                 return min(max(begins_to_form, t), due)
         return due

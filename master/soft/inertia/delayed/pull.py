@@ -62,13 +62,13 @@ class PullOnPanel:
         delay: float,
         first_place: float,
         first_speed: float,
-        held_before: float,
+        holding_before: float,
         births: PanelBirths | SteadyBirths,
         sliding: Sliding,
     ) -> None:
         self.births, self.sliding = births, sliding
         self._contacts, self._law = contacts, law
-        self._width, self._delay, self._held_before = width, delay, held_before
+        self._width, self._delay, self._holding_before = width, delay, holding_before
         self._first_place, self._first_speed = first_place, first_speed
 
     def at(self, x: Array, w: Array) -> Pull | None:
@@ -83,20 +83,20 @@ class PullOnPanel:
     def _steady(self, w: Array, births: SteadyBirths) -> Pull | None:
         """Where sliding is nearly steady; None where the slider turns, or its speed changes by much while contacts live
         and wait."""
-        way = _way(w)
-        speed = way * w
-        if (speed <= 0.0).any() or way * self._first_speed <= 0.0:
+        direction = _direction(w)
+        speed = direction * w
+        if (speed <= 0.0).any() or direction * self._first_speed <= 0.0:
             return None
         # of the polynomial through the speeds at the beginning and at the nodes
         slopes = SLOPES / self._width
-        rise = way * (slopes @ np.append(self._first_speed, w))
+        rise = direction * (slopes @ np.append(self._first_speed, w))
         found = self._law.nearly_steady(speed, rise, self._delay)
         if (found.change > MOST_CHANGE).any():
             return None
         births.take(found.birth_rate)
         return Pull(
             holding=found.holding,
-            force=way * found.force,
+            force=direction * found.force,
             by_place=np.zeros((w.size, w.size)),
             by_speed=np.diag(found.by_speed) + found.by_rise[:, None] * slopes[:, 1:],
             missed=float(found.missed.max()),
@@ -105,13 +105,13 @@ class PullOnPanel:
     def _fast(self, x: Array, w: Array, birth_rate: Array) -> Pull | None:
         """The contacts' pull at the places X and speeds, where those born on the panel break on it; None where the
         slider turns."""
-        travel, way = self._width * TO_NODES @ w, _way(w)
-        if (way * w <= 0.0).any():
+        travel, direction = self._width * TO_NODES @ w, _direction(w)
+        if (direction * w <= 0.0).any():
             return None
         old = self._contacts.response(x)
-        new = self._law.at(way * travel, birth_rate, way * w, self._width)
+        new = self._law.at(direction * travel, birth_rate, direction * w, self._width)
         drag = -new.force / np.abs(w)
-        force = old.force + way * new.force
+        force = old.force + direction * new.force
         return Pull(old.holding + new.holding, force, np.diag(old.slope), np.diag(drag), new.missed)
 
     def _slow(self, x: Array, births: PanelBirths) -> Pull | None:
@@ -129,14 +129,16 @@ class PullOnPanel:
         if births.all_known and not births.born[-1]:
             no_drag = np.zeros((x.size, x.size))
             return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
-        way = 1.0 if x[-1] >= self._first_place else -1.0
-        stretch = way * (x[:, None] - x)
+        direction = 1.0 if x[-1] >= self._first_place else -1.0
+        stretch = direction * (x[:, None] - x)
         survival, density = self._contacts.survival.sf_and_pdf(np.abs(stretch))
         survival = np.where(stretch < 0.0, 2.0 - survival, survival)
         # births at PLACES around the node j that count at i
-        hold, pull = (TO_NODES * each @ SLOPES for each in (survival, way * stretch * survival))
+        hold, pull = (
+            TO_NODES * each @ SLOPES for each in (survival, direction * stretch * survival)
+        )
         if not births.all_known:
-            of_breaks, before = births.of_breaks[:, 1:], self._held_before
+            of_breaks, before = births.of_breaks[:, 1:], self._holding_before
             system = np.eye(x.size + 1) - of_breaks @ (np.eye(x.size, x.size + 1, 1) - hold)
             try:
                 solved = np.linalg.solve(system, np.column_stack([of_breaks, births.known]))
@@ -148,7 +150,7 @@ class PullOnPanel:
         # S and y S(y) have the slopes -P_c and S - y P_c, by X_i - X_j
         by_place = _of_differences(counted * (survival - stretch * density), old.slope)
         if not births.all_known:
-            holding_by_place = _of_differences(-way * counted * density, old.of_holding)
+            holding_by_place = _of_differences(-direction * counted * density, old.of_holding)
             by_place = by_place - pull @ to_births @ holding_by_place
         return Pull(
             holding=old.holding + hold @ births.born,
@@ -164,7 +166,7 @@ def _of_differences(slopes: Array, own: Array) -> Array:
     return np.diag(own + slopes.sum(axis=1)) - slopes
 
 
-def _way(w: Array) -> float:
+def _direction(w: Array) -> float:
     """+1 where the slider moves forwards over the panel with these speeds at the nodes, -1 back. Along the way travel,
     speed, and the stretch and force of contacts born on the panel are above 0; times this they are those of X."""
     return 1.0 if TO_NODES[-1] @ w >= 0.0 else -1.0

@@ -96,23 +96,26 @@ class SmallSwings:
         at = float(drive.at(body.state.t))
         spring = body.machine.spring * (at - body.state.x)
         given, damped, on_contacts = (float(each) for each in body.energies)
-        held = body.contacts.unbroken()
+        unbroken = body.contacts.unbroken()
         self._seen.append(
-            Seen(at, spring, body.pull, held, given, damped, on_contacts, body.state.w)
+            Seen(at, spring, body.pull, unbroken, given, damped, on_contacts, body.state.w)
         )
         if len(self._seen) < self._next_look:
             return None
         self._next_look = len(self._seen) + max(PANELS, len(self._seen) // 10)
         seen = np.array(self._seen)
-        way = np.abs(seen[:, DRIVE] - at)
-        window = float(way[-(len(seen) // 3)])
-        if 2.0 * window > way[0]:
+        distance = np.abs(seen[:, DRIVE] - at)
+        window = float(distance[-(len(seen) // 3)])
+        if 2.0 * window > distance[0]:
             return None
-        late, before = seen[way <= window], seen[(way > window) & (way <= 2.0 * window)]
+        late, before = (
+            seen[distance <= window],
+            seen[(distance > window) & (distance <= 2.0 * window)],
+        )
         if len(before) < 2:
             return None
         ranges = np.ptp(before, axis=0), np.ptp(late, axis=0)
-        least = self._least_way(float(max(ranges[0][SPRING], ranges[1][SPRING])))
+        least = self._least_distance(float(max(ranges[0][SPRING], ranges[1][SPRING])))
         if window < least:
             return None
         stops = late[:, SPEED].min() <= STOPS * late[:, SPEED].max()
@@ -127,10 +130,10 @@ class SmallSwings:
                 return None
             changes = TWICE * most
         else:
-            left = abs(float(drive.at(drive.end)) - at) / window
+            windows_to_go = abs(float(drive.at(drive.end)) - at) / window
             with np.errstate(over="ignore"):
-                most = most * np.float64(max(grows, 1.0)) ** left
-            changes = most + np.abs(_mean(late) - _mean(before)) * left
+                most = most * np.float64(max(grows, 1.0)) ** windows_to_go
+            changes = most + np.abs(_mean(late) - _mean(before)) * windows_to_go
         force, contacts, holding = changes[FORCES].tolist()
         enough = OF_TOLERANCE * self._tolerance
         if force > (RISE * body.machine.unit if window > MANY * least else enough):
@@ -146,7 +149,7 @@ class SmallSwings:
         of_speed = self._sliding.nearly_steady(speed, none, self._body.past.delay).by_speed
         return bool(self._body.machine.damping + float(of_speed[0]) < 0.0)
 
-    def _least_way(self, swing: float) -> float:
+    def _least_distance(self, swing: float) -> float:
         """The least way of the drive in which swings of the spring's force by so much (a length) are compared."""
         machine = self._body.machine
         free = 2.0 * np.pi * abs(self._body.drive.speed) * (machine.mass / machine.spring) ** 0.5
@@ -175,5 +178,5 @@ class SmallSwings:
 
 def _mean(seen: Array) -> Array:
     """The means along the drive's way, which is the first column."""
-    way = np.diff(seen[:, [DRIVE]], axis=0)
-    return np.asarray((0.5 * (seen[1:] + seen[:-1]) * way).sum(axis=0) / way.sum())
+    distance = np.diff(seen[:, [DRIVE]], axis=0)
+    return np.asarray((0.5 * (seen[1:] + seen[:-1]) * distance).sum(axis=0) / distance.sum())

@@ -72,7 +72,8 @@ class Swinging:
             return SwingEnd.TOO_SHORT
         x = body.state.x
         forward, back = (
-            body.contacts.reach(x, way, body.near(x), ALIKE * body.tolerance) for way in (1, -1)
+            body.contacts.distance_to_break(x, direction, body.near(x), ALIKE * body.tolerance)
+            for direction in (1, -1)
         )
         # +1 where contacts break as the slider goes forwards, -1 backwards, 0 where none does
         lasts, breaks_at = motion.first_passing(-back, forward, lasts)
@@ -105,8 +106,8 @@ class Swinging:
     def _next_births(self) -> float:
         """Up to when births change the force by less than half of what is alike."""
         body = self._body
-        share = 0.5 * ALIKE * body.tolerance / body.machine.unit
-        return body.past.next_birth(body.state.t, share)
+        fraction = 0.5 * ALIKE * body.tolerance / body.machine.unit
+        return body.past.next_birth(body.state.t, fraction)
 
     def _coming(self, births: float, calm: float) -> Coming:
         """What ends a motion if no contact breaks, with the next births at one time, and calm after another; of two at
@@ -157,7 +158,7 @@ class Swinging:
 
             def when(index: int) -> float:
                 def excess(t: float) -> float:
-                    return drive.way * float(motion.speed(t)) - limit
+                    return drive.direction * float(motion.speed(t)) - limit
 
                 return crossing(excess, times[index], times[index + 1])
 
@@ -167,12 +168,12 @@ class Swinging:
             x = state.x + motion.travel(times)
             return Watched(
                 times=times,
-                speeds=drive.way * motion.speed(times),
+                speeds=drive.direction * motion.speed(times),
                 places=x,
                 forces=k * (drive.at(state.t + times) - x),
-                held=np.full(times.size, unbroken),
-                drive_speed=drive.way * drive.speed,
-                way=drive.way,
+                holding=np.full(times.size, unbroken),
+                drive_speed=drive.direction * drive.speed,
+                drive_direction=drive.direction,
                 at=at,
                 when=when,
             )
