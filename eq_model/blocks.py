@@ -75,13 +75,13 @@ def joined(done: list[range]) -> list[range]:
     return out
 
 
-def share(blocks: range, done: list[range], rank: int, ranks: int) -> list[int]:
+def blocks_of_rank(blocks: range, done: list[range], rank: int, ranks: int) -> list[int]:
     """The blocks of one rank, of those that are not done: shares follow one another and differ by at most one block."""
-    left = np.arange(blocks.start, blocks.stop)
+    remaining = np.arange(blocks.start, blocks.stop)
     for part in done:
-        left = left[(left < part.start) | (left >= part.stop)]
-    begin, end = (-(-left.size * one // ranks) for one in (rank, rank + 1))
-    return [int(block) for block in left[begin:end]]
+        remaining = remaining[(remaining < part.start) | (remaining >= part.stop)]
+    begin, end = (-(-remaining.size * one // ranks) for one in (rank, rank + 1))
+    return [int(block) for block in remaining[begin:end]]
 
 
 @dataclass(frozen=True)

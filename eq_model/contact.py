@@ -50,7 +50,7 @@ class Work(NamedTuple):
 
     stream: Any  # Stream of the block
     starts: DrawnBirths  # at X = 0
-    again: DrawnBirths
+    reforming: DrawnBirths
     exposures: QuantileTable  # logs of the integrals of rates at which contacts break
     forward: bool  # whether the law is a Forward
     at_once: bool  # whether contacts that break form again at once and relaxed
@@ -141,11 +141,11 @@ def later(clock, leg, time, drive):  # type: ignore[no-untyped-def]
     """Clock and leg after `time` has passed; a clock beyond the drive's end if that comes first."""
     while leg < drive.directions.size:
         pace = drive.paces[leg]
-        left = (drive.begins[leg + 1] - clock) * pace
-        if time <= left:
+        remaining = (drive.begins[leg + 1] - clock) * pace
+        if time <= remaining:
             ticks = whole(np.floor(time / pace + 0.5)) if pace > 0.0 else whole(0)
             return min(clock + ticks, drive.begins[leg + 1]), leg
-        time -= left
+        time -= remaining
         leg += 1
         clock = drive.begins[leg]
     return clock + 1, leg
@@ -229,7 +229,7 @@ def _in_row(law, n, x, breaks_at, lanes, work):  # type: ignore[no-untyped-def]
     for i in range(unsigned(n)):
         log_amounts[i] = real(lanes.log_exposure[i]) * LEVEL_UNIT - law.log_slow[unsigned(legs[i])]
     _from_rest(law, n, x, log_amounts, breaks_at)
-    for i in range(n if work.linked or not work.again.relaxed else 0):
+    for i in range(n if work.linked or not work.reforming.relaxed else 0):
         r = -lanes.stretch[i] if work.drive.directions[legs[i]] < 0 else lanes.stretch[i]
         if r != 0 or work.linked:
             threshold, k = real(x[i]) * law.unit, real(x[i]) / work.mean if work.linked else 1.0

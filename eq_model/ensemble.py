@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.blocks import Blocks, DroppedError, State, meeting, rank_and_size, share
+from eq_model.blocks import Blocks, DroppedError, State, meeting, rank_and_size, blocks_of_rank
 from eq_model.coupled.ensemble import Replicas
 from eq_model.coupled.mass.sliders import HeavySliders
 from eq_model.engine import Engine
@@ -122,7 +122,7 @@ class Ensemble:
         rank, ranks = rank_and_size(self.comm)
         self._begun, done = self.clock(), 0
         for one_round in self.blocks.rounds(self._tolerance is not None):
-            mine = share(one_round, self._before, rank, ranks)
+            mine = blocks_of_rank(one_round, self._before, rank, ranks)
             total, late = done + sum(map(self.blocks.size, mine)), False
             started = self.clock()
             for block, found in self._each(mine):

@@ -68,8 +68,8 @@ def _count_changes(n, place, work, lanes, sums):  # type: ignore[no-untyped-def]
     for i in range(measured):
         square[i] = drive.bin_positions[unsigned(bins[i])]
     for i in range(measured):
-        way = place[i] - birth[i]
-        change = real(way) * real(2 * (place[i] - square[i]) - way) * drive.square
+        displacement = place[i] - birth[i]
+        change = real(displacement) * real(2 * (place[i] - square[i]) - displacement) * drive.square
         square[i] = whole(np.floor(0.5 + change))
     for i in range(unsigned(n)):
         sums[unsigned(bins[i]), 1] += place[i] - birth[i]
@@ -109,7 +109,7 @@ def _count_linked(n, count, work, lanes, sums):  # type: ignore[no-untyped-def]
 @inlined
 def _wait(n, work, lanes):  # type: ignore[no-untyped-def]
     """Move the instants and legs of n breaks on to the next births, as the delay passes."""
-    drive, on, waiting, left = work.drive, lanes.breaks_on, lanes.waiting, whole(0)
+    drive, on, waiting, delayed = work.drive, lanes.breaks_on, lanes.waiting, whole(0)
     broken, instant = lanes.instant, lanes.broken  # the births before are not needed any more
     for i in range(unsigned(n)):
         broken[i] = instant[i]
@@ -117,11 +117,11 @@ def _wait(n, work, lanes):  # type: ignore[no-untyped-def]
         leg = unsigned(on[i])
         until = drive.begins[leg + unsigned(1)]
         instant[i] = max(min(broken[i] + work.ticks[leg], until), broken[i])
-        waiting[unsigned(left)] = whole(i)
-        left += whole(
+        waiting[unsigned(delayed)] = whole(i)
+        delayed += whole(
             (broken[i] <= until) & (work.wait > real(until - broken[i]) * drive.paces[leg])
         )
-    for j in range(unsigned(left)):  # their delay goes on after the end of the leg
+    for j in range(unsigned(delayed)):  # their delay goes on after the end of the leg
         lane = unsigned(waiting[j])
         instant[lane], leg_then = later(broken[lane], on[lane], work.wait, drive)
         on[lane] = min(leg_then, whole(drive.paces.size - 1))
@@ -170,26 +170,26 @@ def _next(n, count, looks, place, work, lanes):  # type: ignore[no-untyped-def]
     for i in range(unsigned(n)):
         over = broken[i] > end
         number = lanes.number[i] + (whole(LANES) if over else whole(0))
-        again = whole(0) if number < count else end + 1
+        begin = whole(0) if number < count else end + 1
         lanes.number[i] = number
-        lanes.birth[i] = again if over else place[i]
-    for i in range(unsigned(n if looks or not (work.forward and work.again.relaxed) else 0)):
+        lanes.birth[i] = begin if over else place[i]
+    for i in range(unsigned(n if looks or not (work.forward and work.reforming.relaxed) else 0)):
         over = broken[i] > end
-        again = whole(0) if lanes.number[i] < count else end + 1
-        lanes.instant[i] = again if over else broken[i]
+        begin = whole(0) if lanes.number[i] < count else end + 1
+        lanes.instant[i] = begin if over else broken[i]
         lanes.initial[i] = whole(over)
 
 
 @inlined
 def _draw(n, row, turn, work, scratch, starting, lanes):  # type: ignore[no-untyped-def]
     """Draw what the next contacts of n lanes have: stretch, threshold, and exposure where the law needs one."""
-    stream, again = work.stream, work.again
-    if not again.relaxed:
-        draw_stretches(n, row, turn, stream, again, scratch, lanes.stretch)
+    stream, reforming = work.stream, work.reforming
+    if not reforming.relaxed:
+        draw_stretches(n, row, turn, stream, reforming, scratch, lanes.stretch)
         for i in range(unsigned(n)):
             start = starting[unsigned(min(lanes.number[i], starting.size - 1))]
             lanes.stretch[i] = start if lanes.initial[i] else lanes.stretch[i]
-    draw_thresholds(n, row, turn, stream, again, scratch, lanes.stretch, lanes.threshold)
+    draw_thresholds(n, row, turn, stream, reforming, scratch, lanes.stretch, lanes.threshold)
     if work.needs_exposure:
         words, out = scratch.exposures, lanes.log_exposure
         draw_values(n, row, turn, stream, EXPOSURES, work.exposures, words, scratch, out)
@@ -199,7 +199,7 @@ def _draw(n, row, turn, work, scratch, starting, lanes):  # type: ignore[no-unty
 def _row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one life in each of n lanes. Returns the number of breaks."""
     drive, birth, broken = work.drive, lanes.birth, lanes.broken
-    for i in range(unsigned(0 if work.again.relaxed else n)):
+    for i in range(unsigned(0 if work.reforming.relaxed else n)):
         birth[i] -= lanes.stretch[i]
     if work.at_once and work.linked:
         _count_linked(n, count, work, lanes, sums)

@@ -257,15 +257,15 @@ def chosen_points(histograms: npt.ArrayLike, size: int) -> npt.NDArray[np.intp]:
     return np.asarray(points % size, dtype=np.intp)
 
 
-def make_edges(reach: float, largest: float, typical: float) -> tuple[Array, Array]:
-    """Edges of bins for stretches that cannot exceed `reach` and thresholds that cannot exceed `largest`; `typical`:
+def make_edges(furthest: float, largest: float, typical: float) -> tuple[Array, Array]:
+    """Edges of bins for stretches that cannot exceed `furthest` and thresholds that cannot exceed `largest`; `typical`:
     what most of them are about (lengths)."""
-    # 1 % more, so that stretches of exactly `reach` lie within a bin, not at its edge
+    # 1 % more, so that stretches of exactly `furthest` lie within a bin, not at its edge
     # equal bins extend over 64 typical lengths, so that each is at most 1/32 of one wide
-    reach, wide = min(1.01 * reach, largest) or largest, 64.0 * typical
-    stretch = np.linspace(-min(reach, wide), min(reach, wide), BINS + 1)
+    furthest, wide = min(1.01 * furthest, largest) or largest, 64.0 * typical
+    stretch = np.linspace(-min(furthest, wide), min(furthest, wide), BINS + 1)
     threshold = np.linspace(0.0, min(largest, wide), BINS + 1)
-    stretch[0], stretch[-1], threshold[-1] = -reach, reach, largest
+    stretch[0], stretch[-1], threshold[-1] = -furthest, furthest, largest
     return stretch, threshold
 
 
@@ -273,10 +273,10 @@ def histogram(
     point: int, position: float, edges: tuple[Array, Array], counts: npt.NDArray[Any], n: int
 ) -> Histogram:
     """The histogram with counts (2, bins) of n contacts."""
-    held = int(counts[0].sum())
+    holding = int(counts[0].sum())
     fields: list[Any] = [point, position]
-    for own, seen, total in zip(edges, counts, (n, max(held, 1)), strict=True):
-        share, width = seen / total, np.diff(own)
-        fields += [own, share / width, np.sqrt(share * (1.0 - share) / total) / width]
-    fields.append(held)
+    for own, seen, total in zip(edges, counts, (n, max(holding, 1)), strict=True):
+        fraction, width = seen / total, np.diff(own)
+        fields += [own, fraction / width, np.sqrt(fraction * (1.0 - fraction) / total) / width]
+    fields.append(holding)
     return Histogram(*fields)

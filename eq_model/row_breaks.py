@@ -71,16 +71,17 @@ def _cold(law, n, work, lanes, counts):  # type: ignore[no-untyped-def]
         work.drive.positions,
         whole(work.drive.paces.size - 1),
     )
-    waiting, broken, on, left, before = lanes.waiting, lanes.broken, lanes.breaks_on, whole(0), n
+    waiting, broken, on = lanes.waiting, lanes.broken, lanes.breaks_on
+    going_on, before = whole(0), n
     for i in range(unsigned(n)):
         broken[i] = lanes.until[i] + lanes.threshold[i] - abs(lanes.far[i] - lanes.birth[i])
     for i in range(unsigned(n)):
         goes_on = whole((broken[i] - lanes.until[i] > law.tie) & (lanes.leg[i] < last))
         on[i] = lanes.leg[i] + goes_on
-        waiting[unsigned(left)] = whole(i)
-        left += goes_on
-    while left > 0:
-        before, left = left, whole(0)
+        waiting[unsigned(going_on)] = whole(i)
+        going_on += goes_on
+    while going_on > 0:
+        before, going_on = going_on, whole(0)
         for j in range(unsigned(before)):
             lane = unsigned(waiting[j])
             then = unsigned(on[lane] + 1)
@@ -88,8 +89,8 @@ def _cold(law, n, work, lanes, counts):  # type: ignore[no-untyped-def]
             goes_on = whole((missing > law.tie) & (on[lane] < last))
             broken[lane] = begins[then] + missing
             on[lane] += goes_on
-            waiting[unsigned(left)] = whole(lane)
-            left += goes_on
+            waiting[unsigned(going_on)] = whole(lane)
+            going_on += goes_on
     for i in range(
         n if law.tie > 0 else 0
     ):  # within `tie` of a turn the threshold counts as reached at the turn

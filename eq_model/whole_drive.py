@@ -49,25 +49,25 @@ class WholeDrive(NamedTuple):
     per_threshold: float = 1.0
 
 
-def whole_drive(drive: Drive, scale: float, reach: float, exact: bool) -> WholeDrive:
+def whole_drive(drive: Drive, scale: float, largest: float, exact: bool) -> WholeDrive:
     """The drive of a rigid slider in whole units.
 
-    scale : the mean threshold; reach : the largest force of a contact divided by <k>, a length; exact : whether
+    scale : the mean threshold; largest : the largest force of a contact divided by <k>, a length; exact : whether
     thresholds have exact values, so that breaks fall on points.
-    Raises InputError where the path is longer than 2^33 times the scale, or the reach than 2^22 times.
+    Raises InputError where the path is longer than 2^33 times the scale, or `largest` than 2^22 times.
     """
     legs, clock = _legs(drive, scale)
     shortest, bins = scale * 2.0**-20, 1024  # of a cell; second moments need short bins
     length = max(float(clock[-1]), shortest)
     points, spacing = _points(clock, max(scale, length / bins), 4 * clock.size + 4 * bins)
     widest = float(np.diff(points, prepend=0.0).max())
-    # a bin's sum over one block, in 61 bits, is at most BLOCK (widest + reach), its second moment the square of that
-    free, room = 61 - _bits(BLOCK), _bits((widest + reach) / scale)
+    # a bin's sum over one block, in 61 bits, is at most BLOCK (widest + largest), its second moment the square of that
+    free, room = 61 - _bits(BLOCK), _bits((widest + largest) / scale)
     # of a mean threshold: 44 are finer than the tables, 57 of the clock keep positions beyond the end in 64 bits
     bits = min(44, free - room, 57 - _bits(length / scale))
-    if reach / scale > 2.0 ** (free - 24):
+    if largest / scale > 2.0 ** (free - 24):
         raise InputError(
-            f"thresholds: stretches may reach {reach / scale:.2g} mean thresholds, linked stiffness counted "
+            f"thresholds: stretches may reach {largest / scale:.2g} mean thresholds, linked stiffness counted "
             "in; the ensemble sums up to some 1e6 of them: use thresholds with a shorter tail, or other units"
         )
     if bits < 22:
@@ -157,15 +157,15 @@ def _legs(drive: Drive, stand: float) -> tuple[Array, Array]:
     speed, new = step[taken] / lasts[taken], np.zeros(step.size, np.intp)
     # where the speed is one but for the rounding of positions and times, it is one leg
     with np.errstate(all="ignore"):
-        share = np.abs(drive.path[taken] / step[taken]) + np.cumsum(lasts)[taken] / lasts[taken]
-        doubt = (1e-12 + 4.0 * np.finfo(float).eps * share) * np.abs(speed)
+        ratio = np.abs(drive.path[taken] / step[taken]) + np.cumsum(lasts)[taken] / lasts[taken]
+        doubt = (1e-12 + 4.0 * np.finfo(float).eps * ratio) * np.abs(speed)
     doubt[speed == 0.0] = 0.0
     new[taken[1:]] = np.abs(np.diff(speed)) > np.minimum(doubt[:-1], doubt[1:])
     leg = np.cumsum(new)
     legs = np.array([np.bincount(leg, weights=each) for each in (step, lasts)])
     stands = np.bincount(leg, weights=np.abs(step)) == 0.0
-    share = lasts / np.where(legs[1] > 0.0, legs[1], 1.0)[leg]
-    clock = np.cumsum(np.where(stands[leg], stand * share, np.abs(step)))
+    ratio = lasts / np.where(legs[1] > 0.0, legs[1], 1.0)[leg]
+    clock = np.cumsum(np.where(stands[leg], stand * ratio, np.abs(step)))
     if drive.forward and not stands.any():
         clock = drive.path  # to the last bit
     return legs, clock

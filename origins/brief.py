@@ -24,8 +24,8 @@ def _short(value: object) -> str:
     if isinstance(value, np.ndarray) and value.size > _FEW:
         shape = "x".join(map(str, value.shape))
         known = value[np.isfinite(value)] if value.dtype.kind in "fiu" else np.empty(0)
-        reach = f"from {known.min():.6g} to {known.max():.6g}" if known.size else value.dtype
-        return f"<{shape} {reach}>"
+        extent = f"from {known.min():.6g} to {known.max():.6g}" if known.size else value.dtype
+        return f"<{shape} {extent}>"
     text = " ".join(repr(value).split())
     if isinstance(value, Mapping):
         text = f"<{', '.join(map(str, value)) or 'none'}>"

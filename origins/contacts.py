@@ -123,8 +123,8 @@ class Contacts:
         self.start = as_start(start)
         self.mean_threshold = _checked_mean(self.thresholds)
         self.cut_weight = FormationLaw("start", self.start, self.thresholds).cut_weight
-        again = FormationLaw("reforming", as_start(reforming, "reforming"), self.thresholds)
-        self.reforming = None if again.law.span == (0.0, 0.0) else again
+        reformed = FormationLaw("reforming", as_start(reforming, "reforming"), self.thresholds)
+        self.reforming = None if reformed.law.span == (0.0, 0.0) else reformed
         self.thermal = as_thermal(thermal)
         self.ageing, self.delay, self.stiffness = ageing, delay, stiffness
         self._check_laws()

@@ -59,8 +59,8 @@ class GaussianStart(Start):
     """Normal law, not cut: stretches may be negative."""
 
     def __init__(self, mean: float, std: float) -> None:
-        reach = 8.3 * std  # beyond which lie 1e-16 of the weight
-        super().__init__(mean, (mean - reach, mean + reach))
+        furthest = 8.3 * std  # beyond which lie 1e-16 of the weight
+        super().__init__(mean, (mean - furthest, mean + furthest))
         self._std = std
         norm = std * np.sqrt(2.0 * np.pi)
         self.pdf = lambda x: np.exp(-0.5 * ((np.asarray(x) - mean) / std) ** 2) / norm
@@ -110,8 +110,8 @@ def as_start(start: object, name: str = "start") -> Start:
     if not np.isfinite(mean):
         raise InputError(f"{name}: the mean of the distribution is {mean}; it must be finite")
     ends = np.array(frozen.support(), dtype=float)
-    reach = np.array([frozen.ppf(1e-16), frozen.isf(1e-16)])
-    lower, upper = np.where(np.isfinite(ends), ends, reach).tolist()
+    furthest = np.array([frozen.ppf(1e-16), frozen.isf(1e-16)])
+    lower, upper = np.where(np.isfinite(ends), ends, furthest).tolist()
     found = Start(mean, (lower, upper), jumps_of(frozen))
     for method in ("pdf", "cdf", "sf", "ppf", "isf"):
         setattr(found, method, getattr(frozen, method))
@@ -133,11 +133,11 @@ class FormationLaw:
         self.law, self._thresholds, self.cut_weight = law, thresholds, 0.0
         if float(thresholds.sf(max(abs(end) for end in law.span))) > 0.0:
             return
-        reach = thresholds.support()[1]
-        reach = reach if np.isfinite(reach) else float(thresholds.isf(1e-300))
-        self.cut_weight = 1.0 if law.is_single else float(law.cdf(-reach) + law.sf(reach))
+        furthest = thresholds.support()[1]
+        furthest = furthest if np.isfinite(furthest) else float(thresholds.isf(1e-300))
+        self.cut_weight = 1.0 if law.is_single else float(law.cdf(-furthest) + law.sf(furthest))
         if self.cut_weight > 1e-6:  # the same limit as for thresholds below 0
-            beyond = f"beyond every threshold, at |x| >= {reach:.6g}; use stretches below it"
+            beyond = f"beyond every threshold, at |x| >= {furthest:.6g}; use stretches below it"
             raise InputError(f"{name}: a weight of {self.cut_weight:.3g} lies {beyond}")
 
     def draw(self, size: int, generator: np.random.Generator) -> tuple[Array, Array]:

@@ -62,8 +62,8 @@ def tables_of(contacts: Contacts) -> dict[str, QuantileTable]:
 
 def laws_of(contacts: Contacts) -> dict[str, Start]:
     """Laws of the stretches at which contacts form: at X = 0, and later on unless they re-form relaxed."""
-    again = contacts.reforming
-    return {"start": contacts.start} | ({"reforming": again.law} if again else {})
+    reforming = contacts.reforming
+    return {"start": contacts.start} | ({"reforming": reforming.law} if reforming else {})
 
 
 def births_of(contacts: Contacts, unit: float) -> tuple[DrawnBirths, DrawnBirths]:
@@ -88,7 +88,7 @@ class Scratch(NamedTuple):
     stretches: npt.NDArray[np.uint32]
     exposures: npt.NDArray[np.uint32]
     cell: npt.NDArray[np.uint32]
-    share: npt.NDArray[np.float64]
+    within: npt.NDArray[np.float64]
     coefficients: npt.NDArray[np.int64]
     survival: npt.NDArray[np.float64]  # the last stretch at which it was wanted, and its value
 
@@ -111,7 +111,7 @@ def _cell_of(v, bits):  # type: ignore[no-untyped-def]
 
 @inlined
 def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # type: ignore[no-untyped-def]
-    """Whole quantiles for a row of a round. A word's top bit is the side; the rest are octave, cell and share in it.
+    """Whole quantiles for a row of a round. A word's top bit is the side; the rest are octave, cell and place in it.
 
     `plain_values` is its plain twin.
     """
@@ -123,14 +123,14 @@ def draw_values(n, row, turn, stream, purpose, table, words, scratch, out):  # t
         v = real(np.int32(word & np.uint32(0x7FFFFFFF))) + 0.5
         side = whole(np.int32(word) >> np.int32(31)) & whole((whole(OCTAVES) << bits) + 1)
         scratch.cell[i] = np.uint32(_cell_of(v, bits) + side)
-        scratch.share[i] = double_of((bits_of(v) << bits) & fraction | whole(0x3FF << 52)) - 1.0
+        scratch.within[i] = double_of((bits_of(v) << bits) & fraction | whole(0x3FF << 52)) - 1.0
     for i in range(unsigned(n)):  # copies of sixteen bytes are faster than gather instructions
         k, j = unsigned(scratch.cell[i]) << unsigned(1), i << unsigned(1)
         first, slopes = table.hot[k], table.hot[k + unsigned(1)]
         scratch.coefficients[j], scratch.coefficients[j + unsigned(1)] = first, slopes
     largest = whole(0)
     for i in range(unsigned(n)):
-        j, t = i << unsigned(1), scratch.share[i]
+        j, t = i << unsigned(1), scratch.within[i]
         first, slopes = scratch.coefficients[j], scratch.coefficients[j + unsigned(1)]
         # both slopes share one word: the lower half of a double's bits, here c2's, changes it by 1e-6 at most
         c1, c2 = double_of(slopes), double_of(slopes << whole(32))
@@ -159,13 +159,13 @@ def _plain_value(word: int, further: int, table: QuantileTable) -> int:
     fraction, exponent = np.frexp(v)  # v = fraction 2^exponent, fraction from 1/2 to 1
     octave, across = int(exponent) - 32 + OCTAVES, 2.0 * float(fraction) - 1.0
 
-    share, cell = np.modf(across * 2.0**table.bits)
+    within, cell = np.modf(across * 2.0**table.bits)
     cells = OCTAVES << int(table.bits)
     quick = above * (cells + 1)  # the first cell of a side is its tail
     quick += 1 + (octave << int(table.bits)) + int(cell) if octave >= 0 else 0
     first, slopes = table.hot[2 * quick : 2 * quick + 2]
     c0, c1, c2 = np.array([first, slopes, slopes << 32]).view(np.float64)
-    value = int(np.floor(c0 + share * (c1 + share * c2)))
+    value = int(np.floor(c0 + within * (c1 + within * c2)))
     if value < FAR:
         return value
 
@@ -176,8 +176,8 @@ def _plain_value(word: int, further: int, table: QuantileTable) -> int:
     while (lower := int(table.child[node])) >= 0:  # a cell's lower half, and its upper one
         node = lower + int(place >= table.cells[lower + 1, 0])
     left, width, c0, c1, c2 = table.cells[node]
-    share = (place - left) / width
-    value = c0 + share * (c1 + share * c2)
+    within = (place - left) / width
+    value = c0 + within * (c1 + within * c2)
     return int(np.floor(min(max(value, 1.0 - FAR), FAR - 1.0) + 0.5))
 
 
@@ -214,7 +214,7 @@ def _value_at(above, v, table):  # type: ignore[no-untyped-def]
 
 
 @bare
-def beyond(x, share, table, known):  # type: ignore[no-untyped-def]
+def beyond(x, fraction, table, known):  # type: ignore[no-untyped-def]
     """A whole threshold above x (whole), at a share of the law beyond: P_c conditional on x_s > x.
 
     known : a stretch and the survival there, of the last call; it is found by bisection with the table's own quantiles.
@@ -229,7 +229,7 @@ def beyond(x, share, table, known):  # type: ignore[no-untyped-def]
             else:
                 high = middle
         known[0], known[1] = real(x), double_of(high)
-    return max(_value_at(True, max(known[1] * share, 1e-300), table), x)
+    return max(_value_at(True, max(known[1] * fraction, 1e-300), table), x)
 
 
 @cache

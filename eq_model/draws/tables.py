@@ -150,11 +150,11 @@ def _certified(
 ) -> Flags:
     """Whether the values of each cell have the tail probabilities that they should, to `unseen` at least."""
     left, width, c0, c1, c2 = (column[:, None] for column in row.T)
-    share = (np.arange(10) + 0.5) / 10.0
-    v, first, last = (_v(left + width * t, logarithmic[:, None]) for t in (share, 0.0, 1.0))
+    within = (np.arange(10) + 0.5) / 10.0
+    v, first, last = (_v(left + width * t, logarithmic[:, None]) for t in (within, 0.0, 1.0))
     # the limit 0.01 of its width makes a cell fail that contains a jump, however thin it is
     slack = np.minimum(1e-6 * np.minimum(v, 1.0 - v), 0.01 * np.abs(last - first))
-    x = c0 + share * (c1 + share * c2)
+    x = c0 + within * (c1 + within * c2)
     slack = np.maximum(slack, unseen)
     good = np.abs(tail_of(x) - v) <= slack
     off = np.flatnonzero(~good.all(axis=1))

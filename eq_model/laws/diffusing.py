@@ -127,8 +127,8 @@ def _straightened(above, below, x, time, law):  # type: ignore[no-untyped-def]
     """
     relaxed = law.diffusion / (law.width * law.width) * time
     bend = 0.5 * relaxed * relaxed * (law.mean - x) if law.normal else 0.0
-    share = above / max(above + abs(below), 1e-300)
-    return above + bend * share * share, below + bend * (1.0 - share) * (1.0 - share)
+    fraction = above / max(above + abs(below), 1e-300)
+    return above + bend * fraction * fraction, below + bend * (1.0 - fraction) * (1.0 - fraction)
 
 
 @bare
@@ -236,12 +236,12 @@ def break_diffusing(law, contact, drive, counts):  # type: ignore[no-untyped-def
                 instant = drive.bin_ends[drive.watched[watched]]
                 if instant >= until or instant > end:
                     break
-                share = (real(instant - begin) - passed) / max(met * ticks, 1.0)
+                fraction = (real(instant - begin) - passed) / max(met * ticks, 1.0)
                 # a path has at most 2^12 watched points
                 turn, low = (drawn << 12) | watched, max(below, 0.0)
-                gap = _between(above, low, max(variance, 1e-300), share, lane, turn, stream)
+                gap = _between(above, low, max(variance, 1e-300), fraction, lane, turn, stream)
                 birth = place_of(instant, leg, drive) - stretch - d * (instant - begin)
-                look_at(watched, birth, x + share * met * (then - x) + gap, drive, counts)
+                look_at(watched, birth, x + fraction * met * (then - x) + gap, drive, counts)
                 watched += 1
             if broken:
                 return Break(begin + gone, leg, drawn)

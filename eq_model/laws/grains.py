@@ -76,14 +76,14 @@ def _hazard(stretch, age, pace, root):  # type: ignore[no-untyped-def]
         return 0.0, 0.0
     largest = np.cbrt(1.0 + age)
     excess = age / (1.0 + largest + largest * largest)
-    left = excess - over
-    if left <= 0.0:
+    rest = excess - over
+    if rest <= 0.0:
         return np.inf, np.inf
     first, free, growth = 1.0 / largest, excess / largest, pace / (3.0 * (1.0 + age))
-    y = 1.0 - left / largest
-    rise = _density(y, left / largest) * (root * s / (place * largest) - y * growth)
+    y = 1.0 - rest / largest
+    rise = _density(y, rest / largest) * (root * s / (place * largest) - y * growth)
     rise += _density(first, free) * first * growth
-    return _beyond(over / excess * (largest / left), first, free), rise
+    return _beyond(over / excess * (largest / rest), first, free), rise
 
 
 @bare
@@ -97,10 +97,10 @@ def _quantile(goal, age, root):  # type: ignore[no-untyped-def]
     q = np.cbrt(2.0 * goal) + goal + 5.0 / 3.0 * np.log1p(goal)
     q = min(q, goal * (2.0 + first) / (3.0 * first * first))
     for _ in range(60):
-        left = free / (1.0 + q * free)
-        y = first + q * free * left
+        rest = free / (1.0 + q * free)
+        y = first + q * free * rest
         step = (_beyond(q, first, free) - goal) * (2.0 + y) / (3.0 * y * y)
-        step /= 1.0 - 0.5 * step * left * left * (4.0 + y) / (y * (2.0 + y))
+        step /= 1.0 - 0.5 * step * rest * rest * (4.0 + y) / (y * (2.0 + y))
         last, q = q, max(q - step, 0.125 * q)
         if abs(step) <= 1e-5 * last:  # the error is the cube of that
             break

@@ -52,28 +52,28 @@ def often(contacts: Contacts, lasts: Array, moved: Array, law: Ordered) -> float
     assert isinstance(stated, OrderedThresholds)
     for _ in range(40):
         middle = 0.5 * (low + high)
-        way = speed * middle
-        holds = stated.birth_threshold(way, middle, way) < contacts.mean_threshold
+        distance = speed * middle
+        holds = stated.birth_threshold(distance, middle, distance) < contacts.mean_threshold
         low, high = (middle, high) if holds else (low, middle)
     return total / high
 
 
 @bare
-def _largest(law, x, age, late_age, way, late_way):  # type: ignore[no-untyped-def]
+def _largest(law, x, age, late_age, distance, late_distance):  # type: ignore[no-untyped-def]
     """The largest birth_threshold at a stretch between two ages and between two distances travelled: that at one end of
     each, as it rises or falls all along; at which, says the law's trend, and at both where contacts do both."""
     trend, birth_threshold = law.trend, law.birth_threshold
     first_age = age if trend.strengthens_with_age else late_age
     other_age = late_age if trend.weakens_with_age else first_age
-    first_way = way if trend.strengthens_with_travel else late_way
-    other_way = late_way if trend.weakens_with_travel else first_way
-    largest = birth_threshold(x, first_age, first_way)
+    first_distance = distance if trend.strengthens_with_travel else late_distance
+    other_distance = late_distance if trend.weakens_with_travel else first_distance
+    largest = birth_threshold(x, first_age, first_distance)
     if other_age != first_age:
-        largest = max(largest, birth_threshold(x, other_age, first_way))
-    if other_way != first_way:
-        largest = max(largest, birth_threshold(x, first_age, other_way))
+        largest = max(largest, birth_threshold(x, other_age, first_distance))
+    if other_distance != first_distance:
+        largest = max(largest, birth_threshold(x, first_age, other_distance))
         if other_age != first_age:
-            largest = max(largest, birth_threshold(x, other_age, other_way))
+            largest = max(largest, birth_threshold(x, other_age, other_distance))
     return largest
 
 
@@ -95,8 +95,8 @@ def break_ordered(law, contact, drive, counts):  # type: ignore[no-untyped-def]
             then = min(at + step, room)
             stretch = max(abs(x + d * at), abs(x + d * then)) * law.unit
             ages, late_age = age + pace * at, age + pace * then
-            way, late_way = travelled + length * at, travelled + length * then
-            if _largest(law, stretch, ages, late_age, way, late_way) < birth * law.unit:
+            distance, late_distance = travelled + length * at, travelled + length * then
+            if _largest(law, stretch, ages, late_age, distance, late_distance) < birth * law.unit:
                 at = then
                 step = 2 * step if at >= doubtful else max((doubtful - at) >> 1, whole(1))
             elif then - at > 1:

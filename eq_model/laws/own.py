@@ -76,8 +76,8 @@ def make(contacts: Contacts, drive: WholeDrive, *heat: Any) -> Called:
         return float(law.hazard_at(at_start, law.start_pinned_for))
 
     def meeting(near: float, speed: float, room: float, age: float, goal: float) -> float:
-        def missing(way: float) -> float:
-            return float(threshold(goal, age + way / speed)) - near - way
+        def missing(distance: float) -> float:
+            return float(threshold(goal, age + distance / speed)) - near - distance
 
         return _first_root(missing, room, accuracy)
 

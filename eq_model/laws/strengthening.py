@@ -24,7 +24,7 @@ class Logarithmic(NamedTuple):
     time: float  # τ_0
     age: float
     beta: float
-    share: float  # threshold at age 0 over the drawn one, which is that at X = 0
+    fraction: float  # threshold at age 0 over the drawn one, which is that at X = 0
     warm: bool
     rates: Any
     unit: float
@@ -34,8 +34,9 @@ def make(contacts: Contacts, drive: WholeDrive, *heat: Any) -> Logarithmic:
     """The growth of these contacts; see settings.KERNELS."""
     law = contacts.strengthening
     assert law is not None
-    age, share = law.start_pinned_for / law.time_unit, 1.0 / float(law.factor(law.start_pinned_for))
-    return Logarithmic(law.time_unit, age, law.beta, share, *heat)
+    age = law.start_pinned_for / law.time_unit
+    fraction = 1.0 / float(law.factor(law.start_pinned_for))
+    return Logarithmic(law.time_unit, age, law.beta, fraction, *heat)
 
 
 def often(contacts: Contacts, lasts: Array, moved: Array, law: Logarithmic) -> float:
@@ -45,7 +46,7 @@ def often(contacts: Contacts, lasts: Array, moved: Array, law: Logarithmic) -> f
 
 def _born(law, contact):  # type: ignore[no-untyped-def]
     """Contacts of the start and later ones have thresholds of one law at age 0."""
-    return 0.0 if contact.fresh else law.age, law.share * real(contact.threshold)
+    return 0.0 if contact.fresh else law.age, law.fraction * real(contact.threshold)
 
 
 @bare
@@ -76,7 +77,7 @@ def _in_row(law, n, x, breaks_at, lanes, work):  # type: ignore[no-untyped-def]
     """
     paces, legs, initial = work.drive.paces, lanes.leg, lanes.initial
     for i in range(unsigned(0 if law.warm else n)):
-        goal, pace = law.share * real(x[i]), paces[unsigned(legs[i])] / law.time
+        goal, pace = law.fraction * real(x[i]), paces[unsigned(legs[i])] / law.time
         at, step = goal, 0.0
         for _ in range(3):
             later = 1.0 + pace * at

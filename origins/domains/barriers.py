@@ -80,16 +80,16 @@ class Island(NamedTuple):
     @classmethod
     def triangular(cls, substrate: Substrate, a: float, n_i: int, n_j: int) -> Island:
         """triangular_island(a, n_i, n_j), without its atoms."""
-        G, reach = substrate.wavevectors, 0.5 * a * np.hypot(n_i - 0.5, sqrt(0.75) * (n_j - 1.0))
+        G, furthest = substrate.wavevectors, 0.5 * a * np.hypot(n_i - 0.5, sqrt(0.75) * (n_j - 1.0))
         factors = partial(triangular_structure_factors, a, n_i, n_j, wavevectors=G)
-        return cls(substrate, n_i * n_j, float(reach * np.hypot(*G.T).max()), factors)
+        return cls(substrate, n_i * n_j, float(furthest * np.hypot(*G.T).max()), factors)
 
     @classmethod
     def of_atoms(cls, substrate: Substrate, atoms: Atoms) -> Island:
         """The rigid island of these atoms."""
-        G, reach = substrate.wavevectors, np.hypot(*positions_of(atoms).T).max()
+        G, furthest = substrate.wavevectors, np.hypot(*positions_of(atoms).T).max()
         factors = partial(structure_factors, atoms, wavevectors=G)
-        return cls(substrate, len(atoms), float(reach * np.hypot(*G.T).max()), factors)
+        return cls(substrate, len(atoms), float(furthest * np.hypot(*G.T).max()), factors)
 
     def relaxing(self, atoms: Atoms, bonds: float, angles: Array) -> Island:
         """This island of `atoms` with harmonic bonds of a stiffness; it takes seconds for each of the angles."""

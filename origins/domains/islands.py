@@ -95,8 +95,8 @@ def irregular_island(
     m = np.arange(1, 7)
     waves = generator.standard_normal((2, m.size)) / m / np.sqrt((1.0 / m**2).sum())
     offset = generator.random(2)
-    reach = radius * float(np.exp(roughness * np.hypot(*waves).sum()))
-    x, y = _lattice(lattice_constant, lattice, reach, reach)
+    furthest = radius * float(np.exp(roughness * np.hypot(*waves).sum()))
+    x, y = _lattice(lattice_constant, lattice, furthest, furthest)
     x = x + offset[0] * lattice_constant
     y = y + offset[1] * lattice_constant * LATTICES[lattice][1]
     phase, distance = np.arctan2(y, x)[..., None] * m, np.hypot(x, y)

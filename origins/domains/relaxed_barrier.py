@@ -109,12 +109,12 @@ class _MovingIsland:
         self.atoms.calc = calculator
         self.radian = float(np.linalg.norm(periods, axis=1).min() / (2.0 * np.pi))
         places = (np.indices((3, 3)).reshape(2, 9).T + np.array([0.37, 0.21])) / 3.0
-        forces = [self.energy_and_forces(self.shifted(share))[1] for share in places]
+        forces = [self.energy_and_forces(self.shifted(fraction))[1] for fraction in places]
         self.force = float(np.linalg.norm(forces, axis=-1).max())
 
-    def shifted(self, share: npt.ArrayLike) -> Array:
-        """Shifts of all atoms by `share` (2,) of the periods."""
-        return np.broadcast_to(np.append(np.asarray(share) @ self.periods, 0.0), self.rest.shape)
+    def shifted(self, fraction: npt.ArrayLike) -> Array:
+        """Shifts of all atoms by `fraction` (2,) of the periods."""
+        return np.broadcast_to(np.append(np.asarray(fraction) @ self.periods, 0.0), self.rest.shape)
 
     def permitted(self, shifts: Array, centred: bool = False) -> Array:
         """The part of shifts, or forces, (N_a, 3) that the island's motion permits; `centred`: keeping x, y of its
@@ -134,10 +134,10 @@ class _MovingIsland:
             refuse("calculator", energy, "must give finite energies and forces everywhere")
         return energy, forces
 
-    def relaxed(self, share: npt.ArrayLike, change: Array) -> tuple[float, Array]:
-        """Energy, and what is added to the shifts by `share` of the periods, at the minimum that L-BFGS finds from a
+    def relaxed(self, fraction: npt.ArrayLike, change: Array) -> tuple[float, Array]:
+        """Energy, and what is added to the shifts by `fraction` of the periods, at the minimum that L-BFGS finds from a
         `change` of them, the centre kept along x and y."""
-        place = self.shifted(share)
+        place = self.shifted(fraction)
         if self.rigid and self.planar:
             return self.energy_and_forces(place)[0], change
 
@@ -192,14 +192,14 @@ def _periods(atoms: Atoms, calculator: Any, given: npt.ArrayLike | None) -> Arra
 
 def _checked(island: _MovingIsland) -> float:
     """Rounding of energies; InputError where forces are not those of the energy, or periods change the energy."""
-    unit, share = island.force * island.radian, np.array([0.123, 0.456])
+    unit, fraction = island.force * island.radian, np.array([0.123, 0.456])
     if unit == 0.0:
         refuse("calculator", "no force anywhere", "must give forces that change with the place")
-    energy, forces = island.energy_and_forces(island.shifted(share))
+    energy, forces = island.energy_and_forces(island.shifted(fraction))
     most = abs(energy) + len(forces) * (unit + island.force * float(np.abs(island.rest).max()))
     noise = 8.0 * float(np.finfo(float).eps) * most
-    for way, period in zip(np.eye(2), island.periods, strict=True):
-        places = (island.shifted(share + step * way) for step in (1.0, -1e-5, 1e-5))
+    for axis, period in zip(np.eye(2), island.periods, strict=True):
+        places = (island.shifted(fraction + step * axis) for step in (1.0, -1e-5, 1e-5))
         there, behind, ahead = (island.energy_and_forces(place)[0] for place in places)
         change, work = abs(there - energy), 2e-5 * forces.sum(axis=0)[:2] @ period
         if change > 1e-9 * unit + 4.0 * noise:
@@ -227,8 +227,8 @@ def _minimum_and_saddle(island: _MovingIsland, noise: float) -> tuple[list[Array
     kept = (highest > 0) & (highest < count // 2) & (sizes > max(_SMALL * largest, noise / count))
     lowest = lowest_saddles(K[kept], waves[kept][None])
     found = []
-    for share in np.vstack([lowest.minima, lowest.saddles]) / (2.0 * np.pi):
-        _, change = island.relaxed(share, change)
-        found.append(island.shifted(share) + change)
+    for fraction in np.vstack([lowest.minima, lowest.saddles]) / (2.0 * np.pi):
+        _, change = island.relaxed(fraction, change)
+        found.append(island.shifted(fraction) + change)
     # where short waves are larger than a hundredth of the largest one the relaxed energy jumps
     return found, 0.0 if shortest <= 1e-2 * largest else float(np.ptp(energies))

@@ -79,7 +79,7 @@ def domains(
     strength = _checked_law(law, stiffness, coefficient)
     if bonds is not None and (islands is None or angles is None):
         refuse("bonds", bonds, "makes islands of your own flexible, at listed angles; give both")
-    if sum(way is not None for way in (sizes, mean_atoms, islands)) != 1:
+    if sum(each is not None for each in (sizes, mean_atoms, islands)) != 1:
         raise InputError("domains: give exactly one of sizes = [(10, 9)], mean_atoms and islands")
     listed = None if angles is None else radians(finite_array("angles", angles), "angles")
     heat = None if temperature is None else positive("temperature", temperature)

@@ -79,7 +79,7 @@ def fourier_substrate(
     if c.shape != G.shape[:1] or not np.isfinite(c).all():
         refuse("coefficients", coefficients, f"must be {len(G)} finite numbers, one for each wave")
     unit = _AGREEMENT * np.abs(G).max()
-    equal, opposite = (np.abs(G[:, None] - way * G).max(-1) <= unit for way in (1.0, -1.0))
+    equal, opposite = (np.abs(G[:, None] - sign * G).max(-1) <= unit for sign in (1.0, -1.0))
     # all that belongs to one wave is added to the first of its wavevectors
     first, sums = (equal | opposite).argmax(axis=1), np.zeros_like(c)
     np.add.at(sums, first, np.where(equal[np.arange(len(G)), first], c, c.conj()))

@@ -82,9 +82,9 @@ class GrainContact(GrowingThresholds):
         x, excess = np.broadcast_arrays(x, self.growth.excess_after(pinned_for))
         s = np.sqrt(float(self.growth.B)) * np.abs(x)
         over = s * (s / (1.0 + np.hypot(1.0, s)))  # diameter of the breaking grain over d, less 1
-        held = (over < excess) & (over > 0.0)
-        out, over, excess = np.where(over > 0.0, np.inf, 0.0), over[held], excess[held]
-        out[held] = hazard_beyond(over / excess * ((1.0 + excess) / (excess - over)), excess)
+        within = (over < excess) & (over > 0.0)
+        out, over, excess = np.where(over > 0.0, np.inf, 0.0), over[within], excess[within]
+        out[within] = hazard_beyond(over / excess * ((1.0 + excess) / (excess - over)), excess)
         return out
 
     def threshold_at(self, hazard: Array | float, pinned_for: Array | float) -> Array:
@@ -92,8 +92,8 @@ class GrainContact(GrowingThresholds):
         hazard, excess = np.broadcast_arrays(hazard, self.growth.excess_after(pinned_for))
         q = invert_beyond(np.minimum(hazard, 1e300), excess)
         # the largest grain has an infinite hazard
-        share = np.where(np.isinf(hazard), 1.0, q * excess / (1.0 + excess + q * excess))
-        return np.sqrt(excess * share * (excess * share + 2.0) / self.growth.B)
+        fraction = np.where(np.isinf(hazard), 1.0, q * excess / (1.0 + excess + q * excess))
+        return np.sqrt(excess * fraction * (excess * fraction + 2.0) / self.growth.B)
 
     def quantile(self, u: npt.ArrayLike, age: npt.ArrayLike) -> Array:
         """Threshold (a length) of the contact of quantile u in [0, 1] at `age`; shapes broadcast. It rises with age,

@@ -57,7 +57,7 @@ def called(rates: Any) -> CompiledRates:
     # kernels cannot pass on errors of the methods, so they show here
     rates.log_rate(0.0, 1.0, 1.0)
     rates.reached(rates.log_passed(0.0, 0.5, 1.0, 1.0), 0.0, 1.0, 1.0)
-    passed = number(lambda *way: exp(min(rates.log_passed(0.0, *way), 700.0)), 3)  # finite
+    passed = number(lambda *given: exp(min(rates.log_passed(0.0, *given), 700.0)), 3)  # finite
     reached = number(lambda log_amount, *rest: rates.reached(log_amount, 0.0, *rest), 3)
     law = Called(float(rates.scale))
     return CompiledRates(law, number(rates.log_rate, 3), passed, reached, lambda law, *_: law.scale)

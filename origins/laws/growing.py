@@ -160,9 +160,9 @@ class GrowingThresholds(ChangingThresholds):
         found = self.hazard_at(begin + speed * later, age + later)
         known = np.where(np.isfinite(found), found, 1e300)
         steps = np.diff(known) / (1.0 + known[:, 1:])
-        falls_again = np.maximum.accumulate(steps > ROUGHNESS, axis=1) & (steps < -ROUGHNESS)
-        if falls_again.any():
-            at = float(speed[falls_again.any(axis=1)][0, 0])
+        falls_later = np.maximum.accumulate(steps > ROUGHNESS, axis=1) & (steps < -ROUGHNESS)
+        if falls_later.any():
+            at = float(speed[falls_later.any(axis=1)][0, 0])
             fault = f"hazard_at rises and falls again on a leg of the speed {at:.3g}"
             self._refuse(f"{fault}: thresholds must grow ever more slowly")
 

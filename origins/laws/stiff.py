@@ -80,11 +80,11 @@ def _passed(law, far, threshold, stiffness):  # type: ignore[no-untyped-def]
 def _reached(law, log_amount, threshold, stiffness):  # type: ignore[no-untyped-def]
     each = law.spring * stiffness * threshold
     # e^(-c u) = e^-c + amount (3c/2 ω x_s), which gives u to 1e-16/c; most contacts meet the threshold, u = 0, first
-    held = np.exp(log_amount - law.log_scale) * (1.5 * each)
-    if held >= 1.0:
+    survival = np.exp(log_amount - law.log_scale) * (1.5 * each)
+    if survival >= 1.0:
         return threshold
-    held += np.exp(-each * threshold)
-    u = -np.log(max(held, 1e-300)) / max(each * threshold, 1e-300)
+    survival += np.exp(-each * threshold)
+    u = -np.log(max(survival, 1e-300)) / max(each * threshold, 1e-300)
     return threshold * (1.0 - np.exp(2.0 / 3.0 * np.log(min(max(u, 1e-30), 1.0))))
 
 

@@ -11,12 +11,12 @@ class TooHot(UserWarning):
 
 def too_hot(temperature: float, thresholds: Thresholds) -> str:
     """A warning for a temperature k_BT/<k> (a length squared) at which no contact holds; "" for a lower one."""
-    share = temperature / thresholds.moment(2)
-    if not share > 100.0:  # barriers are then below k_BT/200
+    ratio = temperature / thresholds.moment(2)
+    if not ratio > 100.0:  # barriers are then below k_BT/200
         return ""
     kelvin = ": of kelvins write temperature = { kelvin = 300.0 }" if thresholds.interface else ""
     return (
-        f"the temperature is {share:.3g} <x_s^2>: barriers are {0.5 / share:.1g} k_BT, so that contacts break as often "
+        f"the temperature is {ratio:.3g} <x_s^2>: barriers are {0.5 / ratio:.1g} k_BT, so that contacts break as often "
         f"as they attempt, whatever their stretch and threshold; it is k_BT/<k>, a length squared{kelvin}"
     )
 
@@ -28,5 +28,5 @@ def too_cold(temperature: float, thresholds: Thresholds) -> str:
         return ""
     if thresholds.interface is not None:
         unit = f" are the surface's lengths, <x_s> = {mean:.2g} m, in their unit?"
-    share = f"k_BT/<k> = {temperature:.1g} is {temperature / mean**2:.1g} of <x_s>²;{unit}"
-    return f"{share} below {least:g} of it contacts break at their thresholds: leave thermal out"
+    measured = f"k_BT/<k> = {temperature:.1g} is {temperature / mean**2:.1g} of <x_s>²;{unit}"
+    return f"{measured} below {least:g} of it contacts break at their thresholds: leave thermal out"

@@ -154,7 +154,7 @@ def _load_beyond(limit: float, size: Thresholds, load: Bend) -> float:
     if beyond == 0.0:
         return 0.0
     borne = scipy.integrate.tanhsinh(
-        lambda share: load(size.isf(share)), 0.0, beyond, atol=0.0, rtol=1e-9
+        lambda fraction: load(size.isf(fraction)), 0.0, beyond, atol=0.0, rtol=1e-9
     )
     return min(float(borne.integral / Powered(size, load).mean()), 1.0)
 

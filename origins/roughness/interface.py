@@ -204,7 +204,7 @@ class Interface(InSI):
     @property
     def cautions(self) -> tuple[str, ...]:
         """Sentences about surface or load at the limits of the theory; empty where there are none."""
-        moments, mu, reach = self.moments, self.friction_coefficient, self.mean_threshold
+        moments, mu, stretch = self.moments, self.friction_coefficient, self.mean_threshold
         covered, radius, slope = self.area_fraction, self.mean_radius, moments.rms_slope
         local, tops = self.material.local_friction or np.inf, moments.summit_radius
         by_hertz = self.hertz_plastic_fraction or 0.0
@@ -236,7 +236,7 @@ class Interface(InSI):
             > 1.5,
             self.plastic_caution: self.plastic_caution != "",
             f"{by_hertz:.1%} would be plastic by Hertz' theory, and all are taken as such": too_elastic,
-            f"contacts stretch by {in_metres(reach)}, above their radius {in_metres(radius)}": reach
+            f"contacts stretch by {in_metres(stretch)}, above their radius {in_metres(radius)}": stretch
             > radius,
             f"mean radius {in_metres(radius)} is not far below {tall}": too_wide,
             f"mean radius {in_metres(radius)} is below 2 pixels: the scan does not resolve it": too_small,

@@ -133,8 +133,8 @@ class ChordGaussian(Thresholds):
             drop = self._log_ratio(self._upper, np.zeros(()))
             at = 0.0 if drop < 0.0 else self._upper  # where G is larger
             chord = np.exp(self._log_ratio(at, x)) * -np.expm1(-np.abs(drop)) * np.sign(drop)
-            share = -np.expm1(self._log_ratio(anchor, x)) - chord * (x - anchor) / self._upper
-            return -0.5 * ((x - self._mean) / self._std) ** 2 + np.log(np.maximum(share, 0.0))
+            fraction = -np.expm1(self._log_ratio(anchor, x)) - chord * (x - anchor) / self._upper
+            return -0.5 * ((x - self._mean) / self._std) ** 2 + np.log(np.maximum(fraction, 0.0))
 
     def _log_ratio(self, at: Array | float, x: Array) -> Array:
         """log of G(at) / G(x)."""

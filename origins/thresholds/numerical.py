@@ -165,8 +165,8 @@ class NumericalLaw:
         weight = away * (self._means[0][panel] + place * mean - after)
         if np.isfinite(self._power):
             first = panel == 0
-            share = away[first] / self._widths[0]
-            weight[first] = self._masses[0] * share ** (self._power + 1.0)
+            fraction = away[first] / self._widths[0]
+            weight[first] = self._masses[0] * fraction ** (self._power + 1.0)
         above = self._above[panel + 1] + (self._masses[panel] - weight)
         return self._below[panel] + weight, np.maximum(above, 0.0)
 
@@ -179,15 +179,15 @@ class NumericalLaw:
         weight = np.where(low, below - self._below[panel], mass - (above - self._above[panel + 1]))
         means, densities = self._means.take(panel, axis=1), self._densities.take(panel, axis=1)
         with np.errstate(all="ignore"):  # where a panel has no weight
-            share = start = np.clip(np.nan_to_num(weight / mass), 0.0, 1.0)
+            fraction = start = np.clip(np.nan_to_num(weight / mass), 0.0, 1.0)
             for _ in range(6):  # four are enough, as the density varies little over a panel
-                place = 2.0 * share - 1.0
-                missing = weight / width - share * chebyshev.chebval(place, means, tensor=False)
+                place = 2.0 * fraction - 1.0
+                missing = weight / width - fraction * chebyshev.chebval(place, means, tensor=False)
                 step = missing / chebyshev.chebval(place, densities, tensor=False)
-                share = np.clip(share + np.nan_to_num(step), 0.0, 1.0)
+                fraction = np.clip(fraction + np.nan_to_num(step), 0.0, 1.0)
         if np.isfinite(self._power):
-            share = np.where(panel == 0, start ** (1.0 / (self._power + 1.0)), share)
-        return self._edges[panel] + width * share
+            fraction = np.where(panel == 0, start ** (1.0 / (self._power + 1.0)), fraction)
+        return self._edges[panel] + width * fraction
 
     def logpdf(self, x: Array) -> Array:
         """Log of the normalised density at x (lengths)."""

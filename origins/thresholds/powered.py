@@ -93,8 +93,8 @@ class Powered(Thresholds):
                 return float((self.base.logpdf(np.zeros(1)) + np.log(slope))[0])
         # the density of the base vanishes or diverges there, as the power does: P_c(0) is the cdf divided by x where
         # the cdf is as small as this
-        share = 1e-30
-        return float(np.log(share / self.ppf(share)))
+        fraction = 1e-30
+        return float(np.log(fraction / self.ppf(fraction)))
 
     def _logpdf(self, x: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
