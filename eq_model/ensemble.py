@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 import numpy.typing as npt
 
-from eq_model.blocks import Blocks, DroppedError, State, meeting, rank_and_size, blocks_of_rank
+from eq_model.blocks import Blocks, DroppedError, State, blocks_of_rank, meeting, rank_and_size
 from eq_model.coupled.ensemble import Replicas
 from eq_model.coupled.mass.sliders import HeavySliders
 from eq_model.engine import Engine

@@ -24,18 +24,18 @@ def _contacts(temperature: float, closure: Any = "paper", law: Any = "soft") -> 
 def _mean_rate(x: Array, temperature: float) -> Array:
     """H(x)/omega of soft contacts with Gaussian thresholds, in closed form (Eq. temper11)."""
     both = temperature + _STD**2
-    share = np.sqrt(temperature / both) * np.exp(-0.5 * _MEAN**2 / both)
+    weight = np.sqrt(temperature / both) * np.exp(-0.5 * _MEAN**2 / both)
     mean, std = temperature * _MEAN / both, _STD * np.sqrt(temperature / both)
-    return share * np.exp(0.5 * x * x / temperature) * normal_tail((x - mean) / std)
+    return weight * np.exp(0.5 * x * x / temperature) * normal_tail((x - mean) / std)
 
 
-def _held(temperature: float, slowness: float) -> tuple[Array, Array, Array]:
+def _survival(temperature: float, slowness: float) -> tuple[Array, Array, Array]:
     """Gauss-Legendre nodes and weights on (0, 1.6), and what survives there in the paper's closure."""
     nodes, weights = leggauss(400)
     x, weights = 0.8 * (nodes + 1.0), 0.8 * weights
     inner, inner_weights = leggauss(60)
-    way = 0.5 * np.outer(x, inner + 1.0)
-    integral = (0.5 * x[:, None] * inner_weights * _mean_rate(way, temperature)).sum(axis=1)
+    stretch = 0.5 * np.outer(x, inner + 1.0)
+    integral = (0.5 * x[:, None] * inner_weights * _mean_rate(stretch, temperature)).sum(axis=1)
     return x, weights, normal_tail((x - _MEAN) / _STD) * np.exp(-slowness * integral)
 
 
@@ -92,8 +92,8 @@ def a08b(figure: Any) -> Found:
     )
     axes.set(xlabel="$x$", ylabel="$Q_s(x)$", xlim=(0.0, 1.3))
     axes.legend(fontsize="small", title="T = 0.3")
-    _, weights, held = _held(0.3, 10.0)
-    exact = float(1.0 / (weights * held).sum())
+    _, weights, survival = _survival(0.3, 10.0)
+    exact = float(1.0 / (weights * survival).sum())
     return Found("Q_s(0) = 1/C, ω/kv = 10", found, 1e-6, exact, "quadrature of E_P")
 
 
@@ -159,9 +159,9 @@ def _fast_coefficient(temperature: float) -> float:
     xi = _MEAN + _STD * bell[:, None]
     y, dy = 0.5 * xi * (nodes + 1.0), 0.5 * xi * weights
     rate = np.exp(-0.5 * (xi * xi - y * y) / temperature) * dy
-    share = bell_weights / bell_weights.sum()
-    travel = -float(share @ (rate * (xi - y)).sum(axis=1))
-    moment = -float(share @ (rate * 0.5 * (xi * xi - y * y)).sum(axis=1))
+    weight = bell_weights / bell_weights.sum()
+    travel = -float(weight @ (rate * (xi - y)).sum(axis=1))
+    moment = -float(weight @ (rate * 0.5 * (xi * xi - y * y)).sum(axis=1))
     return (moment - 0.5 * (1.0 + _STD**2) * travel) / _MEAN
 
 
@@ -181,8 +181,8 @@ def a08d(figure: Any) -> Found:
     axes.plot([], [], ":", color="0.4", label="the paper's closure")
     axes.set(xlabel="$X$", ylabel=FORCE, xlim=(0.0, 12.0), ylim=(0.0, 1.2))
     axes.legend(fontsize="small", ncols=2)
-    x, weights, held = _held(0.3, 1.0)
-    exact = float((weights * x * held).sum() / (weights * held).sum())
+    x, weights, survival = _survival(0.3, 1.0)
+    exact = float((weights * x * survival).sum() / (weights * survival).sum())
     return Found(
         *(
             "F at X = 200, T = 0.3, ω/kv = 1, the paper's closure",

@@ -83,10 +83,10 @@ def draw_figures(labels: Iterable[str], folder: str, say: Callable[[str], None])
 
 def in_words(label: str, number: int, found: Found) -> list[str]:
     """Two or three lines: the number beside its reference, the paper's word, the remark."""
-    told = f"{found.what}: {found.value:.9g}"
+    text = f"{found.what}: {found.value:.9g}"
     if found.exact is not None:
-        told += f", exact {found.exact:.9g} ({found.known}), within {found.off:.1g}"
-        told += "" if found.agrees else ": THEY DO NOT AGREE"
-    lines = [f"Fig. {number:<3}{label:10}{told}"]
+        text += f", exact {found.exact:.9g} ({found.known}), within {found.off:.1g}"
+        text += "" if found.agrees else ": THEY DO NOT AGREE"
+    lines = [f"Fig. {number:<3}{label:10}{text}"]
     lines += [f"{'':18}the paper: {found.paper}"] if found.paper else []
     return lines + ([f"{'':18}{found.remark}"] if found.remark else [])

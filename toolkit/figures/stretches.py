@@ -86,9 +86,9 @@ def a02c(figure: Any) -> Found:
     lower.plot(
         grid, grid * law.pdf(grid) / mean, ":", color=INKS[2], label="$xP_c/\\langle x_s\\rangle$"
     )
-    held, thresholds = coarser(last.threshold_edges, last.thresholds, 64)
+    middle, thresholds = coarser(last.threshold_edges, last.thresholds, 64)
     style |= {"marker": "o", "color": INKS[2]}
-    lower.plot(held, thresholds, **style, label="thresholds that hold")
+    lower.plot(middle, thresholds, **style, label="thresholds that hold")
     lower.set(xlim=(0.75, 1.25), ylim=(-1.0, 10.0))
     lower.legend(fontsize="small")
     upper.legend(fontsize="small")

@@ -71,33 +71,33 @@ def cores_of(comm: Any) -> int:
     from mpi4py import MPI
 
     node = comm.Split_type(MPI.COMM_TYPE_SHARED)
-    held = node.allgather(mine)
+    cores_of_ranks = node.allgather(mine)
     node.Free()
-    share = sum(1.0 / sum(core in other for other in held) for core in mine)
-    return max(int(share + 1e-9), 1)
+    own_cores = sum(1.0 / sum(core in other for other in cores_of_ranks) for core in mine)
+    return max(int(own_cores + 1e-9), 1)
 
 
 class Relay:
     """A signal that one rank gets, and notes in `asked`, reaches the others: they note it too."""
 
     def __init__(self, comm: Any, asked: Deferred) -> None:
-        self._comm, self._asked, self._told = comm, asked, comm is None or comm.Get_size() == 1
+        self._comm, self._asked, self._agreed = comm, asked, comm is None or comm.Get_size() == 1
         self._one_at_a_time = threading.Lock()
 
     def listen(self) -> None:
         """Note the signal of another rank, if one came: takes 0.3 µs, from whatever thread."""
-        if self._told or not (_in_main_thread() or _mpi_takes_threads()):
+        if self._agreed or not (_in_main_thread() or _mpi_takes_threads()):
             return
         with self._one_at_a_time:
             if self._asked.signal is None and self._comm.Iprobe(tag=_STOP):
-                self._asked.signal, self._told = self._comm.recv(tag=_STOP), True
+                self._asked.signal, self._agreed = self._comm.recv(tag=_STOP), True
 
     def pass_on(self) -> None:
         """Tell the others of the signal that this rank got, once; not of one that another has told."""
         with self._one_at_a_time:
-            if self._told or self._asked.signal is None:
+            if self._agreed or self._asked.signal is None:
                 return
-            self._told = True
+            self._agreed = True
             for rank in set(range(self._comm.Get_size())) - {self._comm.Get_rank()}:
                 self._comm.isend(self._asked.signal, dest=rank, tag=_STOP)
 

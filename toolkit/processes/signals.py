@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NamedTuple, NoReturn
 
-_AGAIN = 0.05  # s after which a signal comes again whose exception was lost
+_REPEATED_AFTER = 0.05  # s after which a signal comes again whose exception was lost
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
 # (number of ranks, own rank) as each launcher's processes see them. SLURM_NTASKS is not among them: a batch script
 # sees it too, alone. PMI: mpich, Intel MPI, srun --mpi=pmi2; MV2: mvapich; the step's variables: any srun.
@@ -85,7 +85,7 @@ def _insisting(said: list[int]) -> Iterator[None]:
     """
     before = sys.unraisablehook
 
-    def again(lost: Any) -> None:
+    def repeat(lost: Any) -> None:
         if not issubclass(lost.exc_type, KeyboardInterrupt | Terminated | TimeIsUp):
             return before(lost)
         number = said[-1] if said and issubclass(lost.exc_type, Terminated) else signal.SIGINT
@@ -93,11 +93,11 @@ def _insisting(said: list[int]) -> Iterator[None]:
             number = lost.exc_type.number
         # from another thread and a moment later, when the callback has returned
         main = threading.main_thread().ident or 0
-        timer = threading.Timer(_AGAIN, signal.pthread_kill, [main, number])
+        timer = threading.Timer(_REPEATED_AFTER, signal.pthread_kill, [main, number])
         timer.daemon = True
         timer.start()
 
-    sys.unraisablehook = again
+    sys.unraisablehook = repeat
     try:
         yield
     finally:
@@ -119,7 +119,7 @@ def no_longer_than(
 
     def ring(number: int, frame: Any) -> None:
         if _imports_in(frame) > begun:
-            signal.setitimer(over.timer, _AGAIN)
+            signal.setitimer(over.timer, _REPEATED_AFTER)
             return
         if left is None or (more := left()) <= 0.0:
             raise over
@@ -154,14 +154,14 @@ class Deferred:
         """Call the former handler of the noted signal; an exception that it raises gets `note`."""
         if (number := self.signal) is not None:
             self.signal = None
-            again = signal.signal(number, self.before.get(number, signal.SIG_DFL))
+            repeat = signal.signal(number, self.before.get(number, signal.SIG_DFL))
             try:
                 signal.raise_signal(number)
             except BaseException as stop:
                 stop.add_note(note)
                 raise
             finally:
-                signal.signal(number, again)
+                signal.signal(number, repeat)
 
 
 @contextmanager

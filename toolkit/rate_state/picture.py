@@ -44,13 +44,13 @@ def draw_steps(axes: Any, judged: Judged) -> None:
     far = min(SHOWN * max(lengths, default=judged.mean_threshold), float(slip[-1]))
     shown = slip <= far
     for number, (step, law) in enumerate(zip(found.steps, found.law_steps, strict=True)):
-        way, before = "up" if step.log_ratio > 0.0 else "down", [step.steady_before] * 2
+        change, before = "up" if step.log_ratio > 0.0 else "down", [step.steady_before] * 2
         places = np.r_[-BEFORE * far, 0.0, slip[shown]]
         style: dict[str, Any] = {"color": OKABE_ITO[number], "lw": 1.6}
         axes.plot(
-            places, np.r_[before, step.force[shown]] * scale.force, label=f"speed {way}", **style
+            places, np.r_[before, step.force[shown]] * scale.force, label=f"speed {change}", **style
         )
-        style |= {"ls": DASHES[2], "lw": 1.2, "label": f"{found.law.evolution} law, {way}"}
+        style |= {"ls": DASHES[2], "lw": 1.2, "label": f"{found.law.evolution} law, {change}"}
         if np.isfinite(distance):
             axes.plot(places, np.r_[before, law[shown]] * scale.force, **style)
     if found.a.known and found.b.known:

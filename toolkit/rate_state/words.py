@@ -10,7 +10,7 @@ from toolkit.scene.scale import spoken, with_uncertainty, written
 from toolkit.verdict.table import in_columns
 
 # of a number: a larger numerical error stands beside it
-TOLD = 0.01
+RELATIVE = 0.01
 
 
 def page(judged: Judged) -> list[str]:
@@ -86,7 +86,7 @@ def _cells(number: Parameter, unit: str, factor: float, load: list[str]) -> list
         return ["not known", *("" for _ in load), ""]
     value, error = number.value * factor, number.error * factor
     said = written(value, unit, error)
-    if error > TOLD * abs(value) > 0.0:
+    if error > RELATIVE * abs(value) > 0.0:
         said = with_uncertainty(value, error, unit, digits=3)
     other = f"± {written(number.definition * factor, unit, digits=2)}"
     return [said, *load, other * bool(np.isfinite(number.definition))]
@@ -126,10 +126,10 @@ def _of_law(judged: Judged) -> Iterator[str]:
         yield "the force does not rise at first, so that a is 0, and does not evolve as one exponential."
         return
     later = found.misfit_later
-    share = found.direct_slip / judged.mean_threshold
+    slip = found.direct_slip / judged.mean_threshold
     yield (
         f"it has the direct effect at once, which takes contacts a slip of {spoken(found.direct_slip, unit)}, "
-        f"{share:.2g} <x_s>; beyond, it is off by at most {later.share:.0%}, {spoken(later.slip, unit)} after a step."
+        f"{slip:.2g} <x_s>; beyond, it is off by at most {later.share:.0%}, {spoken(later.slip, unit)} after a step."
     )
 
 
@@ -161,7 +161,7 @@ def _of_springs(judged: Judged) -> Iterator[str]:
         if not value:
             return "on no spring"
         value, error = value * scale.spring, error * scale.spring
-        if error > TOLD * value:
+        if error > RELATIVE * value:
             return f"on springs softer than {with_uncertainty(value, error, scale.spring_unit, 3)}"
         return f"on springs softer than {written(value, scale.spring_unit)}"
 

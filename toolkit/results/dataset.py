@@ -9,7 +9,7 @@ from origins.errors import InputError
 from toolkit.results.kinds import QUANTITIES
 from toolkit.results.points import key_units
 
-_LEFT_OUT = {"path", "slips", "energy", "regime", "histograms", "avalanches", "breaks_per_rank"}
+_NO_SERIES = {"path", "slips", "energy", "regime", "histograms", "avalanches", "breaks_per_rank"}
 
 
 def as_dataset(result: Any) -> Any:
@@ -57,7 +57,7 @@ def _of_answer(result: Any, prefix: str, answer: Any, size: int) -> dict[str, An
     out = dict[str, Any]()
     for field in fields(answer):
         name, value = field.name, getattr(answer, field.name)
-        if name in _LEFT_OUT or not isinstance(value, np.ndarray):
+        if name in _NO_SERIES or not isinstance(value, np.ndarray):
             continue
         if value.shape[-1] == answer.path.size:
             missing = [(0, 0)] * (value.ndim - 1) + [(0, size - answer.path.size)]

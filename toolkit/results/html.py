@@ -40,8 +40,8 @@ def as_html(result: Any) -> str:
         rows.append((_NAMED.get(name, name), said))
     for name in ("master", "eq", "sweep"):
         if (answer := getattr(result, name)) is not None:
-            told = "as asked" if answer.success else f"not as asked: {answer.message}"
-            rows.append((name, f"{told}, run time {answer.run_time:.2g} s"))
+            outcome = "as asked" if answer.success else f"not as asked: {answer.message}"
+            rows.append((name, f"{outcome}, run time {answer.run_time:.2g} s"))
     said = as_table(result.title or result.name, rows, result.notes)
     return said if result.sweep is None else said + _points(by_head(result))
 

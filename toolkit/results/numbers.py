@@ -98,6 +98,6 @@ def in_words(result: Any) -> list[str]:
         )
     for name, symbol in (("force", "F_k"), ("critical_spring", "K*")):
         if f"swept_{name}_least" in numbers:
-            reach = f"{said(f'swept_{name}_least')} to {said(f'swept_{name}_most')}"
-            lines.append(f"sweep   {symbol} = {reach}")
+            range_text = f"{said(f'swept_{name}_least')} to {said(f'swept_{name}_most')}"
+            lines.append(f"sweep   {symbol} = {range_text}")
     return lines

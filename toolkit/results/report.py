@@ -26,8 +26,8 @@ def report(result: Any) -> list[str]:
         lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None:
         period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
-        told = is_known(solved) and solved.slips.period is not None
-        period_text = f", last period {period.strip()}" if told else ""
+        known = is_known(solved) and solved.slips.period is not None
+        period_text = f", last period {period.strip()}" if known else ""
         lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
         if solved.energy is not None and solved.slips.drive.size and is_known(solved):
             lasts = spoken(solved.slips.duration.mean(), result.scale.time_unit)

@@ -11,7 +11,7 @@ from toolkit.scene.scene import Scene
 
 # breaks of a slider that take some minutes, with a mass half an hour; the shortest way of a slider, in mean thresholds,
 # that shows whether it slides
-FOLLOWED, LEAST_WAY = 1e10, 100.0
+FOLLOWED, LEAST_DISTANCE = 1e10, 100.0
 
 
 def contradiction(result: Result) -> str:
@@ -61,25 +61,25 @@ def _of_so_many(scene: Scene, regime: Any) -> str:
     critical, smooth = regime.critical_spring, regime.verdict == "smooth"
     if scene.contacts.interface is None and smooth and spring > 10.0 * max(critical, 1.0):
         return "; spring is in units of N_c<k>; in N/m of a surface, or with [contacts.interface]"
-    held = scale.contacts
-    if scale.spring_unit == SHARED or held is None or not smooth or held * spring**3 >= 50.0:
+    number = scale.contacts
+    if scale.spring_unit == SHARED or number is None or not smooth or number * spring**3 >= 50.0:
         return ""
-    said = f"; smooth only for infinitely many contacts: the area holds {held:.3g}"
-    return said if scene.contacts.held_in_time else said + _how_to_follow(scene, held)
+    said = f"; smooth only for infinitely many contacts: the area holds {number:.3g}"
+    return said if scene.contacts.held_in_time else said + _how_to_follow(scene, number)
 
 
-def _how_to_follow(scene: Scene, held: float) -> str:
+def _how_to_follow(scene: Scene, number: float) -> str:
     """What to run for sliders of as many contacts as the area holds. From the first loading on each breaks about once a
     mean threshold; where these are too many breaks the path is to end sooner, which must leave it a way to slide."""
     mean, spring = scene.contacts.mean_threshold, scene.drive.spring or 0.0
-    loading, way = mean / spring, float(np.abs(np.diff(scene.path, prepend=0.0)).sum())
-    advice, further = f"run [eq] contacts = {held:.0f}", FOLLOWED / held
-    if way - loading < further * mean:
+    loading, distance = mean / spring, float(np.abs(np.diff(scene.path, prepend=0.0)).sum())
+    advice, further = f"run [eq] contacts = {number:.0f}", FOLLOWED / number
+    if distance - loading < further * mean:
         return f"; {advice}"
     said = (
         f", and [eq] would take over {FOLLOWED:.0e} breaks of each slider of so many on this path"
     )
-    if further < LEAST_WAY:
+    if further < LEAST_DISTANCE:
         return f"{said}, or on any on which it slides"
     end = written(loading + further * mean, "m", digits=6)
     return f"{said}: end it at {end}, {further:.2g} <x_s> after the spring is loaded, and {advice}"

@@ -51,10 +51,10 @@ def cost_lines(found: Cost) -> list[str]:
         lines.append(f"{stage['name']:9}{stage['seconds']:.2f} s, {memory}; imports {packages}")
     rooms = [f"{room} {some} of {all_} files" for room, (some, all_) in found["rooms"].items()]
     runs = [f"{name} {seconds:.2g} s" for name, seconds in found["runs"].items()]
-    left = [*found["no_solvers"], *found["no_laws"], *found["no_packages"]]
+    unused = [*found["no_solvers"], *found["no_laws"], *found["no_packages"]]
     lines += [f"code     imported of {', '.join(rooms)}", f"builds   {', '.join(found['builds'])}"]
     rest = "; the rest of the run is imports, and compilation of what no run has compiled yet"
-    lines += [f"runs     {', '.join(runs)}{rest}", f"left out {', '.join(left) or 'nothing'}"]
+    lines += [f"runs     {', '.join(runs)}{rest}", f"left out {', '.join(unused) or 'nothing'}"]
     return [*lines, "the scene ran once in a process of its own; nothing was written"]
 
 
@@ -118,7 +118,7 @@ if __name__ == "__main__":
     from origins.errors import InputError
 
     try:
-        told = _measured(sys.argv[1], json.loads(sys.argv[2]))
+        result = _measured(sys.argv[1], json.loads(sys.argv[2]))
     except InputError as error:
-        told = {"refused": str(error)}
-    print(json.dumps(told))
+        result = {"refused": str(error)}
+    print(json.dumps(result))

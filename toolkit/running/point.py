@@ -90,8 +90,8 @@ def _by_master(scene: Scene) -> dict[str, Column]:
         period = solved.period if known else None
         found["period"] = Column(np.nan if period is None else period, unit)
         for name in ("force_before", "force_after"):
-            told = known and slips.drive.size
-            last = float(getattr(slips, name)[slips.main[-1]]) if told else np.nan
+            usable = known and slips.drive.size
+            last = float(getattr(slips, name)[slips.main[-1]]) if usable else np.nan
             found[f"{name}_slip"] = Column(last, unit)
     return found if solved.success else found | {"message": Column(solved.message)}
 

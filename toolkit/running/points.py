@@ -64,8 +64,8 @@ def solve_points(
     done: dict[str, Any] = on_root(comm, lambda: {} if kept is None else earlier_points(kept))
     missing = [k for k, key in enumerate(keys) if key not in done]
     mine, total = missing[rank::size], len(jobs)
-    with ExitStack() as held:
-        keep = held.enter_context(_keeping(kept, rank))
+    with ExitStack() as stack:
+        keep = stack.enter_context(_keeping(kept, rank))
         for number, (k, answer, seconds) in enumerate(
             _solved([jobs[k] for k in mine], cores_of(comm)), 1
         ):
@@ -142,8 +142,8 @@ def _solved(jobs: list[Job], cores: int) -> Iterator[tuple[int, Answer, float]]:
     """Number, answer and seconds of each job as it is done: here, and by other processes too where that pays."""
     began = time.monotonic()
     for k, job in enumerate(jobs):
-        left = (time.monotonic() - began) / max(k, 1) * (len(jobs) - k)
-        if k and cores > 1 and left > WORTH:
+        remaining = (time.monotonic() - began) / max(k, 1) * (len(jobs) - k)
+        if k and cores > 1 and remaining > WORTH:
             yield from _by_processes(jobs, k, min(cores, len(jobs) - k))
             return
         started = time.monotonic()

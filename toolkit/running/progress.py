@@ -20,7 +20,7 @@ class Progress:
     ) -> None:
         self._things = things
         self._what, self._said = what, "at work (kernels are compiled on first use)"
-        self._begun, self._left, self._best = time.monotonic(), 0.0, float("inf")
+        self._begun, self._remaining, self._best = time.monotonic(), 0.0, float("inf")
         self._first: tuple[float, int] | None = None
         self._done = done or threading.Event()
         self._ticking = threading.Thread(target=self._tick, daemon=True)
@@ -33,8 +33,8 @@ class Progress:
         self._said = f"{done:,} of {expected:,} {self._things} ({done / expected:.0%})"
         if now > since and done > before:
             pace = (done - before) / (now - since)
-            self._left = (expected - done) / pace
-            self._said += f", {pace:.3g} a second, {_clock(self._left)} left"
+            self._remaining = (expected - done) / pace
+            self._said += f", {pace:.3g} a second, {_clock(self._remaining)} left"
 
     def doing(self, what: str) -> None:
         """This begins: told at once, and again where it takes long."""
@@ -54,7 +54,7 @@ class Progress:
         wait = 2.0  # s, after which work that takes over a minute is announced
         while not self._done.wait(wait):
             since = time.monotonic() - self._begun
-            if since < PATIENCE and self._left < 60.0:
+            if since < PATIENCE and self._remaining < 60.0:
                 wait = PATIENCE - since
                 continue
             line = f"mesofriction: {self._what}: {self._said}, after {_clock(since)}"

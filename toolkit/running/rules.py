@@ -28,11 +28,11 @@ def beside_other_rules(scene: Scene, solved: SolvedRecord, deadline: float | Non
         return []
     verdicts, answers = {own: solved.regime.verdict}, dict[str, Any]({own: solved})
     for rule in set(get_args(SlipRule)) - {own}:
-        left = _SECONDS if deadline is None else min(_SECONDS, deadline - time.monotonic())
-        if left <= 0.0:
+        seconds = _SECONDS if deadline is None else min(_SECONDS, deadline - time.monotonic())
+        if seconds <= 0.0:
             break
         asked: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time, "slip": rule}
-        asked |= {"spring": drive.spring, "wall_time": left}
+        asked |= {"spring": drive.spring, "wall_time": seconds}
         try:
             answers[rule] = master.solve(contacts, scene.path, _TOLERANCE, **asked)
         except InputError:
@@ -49,10 +49,10 @@ def beside_other_rules(scene: Scene, solved: SolvedRecord, deadline: float | Non
         )
     slips = getattr(answers.get("reform-after"), "slips", None)
     if own == "reset" and slips is not None and slips.drive.size:
-        share = float(slips.drop[0] / slips.force_before[0])
-        if share < _SMALL:
+        fraction = float(slips.drop[0] / slips.force_before[0])
+        if fraction < _SMALL:
             notes.append(
-                f"the first slip is small: it lowers the force by {share:.2g} of it while broken contacts are out "
+                f"the first slip is small: it lowers the force by {fraction:.2g} of it while broken contacts are out "
                 '("reform-after"), and "reset" renews all contacts for it; that is no stick-slip of them all'
             )
     return notes

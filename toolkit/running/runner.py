@@ -64,11 +64,11 @@ def open_checkpoint(
 ) -> Iterator[Checkpoint]:
     """The scene's checkpoint in `folder`, locked against other runs; InputError, before any work, where the folder
     cannot be written."""
-    with ExitStack() as held:
+    with ExitStack() as stack:
 
         def hold() -> None:
             check_folder(folder)
-            held.enter_context(only_writer(folder))
+            stack.enter_context(only_writer(folder))
             if (other := another(folder, scene.name, scene.text)) is not None:
                 say(f"{folder}: holds the result of {other}, which this run will replace")
 

@@ -121,8 +121,8 @@ def solve_master(
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
     found = record_of(solved)
     if found.regime is not None:
-        told = replace(found.regime, reason=with_units(scene, found.regime))
-        found = replace(found, regime=told)
+        regime = replace(found.regime, reason=with_units(scene, found.regime))
+        found = replace(found, regime=regime)
     # without a tolerance an error that is hardly visible in a picture will do
     as_asked = scene.tolerance_given or found.success or found.path.size != scene.path.size
     if as_asked or not found.force_error <= 1e-3:

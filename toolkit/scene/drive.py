@@ -67,8 +67,8 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
             refuse(key, getattr(table, name), hint)
         if table.area is None:
             refuse(key, getattr(table, name), "needs drive.area, the nominal area in m²; add it")
-        if (held := interface.contact_density * table.area) < 1.0:
-            few = f"holds {held:.2g} contacts"
+        if (number := interface.contact_density * table.area) < 1.0:
+            few = f"holds {number:.2g} contacts"
             # a pressure in MPa has 1e-6 of the contacts that are meant
             asked = [one for one in getattr(interface, "cautions", ()) if "?" in one]
             hint = f"; give over {1.0 / interface.contact_density:.2g} m²"
@@ -77,7 +77,7 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
                 table.area,
                 f"{few}: {' '.join(asked)} Else{hint[1:]}" if asked else few + hint,
             )
-        return float(given) / (held * interface.mean_stiffness)
+        return float(given) / (number * interface.mean_stiffness)
     if interface is not None and given and not unit:
         hint = f'has no unit; of a surface write either {name} = "{given:g} {own.si}" with area ='
         other = f'{name} = "{given:g} {own.shared}"'
@@ -176,8 +176,8 @@ def _path(
         hint = "is for holds: a position twice in drive.turns, with drive.times; at least 1e-14 of the last"
         raise InputError(f"drive.hold_scale = {hold_scale}: {hint}")
     for leg in holds:
-        share = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
-        later = hold_scale * np.expm1(share * np.log1p((clock[leg + 1] - clock[leg]) / hold_scale))
+        even = np.linspace(0.0, 1.0, number[leg + 1] - number[leg] + 1)[1:-1]
+        later = hold_scale * np.expm1(even * np.log1p((clock[leg + 1] - clock[leg]) / hold_scale))
         time[number[leg] + 1 : number[leg + 1]] = clock[leg] + later
     return path, time
 

@@ -149,14 +149,14 @@ def foreseen(scene: Scene) -> list[str]:
     and laws that the numbers of the surface do not include."""
     contacts, law, said = scene.contacts, scene.contacts.thresholds, list[str]()
     surface, mean = contacts.interface, contacts.mean_threshold
-    reach = 0.0 if scene.given_drive is None else float(np.abs(scene.path).max()) / mean
+    distance = 0.0 if scene.given_drive is None else float(np.abs(scene.path).max()) / mean
     if (
-        reach and scene.drive.spring is not None
+        distance and scene.drive.spring is not None
     ):  # a soft spring is stretched by some <x_s>/K before its slider moves
-        reach /= 1.0 + 1.0 / scene.drive.spring
-    if reach > 1e6 or 0.0 < reach < 1e-2:  # probably a mistake
+        distance /= 1.0 + 1.0 / scene.drive.spring
+    if distance > 1e6 or 0.0 < distance < 1e-2:  # probably a mistake
         unit = " m" if length_unit_of(law) == "m" else ""
-        said.append(f"the drive goes {reach:.1g} times <x_s> = {mean:.3g}{unit}: in that unit?")
+        said.append(f"the drive goes {distance:.1g} times <x_s> = {mean:.3g}{unit}: in that unit?")
     if scene.given_drive is not None and scene.drive.spring is not None:
         said += of_stretch(contacts, scene.drive.spring)
     if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:
@@ -164,8 +164,8 @@ def foreseen(scene: Scene) -> list[str]:
         hottest = np.max(swept.get("temperature", contacts.thermal.temperature))
         said += filter(None, [too_hot(float(hottest), law)])
         said += of_celsius(contacts)
-    again = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
-    for own, they in [(contacts.start, "start"), *again]:
+    reforming = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
+    for own, they in [(contacts.start, "start"), *reforming]:
         middle = own.mean() if own.is_single else float(own.ppf(0.5))
         exceed = float(law.sf(abs(middle)))
         if exceed < 1e-6:
@@ -174,12 +174,12 @@ def foreseen(scene: Scene) -> list[str]:
                 "they have the thresholds of that tail, and break at once"
             )
     if surface is not None and surface.contact_density is not None and scene.area is not None:
-        held = surface.contact_density * scene.area
-        together = f"N_c<k> = {held * surface.mean_stiffness:.4g} N/m"
-        few = ": so few scatter, add [eq] with as many" * (held < 1e4 and scene.eq is None)
-        said.append(f"N_c = {of_contacts(held, '.4g')} and {together} on drive.area{few}")
+        number = surface.contact_density * scene.area
+        together = f"N_c<k> = {number * surface.mean_stiffness:.4g} N/m"
+        few = ": so few scatter, add [eq] with as many" * (number < 1e4 and scene.eq is None)
+        said.append(f"N_c = {of_contacts(number, '.4g')} and {together} on drive.area{few}")
         soft = scene.given_drive is not None and scene.drive.spring is not None
-        if soft and scene.eq is not None and not 0.5 < scene.eq.contacts / held < 2.0:
+        if soft and scene.eq is not None and not 0.5 < scene.eq.contacts / number < 2.0:
             said.append(
                 f"[eq] follows {scene.eq.contacts:,} contacts in each replica: the spring is that of the area, but "
                 "slips scatter and come late as those of so many contacts"
@@ -207,9 +207,9 @@ def why_infinite(contacts: Contacts) -> str:
     if not values:
         return "K* is infinite: the density of thresholds diverges at one value, where F falls ever more steeply"
     _, weight, x = max(values)
-    share = weight / float(law.sf(furthest)) if furthest > 0.0 else weight
-    drop = share * x / (law.moment(2) / (2.0 * law.mean()))
-    many = "all" if share > 1.0 - 1e-12 else f"{100.0 * share:.3g} % of the"
+    fraction = weight / float(law.sf(furthest)) if furthest > 0.0 else weight
+    drop = fraction * x / (law.moment(2) / (2.0 * law.mean()))
+    many = "all" if fraction > 1.0 - 1e-12 else f"{100.0 * fraction:.3g} % of the"
     return f"K* is infinite: {many} contacts break at one value, x = {x:.4g}, where F drops by {drop:.2g} F_k"
 
 
@@ -277,8 +277,8 @@ def longest_slip(law: Thresholds, peaks: np.ndarray, spring: float) -> float:
     x = np.concatenate([peaks, *(peak * (1.0 + s * away) for peak in peaks for s in (-1, 1))])
     x = np.unique(np.append(x[(x > lower) & (x < 2.0 * upper)], [lower, upper]))
     below, above = law.cdf(x), law.sf(x)
-    share = np.where(below[1:] < 0.5, np.diff(below), -np.diff(above))
-    rise = np.diff(x) * (1.0 + spring) - 0.5 * (x[1:] + x[:-1]) * share
+    fraction = np.where(below[1:] < 0.5, np.diff(below), -np.diff(above))
+    rise = np.diff(x) * (1.0 + spring) - 0.5 * (x[1:] + x[:-1]) * fraction
     height = np.concatenate([[0.0], np.cumsum(rise)])
     top = np.maximum.accumulate(height)
     last = np.maximum.accumulate(np.where(height >= top, np.arange(x.size), 0))

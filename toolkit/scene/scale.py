@@ -68,14 +68,14 @@ def length_unit_of(thresholds: Thresholds) -> str:
 
 def of_units(law: Thresholds) -> list[str]:
     """Which units to check where lengths or F_k/load are none of contacts."""
-    surface, mean, told = law.interface, law.mean(), list[str]()
+    surface, mean, cautions = law.interface, law.mean(), list[str]()
     if length_unit_of(law) == "m" and not _LENGTHS[0] < mean < _LENGTHS[1]:
-        told.append(f"<x_s> is {mean:.2g} m")
+        cautions.append(f"<x_s> is {mean:.2g} m")
     if surface is not None and surface.contact_density and surface.pressure:
         stress = float(surface.per_area(law.moment(2) / (2.0 * mean)))
         if not _COEFFICIENTS[0] < (mu := stress / surface.pressure) < _COEFFICIENTS[1]:
-            told.append(f"F_k/load is {mu:.2g}")
-    if not told:
+            cautions.append(f"F_k/load is {mu:.2g}")
+    if not cautions:
         return []
     if law.domains is not None:
         keys = "the substrate's amplitude in J and period in m, the island's unit, stiffness in N/m"
@@ -87,7 +87,7 @@ def of_units(law: Thresholds) -> list[str]:
         keys = "lengths in m"
     if surface is not None and not isinstance(surface, Interface):
         keys += ", [contacts.interface] in N/m, 1/m² and Pa"
-    return [f"{' and '.join(told)}: are all units right? check {keys}"]
+    return [f"{' and '.join(cautions)}: are all units right? check {keys}"]
 
 
 def of_stretch(contacts: Contacts, spring: float) -> list[str]:
@@ -105,16 +105,16 @@ def of_stretch(contacts: Contacts, spring: float) -> list[str]:
 def of_machine(scale: Scale, mass: float | None) -> list[str]:
     """Which keys to check where the area holds so few contacts that no distribution tells of them, or a mass M/(N_c
     <k>) (time²; None: none) is beyond any slider's."""
-    told, held = list[str](), scale.contacts
-    if held is not None and held < _FEWEST:
-        told.append(f"drive.area holds {of_contacts(held, '.2g')}: is it right, in m²?")
+    cautions, number = list[str](), scale.contacts
+    if number is not None and number < _FEWEST:
+        cautions.append(f"drive.area holds {of_contacts(number, '.2g')}: is it right, in m²?")
     if (
         mass is not None
         and scale.spring_unit == "N/m"
         and (heavy := mass * scale.spring) > _HEAVIEST
     ):
-        told.append(f"the slider's mass is {heavy:.2g} kg: is drive.mass right?")
-    return told
+        cautions.append(f"the slider's mass is {heavy:.2g} kg: is drive.mass right?")
+    return cautions
 
 
 def without_stiffness(in_metres: bool) -> Scale:
@@ -138,8 +138,8 @@ def of_surface(
     together = density * stiffness  # N/m for each m²
     if units == SHARED:
         load = None if pressure is None else pressure / together
-        held = None if area is None else density * area
-        return Scale(1.0, "N_c<k> m", 1.0, "N_c<k>", "m", "s", load, held)
+        number = None if area is None else density * area
+        return Scale(1.0, "N_c<k> m", 1.0, "N_c<k>", "m", "s", load, number)
     if area is None:
         return Scale(together, "Pa", together, "N/m³", "m", "s", load=pressure, contacts=None)
     each, load = together * area, None if pressure is None else pressure * area
