@@ -131,3 +131,29 @@ def test_drops_that_close_in_go_on() -> None:
     told = judged([1.40, 1.89, 1.57, 1.78, 1.585], 5e-3)
     assert told.verdict == "stick-slip" and "between the two before it" in told.reason
     assert judged([1.89, 1.40, 1.5, 1.3, 1.45], 5e-3).verdict == "undecided"
+
+
+def test_slips_of_few_contacts_that_re_form_after_each_are_over_once_they_slide() -> None:
+    """Infinitely many slip 7 times, ever less, and 2,000 some 11 times, up to a quarter of their way: they were called
+    stick-slip, as only contacts that re-form at once were asked whether their slips are over."""
+    known, rule = known_of(NARROW), "reform-after"
+    machine = Machine(0.3 * known.critical_spring, None, 0.0, 1.0)
+    told = follow(machine, NARROW, rule, known, wall_time=1e4)
+    found = follow_finite(machine, NARROW, 2000.0, told, known.static, 1e4)
+    assert told.kind == found.kind == "smooth" and found.slips > told.slips > 5
+
+
+@pytest.mark.parametrize(
+    ("std", "spring"), [(0.05, 1.0), (0.15, 1.0), (0.4, 1.0), (0.4, 0.2)], ids=str
+)
+def test_the_limit_of_drops_is_told_from_their_end_for_narrow_and_wide_thresholds(
+    std: float, spring: float
+) -> None:
+    """Of contacts that wait the drops of the first slips shrink by 0.2 to 4 %, and go on: what five slips tell is what
+    many do, or is not decided."""
+    contacts = Contacts(gaussian(1.0, std), delay=Delay(1.0))
+    loading = 0.9 / spring + 1.0
+    pulled: dict[str, Any] = {"spring": spring, "mass": 1e-3, "damping": 0.01, "velocity": 1.0}
+    found = master.solve(contacts, [0.0, 6.5 * loading], 1e-2, **pulled)
+    assert found.regime.slips > 3 and found.regime.verdict in ("stick-slip", "undecided")
+    assert (spring == 0.2) == (found.regime.verdict == "stick-slip")

@@ -202,7 +202,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         return Finite(rule, held, "unknown", message=why)
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
-    if settles:
+    if not slips:
         if not (found.slips.drive > path[0] + steady).any():
             more[:] = 0  # chance has given them some more, and they are over
         elif (more > 0).any() and are_fading(found.slips):
