@@ -143,14 +143,12 @@ def test_slips_of_few_contacts_that_re_form_after_each_are_over_once_they_slide(
     assert told.kind == found.kind == "smooth" and found.slips > told.slips > 5
 
 
-@pytest.mark.parametrize(
-    ("std", "spring"), [(0.05, 1.0), (0.15, 1.0), (0.4, 1.0), (0.4, 0.2)], ids=str
-)
-def test_the_limit_of_drops_is_told_from_their_end_for_narrow_and_wide_thresholds(
+@pytest.mark.parametrize(("std", "spring"), [(0.15, 1.0), (0.4, 1.0), (0.4, 0.2)], ids=str)
+def test_drops_of_wide_thresholds_that_shrink_ever_less_are_no_end_of_the_slips(
     std: float, spring: float
 ) -> None:
-    """Of contacts that wait the drops of the first slips shrink by 0.2 to 4 %, and go on: what five slips tell is what
-    many do, or is not decided."""
+    """Of contacts that wait the drops of the first slips shrink by 0.6 and 4 % each, and go on: what five slips tell
+    is what many do, or is not decided."""
     contacts = Contacts(gaussian(1.0, std), delay=Delay(1.0))
     loading = 0.9 / spring + 1.0
     pulled: dict[str, Any] = {"spring": spring, "mass": 1e-3, "damping": 0.01, "velocity": 1.0}
