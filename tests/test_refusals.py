@@ -467,6 +467,12 @@ WRONG: list[tuple[str, Any, str]] = [
         {"time": 1.0},
         "contacts.delays: unknown key; did you mean delay? known here: thr",
     ),
+    (
+        "drive.wall_time",
+        60.0,
+        "drive.wall_time: unknown key; it stands before all tables; known here: poi",
+    ),
+    ("contacts.delay", "10 s", "contacts.delay = '10 s': must be a table, [contacts.delay] or de"),
     ("contacts.area", 1e-6, "contacts.area: unknown key; it stands in [drive]; known here: thr"),
     (
         "contacts.thresholds.area",

@@ -151,6 +151,8 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         said = expected.partition(", got")[0].replace(" | null", "").replace("`", "")
         said = said.replace(f" <= {sys.float_info.max}", ", finite").replace("str", "text")
         said = said.replace("int", "a whole number").replace("float", "a number")
+        if said == "Expected table":
+            said = f"must be a table, [{where}] or {key} = {{ ... }}"
         above, unit = re.fullmatch(r"Expected (.*) > 0\.0(.*)", said), _UNITS.get(key)
         if above:
             said = f"must be {above[1]} above 0{above[2]}" + f", in {unit}" * (unit is not None)
@@ -180,6 +182,8 @@ def what_is_meant(key: str, known: Iterable[str]) -> str:
     ]
     if (other := _ALSO_CALLED.get(key)) and other[0] in known:
         return f"give {other[0]}, {other[1]}; "
+    if tables and key in SceneTable.__struct_encode_fields__:
+        return "it stands before all tables; "
     return f"it stands in [{tables[0]}]; " if len(tables) == 1 else did_you_mean(key, known)
 
 

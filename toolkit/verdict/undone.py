@@ -26,6 +26,8 @@ def left_undone(verdict: Verdict) -> Iterator[Line]:
         why = why_late(verdict.own.contacts)
         yield Line(TURNS, "; ".join([*([] if verdict.own.machine else [NO_FORCES]), *why]))
     for reason, names in by_reason(_left_out(verdict)).items():
+        if len(names) == 1:
+            reason = reason.replace("they need", "it needs")
         yield Line(GENERAL, f"left out: {', '.join(names)}: {reason}")
 
 
