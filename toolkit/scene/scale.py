@@ -206,8 +206,13 @@ def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
     the value or more."""
     if not (value and _BESIDE * abs(value) <= error < np.inf):
         return with_uncertainty(value, error, unit, digits)
-    number, _, prefixed = written(value, unit, error, digits).partition(" ")
-    return f"{number} ± {_rounded(error / 10.0 ** _power_of(value, unit), 1)} {prefixed}".strip()
+    # an error of a ten-thousandth stands in the fifth digit
+    number, _, prefixed = written(value, unit, error, digits + 1).partition(" ")
+    beside = error / 10.0 ** _power_of(value, unit)
+    told = _rounded(beside, 1)
+    if "e-" in told:  # a value of 1 to 10 with so small an error
+        told = np.format_float_positional(beside, precision=1, fractional=False, trim="-")
+    return f"{number} ± {told} {prefixed}".strip()
 
 
 def of_contacts(number: float, digits: str = ",.0f") -> str:
