@@ -32,7 +32,7 @@ from toolkit.command import main
 from toolkit.judge.closed_form import closed_form
 from toolkit.stability.case import SIGMAS, Answer, Question, Row, Truth
 from toolkit.stability.cohorts import by_cohorts
-from toolkit.stability.coverage import coverage, told
+from toolkit.stability.coverage import as_lines, coverage
 from toolkit.stability.diffusing import aged_lives
 from toolkit.stability.drawn import KINDS, drawn
 from toolkit.stability.renewal import by_renewal
@@ -118,7 +118,7 @@ def test_force_error_is_the_promise_it_is_said_to_be() -> None:
         rows += answered(question(scenes()[str(number)]))
         if len(rows) % 50 == 0:  # a run of all takes half an hour
             print(f"{len(rows)} of {CASES}", flush=True)
-    print("\n".join(told(rows)))
+    print("\n".join(as_lines(rows)))
     found = coverage(rows)
     failed, ratios = CASES - found.held.hold, found.ratios
     if CASES >= ALL:
@@ -126,8 +126,8 @@ def test_force_error_is_the_promise_it_is_said_to_be() -> None:
     else:
         most = scipy.stats.binom.ppf(0.99, CASES, 0.5 * MISSED)
         least = scipy.stats.binom.ppf(0.01, len(ratios), 0.5)
-    assert failed <= most and not found.overruns, told(rows)
-    assert len(ratios) > 0.3 * CASES and (ratios <= NEAR).sum() >= least, told(rows)
+    assert failed <= most and not found.overruns, as_lines(rows)
+    assert len(ratios) > 0.3 * CASES and (ratios <= NEAR).sum() >= least, as_lines(rows)
 
 
 @pytest.mark.slow
@@ -138,8 +138,8 @@ def test_far_corners_keep_it_where_they_are_answered() -> None:
     assert len(rows) > 0.9 * len(far)
     found = coverage(rows)
     failed = len(rows) - found.held.hold
-    assert failed <= scipy.stats.binom.ppf(0.99, len(rows), 0.5 * MISSED), told(rows)
-    assert not found.overruns, told(rows)
+    assert failed <= scipy.stats.binom.ppf(0.99, len(rows), 0.5 * MISSED), as_lines(rows)
+    assert not found.overruns, as_lines(rows)
 
 
 def test_cohorts_agree_with_closed_forms_and_the_renewal_equation() -> None:
@@ -290,6 +290,6 @@ def test_errors_beyond_their_bars_are_told() -> None:
     assert not coverage([*good, wrong]).promise_kept
     assert not coverage([*good, refused]).promise_kept
     cut = row("master", "slow", np.nan, np.inf)
-    page = "\n".join(told([*good, wrong, refused, cut, refused]))
+    page = "\n".join(as_lines([*good, wrong, refused, cut, refused]))
     assert "in 49 of 53 cases, 92.5 %" in page
     assert "2 refused, 1 cut or not known, and 1 that claim too little" in page

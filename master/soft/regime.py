@@ -141,8 +141,8 @@ def _by_slips(
             "undecided",
             f"{counted}, which may fade by less than their error; tighten the tolerance",
         )
-    if trend is not None and trend < -STEADY and (left := _limit(drops)) > LASTING * drops[-1]:
-        fading = f"whose drops fade ever less, perhaps to {left:.3g}"
+    if trend is not None and trend < -STEADY and (limit := _limit(drops)) > LASTING * drops[-1]:
+        fading = f"whose drops fade ever less, perhaps to {limit:.3g}"
         far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * count * longest
         return "undecided", f"{counted}, {fading}; drive to about X_T = {far:.3g}"
     if trend is not None and trend < -STEADY:
@@ -168,11 +168,11 @@ def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[n
     in a slip none forms again and none holds on. With a delay the first alone may: later, some are out already."""
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
     out = drive.slip != "instant" or contacts.delay is not None
-    told = found.slips.force_after[: 1 if contacts.delay else None]
-    held = np.abs(told) / contacts.mean_threshold
+    known = found.slips.force_after[: 1 if contacts.delay else None]
+    force = np.abs(known) / contacts.mean_threshold
     steadily = drive.forward and (drive.time is None or not contacts.in_time)
     alike = relaxed and steadily and not contacts.older_at_start
-    return np.flatnonzero((held <= min(found.error, NONE_HOLDS)) & (alike and out))
+    return np.flatnonzero((force <= min(found.error, NONE_HOLDS)) & (alike and out))
 
 
 def _alike_and_new(contacts: Contacts, drive: Drive, found: Followed) -> bool:
@@ -182,11 +182,11 @@ def _alike_and_new(contacts: Contacts, drive: Drive, found: Followed) -> bool:
     if slips.drive.size < FEWEST_OF_NEW or not even or contacts.changing is not None:
         return False
     drop, period = slips.drop[-FEWEST_OF_NEW:], np.diff(slips.drive[-FEWEST_OF_NEW:])
-    way = (slips.after - slips.before)[-FEWEST_OF_NEW:]
+    travel = (slips.after - slips.before)[-FEWEST_OF_NEW:]
     unknown = 2.0 * found.error * contacts.mean_threshold
     alike = float(np.ptp(drop)) <= unknown + STEADY * drop.min()
     in_turn = float(np.ptp(period)) <= 4.0 * slips.drive_error + STEADY * period.min()
-    new = way.min() > float(contacts.thresholds.isf(HOLD_ON))
+    new = travel.min() > float(contacts.thresholds.isf(HOLD_ON))
     in_turn = in_turn and period.min() > drive.velocity * contacts.waiting_time
     return bool(unknown <= KNOWN * drop.min() and alike and in_turn and new)
 
@@ -225,11 +225,11 @@ def _lacking(
     far = _oldest_threshold(contacts, drive, found) * (1.5 if ages else 3.0)
     far += 0.0 if ages else speed * contacts.waiting_time
     if slid <= far:
-        told = f", but one may come until the slider has gone on by {far:.3g}"
+        text = f", but one may come until the slider has gone on by {far:.3g}"
         # the slider is behind its drive by F/K: once F is largest, it goes as far as the drive
         ahead = max(latest + far, float(abs(drive.path[-1])) + far - slid)
         forward = drive.forward and ahead > 0.0
-        return f"{told}; {f'drive to X_T = {ahead:.3g}' if forward else 'lengthen the path'}"
+        return f"{text}; {f'drive to X_T = {ahead:.3g}' if forward else 'lengthen the path'}"
     force = np.abs(found.force)
     # 0.1 of the rise of F over the last step of the path if the slider sticks: less may be rounding, or errors
     rise = 0.1 * spring / (1.0 + spring) * abs(drive.path[-1] - drive.path[-2:][0])

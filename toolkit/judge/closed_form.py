@@ -22,11 +22,12 @@ def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
     if isinstance(law, CutGaussian) and (start.is_single or isinstance(start, GaussianStart)):
         mean, width, first = law.parent_mean, law.parent_std, start.mean()
         spread = 0.0 if start.is_single else 1.0 / (np.sqrt(2.0 * np.pi) * float(start.pdf(first)))
-        narrowest, reach = float(np.hypot(width, spread)), float(path[-1]) + abs(first) + abs(mean)
+        narrowest = float(np.hypot(width, spread))
+        largest = float(path[-1]) + abs(first) + abs(mean)
         cut = scipy.special.ndtr((np.array([first, -first]) - mean) / narrowest).sum()
-        cut += (reach / abs(mean) + 1.0) * scipy.special.ndtr(-mean / width)
+        cut += (largest / abs(mean) + 1.0) * scipy.special.ndtr(-mean / width)
         # the error for a contact that the cut affects, in any generation, is at most its travel
-        if mean > 0.0 and cut * reach <= 1e-16 * mean:
+        if mean > 0.0 and cut * largest <= 1e-16 * mean:
             force, count, z = first + path, 0, np.zeros(1)
             while z[-1] >= -10.0:
                 count += 1
@@ -35,6 +36,6 @@ def closed_form(contacts: Contacts, path: Array) -> tuple[Array, float]:
                 bell = np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)
                 force -= mean * scipy.special.ndtr(z) - width**2 / scatter * bell
             # each term and its argument are rounded, and the latter matters more the narrower the laws are
-            return force, float(2.0**-53 * (count + 4.0 + mean / narrowest) * reach / mean)
+            return force, float(2.0**-53 * (count + 4.0 + mean / narrowest) * largest / mean)
     hint = "needs F in closed form: Gaussian thresholds far from 0, from one stretch or a Gaussian"
     raise InputError(f"precision: {hint} of them")

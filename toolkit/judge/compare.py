@@ -143,8 +143,8 @@ def read(scene: str, comm: Any, changes: Mapping[str, Any]) -> Scene:
 def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
     """F_k, K*, what they hang on, and what the run of one scene showed."""
     found, readings, left_out = on_root(comm, partial(_measured, scene))
-    held = conditions(scene.contacts, scene.sliding)
-    cautions = [note for note in found.notes if note not in held]
+    conditions_met = conditions(scene.contacts, scene.sliding)
+    cautions = [note for note in found.notes if note not in conditions_met]
     try:
         if scene.given_drive is not None:
             scene.only_forward("the picture of forces")
@@ -165,7 +165,7 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
         scene.name,
         tuple(readings),
         left_out,
-        conditions=held,
+        conditions=conditions_met,
         cautions=cautions,
         evidence=_evidence(result, kinetic),
         found=found,

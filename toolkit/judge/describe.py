@@ -129,9 +129,9 @@ def _add_sampling_errors(
         return found
 
     law = contacts.thresholds
-    again = [numbers_of(law), *of_resampled(law, RESAMPLES, numbers_of, progress)]
+    resampled = [numbers_of(law), *of_resampled(law, RESAMPLES, numbers_of, progress)]
     for name in {*numbers} - {"lower_end", "upper_end", "onset_power"}:
-        value, *others = (one[name].value for one in again)
+        value, *others = (one[name].value for one in resampled)
         with np.errstate(invalid="ignore"):
             scatter = np.hypot(np.std(others, ddof=1), np.mean(others) - value)
         unknown = name in PROPENSITY and scatter == 0.0

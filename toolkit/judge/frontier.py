@@ -82,7 +82,7 @@ def as_words(slopes: Mapping[str, float | None], spans: Sequence[Mapping[str, An
     ]
     lines = [f"error falls: {', '.join(powers)}"] if powers else []
     if len(spans) > 1:
-        told = []
+        cheapest_ones = []
         for span in spans:
             low, high = f"{span['above']:.0e}", f"{span['below'] or 0.0:.0e}"
             last = span is spans[-1]
@@ -90,9 +90,9 @@ def as_words(slopes: Mapping[str, float | None], spans: Sequence[Mapping[str, An
             where = (
                 ("at every error" if last else f"above {low}") if span["below"] is None else where
             )
-            told.append(f"{span['method']} {where}")
-        reach = f"; no run was below {spans[-1]['above']:.0e}"
-        lines.append(f"cheapest: {', '.join(told)}{reach}")
+            cheapest_ones.append(f"{span['method']} {where}")
+        smallest = f"; no run was below {spans[-1]['above']:.0e}"
+        lines.append(f"cheapest: {', '.join(cheapest_ones)}{smallest}")
     return lines
 
 

@@ -26,7 +26,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         names.append(SPRINGS[unit])
     rows, notes, times = [["", "scene", *heads]], dict[str, list[str]](), list[str]()
     for rank, verdict in enumerate(verdicts, start=1):
-        own, reach = [*verdict.conditions, *verdict.cautions], list[str]()
+        own, ranges = [*verdict.conditions, *verdict.cautions], list[str]()
         cells, many = [str(rank), verdict.name], len(verdict.readings)
         for name in names:
             value, over = _cells([one.numbers[name] for one in verdict.readings])
@@ -35,7 +35,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
             if name == "onset_power" and value:
                 value = onset_in_words(verdict.own.numbers[name], 4)
             cells.append(value)
-            reach.append(over)
+            ranges.append(over)
         times.append(f"{verdict.name} {verdict.found.run_time:.2g} s")
         if (seen := verdict.evidence) is not None:
             worst, expected = seen["worst_deviation"], seen["expected"]
@@ -52,7 +52,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
             own.append(f"left out: {'; '.join(names_of)}: {why}")
         rows.append(cells)
         if many > 1:
-            rows.append(["", f"over {many} readings", *reach])
+            rows.append(["", f"over {many} readings", *ranges])
             names_of = sorted(one.name for one in verdict.readings)
             what = "contact model/threshold law and step of the points"
             own.append(f"the {many} readings, {what}, are {'; '.join(names_of)}")
@@ -79,10 +79,10 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
 def _cells(each: Sequence[Number]) -> tuple[str, str]:
     """A number by the scene's own reading, with its error where that is seen, and its range over all readings."""
     own, known = each[0], [Quantity(one.value, one.error or 0.0) for one in each]
-    _, value, _, reach = row("", known, [1.0] * len(each), "")
+    _, value, _, ranges = row("", known, [1.0] * len(each), "")
     if known[0].error > _KNOWN * abs(own.value):
         value = with_error(own.value, known[0].error, 4)
-    return {"inf": "infinite", "not known": ""}.get(value, value), reach
+    return {"inf": "infinite", "not known": ""}.get(value, value), ranges
 
 
 def _of_known(verdict: Verdict, name: str) -> tuple[str, str]:
@@ -116,22 +116,22 @@ def disagreements(verdicts: Sequence[Verdict]) -> list[str]:
 def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
     """Scenes without a K*, and a sentence for those whose K* reach over one another, as far as readings and errors go:
     their rank tells nothing. Infinite ones are ranked by F_s/F_k."""
-    unit, said, told = common_unit(verdicts), list[str](), set[str]()
+    unit, said, named = common_unit(verdicts), list[str](), set[str]()
     unranked = [one.name for one in verdicts if one.own.smoothed]
     if unranked:
         said.append(
             f"no rank by K* of {', '.join(unranked)}: it hangs on the smoothing of P_c, and is no number of the islands"
         )
-    ends = {one.name: _reach(one, unit) for one in verdicts if not one.own.smoothed}
+    ends = {one.name: _range(one, unit) for one in verdicts if not one.own.smoothed}
     for name, (low, high) in ends.items():
         alike = [name]
         for other, (lower, higher) in list(ends.items())[list(ends).index(name) + 1 :]:
             if max(low, lower) <= min(high, higher) < np.inf:
                 low, high = max(low, lower), min(high, higher)
                 alike.append(other)
-        if len(alike) == 1 or told.issuperset(alike):
+        if len(alike) == 1 or named.issuperset(alike):
             continue
-        told |= {*alike}
+        named |= {*alike}
         reaches = dict[str, list[str]]()
         for one in alike:
             span = " to ".join(guarded(end, unit, np.ptp(ends[one])) for end in ends[one])
@@ -144,7 +144,7 @@ def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
     return said
 
 
-def _reach(verdict: Verdict, unit: str) -> tuple[float, float]:
+def _range(verdict: Verdict, unit: str) -> tuple[float, float]:
     """From where to where K* goes over the readings, with its errors, two of those that are standard errors."""
     many, ends = (2.0 if verdict.found.sampled else 1.0), list[float]()
     for one in (reading.spring(unit) for reading in verdict.readings):

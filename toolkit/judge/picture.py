@@ -135,7 +135,7 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
     usual = [] if unit != SHARED and finite else [1e-3, 1.0]
     low, high = min([*finite, *usual]) / 3.0, max([*finite, *usual]) * 3.0
     small: dict[str, Any] = {"va": "center", "fontsize": "small"}
-    for row, (spring, one, reach) in enumerate(zip(springs, styled, over, strict=True)):
+    for row, (spring, one, values) in enumerate(zip(springs, styled, over, strict=True)):
         color, value, error = one.style["color"], spring.value, spring.error or 0.0
         # dark at its edge, as there may be no bar behind it
         mark: dict[str, Any] = {"color": "white", "mec": "0.2", "ms": 6, "zorder": 5}
@@ -151,7 +151,7 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
         if not unknown:
             axes.barh(row, min(max(value, low), high) - low, left=low, color=color, height=0.6)
         off = error if np.isfinite(value + error) else 0.0
-        ends = np.clip([min([*reach, value - off]), max([*reach, value + off])], low, high)
+        ends = np.clip([min([*values, value - off]), max([*values, value + off])], low, high)
         if np.ptp(ends) > _SEEN * ends[1]:  # below the bar, whose number is beside it
             bars = {"xerr": np.ptp(ends) / 2.0, "color": "0.2", "capsize": 4}
             axes.errorbar(np.mean(ends), row + 0.4, **bars)
@@ -171,9 +171,9 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
     room = (high / low) ** 0.2  # for the numbers behind the bars
     axes.set(xscale="log", xlim=(low, high * room))
     name_axis(axes.xaxis, *spring_name(unit))
-    told = ["a slider slips at least once on springs below $K^*$"]
+    legend = ["a slider slips at least once on springs below $K^*$"]
     if any(hasattr(one, "has_xerr") for one in axes.containers):
-        told.append("lines: readings that were solved, and errors")
+        legend.append("lines: readings that were solved, and errors")
     if any(machines):
-        told.append("dashed: the machine's spring")
-    axes.set_title("\n".join([told[0], "; ".join(told[1:])]).strip(), fontsize="medium")
+        legend.append("dashed: the machine's spring")
+    axes.set_title("\n".join([legend[0], "; ".join(legend[1:])]).strip(), fontsize="medium")

@@ -102,8 +102,8 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     bounded = sum(point["error"] <= point["claimed_error"] + reference.error for point in own)
     measured = {point["method"] for point in points}
     said = [
-        f"true error: largest over {reference.told.sum()} positions, in units of <x_s>, from {reference.words}, good "
-        f"to {reference.error:.0e}, below which it tells no error",
+        f"true error: largest over {reference.counted.sum()} positions, in units of <x_s>, from {reference.words}, "
+        f"good to {reference.error:.0e}, below which it tells no error",
         *([] if exact else of_witness(witness, solved, sampled)),
         *_of_threads(threads),
         "run time: CPU time of one thread, median of the warm runs; imports and compilation are told apart: "
@@ -133,7 +133,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
 
 def _comparable(method: str, runs: list[Run], reference: Reference, notes: list[str]) -> list[Run]:
     """The runs but those whose sliders slip at so different places that little is left to compare, which are noted."""
-    least = _FEWEST * reference.told.sum()
+    least = _FEWEST * reference.counted.sum()
     kept = [run for run in runs if compared(run.answer, reference).sum() >= least]
     if gone := [f"{run.setting:.3g}" for run in runs if run not in kept]:
         notes.append(f"{method}: at {', '.join(gone)} its slips come elsewhere: not compared")

@@ -40,7 +40,7 @@ class Reference(NamedTuple):
     force: Array
     error: float
     words: str
-    told: Any
+    counted: Any
     slips: Counts | None = None
 
     @property
@@ -74,33 +74,33 @@ def finest(scene: Scene, solved: list[Run], sampled: list[Run]) -> Reference:
     if not solved:
         largest = sampled[-1].answer
         error = float(largest.claimed or 0.0) / scene.contacts.mean_threshold
-        told = np.ones(largest.force.size, bool)
+        counted = np.ones(largest.force.size, bool)
         if largest.slips is not None:
-            told = alike(largest.slips, largest.slips)
+            counted = alike(largest.slips, largest.slips)
         words = f"the ensemble at {sampled[-1].setting:.0e} contacts, its own largest run, good to its standard error"
-        return Reference(largest.force, error, words, told, largest.slips)
+        return Reference(largest.force, error, words, counted, largest.slips)
     best = best_of(solved)
-    found, told = best.answer.found, np.ones(best.answer.force.size, bool)
+    found, counted = best.answer.found, np.ones(best.answer.force.size, bool)
     words = f"the master equation at {best.setting:.0e} ({best.run_time:.2g} s)"
     if found.slips is not None:
         near, far = found.path[:-1, None], found.path[1:, None]
         slip = (np.minimum(near, far) <= found.slips.drive) & (
             found.slips.drive <= np.maximum(near, far)
         )
-        told[:-1] &= ~slip.any(axis=1)
-        told[1:] &= ~slip.any(axis=1)
+        counted[:-1] &= ~slip.any(axis=1)
+        counted[1:] &= ~slip.any(axis=1)
         words += ", its own finest run, away from slips"
     slips = None if scene.drive.spring is None else slips_so_far(found, scene.drive)
-    return Reference(best.answer.force, float(found.force_error), words, told, slips)
+    return Reference(best.answer.force, float(found.force_error), words, counted, slips)
 
 
 def compared(answer: Answer, reference: Reference) -> Any:
     """At which points, of those that both reach, an answer can be compared with the reference."""
     both = min(answer.force.size, reference.force.size)
-    told = reference.told[:both]
+    counted = reference.counted[:both]
     if answer.slips is not None and reference.slips is not None:
-        told = told & alike(answer.slips, reference.slips)[:both]
-    return told
+        counted = counted & alike(answer.slips, reference.slips)[:both]
+    return counted
 
 
 def largest_error(answer: Answer, reference: Reference, unit: float) -> float | None:
@@ -108,8 +108,8 @@ def largest_error(answer: Answer, reference: Reference, unit: float) -> float | 
     the path does; None for the reference's own bits, of which it tells nothing."""
     if np.array_equal(answer.force, reference.force):
         return None
-    told = compared(answer, reference)
-    off = np.abs(answer.force[: told.size] - reference.force[: told.size])[told]
+    counted = compared(answer, reference)
+    off = np.abs(answer.force[: counted.size] - reference.force[: counted.size])[counted]
     return float(off.max(initial=0.0)) / unit
 
 

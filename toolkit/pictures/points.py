@@ -49,7 +49,7 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     short = _short(others)
     lines = [
         ", ".join(
-            f"{short[key]} = {_told(own[row], units.get(key, ''))}" for key, own in each.items()
+            f"{short[key]} = {_written(own[row], units.get(key, ''))}" for key, own in each.items()
         )
         for row in range(x.size)
     ]
@@ -95,8 +95,8 @@ def _mark_critical(axes: Any, result: Result) -> bool:
         above = np.log(springs / critical)
     passed = np.flatnonzero((above[:-1] < 0.0) & (above[1:] >= 0.0) & np.isfinite(np.diff(above)))
     for number, k in enumerate(passed):
-        share = above[k] / (above[k] - above[k + 1])
-        at = critical[k] ** (1.0 - share) * critical[k + 1] ** share
+        fraction = above[k] / (above[k] - above[k + 1])
+        at = critical[k] ** (1.0 - fraction) * critical[k + 1] ** fraction
         style: dict[str, Any] = {"color": "0.3", "ls": "--", "lw": 1.0, "zorder": 0}
         axes.axvline(at, label=None if number else "$K = K^*$", **style)
     return bool(passed.size)
@@ -108,7 +108,7 @@ def _short(keys: list[str]) -> dict[str, str]:
     return last if len({*last.values()}) == len(last) else {key: key for key in keys}
 
 
-def _told(value: Any, unit: str) -> str:
+def _written(value: Any, unit: str) -> str:
     """The value of a key that tells a line from others."""
     if isinstance(value, str) or not unit:
         return str(value)
@@ -161,8 +161,8 @@ def flat_spring(result: Result) -> str:
     known = np.isfinite(value).all() and error.max() <= _FLAT * value.max()
     if not known or np.ptp(value) > max(2.0 * error.max(), _ALIKE * value.max()):
         return ""
-    told = written(float(np.median(value)), result.scale.spring_unit, digits=4)
-    return f"K* = {told}, which does not depend on {', '.join(_short([*sweep.along]).values())}"
+    text = written(float(np.median(value)), result.scale.spring_unit, digits=4)
+    return f"K* = {text}, which does not depend on {', '.join(_short([*sweep.along]).values())}"
 
 
 def plot_points_swing(axes: Any, result: Result) -> Any:

@@ -172,8 +172,8 @@ def plot_deviation(axes: Any, result: Result) -> Any:
     axes.axhspan(-2.0, 2.0, color="0.92", zorder=0)
     if result.eq is not None:
         axes.plot(along(result, result.eq)[apart.points], apart.off, ".", color=INK["eq"], ms=3.5)
-    reach = max(4.0, 1.1 * (apart.worst or 0.0))
-    axes.set(ylabel="EQ − ME\n(std. errors)", ylim=(-reach, reach))
+    largest = max(4.0, 1.1 * (apart.worst or 0.0))
+    axes.set(ylabel="EQ − ME\n(std. errors)", ylim=(-largest, largest))
     write_along(axes, result)
     return axes
 

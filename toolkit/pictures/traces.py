@@ -109,5 +109,5 @@ def _moments(
     """Abscissae of slips within their segments; in a hold, where the drive stands, at the segment's end."""
     run = drive[segments + 1] - drive[segments]
     moved = np.where(run == 0.0, 1.0, run)
-    share = np.where(run == 0.0, 1.0, (slips - drive[segments]) / moved)
-    return np.asarray(place[segments] + share * (place[segments + 1] - place[segments]))
+    fraction = np.where(run == 0.0, 1.0, (slips - drive[segments]) / moved)
+    return np.asarray(place[segments] + fraction * (place[segments + 1] - place[segments]))

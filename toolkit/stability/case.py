@@ -292,8 +292,8 @@ def invariants(
     faults, unit = list[str](), contacts.mean_threshold
     if (holding < -error - 1e-12).any() or (holding > 1.0 + error + 1e-12).any():
         faults.append(f"between {holding.min():.3g} and {holding.max():.3g} of the contacts hold")
-    way = np.abs(np.diff(path, prepend=0.0)).sum() + max(map(abs, contacts.start.span))
+    distance = np.abs(np.diff(path, prepend=0.0)).sum() + max(map(abs, contacts.start.span))
     largest = float(np.abs(force).max()) if force.size else 0.0
-    if contacts.stiffness == "independent" and largest > way / unit + error + 1e-9:
+    if contacts.stiffness == "independent" and largest > distance / unit + error + 1e-9:
         faults.append(f"a force of {largest:.3g} mean thresholds is beyond the whole way")
     return tuple(faults)

@@ -48,7 +48,7 @@ class _Born(NamedTuple):
     """Stretches at which contacts form, and their shares."""
 
     stretch: Array
-    share: Array
+    weights: Array
 
 
 def _born(law: Start, nodes: int = _NODES) -> _Born:
@@ -59,8 +59,8 @@ def _born(law: Start, nodes: int = _NODES) -> _Born:
     ends = np.unique(np.clip([law.span[0], 0.0, law.span[1]], *law.span))
     half = 0.5 * np.diff(ends)[:, None]
     stretch = (ends[:-1, None] + half * (node + 1.0)).ravel()
-    share = (half * weight).ravel() * law.pdf(stretch)
-    return _Born(stretch, share / share.sum())
+    weights = (half * weight).ravel() * law.pdf(stretch)
+    return _Born(stretch, weights / weights.sum())
 
 
 def _force(contacts: Contacts, path: Array, clock: Array, parts: int) -> Array:
@@ -74,9 +74,9 @@ def _force(contacts: Contacts, path: Array, clock: Array, parts: int) -> Array:
     place, now = np.interp(ends, points, path), np.interp(ends, points, clock)
     if (wait := contacts.waiting_time) and np.diff(now).max() > wait:
         raise InputError("delay: by cohorts it is longer than a step")
-    first, again = _born(contacts.start, _NODES_OF_START * parts), _born(as_start(None))
+    first, reformed = _born(contacts.start, _NODES_OF_START * parts), _born(as_start(None))
     if contacts.reforming is not None:
-        again = _born(contacts.reforming.law)
+        reformed = _born(contacts.reforming.law)
     edges = np.linspace(0.0, float(law.isf(_FORGOTTEN)), 1 + (_CELLS * parts if heat else 0))
     beyond, limit = law.sf(edges), 0.5 * (edges[1:] + edges[:-1])
 
@@ -87,31 +87,33 @@ def _force(contacts: Contacts, path: Array, clock: Array, parts: int) -> Array:
     # of each cohort: where the slider is while it is relaxed, when it formed, the hazard then, the largest since, its
     # share of all contacts, and the integral of its rates by cells of thresholds
     pinned_for = 0.0 if growing is None else growing.start_pinned_for
-    relaxed_at, born_at = place[0] - first.stretch, np.full(first.share.size, now[0] - pinned_for)
+    relaxed_at = place[0] - first.stretch
+    born_at = np.full(first.weights.size, now[0] - pinned_for)
     at_birth = hazard(first.stretch, now[0] - born_at)
-    worst, share, passed = at_birth.copy(), first.share, np.zeros((first.share.size, limit.size))
-    forces, broken, births = [float(share @ first.stretch)], [0.0], 0.0
+    worst, weights = at_birth.copy(), first.weights
+    passed = np.zeros((weights.size, limit.size))
+    forces, broken, births = [float(weights @ first.stretch)], [0.0], 0.0
     for k in range(1, now.size):
         step, middle = now[k] - now[k - 1], 0.5 * (place[k] + place[k - 1])
-        lasts = np.append(np.full(share.size, step), np.full(again.share.size, 0.5 * step))
-        begin = np.append(place[k - 1] - relaxed_at, again.stretch)
-        relaxed_at = np.append(relaxed_at, middle - again.stretch)
-        born_at = np.append(born_at, np.full(again.share.size, now[k] - 0.5 * step))
-        x, fresh = place[k] - relaxed_at, hazard(again.stretch, np.zeros(again.share.size))
+        lasts = np.append(np.full(weights.size, step), np.full(reformed.weights.size, 0.5 * step))
+        begin = np.append(place[k - 1] - relaxed_at, reformed.stretch)
+        relaxed_at = np.append(relaxed_at, middle - reformed.stretch)
+        born_at = np.append(born_at, np.full(reformed.weights.size, now[k] - 0.5 * step))
+        x, fresh = place[k] - relaxed_at, hazard(reformed.stretch, np.zeros(reformed.weights.size))
         at_birth, worst = np.append(at_birth, fresh), np.append(worst, fresh)
         worst = np.maximum(worst, hazard(x, now[k] - born_at))
         survival = np.exp(at_birth - worst)
         if heat is not None:
-            passed = np.vstack([passed, np.zeros((again.share.size, limit.size))])
+            passed = np.vstack([passed, np.zeros((reformed.weights.size, limit.size))])
             passed += rate_of(heat, np.abs(0.5 * (begin + x))[:, None], limit) * lasts[:, None]
-            left = np.maximum(np.minimum(np.exp(-worst)[:, None], beyond[:-1]) - beyond[1:], 0.0)
-            survival = np.exp(at_birth) * (left * np.exp(-passed)).sum(axis=1)
-        old, new = survival[: share.size], survival[share.size :]
+            between = np.maximum(np.minimum(np.exp(-worst)[:, None], beyond[:-1]) - beyond[1:], 0.0)
+            survival = np.exp(at_birth) * (between * np.exp(-passed)).sum(axis=1)
+        old, new = survival[: weights.size], survival[weights.size :]
         if wait:  # what broke a delay ago
             born = float(np.diff(np.interp(now[k - 1 : k + 1] - wait, now[:k], broken))[0])
         else:  # as many as make all contacts hold
-            born = (1.0 - float(share @ old)) / float(again.share @ new)
-        share, births = np.append(share, born * again.share), births + born
-        broken.append(births + 1.0 - float(share @ survival))
-        forces.append(float(share @ (survival * x)))
+            born = (1.0 - float(weights @ old)) / float(reformed.weights @ new)
+        weights, births = np.append(weights, born * reformed.weights), births + born
+        broken.append(births + 1.0 - float(weights @ survival))
+        forces.append(float(weights @ (survival * x)))
     return np.array(forces)

@@ -128,7 +128,7 @@ def _failed(row: Row) -> bool:
     return row.verdict in ("wrong", "refused") or unknown
 
 
-def told(rows: Sequence[Row]) -> list[str]:
+def as_lines(rows: Sequence[Row]) -> list[str]:
     """In words what the rows tell: a line for each kind of case, one for all of them, the cases that failed, and
     whether the promises are kept."""
     head = ("kind", "cases", "held", "claim/error", "1σ %", "2σ %", "3σ %", "held against")
@@ -167,9 +167,9 @@ def told(rows: Sequence[Row]) -> list[str]:
 
 
 def _line(cells: Sequence[Any]) -> str:
-    kind, cases, held, ratio, *sigmas, against = cells
+    kind, cases, holding, ratio, *sigmas, against = cells
     shares = "".join(f"{share:>7}" for share in sigmas)
-    return f"{kind:16}{cases:>6}{held:>6}{ratio:>13}{shares}  {against}"
+    return f"{kind:16}{cases:>6}{holding:>6}{ratio:>13}{shares}  {against}"
 
 
 def plain_coverage(found: Coverage) -> dict[str, Any]:

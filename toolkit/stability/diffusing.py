@@ -16,7 +16,7 @@ _SPREAD = 9.0  # standard deviations of the diffusion that are kept
 
 
 def aged_lives(
-    contacts: Contacts, velocity: float, way: Array, halvings: int
+    contacts: Contacts, velocity: float, travel: Array, halvings: int
 ) -> tuple[Array, Array]:
     """Density of breaks per length, and force, of contacts that formed relaxed, by the even way since.
 
@@ -31,7 +31,8 @@ def aged_lives(
         raise InputError(
             "ageing: only of relaxed contacts, in the exact closure, towards a Gaussian"
         )
-    diffusion, step, time = normal.rate * normal.std**2, way[1] - way[0], way[-1] / velocity
+    diffusion = normal.rate * normal.std**2
+    step, time = travel[1] - travel[0], travel[-1] / velocity
     largest = float(law.isf(_FORGOTTEN))
     largest = max(largest, float(normal.mean_after(largest, time)))
     largest += _SPREAD * float(normal.std_after(time))
@@ -57,8 +58,8 @@ def aged_lives(
         return banded
 
     density, half, now = -np.diff(law.sf(edges)) / width, 0.5 * step / velocity, rates(0.0)
-    breaks, held = np.empty_like(way), np.empty_like(way)
-    for k, stretch in enumerate(way):
+    breaks, survival = np.empty_like(travel), np.empty_like(travel)
+    for k, stretch in enumerate(travel):
         if k:
             known = density * (1.0 + half * now[1])
             known[:-1] += half * now[0, 1:] * density[1:]
@@ -68,5 +69,5 @@ def aged_lives(
             unknown[1] += 1.0
             density = solve_banded((1, 1), unknown, known, check_finite=False)
         breaks[k] = diffusion * density[0] / (apart[0] * velocity)
-        held[k] = width @ density
-    return breaks, way * held
+        survival[k] = width @ density
+    return breaks, travel * survival

@@ -128,7 +128,7 @@ def _renewed(kind: str, name: str, rng: np.random.Generator) -> Case:
 
 
 def _rough(kind: str, name: str, rng: np.random.Generator) -> Case:
-    unit, again = _unit(rng), None
+    unit, reforming = _unit(rng), None
     law = smooth(rng, unit) if "re-forming" in kind else rough(rng, unit)
     path = _turning(rng) if "turning" in kind else _forward(rng)
     mean = Contacts(law).mean_threshold
@@ -136,8 +136,8 @@ def _rough(kind: str, name: str, rng: np.random.Generator) -> Case:
     if rng.random() < 0.3:
         start = scipy.stats.uniform(-0.05 * mean, rng.uniform(0.01, 0.2) * mean)
     if "re-forming" in kind:
-        again = origins.boltzmann_reforming(1e-3 * mean**2)
-    contacts = Contacts(law, start, reforming=again)
+        reforming = origins.boltzmann_reforming(1e-3 * mean**2)
+    contacts = Contacts(law, start, reforming=reforming)
     return _case(kind, name, contacts, path, None, _digits(rng, 1e-6))
 
 

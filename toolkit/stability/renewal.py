@@ -51,17 +51,17 @@ def by_renewal(contacts: Contacts, path: Array, velocity: float = 1.0) -> Truth:
 def _force(contacts: Contacts, length: float, velocity: float, halvings: int) -> Array:
     """F at all steps of a path, COARSEST of them with so many halvings; a length."""
     steps = COARSEST * 2**halvings
-    h, way = length / steps, length * np.arange(steps + 1) / steps
+    h, travel = length / steps, length * np.arange(steps + 1) / steps
     first = contacts.start.mean()
     if contacts.ageing is None:
-        lives = partial(_lives, contacts, velocity, way=way, nodes=_NODES * (1 + halvings))
+        lives = partial(_lives, contacts, velocity, travel=travel, nodes=_NODES * (1 + halvings))
         density, borne = lives(first=0.0)
-        left, force = (density, borne.copy()) if first == 0.0 else lives(first=first)
+        density_of_start, force = (density, borne.copy()) if first == 0.0 else lives(first=first)
     else:
-        density, borne = aged_lives(contacts, velocity, way, halvings)
-        left, force = density, borne.copy()
+        density, borne = aged_lives(contacts, velocity, travel, halvings)
+        density_of_start, force = density, borne.copy()
     delay = 0.0 if contacts.delay is None else contacts.delay.time * velocity
-    lag, breaks = round(delay / h), left.copy()
+    lag, breaks = round(delay / h), density_of_start.copy()
 
     def sums(kernel: Array, place: int) -> float:
         """The integral up to a place, without the share of the last births."""
@@ -81,10 +81,10 @@ def _force(contacts: Contacts, length: float, velocity: float, halvings: int) ->
 
 
 def _lives(
-    contacts: Contacts, velocity: float, first: float, way: Array, nodes: int
+    contacts: Contacts, velocity: float, first: float, travel: Array, nodes: int
 ) -> tuple[Array, Array]:
     """Density of breaks per length, and force, of contacts that formed at the stretch `first`, by the way since."""
-    law, x, linked = contacts.thresholds, first + way, contacts.stiffness == "linked"
+    law, x, linked = contacts.thresholds, first + travel, contacts.stiffness == "linked"
     all_of_them = float(law.sf(first))
     if contacts.thermal is None and not linked:
         return law.pdf(x) / all_of_them, x * law.sf(x) / all_of_them
@@ -97,15 +97,15 @@ def _lives(
     begin = np.maximum(x, float(law.ppf(_FORGOTTEN)))[:, None]
     # squares of the nodes, as the rate of stiff contacts has a root at their threshold
     limit = begin + (end - begin) * place**2
-    share = 2.0 * weight * place * (end - begin) * law.pdf(limit) / all_of_them
+    fraction = 2.0 * weight * place * (end - begin) * law.pdf(limit) / all_of_them
     stretch = x[:, None]
-    alive, at_limit, rate = share, np.ones_like(x), np.zeros_like(share)
+    alive, at_limit, rate = fraction, np.ones_like(x), np.zeros_like(fraction)
     if heat is not None:
         passed = _passed(heat, stretch, limit) - _passed(heat, first, limit)
-        alive = share * np.exp(-passed / velocity)
+        alive = fraction * np.exp(-passed / velocity)
         at_limit = np.exp(-(_passed(heat, x, x) - _passed(heat, first, x)) / velocity)
         rate = rate_of(heat, stretch, limit) / velocity
-    breaks = law.pdf(first + way) / all_of_them * at_limit + (alive * rate).sum(axis=1)
+    breaks = law.pdf(first + travel) / all_of_them * at_limit + (alive * rate).sum(axis=1)
     borne = alive * (limit / contacts.mean_threshold if linked else 1.0)
     return breaks, x * borne.sum(axis=1)
 

@@ -12,7 +12,7 @@ from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
 from toolkit.scene.scene import Scene
 from toolkit.stability.case import Row
-from toolkit.stability.coverage import Coverage, ask, coverage, plain_coverage, told
+from toolkit.stability.coverage import Coverage, as_lines, ask, coverage, plain_coverage
 from toolkit.stability.scene_map import draw_map, not_asked, scene_map, trusted
 from toolkit.stability.table import columns, draw_table, extreme_cases, stability, summary
 
@@ -70,7 +70,7 @@ def report_coverage(
     check_folder(folder)
     with closing(Progress("coverage", "cases")) as bar:
         rows = ask(cases, seed, bar.count)
-    lines, found = told(rows), coverage(rows)
+    lines, found = as_lines(rows), coverage(rows)
     say("\n".join(lines))
     numbers = {"cases": cases, "seed": seed, **plain_coverage(found)}
     _save(folder, "coverage", draw_table(rows, "Drawn cases"), lines, rows, numbers, formats)

@@ -93,9 +93,9 @@ def not_asked(scene: Scene, found: list[Row]) -> str:
     """What of a map that ends with these rows was not asked, in words."""
     last, keys = found[-1], [key for key, _ in numbers(tomllib.loads(scene.text))]
     begun = [key for key in keys if any(row.group == key for row in found)]
-    left = ", ".join(keys[len(begun) :])
+    remaining = ", ".join(keys[len(begun) :])
     after = f"what follows on {last.case} of {last.group}" if begun else ""
-    return f"not asked: {'; '.join(filter(None, (after, left)))}"
+    return f"not asked: {'; '.join(filter(None, (after, remaining)))}"
 
 
 def trusted(found: list[Row]) -> Iterator[str]:

@@ -61,8 +61,8 @@ def at_rates(passed: Callable[[Array, Array], Array]) -> Callable[[Contacts, Arr
         # for each threshold stretches from 0 up to it, as survivals end there
         threshold = threshold[:, None]
         x, w = 0.5 * threshold * (node + 1.0), 0.5 * threshold * weight
-        held = density * w * np.exp(-passed(x, threshold))
-        still = _mean_stretch(x, held)
+        survival = density * w * np.exp(-passed(x, threshold))
+        still = _mean_stretch(x, survival)
         return Truth(np.full(path.shape, still.values), still.error, still.road)
 
     return truth
@@ -76,8 +76,8 @@ def grown(law: Thresholds, beta: float, speed: float) -> Truth:
     for _ in range(200):  # the largest threshold is that of an age which it decides
         end = float(law.isf(1e-20)) / unit * (1.0 + beta * np.log1p(end / speed))
     x, w = _stretched(node, weight, 0.0, end)
-    held = w * law.sf(x * unit / (1.0 + beta * np.log1p(x / speed)))
-    return _mean_stretch(x, held)
+    survival = w * law.sf(x * unit / (1.0 + beta * np.log1p(x / speed)))
+    return _mean_stretch(x, survival)
 
 
 def slope_of_grown(law: Thresholds, beta: float, speed: float) -> Truth:
@@ -113,9 +113,9 @@ def before_breaks(
     return Truth(spring * (time - x), floor, "an oscillator, in closed form")
 
 
-def _mean_stretch(x: Array, held: Array) -> Truth:
+def _mean_stretch(x: Array, survival: Array) -> Truth:
     """F_k as the mean of stretches in steady sliding, of which so many contacts hold."""
-    value = float((x * held).sum() / held.sum())
+    value = float((x * survival).sum() / survival.sum())
     return Truth(value, 1e-9 * value, "F_k by quadrature")
 
 

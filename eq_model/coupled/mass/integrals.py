@@ -25,12 +25,12 @@ PLACES += 0.5
 def motion_integrals(m, t, there):  # type: ignore[no-untyped-def]
     """The integrals of the way and of the squared speed up to t, where the slider is `there`."""
     if m.own * t < SHORT and m.decay * t < SHORT_DAMPED:
-        way, squares = 0.0, 0.0
+        travel, squares = 0.0, 0.0
         for i in range(PLACES.size):
             speed = _series_speed(m, PLACES[i] * t)
-            way += WEIGHTS[i] * (1.0 - PLACES[i]) * speed
+            travel += WEIGHTS[i] * (1.0 - PLACES[i]) * speed
             squares += WEIGHTS[i] * speed * speed
-        return t * t * way, t * squares
+        return t * t * travel, t * squares
     if not m.rings and m.beat * m.beat >= CRITICAL * m.own * m.own:
         return _of_exponentials(m, t)
     # the equation of motion, integrated over the time, gives the integral of the displacement u by its ends alone
@@ -49,10 +49,10 @@ def _series_speed(m, t):  # type: ignore[no-untyped-def]
     # t^k times the k-th derivative of the speed, and the next two
     now, later = m.drift + m.speed, acceleration(m, m.u, m.speed) * t
     after = -m.own * m.own * m.speed * t * t - 2.0 * m.decay * t * later
-    share, speed = 1.0, 0.0
+    term, speed = 1.0, 0.0
     for k in range(TERMS):
-        speed += share * now
-        share /= k + 1.0
+        speed += term * now
+        term /= k + 1.0
         now, later = later, after
         after = -2.0 * m.decay * t * later - m.own * m.own * t * t * now
     return speed
@@ -70,7 +70,7 @@ def _of_exponentials(m, t):  # type: ignore[no-untyped-def]
     a, fast = acceleration(m, m.u, m.speed), -(m.decay + m.beat)
     slow = -m.own / (m.decay + m.beat) * m.own
     p, q = (a - fast * m.speed) / (2.0 * m.beat), (slow * m.speed - a) / (2.0 * m.beat)
-    c, slowly, faster, way, squares = (
+    c, slowly, faster, travel, squares = (
         m.drift + m.speed - q,
         _grown(slow, t),
         _grown(fast, t),
@@ -80,15 +80,15 @@ def _of_exponentials(m, t):  # type: ignore[no-untyped-def]
     if -slow * t < SMALL:
         for i in range(PLACES.size):
             speed = c + p * np.expm1(slow * PLACES[i] * t)
-            way += WEIGHTS[i] * (1.0 - PLACES[i]) * speed * t * t
+            travel += WEIGHTS[i] * (1.0 - PLACES[i]) * speed * t * t
             squares += WEIGHTS[i] * speed * speed * t
     else:
-        way = 0.5 * (c - p) * t * t + p * (slowly - t) / slow
+        travel = 0.5 * (c - p) * t * t + p * (slowly - t) / slow
         squares = c * c * t + 2.0 * c * p * (slowly - t)
         squares += p * p * (_grown(2.0 * slow, t) - 2.0 * slowly + t)
-    way += q * (faster - t) / fast
+    travel += q * (faster - t) / fast
     squares += 2.0 * q * (c * faster + p * (_grown(slow + fast, t) - faster))
-    return way, squares + q * q * _grown(2.0 * fast, t)
+    return travel, squares + q * q * _grown(2.0 * fast, t)
 
 
 @bare

@@ -148,8 +148,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
         ahead = np.float64(nearest(contacts.ahead) - s.at) - s.off
         behind = np.float64(nearest(contacts.behind) + s.at) + s.off
         known, known_behind = contacts.ahead.at[KNOWN] != 0, contacts.behind.at[KNOWN] != 0
-        left = pull.lasts[unsigned(s.leg)] - s.elapsed
-        most, slipped = max(min(left, s.due), 0.0), False
+        remaining = pull.lasts[unsigned(s.leg)] - s.elapsed
+        most, slipped = max(min(remaining, s.due), 0.0), False
         side = 1 if ahead <= 0.0 else -1 if behind <= 0.0 else 0
         if side == 0:
             stiffness = pull.spring + s.stiffness * each
@@ -174,8 +174,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                     if early < t and top > FASTER * limit:
                         t, side, most, s.tried = early, 0, early, s.loose
                 if side == 0 or (known if side > 0 else known_behind):
-                    way = ahead if side > 0 else -behind
-                    slipped = slow_move(s, pull, motion, t, side, way)
+                    travel = ahead if side > 0 else -behind
+                    slipped = slow_move(s, pull, motion, t, side, travel)
         forms = np.int64(-1)
         # at a bound, where the slider has not moved yet, the places are looked up
         if side > 0 and not known:
@@ -188,7 +188,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                 return TOO_MANY
         elif s.due <= 0.0:
             forms = _return(s, contacts, pull)
-        elif left <= most:
+        elif remaining <= most:
             slipped = _end_leg(s, pull) or slipped
         if forms >= 0:
             _form(s, contacts, forms, supply, pull.mean, pull)

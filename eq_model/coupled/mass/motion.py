@@ -21,7 +21,7 @@ from eq_model.compiling import bare, inlined
 
 # where an extreme of the speed is nearer than this (radians of the oscillation, and radians for each radian since the
 # last event), the next one is taken: the first one is that at which the search stands, found anew with another rounding
-NEAR, NEAR_SHARE = 1e-7, 1e-15
+NEAR, NEAR_FRACTION = 1e-7, 1e-15
 SLOW = 1e-9  # a share of the largest excess of speed, far below what anyone measures
 
 
@@ -40,7 +40,7 @@ class Motion(NamedTuple):
 class Place(NamedTuple):
     """Where the slider is at some time: its way since the last event, u - u(0), u, u' and its speed."""
 
-    way: float
+    travel: float
     gone: float  # of a motion that is short beside u it has more digits than the difference
     u: float
     change: float
@@ -66,10 +66,10 @@ def place_at(m, t):  # type: ignore[no-untyped-def]
         slope = fading * cosine - m.decay * d
     else:
         slow = -m.own / (m.decay + m.beat) * m.own  # the exponent of what dies slowly
-        left, fast = np.exp(slow * t), np.exp(-2.0 * m.beat * t)
-        d = left * t if m.beat == 0.0 else left * -np.expm1(-2.0 * m.beat * t) / (2.0 * m.beat)
+        decay, fast = np.exp(slow * t), np.exp(-2.0 * m.beat * t)
+        d = decay * t if m.beat == 0.0 else decay * -np.expm1(-2.0 * m.beat * t) / (2.0 * m.beat)
         c = np.expm1(slow * t) - slow * d
-        slope = left * fast + slow * d
+        slope = decay * fast + slow * d
     gone = m.u * c + m.speed * d
     change = m.speed * slope - m.own * (m.own * m.u) * d
     return Place(m.drift * t + gone, gone, m.u + gone, change, m.drift + change)
@@ -84,7 +84,7 @@ def acceleration(m, u, change):  # type: ignore[no-untyped-def]
 @bare
 def next_extreme(m, t, u, change):  # type: ignore[no-untyped-def]
     """Time from a place at t, with these u and u', until the speed has its next extreme; inf if it has none."""
-    near = NEAR + NEAR_SHARE * m.own * t
+    near = NEAR + NEAR_FRACTION * m.own * t
     # u'' = a and its derivative j; u'' is proportional to a C(t) + j D(t), too
     a = acceleration(m, u, change)
     j = -m.own * m.own * change - 2.0 * m.decay * a + m.decay * a
@@ -114,7 +114,7 @@ def meets(m, is_speed, rises, level, low, high, guess):  # type: ignore[no-untyp
     t = guess if low < guess < high else 0.5 * (low + high)
     for _ in range(200):
         here = place_at(m, t)
-        value, slope = here.way - level, here.speed
+        value, slope = here.travel - level, here.speed
         if is_speed:
             value, slope = here.speed - level, acceleration(m, here.u, here.change)
         if (value >= 0.0) == rises:
@@ -154,18 +154,18 @@ def speed_at_break(m, there, off):  # type: ignore[no-untyped-def]
 def _safe_until(m, t, here, ahead, behind):  # type: ignore[no-untyped-def]
     """A time until which the slider reaches neither position, as |u| <= (u² + u'²/s²)^(1/2), which never grows; t
     itself if that does not tell."""
-    reach = np.hypot(here.u, here.change / m.own) * (1.0 + 1e-14)
+    furthest = np.hypot(here.u, here.change / m.own) * (1.0 + 1e-14)
     w = m.drift
     # the way lies within w t - u(0) ± reach
     for limit in (ahead + m.u, behind - m.u):
-        if not w * t + reach < limit:
+        if not w * t + furthest < limit:
             return t
         w = -w
     until = np.inf
     if w > 0.0:
-        until = (ahead + m.u - reach) / w
+        until = (ahead + m.u - furthest) / w
     elif w < 0.0:
-        until = (behind - m.u - reach) / -w
+        until = (behind - m.u - furthest) / -w
     return until
 
 
@@ -185,19 +185,19 @@ def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
                 break
         end = min(t + next_extreme(m, t, here.u, here.change), most)
         there = place_at(m, end)
-        turn, middle = end, there.way
+        turn, middle = end, there.travel
         if here.speed * there.speed < 0.0:
             turn = meets(m, True, there.speed > 0.0, 0.0, t, end, t)
-            middle = place_at(m, turn).way
+            middle = place_at(m, turn).travel
         if middle >= ahead:
-            guess = t + (ahead - here.way) / here.speed
+            guess = t + (ahead - here.travel) / here.speed
             return meets(m, False, True, ahead, t, turn, guess), 1
         if middle <= -behind:
-            guess = t - (behind + here.way) / here.speed
+            guess = t - (behind + here.travel) / here.speed
             return meets(m, False, False, -behind, t, turn, guess), -1
-        if there.way >= ahead:
+        if there.travel >= ahead:
             return meets(m, False, True, ahead, turn, end, turn), 1
-        if there.way <= -behind:
+        if there.travel <= -behind:
             return meets(m, False, False, -behind, turn, end, turn), -1
         t, here = end, there
     return most, 0

@@ -55,11 +55,11 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     t -= 0.0 if ends else b2 * t * t * slow
     step = 0.0
     for _ in range(8):
-        way = t * (v + t * (b2 + t * (b3 + t * (b4 + t * (b5 + t * b6)))))
+        travel = t * (v + t * (b2 + t * (b3 + t * (b4 + t * (b5 + t * b6)))))
         speed = v + t * (a2 + t * (3.0 * b3 + t * (4.0 * b4 + t * (5.0 * b5 + t * 6.0 * b6))))
         if ends:
             break
-        step = (way - level) / speed
+        step = (travel - level) / speed
         t -= step
         if abs(step) <= 1e-9 * t:  # the next one would be below rounding
             break
@@ -67,12 +67,12 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     speed -= step * a2
     middle = v + h * (a2 + h * (3.0 * b3 + h * (4.0 * b4 + h * 5.0 * b5)))
     limit, later = speed_limit(drive), a2 + t * (a3 + t * 0.5 * a4)
-    misses = side * way >= side * level if ends else t >= most
+    misses = side * travel >= side * level if ends else t >= most
     if misses or (v > limit) != s.falling or (speed > limit) != s.falling or a2 * later < 0.0:
         return 0
     squares = t * (1.0 / 6.0) * (v * v + 4.0 * middle * middle + speed * speed)  # Simpson's rule
-    way_integral = t * t * (0.5 * v + t * (b2 * (1.0 / 3.0) + t * (b3 * 0.25 + t * b4 * 0.2)))
-    pass_time(s, pull, t, way if ends else level, speed, way_integral, squares)
+    travel_integral = t * t * (0.5 * v + t * (b2 * (1.0 / 3.0) + t * (b3 * 0.25 + t * b4 * 0.2)))
+    pass_time(s, pull, t, travel if ends else level, speed, travel_integral, squares)
     if s.falling:
         pull.fall[TOP_SPEED] = max(pull.fall[TOP_SPEED], speed)
     return MOVED if ends else side
@@ -112,23 +112,23 @@ def damped_move(s, pull, ahead, most, net, stiffness):  # type: ignore[no-untype
     t = max(over, straight) if q > 0.0 else min(over, straight)
     ends = not t < most
     t = min(t, most)
-    step, fading, z, once, twice, way, speed = np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    step, fading, z, once, twice, travel, speed = np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for _ in range(12):
         fading, z = np.expm1(fast * t), slow * t
         once, twice = _slow_parts(z)
-        way = (drift + p * once) * t + q * (fading / fast)
+        travel = (drift + p * once) * t + q * (fading / fast)
         speed = even + p * (z * once) + q * (1.0 + fading)
         if ends:
             step = 0.0
             break
-        step = (way - ahead) / speed
+        step = (travel - ahead) / speed
         if not abs(step) > 1e-9 * t:  # the next one would be below rounding
             break
         t -= step
         ends = not t < most
         t = min(t, most)
     # integrals of shorter times would cancel
-    if not (abs(step) <= 1e-9 * t and -fast * t > 1e-3) or (ends and way >= ahead):
+    if not (abs(step) <= 1e-9 * t and -fast * t > 1e-3) or (ends and travel >= ahead):
         return 0
     later = p * slow * (1.0 + z * once) + q * fast * (1.0 + fading)
     t -= step
@@ -151,8 +151,8 @@ def damped_move(s, pull, ahead, most, net, stiffness):  # type: ignore[no-untype
     squares *= t
     squares += 2.0 * q * (drift * gone + p * both / (slow + fast))
     squares += q * q * 0.5 * gone * (2.0 + fading)
-    way_integral = t * t * (0.5 * drift + p * twice) + q * (gone - t) / fast
-    pass_time(s, pull, t, way if ends else ahead, speed, way_integral, squares)
+    travel_integral = t * t * (0.5 * drift + p * twice) + q * (gone - t) / fast
+    pass_time(s, pull, t, travel if ends else ahead, speed, travel_integral, squares)
     if s.falling:
         pull.fall[TOP_SPEED] = max(pull.fall[TOP_SPEED], top)
     return MOVED if ends else 1
@@ -168,22 +168,22 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def slow_move(s, pull, motion, t, side, way):  # type: ignore[no-untyped-def]
-    """Move for a time t in closed form, with a break after it (side 1 or -1) by `way`. Returns whether a slip ends."""
+def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
+    """Move for a time t in closed form, then a break (side 1 or -1) at `travel`. Returns whether a slip ends."""
     there, drive = place_at(motion, t), pull.speeds[unsigned(s.leg)]
     speed = there.speed
     if side == 0:
-        way = there.way
+        travel = there.travel
     else:
-        speed = speed_at_break(motion, there, way - there.way)
+        speed = speed_at_break(motion, there, travel - there.travel)
     integral, squares = motion_integrals(motion, t, there)
     slipped, limit, slower = False, speed_limit(drive), np.inf
     if s.falling:
         slower, pull.fall[TOP_SPEED] = first_slower(motion, limit, t, pull.fall[TOP_SPEED])
-    pass_time(s, pull, t, way, speed, integral, squares)
+    pass_time(s, pull, t, travel, speed, integral, squares)
     if s.falling and slower < t:
-        slipped = end_fall(s, pull, t - slower, way - place_at(motion, slower).way)
+        slipped = end_fall(s, pull, t - slower, travel - place_at(motion, slower).travel)
     if not s.falling and speed > limit:
         faster, top = last_faster(motion, limit, t)
-        begin_fall(s, pull, t - faster, way - place_at(motion, faster).way, top)
+        begin_fall(s, pull, t - faster, travel - place_at(motion, faster).travel, top)
     return slipped

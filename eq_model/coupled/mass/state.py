@@ -104,12 +104,12 @@ def contact_force(s, pull):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _shift(s, pull, way):  # type: ignore[no-untyped-def]
+def _shift(s, pull, travel):  # type: ignore[no-untyped-def]
     """Count the contacts' force and energy from a place that lies so far ahead."""
-    far = np.float64(way)
+    far = np.float64(travel)
     add(pull.energy, STORED, far * (s.force + 0.5 * s.stiffness * far))
     s.force += s.stiffness * far
-    s.at += way
+    s.at += travel
 
 
 @inlined
@@ -152,22 +152,22 @@ def speed_limit(drive):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def begin_fall(s, pull, before, way_before, top):  # type: ignore[no-untyped-def]
+def begin_fall(s, pull, before, travel_before, top):  # type: ignore[no-untyped-def]
     """A fall of the spring's force began so long before the present, when the slider was so far behind."""
     fall, speed = pull.fall, pull.speeds[unsigned(s.leg)]
     drive = pull.places[unsigned(s.leg)] + speed * (s.elapsed - before)
-    x = np.float64(s.at) + (s.off - way_before)
+    x = np.float64(s.at) + (s.off - travel_before)
     fall[DRIVE], fall[X_BEFORE], fall[F_BEFORE] = drive, x, pull.spring * (drive - x)
     fall[DURATION], fall[TOP_SPEED] = before, top
     s.falling, s.broken = True, 0
 
 
 @inlined
-def end_fall(s, pull, before, way_before):  # type: ignore[no-untyped-def]
+def end_fall(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
     """It ended so long before the present. Returns whether it was a slip."""
     fall, speed, size = pull.fall, pull.speeds[unsigned(s.leg)], s.broken
     drive = pull.places[unsigned(s.leg)] + speed * (s.elapsed - before)
-    x = np.float64(s.at) + (s.off - way_before)
+    x = np.float64(s.at) + (s.off - travel_before)
     fall[X_AFTER], fall[F_AFTER], fall[BREAKS] = x, pull.spring * (drive - x), s.loose
     fall[DURATION] -= before
     s.falling = False
@@ -185,13 +185,13 @@ def end_fall(s, pull, before, way_before):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def pass_time(s, pull, t, way, speed, way_integral, squares):  # type: ignore[no-untyped-def]
-    """The slider moves for a time t, by `way`; with the integrals of its way and of its squared speed."""
+def pass_time(s, pull, t, travel, speed, travel_integral, squares):  # type: ignore[no-untyped-def]
+    """The slider moves for a time t, by `travel`; with the integrals of that and of its squared speed."""
     drive = pull.speeds[unsigned(s.leg)]
-    pulled = spring_force(s, pull) * t + pull.spring * (0.5 * drive * t * t - way_integral)
+    pulled = spring_force(s, pull) * t + pull.spring * (0.5 * drive * t * t - travel_integral)
     add(pull.energy, WORK, drive * pulled)
     add(pull.energy, DAMPED, pull.damping * squares)
-    s.off += way
+    s.off += travel
     shift = np.int64(np.rint(s.off))
     s.off -= np.float64(shift)
     _shift(s, pull, shift)
