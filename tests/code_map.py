@@ -72,11 +72,16 @@ QUESTIONS = {
         "master:slips_of",
     ),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
-    "the rule of a slip: reset; reform-after, in the slip and its births; instant": (
+    "the rule of a slip at T = 0: reset; reform-after, in the slip and its births; instant": (
         "master:ColdSlider._reset",
         "master:ColdSlider._reform_after",
         "master:March.postpone_births",
         "master:Move.end_of_slip",
+    ),
+    "the same in time: no births in the slip; those after it; instant": (
+        "master:slip_without_births",
+        "master:ContactsInSteps.form_due",
+        "master:slip_with_births",
     ),
     "a slider with mass": ("master:InertialSlider",),
     "a slip's begin: T = 0, in time": (

@@ -270,7 +270,8 @@ class March:
 
     def cut(self, t: float, births: Births) -> "March":
         """For master/soft: a march that has the contacts of this one at the time t, and none of its plans: set its
-        edges before it runs. `births` are along a motion that is the same up to t, of the same life, a timeless one."""
+        edges before it runs. `births` are along a motion that is the same up to t, of the same life, a timeless one.
+        Tests: test_soft.py."""
         start = self.lumps[0].law
         other = March(births, start, self.edges, self.tolerance, self.guess, self.longest_stretch)
         # the contacts, and the errors with which they are known
@@ -285,8 +286,7 @@ class March:
         return other
 
     def postpone_births(self, begin: float, end: float) -> None:
-        """For soft/moves.py: add panels without births from begin to end, where broken contacts are born together.
-        Tests: test_soft.py, as of `cut`."""
+        """The same: add panels without births from begin to end, where broken contacts are born together."""
         number, _ = self.enter_and_sum_at(np.full((1, TARGETS.size), end))
         leg_start_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
         # `_numbers_at_edge` looks back from the end over half of the last panel, which therefore has to be short

@@ -247,7 +247,8 @@ class ColdSlider:
         return slide, slide.end_of_slip(0.0, slip.load - self.spring * slip.travel, slip)
 
     def _reform_after(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
-        """Slip in which broken contacts stay out until the slider stops."""
+        """Slip in which broken contacts stay out until the slider stops. The next move's plan lets
+        them be born, by `March.postpone_births`: between `cut` and `end` of the history that is returned none is."""
         key = move, slip.travel
         if key in self._leave_none:
             return self._reset(move, slip, begin)

@@ -194,8 +194,8 @@ class Move:
         last, steady = float(march.solved.force[-1, -1]), march.solved.force[-len(rates) :]
         return SteadyForce(self.direction * last, differ * abs(last) + float(np.ptp(steady)))
 
-    def _decohered_at(self, level: float) -> SteadyForce | None:
-        """The force of steady breaks, where it is F to the tolerance before the load can be at `level` again.
+    def _decohered_at(self, load: float) -> SteadyForce | None:
+        """The force of steady breaks, where it is F to the tolerance before it can be at this `load` again.
 
         Once none of the contacts of the move's begin, and of those born before, is left, F is a mean of its values
         over the longest life (renewal equation) and stays within them, and F - F_k falls as e^(-y/X*).
@@ -209,7 +209,7 @@ class Move:
         force = self.direction * march.solved.force[first:] @ BETWEEN.T
         half, (steady, error) = BEYOND * 0.5 * float(np.ptp(force)), contacts.steady_force
         most = 0.5 * float(force.max() + force.min()) + half
-        ahead = (level - most) / contacts.spring - (march.solved.end - self.loaded.end)
+        ahead = (load - most) / contacts.spring - (march.solved.end - self.loaded.end)
         if ahead <= 0.0 or not np.isfinite(contacts.decoherence_length):
             return None
         remaining = HIDDEN * half * np.exp(-ahead / contacts.decoherence_length)

@@ -26,7 +26,7 @@ class MoveWithoutBirths(Move):
     # share of the contacts that hold where the last panel ends, and the force along the motion there (a length)
     _holding, _force = 1.0, np.inf
     # load at which the slip ends (a length)
-    _level = np.inf
+    _end_load = np.inf
     # panels that are tried together, as most of the work is the same for one and for many
     _together = 1
 
@@ -42,7 +42,7 @@ class MoveWithoutBirths(Move):
         self, after: float, load: float, begin: SlipBegin, goes_on: bool = False
     ) -> SlipEnd:
         """See Move."""
-        self._level = load
+        self._end_load = load
         return super().end_of_slip(after, load, begin, goes_on)
 
     def _pass_without_balance(self) -> bool:
@@ -50,7 +50,7 @@ class MoveWithoutBirths(Move):
         the contacts that hold, of which ever fewer do. Its panel holds that bound; False where the travel is short."""
         march, contacts = self._march, self.contacts
         begin = max(march.solved.end, self.loaded.end)
-        missing = self._level - self._force - contacts.spring * (begin - self.loaded.end)
+        missing = self._end_load - self._force - contacts.spring * (begin - self.loaded.end)
         stiffness = self._holding * contacts.largest_stiffness
         travel = PASSED * missing / (stiffness + contacts.spring)
         travel = min(travel, float(march.edges[-1]) - begin)

@@ -137,17 +137,17 @@ class Cohorts:
     def _in_pairs(self, direction: int, least_force: float, near: float) -> "Cohorts":
         """In the order of the positions from which they break on this way, then by birth, the first and the second, the
         third and the fourth, and so on, where they are alike and these positions the same, up to `near`."""
-        level = self.born + direction * self.largest
-        order = np.lexsort((self.born, np.round(level / near)))
+        place = self.born + direction * self.largest
+        order = np.lexsort((self.born, np.round(place / near)))
         born, largest, weight = (each[order] for each in (self.born, self.largest, self.weight))
-        level = level[order]
+        place = place[order]
         holding, second = self._holding[order], np.arange(1, order.size, 2)
         pair = holding[second - 1] + holding[second]
         apart = np.hypot(born[second] - born[second - 1], largest[second] - largest[second - 1])
         # a weight may be below 0, see `moved`; two that nearly cancel have no mean place
         sizes = np.abs(holding[second - 1]), np.abs(holding[second])
         alike, lost = np.abs(pair) > 0.5 * np.maximum(*sizes), np.full(second.size, np.inf)
-        alike &= np.abs(level[second] - level[second - 1]) <= near
+        alike &= np.abs(place[second] - place[second - 1]) <= near
         mean = np.divide(sizes[0] * sizes[1], np.abs(pair), out=np.zeros(pair.size), where=alike)
         # the larger one's place is taken where only one is below 0
         moves = np.where(holding[second - 1] * holding[second] < 0.0, np.minimum(*sizes), 0.0)

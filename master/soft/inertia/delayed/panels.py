@@ -33,7 +33,7 @@ TO_PARTS = integrals_up_to(PARTS)
 LATER = 9
 # Way back, in units of the error of a panel, from which on a slider has turned: a polynomial may wind by its error.
 TURNED = 2.0
-# Most panels that are tried until one ends at a level: each is solved anew, and its end lands a little beside.
+# Most panels that are tried until one ends at a bend: each is solved anew, and its end lands a little beside.
 MOST_AIMS = 8
 
 
@@ -66,7 +66,7 @@ class OnPanels:
 
     search : finds each panel from the state of the body on
     turns : how often the slider turned on one
-    _levels : positions at which the contacts' force bends, until the slider passes them: where it turned, and where
+    _bends : positions at which the contacts' force bends, until the slider passes them: where it turned, and where
         contacts of a start at one stretch reach a bend of P_c
     """
 
@@ -78,11 +78,11 @@ class OnPanels:
         self._body, self._record, self._sliding = body, record, sliding
         self.search = PanelSearch(body, sliding)
         self.turns = 0
-        self._levels = list[float]()
+        self._bends = list[float]()
         if contacts.start.is_single:
             start, bends = contacts.start.mean(), contacts.thresholds.breakpoints
             for bend in bends[bends > abs(start)].tolist():
-                self._levels += [bend - start, -bend - start]
+                self._bends += [bend - start, -bend - start]
 
     def advance(self) -> bool:
         """Go on by one panel; returns whether the slider turned, or something else happened, so that none may break."""
@@ -92,18 +92,18 @@ class OnPanels:
             return True
         stop = min(body.drive.leg_end, past.next_lump, past.next_kink(body.state.t))
         solved, reaches = self.search.next_up_to(stop)
-        turn, level = self._turn_in(solved.panel), None
+        turn, bend = self._turn_in(solved.panel), None
         if turn is not None:
             part, reaches = Part(solved.panel.cut(turn), solved), False
             self.turns += 1
         else:
-            level = self._level_in(solved.panel)
-            if level is not None:
-                solved, reaches = self._up_to(level, solved), False
+            bend = self._bend_in(solved.panel)
+            if bend is not None:
+                solved, reaches = self._up_to(bend, solved), False
             part = Part(solved.panel, solved)
         self._take(part, turn is not None)
-        if level is not None:
-            self._passed(level, solved.panel)
+        if bend is not None:
+            self._passed(bend, solved.panel)
         if reaches and stop == body.drive.leg_end:
             body.end_leg()
         elif reaches:
@@ -127,44 +127,44 @@ class OnPanels:
                 return t
         return None
 
-    def _level_in(self, panel: TimePanel) -> float | None:
+    def _bend_in(self, panel: TimePanel) -> float | None:
         """The first place on the panel at which the force has a kink."""
         begin, end = _ends(panel)
         near = self._body.near(begin)
-        met = [x for x in self._levels if min(begin, end) < x < max(begin, end)]
+        met = [x for x in self._bends if min(begin, end) < x < max(begin, end)]
         ahead = [x for x in met if abs(x - begin) > near]
         return min(ahead, key=lambda x: abs(x - begin)) if ahead else None
 
-    def _up_to(self, level: float, solved: Solved) -> Solved:
-        """The panel up to where the slider passes a level that lies on it; where none is found that ends there and is
-        as good, the nearest so far, which may end before the level or beyond it."""
-        near, best = self._body.near(level), solved
+    def _up_to(self, bend: float, solved: Solved) -> Solved:
+        """The panel up to where the slider passes a bend that lies on it; where none is found that ends there and is
+        as good, the nearest so far, which may end before the bend or beyond it."""
+        near, best = self._body.near(bend), solved
         for _ in range(MOST_AIMS):
             panel = best.panel
             begin, end = _ends(panel)
-            if abs(end - level) <= near:
+            if abs(end - bend) <= near:
                 break
-            if (end - level) * (begin - level) < 0.0:
-                t = panel.when(POSITION, level)
+            if (end - bend) * (begin - bend) < 0.0:
+                t = panel.when(POSITION, bend)
             else:
                 speed = float(panel.slope(panel.end, POSITION))
-                t = panel.end + (level - end) / speed if speed else panel.end
+                t = panel.end + (bend - end) / speed if speed else panel.end
             shorter = self.search.solve(t - panel.begin) if t > panel.begin else None
             if shorter is None or shorter.missed.largest > self._body.accuracy:
                 break
             best = shorter
         return best
 
-    def _passed(self, level: float, panel: TimePanel) -> None:
-        """Forget a level, and note the kink of the breaks there, if the slider passed it on the panel; the next panel
+    def _passed(self, bend: float, panel: TimePanel) -> None:
+        """Forget a bend, and note the kink of the breaks there, if the slider passed it on the panel; the next panel
         aims at it again where this one ended before it."""
         begin, end = _ends(panel)
-        if abs(end - level) <= self._body.near(level):
-            self._levels.remove(level)
+        if abs(end - bend) <= self._body.near(bend):
+            self._bends.remove(bend)
             self._body.past.kink(panel.end)
-        elif (end - level) * (begin - level) < 0.0:
-            self._levels.remove(level)
-            self._body.past.kink(panel.when(POSITION, level))
+        elif (end - bend) * (begin - bend) < 0.0:
+            self._bends.remove(bend)
+            self._body.past.kink(panel.when(POSITION, bend))
 
     def _take(self, part: Part, turned: bool) -> None:
         """Go on to the end of the panel, or of the part of it on which the slider did not turn."""
@@ -175,7 +175,7 @@ class OnPanels:
         contacts = self._after(part, OF_MERGING * body.accuracy)
         formed, spent = panel.integral(part.birth_rate), self._spent(panel)
         if turned:
-            self._levels.append(end.x)
+            self._bends.append(end.x)
         self.search.follow(None if turned else panel)
         steady = part.solved.sliding is Sliding.STEADY
         body.take_panel(panel, end, contacts, formed, spent, steady)

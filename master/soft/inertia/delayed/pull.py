@@ -133,13 +133,13 @@ class PullOnPanel:
         stretch = direction * (x[:, None] - x)
         survival, density = self._contacts.survival.sf_and_pdf(np.abs(stretch))
         survival = np.where(stretch < 0.0, 2.0 - survival, survival)
-        # births at PLACES around the node j that count at i
-        hold, pull = (
+        # H and G: what births at PLACES add to those that hold, and to the force, at the nodes
+        to_holding, to_force = (
             TO_NODES * each @ SLOPES for each in (survival, direction * stretch * survival)
         )
         if not births.all_known:
             of_breaks, before = births.of_breaks[:, 1:], self._holding_before
-            system = np.eye(x.size + 1) - of_breaks @ (np.eye(x.size, x.size + 1, 1) - hold)
+            system = np.eye(x.size + 1) - of_breaks @ (np.eye(x.size, x.size + 1, 1) - to_holding)
             try:
                 solved = np.linalg.solve(system, np.column_stack([of_breaks, births.known]))
             except np.linalg.LinAlgError:
@@ -151,10 +151,10 @@ class PullOnPanel:
         by_place = _of_differences(counted * (survival - stretch * density), old.slope)
         if not births.all_known:
             holding_by_place = _of_differences(-direction * counted * density, old.of_holding)
-            by_place = by_place - pull @ to_births @ holding_by_place
+            by_place = by_place - to_force @ to_births @ holding_by_place
         return Pull(
-            holding=old.holding + hold @ births.born,
-            force=old.force + pull @ births.born,
+            holding=old.holding + to_holding @ births.born,
+            force=old.force + to_force @ births.born,
             by_place=by_place,
             by_speed=np.zeros((x.size, x.size)),
         )
