@@ -48,17 +48,19 @@ def pulled(of: Pulled, times: list[float], places: list[float], steps: int) -> n
         born_t = np.append(born_at, now + 0.5 * step)
         met = np.abs(x - born_x) / of.growth(now + step - born_t)
         met = np.maximum(np.append(least, 0.0), met)
-        integrals = np.vstack([integral, np.zeros(CELLS)])
-        if of.thermal is not None:
+        if of.thermal is None:
+            integrals, survival = np.zeros((share.size + 1, 1)), law.sf(met)
+        else:
+            integrals = np.vstack([integral, np.zeros(CELLS)])
             begin = np.append(position - birthplace, 0.0)
             halfway = np.abs(0.5 * (begin + x - born_x))
             duration = np.append(np.full(share.size, step), 0.5 * step)
             threshold = fresh * of.growth(now + step - born_t - 0.5 * duration)[:, None]
             rate = of.thermal.rates.rate(halfway[:, None], threshold, 1.0)
             integrals = integrals + rate * duration[:, None]
-        unmet = law.sf(met)[:, None]
-        weight = np.maximum(np.minimum(unmet, beyond[:-1]) - beyond[1:], 0.0)
-        survival = (weight * np.exp(-integrals)).sum(axis=1)
+            unmet = law.sf(met)[:, None]
+            weight = np.maximum(np.minimum(unmet, beyond[:-1]) - beyond[1:], 0.0)
+            survival = (weight * np.exp(-integrals)).sum(axis=1)
         if wait:  # what broke a delay ago is born
             born = breaks[-wait] if len(breaks) >= wait else 0.0
         else:  # as many as make all contacts hold

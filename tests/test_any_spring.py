@@ -178,7 +178,9 @@ def test_points_on_one_straight_leg_far_from_0_are_read_only(rule):
     assert found[0].force[-1] == pytest.approx(found[1].force[-1], abs=1e-12)
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize(
+    "rule", [pytest.param(rule, marks=[pytest.mark.slow] * (rule == "instant")) for rule in RULES]
+)
 def test_steps_longer_than_a_delay_hardly_change_what_follows_a_slip_that_ends_all_contacts(rule):
     """A share of 2e-4 was out as the slip began or was not, as steps do not tell. On so soft a spring these bear less
     than 3e-7 until the others form again. They were taken to bear as much as they can, 2e-4 of <x_s>."""
@@ -201,12 +203,11 @@ def test_steps_that_end_just_before_a_slip_do_not_hide_those_before_it():
     law = origins.gw_plastic(1.0)
     contacts = origins.Contacts(law, delay=origins.Delay(3.1155e-3))
     path = np.array([46.1, 52.5, 62.2, 115.6, 140.7, 164.3])
-    coarse, fine = (
-        master.solve(contacts, path, tolerance, spring=0.01068, slip="reset")
-        for tolerance in (9e-4, 9e-6)
-    )
-    assert coarse.success and fine.success
-    off = np.abs(coarse.force - fine.force).max() / law.mean()
-    assert 10.0 * fine.force_error < off <= coarse.force_error
-    drive = np.abs(coarse.slips.drive - fine.slips.drive).max()
-    assert drive <= coarse.slips.drive_error + fine.slips.drive_error
+    coarse = master.solve(contacts, path, 9e-4, spring=0.01068, slip="reset")
+    # by a tolerance of 9e-6, to 1.9e-6 of the force and 1.6e-4 of the slips
+    fine = [0.48577775, 0.55190794, 0.0725796, 0.05217277, 0.31714214, 0.56335056]
+    assert coarse.success
+    off = np.abs(coarse.force - fine).max() / law.mean()
+    assert 1.9e-5 < off <= coarse.force_error
+    drive = np.abs(coarse.slips.drive - [55.331321, 110.662641]).max()
+    assert drive <= coarse.slips.drive_error + 1.6e-4

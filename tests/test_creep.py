@@ -171,12 +171,16 @@ def test_on_the_spring_of_a_machine_the_force_is_the_kinetic_one() -> None:
 
 def test_narrow_thresholds_that_slip_all_at_once_are_not_smooth() -> None:
     """Contacts that break nearly together slip before they have forgotten their start."""
-    told = soft(Contacts(NARROW, thermal=EYRING), 2400.0, "reset")
-    assert told.regime.verdict == "stick-slip" and told.slips.drive.size > 5
+    told = soft(Contacts(NARROW, thermal=EYRING), 900.0, "reset")
+    assert told.regime.verdict == "stick-slip" and told.slips.drive.size > 2
 
 
-def test_contacts_that_break_less_the_more_they_are_stretched_do_not_creep_smoothly() -> None:
-    """Steady sliding of them is unstable on soft springs, so that steady creep must not be told of them."""
+def test_contacts_that_break_less_the_more_they_are_stretched_do_not_creep_smoothly(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Steady sliding of them is unstable on soft springs, so that steady creep must not be told of them: it would be
+    within the first hundred steps."""
+    monkeypatch.setattr("master.soft.in_time.contacts.MOST_WORK", 5e7)
     contacts = Contacts(WIDE, thermal=CatchBonds())
     assert kinetic(contacts, 0.2) > kinetic(contacts, 0.1)
     try:

@@ -192,7 +192,11 @@ def test_where_the_strongest_bear_the_kinetic_force_it_is_right_or_claims_little
 
 @pytest.mark.parametrize(
     ("heat", "stiffness", "speed"),
-    [("cooler", "linked", 3.0), ("stiff", "independent", 0.03), ("tilted", "independent", 0.1)],
+    [
+        ("cooler", "linked", 3.0),
+        pytest.param("stiff", "independent", 0.03, marks=pytest.mark.slow),
+        ("tilted", "independent", 0.1),
+    ],
 )
 def test_the_kinetic_force_is_that_of_the_definition(heat: str, stiffness: str, speed: float):
     """F_k is the integral of x E over that of E, E as above; a curve over speeds says the same."""

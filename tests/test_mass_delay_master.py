@@ -542,7 +542,7 @@ def test_a_short_delay_is_like_none() -> None:
     assert 8.0 < off[0] / off[1] < 12.0 and off[1] < 1e-3
 
 
-@pytest.mark.parametrize("delay", [0.3, 3.0])
+@pytest.mark.parametrize("delay", [0.3, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_light_damped_slider_slips_while_broken_contacts_stay_out(delay: float) -> None:
     """M -> 0, a delay far above the time of a slip: "reform-after".
 
@@ -588,10 +588,11 @@ def test_energy_is_kept_and_breaks_only_release() -> None:
     assert 0.0 <= found.holding.min() < 0.01 and found.holding.max() == pytest.approx(1.0)
 
 
-def test_claims_hold_beside_far_finer_solutions() -> None:
+@pytest.mark.parametrize("draws", [3, pytest.param(12, marks=pytest.mark.slow)])
+def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     """Seeded machines, laws and delays: the error of a coarse solution is at most its claim."""
     draw, failed = np.random.default_rng(11), 0
-    for _ in range(6):
+    for _ in range(draws):
         law = (WIDE, origins.gaussian(1.0, 0.1), ELASTIC)[draw.integers(3)]
         contacts = delayed(10.0 ** draw.uniform(-1.5, 0.7), law)
         machine = {"spring": 10.0 ** draw.uniform(-1.0, 0.0), "mass": 10.0 ** draw.uniform(-2, 0)}
@@ -610,11 +611,10 @@ def test_a_slip_of_a_machine_is_half_a_period_of_mass_and_spring() -> None:
     contacts, stiff = delayed(10.0), 5e7
     machine = {"spring": 1e-6, "mass": 0.1 / stiff, "damping": 1.0 / stiff}
     found = solve(contacts, [8e5], 1e-2, velocity=170.0, **machine)
-    limit = solve(contacts, [8e5], 1e-4, velocity=170.0, spring=1e-6, slip="reform-after")
+    limit = 688900.97  # without mass, under "reform-after" at a tolerance of 1e-4, to 0.6
     assert found.success, found.message
-    assert found.slips.drive.size == limit.slips.drive.size == 1
-    off = 1e-6 * abs(found.slips.drive[0] - limit.slips.drive[0])
-    assert off < found.force_error + limit.force_error
+    assert found.slips.drive.size == 1
+    assert 1e-6 * abs(found.slips.drive[0] - limit) < found.force_error
     # 1/4 of a period to the balance, then beyond: a share e^(-damping) of the way
     rate = 0.5 * machine["damping"] / machine["mass"]
     swing = (machine["spring"] / machine["mass"] - rate**2) ** 0.5
@@ -655,7 +655,7 @@ def test_a_delay_with_a_law_of_many_exact_values_and_a_width_is_refused() -> Non
         solve(contacts, [1.0], spring=0.5, mass=1.0)
 
 
-@pytest.mark.parametrize("delay", [1e-6, 1e-5])
+@pytest.mark.parametrize("delay", [1e-6, pytest.param(1e-5, marks=pytest.mark.slow)])
 def test_a_slip_that_is_long_beside_the_delay_is_that_of_sliding_at_each_speed(
     delay: float,
 ) -> None:
@@ -759,10 +759,10 @@ def test_two_runs_that_agree_by_chance_do_not_make_a_claim() -> None:
     machine = {"spring": 0.0043288144694508437, "mass": 2.2362025230066336}
     machine |= {"damping": 0.0012023328240663566, "velocity": 0.027953588321714126}
     contacts = delayed(0.013968601963932185, origins.gw_plastic(1.0))
-    coarse, fine = (solve(contacts, path, tol, **machine) for tol in (0.008912227765095763, 1e-3))
-    unit = contacts.mean_threshold
-    assert coarse.success and fine.success
-    off = np.abs(coarse.force - fine.force).max() / unit
+    coarse = solve(contacts, path, 0.008912227765095763, **machine)
+    fine = [0.124696, 0.445252, 0.532161, 0.563634]  # by a tolerance of 1e-3, to 4.6e-4
+    assert coarse.success
+    off = np.abs(coarse.force - fine).max() / contacts.mean_threshold
     assert 1e-3 < off < coarse.force_error
 
 

@@ -80,7 +80,7 @@ def test_above_critical_damping_a_slip_ends_at_the_pull_of_friction_and_damping(
 
 def test_a_light_slider_is_followed_in_any_unit_of_time() -> None:
     """Seconds are long beside its swing: the integrator's own first step led so far ahead that F took endless work."""
-    mass, damping, path = 3.673469e-6, 5.714286e-7, np.linspace(0.0, 30.0, 41)[1:]
+    mass, damping, path = 3.673469e-6, 5.714286e-7, np.linspace(0.0, 12.0, 17)[1:]
     contacts = origins.Contacts(origins.gaussian(1.0, 1.2 / 7.0))
 
     def force(unit: float) -> np.ndarray:
@@ -187,11 +187,12 @@ def test_identical_contacts_move_as_one() -> None:
     assert np.abs(found.slips.drive - drawn.slips.drive).max() < 1e-6 and drawn.breaks > 200
 
 
-def test_claims_hold_beside_far_finer_solutions() -> None:
+@pytest.mark.parametrize("draws", [6, pytest.param(24, marks=pytest.mark.slow)])
+def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     """Seeded machines and laws: the error of a coarse solution is at most its claim."""
     draw = np.random.default_rng(7)
     failed = 0
-    for _ in range(12):
+    for _ in range(draws):
         contacts = (WIDE, NARROW, STRETCHED, ELASTIC)[draw.integers(4)]
         machine = {"spring": 10.0 ** draw.uniform(-1.5, 0.3), "mass": 10.0 ** draw.uniform(-3, 0)}
         machine["damping"] = machine["mass"] ** 0.5 * 10.0 ** draw.uniform(-1, 0.5)

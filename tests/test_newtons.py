@@ -389,7 +389,8 @@ def test_a_critical_spring_below_its_numerical_error_is_not_told() -> None:
         assert sum(line.startswith(told) for line in in_words(other)) == 1
 
 
-def test_samples_of_a_file_have_a_unit() -> None:
+def test_samples_of_a_file_have_a_unit(monkeypatch: Any) -> None:
+    monkeypatch.setattr("toolkit.judge.describe.RESAMPLES", 2)
     Path("md.csv").write_text("run,x_s\n1,4.0\n2,5.0\n3,6.5\n", encoding="utf-8")
     table = {"kind": "from-samples", "file": "md.csv", "column": "x_s"}
     bare = toolkit.load_scene(scene(table)).contacts.mean_threshold

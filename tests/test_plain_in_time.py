@@ -230,15 +230,11 @@ def test_a_narrow_law_slips_again_only_when_all_contacts_have_formed() -> None:
 
 def test_a_delay_far_below_a_step_does_next_to_nothing() -> None:
     """Births are then those of breaks within the same step; a rate of breaks of at most 2 leaves 2e-6 of them out."""
-    drive, law = np.array(PLACES[1:]), Contacts(WIDE, thermal=HEAT)
-    delayed = Contacts(WIDE, thermal=HEAT, delay=Delay(1e-6))
-    at_once, later = (
-        master.solve(contacts, drive, 1e-3, time=TIMES[1:], spring=SPRING)
-        for contacts in (law, delayed)
-    )
+    drive, delayed = np.array(PLACES[1:]), Contacts(WIDE, thermal=HEAT, delay=Delay(1e-6))
+    later = master.solve(delayed, drive, 1e-3, time=TIMES[1:], spring=SPRING)
     assert later.success, later.message
-    apart = np.abs(later.force - at_once.force).max()
-    assert apart < at_once.force_error + later.force_error + 2e-6
+    at_once = [0.63523990, -0.41396715, -0.40599945, 0.57726871]  # to 3.7e-5
+    assert np.abs(later.force - at_once).max() < later.force_error + 3.7e-5 + 2e-6
 
 
 @pytest.mark.parametrize(
@@ -528,7 +524,13 @@ def test_forces_are_read_between_the_ends_of_steps_and_behind_a_slip() -> None:
     np.testing.assert_allclose(holding, np.where(at < 1.0, 1.0 - np.sqrt(at), at - 1.0), atol=1e-8)
 
 
-@pytest.mark.parametrize("name", TWINS)
+# beside growth with heat, which holds both memories
+SECOND = ("stiff heat", "growth from 0, heat")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SECOND)) for name in TWINS]
+)
 def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force_through_turns(
     name: str,
 ) -> None:
@@ -566,7 +568,11 @@ SLIPPING = {
 
 # stiff heat is held to its twin above, and to the slips of others in test_soft_laws
 @pytest.mark.parametrize(
-    "name", ["heat", pytest.param("stiff heat", marks=pytest.mark.slow), "growth, heat"]
+    "name",
+    [
+        "heat",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("stiff heat", "growth, heat")),
+    ],
 )
 def test_with_heat_a_slip_comes_where_the_twin_loses_balance_and_new_contacts_follow(
     name: str,
@@ -713,7 +719,13 @@ def test_what_a_slip_left_behind_counts_from_where_contacts_form_again(
     assert undecided_end([slider(0.5, apart), slider(0.0, 0.0)]) == end
 
 
-@pytest.mark.parametrize("name", MEMORIES)
+@pytest.mark.parametrize(
+    "name",  # growth with heat has a twin
+    [
+        pytest.param(n, marks=[pytest.mark.slow] * n.startswith("strengthening, h"))
+        for n in MEMORIES
+    ],
+)
 def test_on_a_stiff_spring_each_memory_tells_the_force_of_a_rigid_slider(name: str) -> None:
     """Steps in time beside panels of time, on the way that the slider has gone, straight from point to point."""
     contacts = MEMORIES[name]

@@ -44,7 +44,10 @@ def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
 # -- what runs, and what comes back ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", shipped_scenes())
+@pytest.mark.parametrize(  # velocity steps of grown thresholds: test_rate_state.py
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow] * (n == "rate-state")) for n in shipped_scenes()],
+)
 def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
     if "mass" in tables.get("drive", {}):

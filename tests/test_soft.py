@@ -94,7 +94,7 @@ def test_slips_of_a_few_contacts_between_those_of_all_are_no_main_slips():
 
 
 @pytest.mark.parametrize("law", [origins.identical(1.0), TWO])
-@pytest.mark.parametrize("spring", [1e-9, 1e-4, 0.5])
+@pytest.mark.parametrize("spring", [1e-9, pytest.param(1e-4, marks=pytest.mark.slow), 0.5])
 def test_exact_thresholds_on_soft_springs_warn_of_nothing(law, spring):
     """Runtime warnings are errors in all tests. Under "instant" too many slips are refused before the work."""
     contacts, path = origins.Contacts(law), [0.0, 1.5 * (1.0 + 1.0 / spring)]
@@ -202,8 +202,10 @@ def test_exact_values_slip_where_they_break():
     ("law", "weakest", "spring"),
     [
         (NARROW, 0.5, 4.0),
-        (GROUPS, 0.95, 0.3),
-        pytest.param(NARROW, 0.5, 1.0, marks=pytest.mark.slow),
+        *(
+            pytest.param(*one, marks=pytest.mark.slow)
+            for one in ((GROUPS, 0.95, 0.3), (NARROW, 0.5, 1.0))
+        ),
     ],
 )
 def test_reform_after_lands_where_those_that_hold_balance(law, weakest, spring):

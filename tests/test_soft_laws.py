@@ -20,7 +20,9 @@ WIDE = gaussian(1.0, 0.2)
 SOFT = Thermal("soft", 0.1)
 
 
-@pytest.mark.parametrize("rule", ["reset", "reform-after", "instant"])
+@pytest.mark.parametrize(
+    "rule", ["reset", "reform-after", pytest.param("instant", marks=pytest.mark.slow)]
+)
 def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -> None:
     """Two roads to one answer, with turns: the one in steps of time is taken for the rate's sake."""
     back = np.concatenate([np.linspace(0.1, 4.0, 21), np.linspace(3.8, 1.0, 15), [2.0, 3.0]])
@@ -247,6 +249,7 @@ def pull(
     return Pulled(*slips[0], np.interp(time, times, loads))
 
 
+@pytest.mark.slow  # slips in heat have a plain twin, in test_plain_in_time.py
 def test_slips_and_forces_are_those_of_contacts_one_by_one() -> None:
     """Forward through a slip, back until contacts break the other way, a rest in which heat breaks some, forward."""
     contacts, spring = Contacts(WIDE, thermal=SOFT), 0.4
@@ -533,11 +536,11 @@ def test_steps_longer_than_a_delay_claim_what_they_do_not_tell_of_a_slip() -> No
     threshold towards the slip. Coarse steps agreed to 6e-4 on F after two slips, and were off by 5e-3."""
     contacts = Contacts(gaussian(1.0, 0.0778), delay=Delay(5.3e-5))
     path, drive = np.array([1.2, 1.8, 2.4, 3.0, 3.65]), {"spring": 1.5, "slip": "reform-after"}
-    exact = master.solve(contacts, path, 1e-3, **drive)
-    assert exact.success, exact.message
-    told = held_to_claim(contacts, path, 1e-2, exact, **drive)
-    off = np.abs(told.slips.drive - exact.slips.drive).max()
-    assert off <= told.slips.drive_error + exact.slips.drive_error
+    # by a tolerance of 1e-3, to 1.7e-4 of the force and 1.1e-4 of the slips
+    exact = np.array([0.719933, 0.279317, 0.567208, 0.241269, 0.543709])
+    told = held_to_claim(contacts, path, 1e-2, exact, 1.7e-4, **drive)
+    off = np.abs(told.slips.drive - [1.444905, 2.816672]).max()
+    assert off <= told.slips.drive_error + 1.1e-4
 
 
 @pytest.mark.parametrize("thermal", [Thermal("eyring", width=0.03), Thermal("stiff", 0.01)])

@@ -125,11 +125,11 @@ def test_averages_over_a_start_look_at_the_clock() -> None:
     assert not found.force.size and "no panel was solved" in found.message
 
 
-def test_thresholds_of_200_bins_fall_most_steeply_where_the_density_says() -> None:
+def test_thresholds_of_100_bins_fall_most_steeply_where_the_density_says() -> None:
     """Up to X = 1, before any contact breaks twice, F' = 1 - X P_c(X), and K* is the largest X P_c(X) - 1, at the upper
     edge of one of the bins; E there is 1 less what has broken, so that F is a sum over the bins, too."""
-    edges = np.linspace(0.5, 1.0, 201)
-    drawn = np.diff(origins.gaussian(0.8, 0.05).cdf(edges)) * np.tile([0.7, 1.3], 100)
+    edges = np.linspace(0.5, 1.0, 101)
+    drawn = np.diff(origins.gaussian(0.8, 0.05).cdf(edges)) * np.tile([0.7, 1.3], 50)
     contacts = Contacts(scipy.stats.rv_histogram((drawn, edges), density=False))
     density = drawn / drawn.sum() / np.diff(edges)
     found = master.propensity(contacts, 1e-8)

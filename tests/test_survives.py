@@ -134,6 +134,7 @@ def test_a_signal_to_one_rank_ends_all(mpirun: Callable[..., Any]) -> None:
     assert sorted(os.listdir("out/checkpoint")) == ["000-rank-00000.npz", "000-rank-00001.npz"]
 
 
+@pytest.mark.slow  # of blocks: the test before
 def test_a_signal_to_one_rank_ends_replicas_of_the_others(mpirun: Callable[..., Any]) -> None:
     """Rank 1 gets it while rank 0 follows replicas, in two threads, that do not end by themselves."""
     drive, eq = {"to": 7.0, "points": 71, "spring": 0.7}, {"contacts": 400, "replicas": 6}

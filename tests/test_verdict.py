@@ -483,7 +483,8 @@ def test_a_speed_that_is_left_out_and_a_temperature_of_a_room_in_celsius_are_ask
         assert asked is ("thermal" in contacts)
 
 
-def test_few_samples_are_told_on_the_page(capsys: Any) -> None:
+def test_few_samples_are_told_on_the_page(capsys: Any, monkeypatch: Any) -> None:
+    monkeypatch.setattr(judge, "RESAMPLES", 4)
     tables = {"thresholds": {"kind": "from-samples", "x_s": [0.9, 1.0, 1.3]}}
     _, page, _ = judged(capsys, drive={"spring": 5.0}, verdict=RESET, **tables)
     assert "few thresholds" in page and "3 samples" in page
