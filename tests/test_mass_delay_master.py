@@ -753,6 +753,77 @@ def test_a_delay_that_does_more_than_take_from_the_damping_is_followed(changed: 
     assert short_delay(delayed(1e-5), plain, 1e-3, until) is not None
 
 
+@pytest.mark.parametrize(
+    ("differ", "slip", "speed", "tolerance", "stops", "known"),
+    [
+        (1e-4, 6e3, 300.0, 3.9e-6, (False, False), True),
+        (1e-4, 2e4, 300.0, 3.9e-6, (False, False), True),  # longer than the spring's way to F = 1
+        (1e-4, 6e3, 300.0, 3.7e-6, (False, False), False),  # more than half of it
+        (1e-4, 6e3, 1e4, 1.0, (False, False), False),  # more than a tenth of the contacts wait
+        (np.inf, 6e3, 300.0, 1e-3, (False, False), False),
+        (1e-4, 6e3, 300.0, 1e-3, (True, False), False),
+        (1e-4, 6e3, 300.0, 1e-3, (False, True), False),
+    ],
+)
+def test_the_error_of_a_short_delay_by_hand(
+    monkeypatch: pytest.MonkeyPatch,
+    differ: float,
+    slip: float,
+    speed: float,
+    tolerance: float,
+    stops: tuple[bool, bool],
+    known: bool,
+) -> None:
+    """Of runs with and without it that differ by so much, two slips, the other one twice as long, and a drive of speed
+    0.01: twice the share that waits, and 30 thresholds of a slip, of that difference; and the share that waits for the
+    drive."""
+    wait, stopped, runs = 2e-5, iter(stops), list[Any]()
+
+    def run(contacts: origins.Contacts, drive: Drive, *_: object) -> Any:
+        slips = SimpleNamespace(
+            before=np.array([0.0, 1e5]),
+            after=np.array([slip, 1e5 + 2.0 * slip]),
+            top_speed=np.array([speed]),
+        )
+        runs.append(drive.damping)
+        return SimpleNamespace(
+            stopped=next(stopped),
+            differ=lambda _: (differ, 0.0),
+            slips=lambda _: slips,
+            record=SimpleNamespace(speed=np.array([-0.5 * speed])),
+        )
+
+    monkeypatch.setattr("master.soft.inertia.short_delay.Run", run)
+    drive = Drive(np.linspace(0.1, 1.4, 40) / 1e-4, 1e-2, spring=1e-4, mass=0.1, damping=3e-3)
+    told = short_delay(delayed(wait, WIDE), drive, tolerance, 0.0)
+    assert runs[0] < drive.damping == runs[-1] or stops[0]
+    assert (told is not None) is known
+    if told is not None:
+        error = 1e-4 * (2.0 * wait * 300.0 + 30.0 / min(slip, 1e4)) + wait * 1e-2
+        assert told.error == pytest.approx(error, rel=1e-6)
+        assert f"at most {error:.1e}" in told.message
+
+
+def test_exact_thresholds_stiffer_springs_and_oscillations_leave_no_delay_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Sliding is not steady then; nothing is solved to tell."""
+
+    def run(*_: object) -> None:
+        raise AssertionError("solved")
+
+    monkeypatch.setattr("master.soft.inertia.short_delay.Run", run)
+    path = np.linspace(0.1, 1.4, 40) / 1e-4
+    drive = Drive(path, 1e-3, spring=1e-4, mass=0.1, damping=3e-3)
+    stiffer = Drive(path, 1e-3, spring=0.031, mass=0.1, damping=3e-3)
+    assert short_delay(delayed(1e-5, origins.identical(1.0)), drive, 1e-3, 0.0) is None
+    assert short_delay(delayed(1e-5), stiffer, 1e-3, 0.0) is None
+    with pytest.raises(AssertionError, match="solved"):
+        short_delay(delayed(1e-5), drive, 1e-3, 0.0)
+    monkeypatch.setattr("master.soft.inertia.short_delay.oscillations", lambda *_: "foretold")
+    assert short_delay(delayed(1e-5), drive, 1e-3, 0.0) is None
+
+
 def test_two_runs_that_agree_by_chance_do_not_make_a_claim() -> None:
     """Off by 1.6e-3 after a slip, and 1.1e-3 was claimed."""
     path = np.array([28.932234317247378, 103.39099688535953, 123.67719263207852, 166.3362351500406])

@@ -719,6 +719,46 @@ def test_what_a_slip_left_behind_counts_from_where_contacts_form_again(
     assert undecided_end([slider(0.5, apart), slider(0.0, 0.0)]) == end
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("apart", "steepness", "backward", "slipped", "end"),
+    [
+        (0.06, 1.0, 1.0, False, 9.0),
+        (0.04, 1.0, 1.0, False, None),  # the slip is 0.1 ahead, more than twice as far
+        (0.06, 1.0, 1.0, True, None),  # it has come
+        (0.06, 1.0, -1.0, False, None),  # the slider creeps back
+        (
+            0.06,
+            8.4,
+            1.0,
+            False,
+            9.0,
+        ),  # X_T(X) has slopes up to 4.2, and 4.33 where all contacts stick
+        (0.06, 10.0, 1.0, False, None),  # breaks hold it back
+    ],
+)
+def test_a_slip_ahead_of_the_end_is_undecided_within_twice_the_change_of_the_way(
+    sign: float, apart: float, steepness: float, backward: float, slipped: bool, end: float | None
+) -> None:
+    """X_T(X) of two sliders is a parabola whose top, where they slip, is 0.1 ahead of X at the drive's end, t = 9."""
+    motion = Motion(np.array([0.0, 9.0]), sign * np.array([0.0, 9.0]))
+    slips = [Slip(9.0, 9.0, 1.0, 0.0)] if slipped else []
+    contacts = SimpleNamespace(delay=0.0, largest_stiffness=1.0)
+
+    def slider(ahead: float) -> Any:
+        ways = np.array([0.3, 0.2, 0.1])
+        times = 9.0 - steepness * (ways**2 - ways[-1] ** 2)
+        nodes = [Node(0.0, 0.0, 0.0, 1.0, 0.0)]
+        nodes += [
+            Node(1.0, float(t), 0.0, 1.0, sign * (4.0 + ahead - backward * y))
+            for t, y in zip(times, ways, strict=True)
+        ]
+        of_both: dict[str, Any] = {"motion": motion, "spring": 0.3, "contacts": contacts}
+        return SimpleNamespace(sections=[nodes], slips=slips, **of_both)
+
+    assert undecided_end([slider(apart), slider(0.0)]) == end
+
+
 @pytest.mark.parametrize(
     "name",  # growth with heat has a twin
     [
