@@ -231,6 +231,25 @@ def test_a_fault_of_both_answers_of_the_master_equation_is_seen(monkeypatch: Any
     assert row.verdict == "wrong" and row.road.startswith("cohorts") and row.error > 1e-4
 
 
+def test_exact_values_beside_others_have_the_ensemble_as_a_road(monkeypatch: Any) -> None:
+    """The finer answer is the truth where the ensemble bears it out; a fault of both, F one part in 50 off, is seen."""
+    solve = master.solve
+    monkeypatch.setattr("toolkit.stability.drawn.BREAKS", 1e6)
+    case = drawn(1, 218)  # on a path that turns
+    assert case.contacts().thresholds.atoms[0].size
+    (row, *_) = answered(case)
+    assert row.verdict in ("exact", "within tolerance")
+    assert row.road.endswith("tighter tolerance, beside the ensemble at 1e+06 breaks")
+
+    def wrong(*arguments: Any, **named: Any) -> Any:
+        found = solve(*arguments, **named)
+        return dataclasses.replace(found, force=1.02 * found.force)
+
+    monkeypatch.setattr(master, "solve", wrong)
+    (row, *_) = answered(drawn(1, 218))
+    assert row.verdict == "wrong" and row.road.startswith("the ensemble")
+
+
 def test_drawn_cases_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """One of each kind, held against other roads, the ensemble beside; the whole 1,000 take minutes."""
     words = [

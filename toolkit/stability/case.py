@@ -252,13 +252,13 @@ def solved(case: Case, contacts: Contacts, path: Array) -> Answer:
     )
 
 
-def simulated(case: Case, contacts: Contacts, path: Array) -> Answer:
+def simulated(case: Case, contacts: Contacts, path: Array, longest: float = LONGEST) -> Answer:
     """The ensemble's forces, in mean thresholds; of soft sliders from so many replicas that their scatter is known."""
     import eq_model
 
     replicas = REPLICAS if "spring" in case.drive else 1
     many: dict[str, Any] = {"n_contacts": case.n_contacts, "n_replicas": replicas, "seed": 1}
-    found = within_work(partial(eq_model.simulate, contacts, path, **many, **case.drive), LONGEST)
+    found = within_work(partial(eq_model.simulate, contacts, path, **many, **case.drive), longest)
     replicas = found.contacts // case.n_contacts or 1  # of a slow one so many as are done
     unit, pulled = contacts.mean_threshold, _bounded(case, found.force)
     by_chance = bounding_factor(replicas) * found.force_standard_error

@@ -14,7 +14,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array, Thresholds
 from toolkit.stability import truths
-from toolkit.stability.case import LONGEST, ROUND_OFF, Case, Truth
+from toolkit.stability.case import LONGEST, ROUND_OFF, Case, Truth, simulated
 from toolkit.stability.cohorts import by_cohorts
 from toolkit.stability.renewal import COARSEST, by_renewal
 from toolkit.stability.work import within_work
@@ -22,6 +22,7 @@ from toolkit.stability.work import within_work
 _POINTS = 33  # of a path
 _FINER, _FINER_IN_TIME = 1e-2, 0.1  # of the tolerance, for the master equation as its own reference
 _NEAR = 1e-11  # mean thresholds: a truth as good as that is taken, whatever the tolerance
+BREAKS = 1e9  # of the ensemble where no other road is: F to some 1e-4 mean thresholds
 _UNKNOWN = Truth(0.0, np.inf, "")
 _UNITS = (-9.0, 3.0)  # decades of a mean threshold, such as nanometres in m
 
@@ -208,6 +209,7 @@ def _case(
     roads = [road] if road else []
     if "spring" not in drive:
         roads.append(partial(by_cohorts, time=drive.get("time")))
+        roads.append(partial(by_ensemble, drive=drive))
 
     def exact(contacts: Contacts, path: Array) -> Truth:
         if not kept:
@@ -237,6 +239,15 @@ def _borne_out(fine: Truth, beside: Truth) -> Truth:
     if not np.isfinite(fine.error).all() or (apart > ROUND_OFF).any():
         return beside
     return Truth(fine.values, fine.error, f"{fine.road}, beside {beside.road}")
+
+
+def by_ensemble(contacts: Contacts, path: Array, drive: Mapping[str, Any]) -> Truth:
+    """The other solver, with as many contacts as break so many times on the path."""
+    unit = contacts.mean_threshold
+    lives = max(float(np.abs(np.diff(path, prepend=0.0)).sum()) / unit, 1.0)
+    case = Case("", "", lambda: contacts, path / unit, drive=drive, n_contacts=int(BREAKS / lives))
+    found = simulated(case, contacts, path, longest=100.0 * LONGEST)  # it takes some 10 CPU-s
+    return Truth(found.values, float(np.max(found.error)), f"the ensemble at {BREAKS:.0e} breaks")
 
 
 def finer(contacts: Contacts, path: Array, tolerance: float, drive: Mapping[str, Any]) -> Truth:
