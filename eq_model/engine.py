@@ -241,6 +241,15 @@ class Reach:
         self.longest = min(self.largest, float(self.span[-1]) + self.furthest)
 
 
+def breaks_by_heat(contacts: Contacts, lasts: float) -> float:
+    """About how often a relaxed contact breaks by heat in a time; rather too few, as contacts hold longest relaxed."""
+    assert contacts.thermal is not None
+    fresh = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
+    with np.errstate(over="ignore"):
+        holds = np.exp(-contacts.thermal.log_rate(0.0, fresh, contacts.relative_stiffness(fresh)))
+    return float(lasts / (np.minimum(holds, lasts).mean() + contacts.waiting_time))
+
+
 def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
     """Estimated seconds for one contact.
 
@@ -263,11 +272,7 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
         often["reforming"] = travel / max(distance, 1e-300)
     begins_at_0 = contacts.growing is not None and contacts.growing.begins_at_0
     if thermal is not None and not begins_at_0 and total > 0.0:
-        fresh = contacts.thresholds.ppf((np.arange(256) + 0.5) / 256.0)
-        # contacts hold longest while they are relaxed, so the number of breaks may be underestimated
-        with np.errstate(over="ignore"):
-            holds = np.exp(-thermal.log_rate(0.0, fresh, contacts.relative_stiffness(fresh)))
-        often["thermal"] = total / (np.minimum(holds, total).mean() + contacts.waiting_time)
+        often["thermal"] = breaks_by_heat(contacts, total)
     elif thermal is not None:
         often["thermal"] = thermal.rates.scale * total
     key = max(often, key=lambda each: often[each], default="")

@@ -130,6 +130,10 @@ QUESTIONS = {
         "eq_model:_by_rate",
     ),
     "an avalanche of the ensemble": ("eq_model:slide",),
+    "heat on a spring in the ensemble: proposed breaks; windows": (
+        "eq_model:proposed",
+        "eq_model:_window",
+    ),
     "a scene read; solved; written to disk": (
         "toolkit:load_scene",
         "toolkit:solve",

@@ -27,7 +27,7 @@ FEW: dict[str, Any] = {"n_contacts": 50, "n_replicas": 2, "seed": 1}
 
 # words of the row, the call that it tells of, and a part of its refusal
 REFUSED: list[tuple[str, Callable[[], object], str]] = [
-    ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(HOT, PATH, spring=1.0, **FEW), "T = 0"),
+    ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(HOT, PATH, **HEAVY, **FEW), "T = 0"),
     ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(AGEING, PATH, spring=1.0, **FEW), "ageing"),
     ("whose drive turns back", lambda: eq_model.simulate(PLAIN, [0.0, 3.0, 1.0], spring=1.0, **FEW), "turn"),
     ("`mass` beside heat", lambda: master.solve(HOT, PATH, **HEAVY), "leave out the heat"),

@@ -414,7 +414,7 @@ REFUSED = [
     (lambda: simulate(spring=0.7, slip="never"), "slip"),
     (lambda: simulate(spring=0.7, tolerance=1e-3), "tolerance"),
     (lambda: simulate([0.0, 2.0, 1.0], spring=0.7), "does not turn"),
-    (lambda: simulate(spring=0.7, laws={"thermal": Thermal("soft", 0.1)}), "thermal"),
+    (lambda: simulate(spring=0.7, mass=1.0, laws={"thermal": Thermal("soft", 0.1)}), "thermal"),
     (lambda: simulate(spring=0.7, slip="reset", laws={"reforming": 0.1}), "reforming"),
 ]
 

@@ -1,4 +1,4 @@
-"""Thresholds of coupled contacts that grow with their age: where each contact breaks, as far as is known now.
+"""Coupled contacts that have numbers, as their thresholds grow with their age, or as they break by heat.
 
 A contact breaks as the slider reaches `zero` + fresh (1 + β ln(1 + age/τ_0)), a place that moves on while time passes.
 The queue holds the place of an earlier time, which lies before the one at which the contact breaks, however the slider
@@ -7,7 +7,7 @@ the way is less by a factor of about β: at β = 0.03 six of these steps pass th
 takes some twenty times as long as one of contacts that do not strengthen (SLOWER).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,10 +20,18 @@ from origins.thresholds.law import Array
 SLOWER = 20.0
 
 
+class NoHeat(NamedTuple):
+    """Contacts break at their thresholds alone; see heat.Heat."""
+
+    margin: int = 0
+
+
 class Ages(NamedTuple):
     """The contacts of a slider by their numbers, by which the queue knows them; lengths in its units."""
 
-    beta: float  # 0: thresholds do not grow, contacts have no numbers, and the queue knows them by their thresholds
+    numbered: bool  # False: contacts have no numbers, and the queue knows them by their thresholds, which stay
+    heat: Any  # NoHeat or heat.Heat
+    beta: float  # 0: thresholds do not grow
     time: float  # τ_0
     share: float  # threshold at age 0 over the drawn one, which is that of contacts of the start
     fresh: Array  # threshold at age 0
@@ -32,14 +40,16 @@ class Ages(NamedTuple):
     free: Whole  # how many numbers are free, and these
 
 
-def ages_of(contacts: Contacts, n: int) -> Ages:
+def ages_of(contacts: Contacts, n: int, heat: Any) -> Ages:
     """Of n contacts that are yet to form."""
     law, beta, time, share = contacts.strengthening, 0.0, 1.0, 1.0
-    if law is None:
-        n = 0
-    else:
+    numbered = law is not None or not isinstance(heat, NoHeat)
+    n = n if numbered else 0
+    if law is not None:
         beta, time, share = law.beta, law.time_unit, 1.0 / float(law.factor(law.start_pinned_for))
     return Ages(
+        numbered=numbered,
+        heat=heat,
         beta=beta,
         time=time,
         share=share,
@@ -76,8 +86,13 @@ def remove_all(ages):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def place_of(ages, contact, now):  # type: ignore[no-untyped-def]
-    """The position at which a contact breaks if the slider is there now."""
+def threshold_of(ages, contact, now):  # type: ignore[no-untyped-def]
+    """The threshold of a contact now, a float in whole units' size."""
     age = max(now - ages.born[contact], 0.0)
-    grown = 1.0 + ages.beta * np.log1p(age / ages.time)
-    return ages.zero[contact] + np.int64(np.rint(ages.fresh[contact] * grown))
+    return ages.fresh[contact] * (1.0 + ages.beta * np.log1p(age / ages.time))
+
+
+@inlined
+def place_of(ages, contact, s):  # type: ignore[no-untyped-def]
+    """The position at which a contact breaks if the slider `s` is there now."""
+    return ages.zero[contact] + np.int64(np.rint(threshold_of(ages, contact, s.now)))

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from eq_model.blocks import Blocks, State, check_dropped
+from eq_model.coupled.work import check_work, growth
 from eq_model.engine import Reach
 from eq_model.result import SIZES, CoupledSlips, means
-from eq_model.whole_drive import durations
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
 from origins.drive import SLIP_SHARE
@@ -17,8 +17,9 @@ from origins.thresholds.law import Array
 
 LARGEST = 2.0**61  # largest position, in units: sums of two are whole numbers of 64 bits
 
-# Breaks of one slider: 40 minutes at 25 ns each, of which nothing is kept if the run is stopped.
-MOST_BREAKS = 1e11
+# In mean thresholds: how far the slider may go back to the first point of the path where contacts break by heat. By
+# chance it does where the start has no mean force.
+MOST_BACK = 0.01
 
 
 class Replicas:
@@ -38,7 +39,6 @@ class Replicas:
         dropped: Callable[[], bool] | None = None,
     ) -> None:
         """Choose the unit and the buckets of waiting breaks; InputError for what is not followed on a soft slider."""
-        from eq_model.coupled.ages import SLOWER
         from eq_model.coupled.queue_kernel import bucket_bits, ring_bits
         from eq_model.draws.births import births_of
 
@@ -49,28 +49,18 @@ class Replicas:
         self.slip_fraction, self._unit = checked_slip_fraction(slip_fraction), unit_of(contacts)
         self._births = births_of(contacts, self._unit)
         law, mean = contacts.thresholds, contacts.mean_threshold
-        strengthen = contacts.strengthening is not None
+        strengthens, warm = contacts.strengthening is not None, contacts.thermal is not None
         self._shift = bucket_bits(
-            n, mean / self._unit, lambda width: float(law.cdf(width * mean)), strengthen
+            n, mean / self._unit, lambda width: float(law.cdf(width * mean)), strengthens or warm
         )
         # one contact in a thousand breaks beyond
-        span = float(law.isf(2.0**-10)) * _growth(contacts, drive)
+        span = float(law.isf(2.0**-10)) * growth(contacts, drive)
         span = min(span, Reach(contacts, drive).largest)
         self._ring_bits = ring_bits(n, self._shift, mean / self._unit, span / self._unit)
         if drive.path[-1] > LARGEST * self._unit:
             hint = f"must be below {LARGEST * self._unit:.3g}; positions are whole multiples of {self._unit:.3g}"
             refuse("path[-1]", drive.path[-1], hint)
-        most = MOST_BREAKS / (SLOWER if strengthen else 1.0)
-        if (breaks := expected_breaks(contacts, drive, n)) > most:
-            instead = (
-                "master.solve, another slip rule" if drive.slip == "instant" else "master.solve"
-            )
-            refuse(
-                "slip",
-                drive.slip,
-                f"takes about {breaks:.1e} breaks of {n} contacts along this path, more than {most:.0e}, which "
-                f"take 40 minutes; use {instead}, fewer contacts, or a shorter path",
-            )
+        self._most = check_work(contacts, drive, n)
 
     def fields(self, state: State) -> dict[str, Any]:
         """Fields of the result."""
@@ -99,28 +89,39 @@ class Replicas:
         Raises InputError where contacts would break while the drive moves back to its first point, and DroppedError.
         """
         from eq_model.coupled import slide_kernel as kernel
-        from eq_model.coupled.ages import ages_of
+        from eq_model.coupled.ages import NoHeat, ages_of
+        from eq_model.coupled.heat import heat_of
+        from eq_model.coupled.heat_moves import begin_with_heat
         from eq_model.coupled.queue_kernel import make_queue
         from eq_model.coupled.slider import SLIDER
         from eq_model.draws.streams import make_stream
         from eq_model.draws.supply import make_supply
 
         if replica < 0:
-            # kernels are the same for all laws and rules
-            few = Contacts(identical(1.0)), Drive([3.0], spring=1.0), Blocks(2, 2)
-            Replicas(*few, seed=0, slip_fraction=1.0).follow(0)
+            # kernels are the same for all rules and laws but those of rates
+            few = Contacts(identical(1.0), thermal=self._contacts.thermal)
+            drive, blocks = Drive([3.0], spring=1.0), Blocks(2, 2)
+            Replicas(few, drive, blocks, seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
         check_dropped(self._dropped)
         n, unit, contacts = self._n, self._unit, self._contacts
         stream = make_stream(self._seed, replica)
         mean = contacts.mean_threshold / unit if contacts.stiffness == "linked" else 0.0
         first, later = (make_supply(births, stream, mean) for births in self._births)
-        queue, slider = make_queue(n, self._shift, self._ring_bits), np.zeros(1, SLIDER)
-        s, slips, ages = slider[0], list[Array](), ages_of(contacts, n)
+        heat = heat_of(contacts, self._drive, n, unit, stream)
+        ages, warm = ages_of(contacts, n, heat), not isinstance(heat, NoHeat)
+        queue = make_queue(4 * n if warm else n, self._shift, self._ring_bits)
+        slider, slips = np.zeros(1, SLIDER), list[Array]()
+        s = slider[0]
         s["back"], s["drive"] = -(1 << 62), -np.inf  # never, and nowhere
         s["age"] = 0.0 if contacts.growing is None else contacts.growing.start_pinned_for
         kernel.form_all(slider, queue, first, ages, n)
+        if warm:
+            s["back"] = (ages.zero - np.rint(ages.fresh / ages.share)).max()
+        balance = s["force"] / (n * (self._drive.spring or 0.0))
         pull, each, s["age"] = self._pull(s), unit / n, 0.0
+        if warm:
+            begin_with_heat(slider, queue, ages)
         while (why := kernel.slide(slider, queue, later, ages, pull)) != kernel.PATH_DONE:
             if why == kernel.SLIP_ENDED:
                 slips.append(np.r_[replica, len(slips), pull.avalanche])
@@ -129,9 +130,13 @@ class Replicas:
                     "reforming: contacts that form again stretched forward take the slider far beyond the drive; use a "
                     "stiffer spring, or stretches closer to 0"
                 )
+            if s["breaks"] > self._most:  # a slider that creeps takes more than one that slips
+                at = (s["base"] + s["drive"] / pull.spring) * unit
+                hint = f"takes more than {self._most:.0e} breaks of {n} contacts, here up to X_T = {at:.4g}"
+                refuse("path[-1]", self._drive.path[-1], f"{hint}; end the path before")
             check_dropped(self._dropped)
         x, force, held = pull.at_points
-        numbers = replica, s["breaks"], pull.clock_drive[0] * unit
+        numbers = replica, s["breaks"], balance * unit
         row = np.r_[numbers, pull.avalanches, x * unit, force * each, held / n]
         # a slip's X_T in two parts: K (X_T - base), and the base
         scales = [1.0, 1.0, unit / pull.spring, unit, unit, unit, each, each, 1.0]
@@ -139,6 +144,18 @@ class Replicas:
         table[:, 2] += table[:, 3]
         table = np.delete(table, 3, axis=1)
         return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
+
+    def _move_back(self, s: np.void, load: float) -> None:
+        """Move a slider whose contacts break by heat back to where it balances a load of the drive below that of the
+        start. Kernels take a drive that never goes back, so that it is there from the begin on."""
+        both = self._n * (self._drive.spring or 0.0) + s["stiffness"]
+        way = int(np.rint((load - s["force"]) / both))
+        if way * self._unit < -MOST_BACK * self._contacts.mean_threshold:
+            first = s["force"] / (self._n * (self._drive.spring or 0.0)) * self._unit
+            hint = f"lies behind F(0)/K = {first:.4g}, where the drive balances the start; with heat begin there"
+            refuse("path[0]", self._drive.path[0], hint)
+        s["force"] += s["stiffness"] * way
+        s["at"] += way
 
     def _pull(self, s: np.void) -> Any:
         """The Pull of a slider with its first contacts, from the position that balances them on."""
@@ -156,8 +173,12 @@ class Replicas:
             )
         way = np.abs(np.diff(path, prepend=balance))
         time = np.cumsum(way) * unit / drive.velocity if drive.time is None else drive.time
+        begin = balance
+        if self._contacts.thermal is not None and path[0] < balance:
+            begin = path[0]
+            self._move_back(s, spring * path[0])
         # at the end the drive holds
-        clock, places = np.r_[0.0, time, time[-1] + 1.0], np.r_[balance, path, path[-1]]
+        clock, places = np.r_[0.0, time, time[-1] + 1.0], np.r_[begin, path, path[-1]]
         moves = np.append(True, np.diff(clock) > 0.0)
         waits = 1 if delay is None else n + 1
         return Pull(
@@ -200,52 +221,27 @@ def unit_of(contacts: Contacts) -> float:
     return max(2.0**-28 * contacts.mean_threshold, 2.0**-40 * largest)
 
 
-def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
-    """About how many breaks a slider of n contacts takes to the end of the path; for a refusal, so rather too few.
-
-    Under "instant" the slider slips once F has reached the static force F_s, and slides with the kinetic force F_k from
-    then on: to X = X_T - F_k/K, with n breaks per mean threshold. Under the other rules a slip breaks up to n contacts,
-    and comes after each <x_s> (1 + 1/K) of the drive at the latest. Contacts of one single threshold always break
-    together, so that F gets up to F_s again, and it is the same with them. A delay makes breaks rarer: then 0.
-    Thresholds that grow count as if all were as large as the oldest at the end: the path is shorter beside them.
-    """
-    law, mean, spring = contacts.thresholds, contacts.mean_threshold, drive.spring or np.inf
-    end = float(drive.path[-1]) / _growth(contacts, drive)
-    if contacts.delay is not None:
-        return 0.0
-    low, high = law.support()
-    if drive.slip != "instant" or low == high:
-        return n * max(end, 0.0) / (mean * (1.0 + 1.0 / spring))
-    # from relaxed contacts F = X - (the mean over all contacts of the stretch that their first breaks have released)
-    x = np.linspace(0.0, 4.0 * mean, 4001)
-    force = x - np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(law.cdf(x))))
-    falls = np.flatnonzero(np.diff(force) < 0.0)
-    kinetic = float(law.moment(2)) / (2.0 * mean)
-    static = max(kinetic, force[falls[0]] if falls.size else 0.0)
-    return n * (end - kinetic / spring) / mean if end > static / spring else 0.0
-
-
-def _growth(contacts: Contacts, drive: Drive) -> float:
-    """The largest factor by which thresholds grow until the end of the path; 1 where they do not."""
-    return contacts.oldest_threshold(float(durations(drive).sum())) / contacts.mean_threshold
-
-
 def check_coupled(contacts: Contacts, drive: Drive) -> None:
     """Raise InputError for laws and paths that cannot be followed on a soft slider."""
     heavy = drive.mass is not None
     solver = "eq_model.simulate with a mass" if heavy else "eq_model.simulate with a spring"
-    if isinstance(contacts, Contacts) and contacts.thermal is not None:
-        raise InputError(
-            f"contacts.thermal: {solver} takes T = 0: the slider's speed hangs on all contacts at "
-            "once, so that none can draw its break beforehand; use master.solve, or leave it out"
-        )
     takes = ["delay", "reforming", "stiffness"]
+    if isinstance(contacts, Contacts) and contacts.thermal is not None:
+        if heavy:
+            raise InputError(
+                f"contacts.thermal: {solver} takes T = 0; use master.solve, or leave it out"
+            )
+        if contacts.thermal.closure == "paper":
+            raise InputError(
+                'contacts.thermal: closure = "paper" is an approximation of the master equation; use closure = "exact"'
+            )
+        takes.append("thermal")
     if isinstance(contacts, Contacts) and contacts.strengthening and not heavy:
         takes.append("growing")
     # of laws by which thresholds change otherwise master has no memory under a spring either
     own = isinstance(contacts, Contacts) and contacts.changing and not contacts.growing
     other = "" if heavy or (own and not contacts.ageing) else "master.solve"
-    check_contacts(contacts, solver, tuple(takes), other=other)
+    check_contacts(contacts, solver, tuple(takes), own_rates=True, other=other)
     if contacts.reforming is not None and (drive.slip != "instant" or contacts.delay is not None):
         raise InputError(
             "contacts.reforming: contacts that form again stretched after an avalanche would pull "

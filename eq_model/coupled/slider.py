@@ -17,7 +17,10 @@ SLIDER = np.dtype(
         ("base", np.int64),  # the position from which forces count X and X_T
         ("force", np.float64),  # F there
         ("stiffness", np.float64),  # of the contacts that hold
-        ("back", np.int64),  # X at which the first contact would break if the slider moved back
+        (
+            "back",
+            np.int64,
+        ),  # X at which the first contact would break, or a window end, if the slider moved back
         ("held", np.int64),  # number of contacts that hold
         ("drive", np.float64),  # K (X_T - base) of the last break that began an avalanche
         ("out", np.int64),  # contacts that broke in this avalanche and have not re-formed
@@ -26,8 +29,12 @@ SLIDER = np.dtype(
         ("point", np.int64),  # index of the next point of the path
         ("returning", np.int64),  # index of the next return of contacts after their delay
         ("returns", np.int64),  # index after the last return
-        ("now", np.float64),  # where thresholds grow: when the last contacts broke or formed
+        ("now", np.float64),  # with numbers (ages.py): when the last contacts broke or formed
         ("age", np.float64),  # of contacts as they form: that of the start, later 0
+        # with heat (heat.py): the sum of all levels, its integral until the next proposal, and the number of draws
+        ("total", np.float64),
+        ("budget", np.float64),
+        ("draws", np.int64),
     ]
 )
 

@@ -43,15 +43,21 @@ def kernel_of(law: ChangingThresholds) -> Any:
     return import_module(f"eq_model.laws.{found}") if isinstance(found, str) else found
 
 
+def rates_of(contacts: Contacts) -> CompiledRates:
+    """Compiled functions of these contacts' rates, which kernels find by the class of `law` there."""
+    # without a thermal law, the rates of any law stand in: kernels do not use them then
+    rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
+    found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
+    contact.RATES.setdefault(type(found.law), found)
+    return found
+
+
 def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
     changing = contacts.changing
     if contacts.thermal is None and changing is None:
         return contact.Cold(np.int64(tie))
-    # without a thermal law, the rates of any law stand in: kernels do not use them then
-    rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
-    found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
-    contact.RATES.setdefault(type(found.law), found)
+    found = rates_of(contacts)
     if changing is not None:
         heat = contacts.thermal is not None, found.law, drive.unit
         return kernel_of(changing).make(contacts, drive, *heat)
