@@ -290,3 +290,11 @@ def test_a_slider_that_is_not_decided_in_time_lies_between_two_that_are() -> Non
     said = "\n".join(page(of(slipped, replace(of_a_mass("smooth", 0.6), rule="instant"))))
     assert "goes on is not known; the command's --set wall_time=600" in said
     assert "contacts that form again at once would make it smooth at 0.6000" in said
+
+
+def test_one_other_reading_is_no_plural() -> None:
+    found = of(of_a_mass("smooth", 0.8))
+    two = replace(found, answers=(found.own, replace(found.own, name="step 2")))
+    assert dependence(two)[-1] == "not the reading: the other one says what own says"
+    three = replace(two, answers=(*two.answers, replace(found.own, name="step 4")))
+    assert "the 2 others that were followed say what own says" in dependence(three)[-1]

@@ -89,7 +89,9 @@ def _of_readings(verdict: Verdict) -> Iterator[Line]:
         said = "decided under some slip rules, and not under others"
         yield Line(size, f"{said}: {', '.join(partly)}")
     if verdict.own.machine is not None and decided and not differ:
-        said = f"the {len(decided)} others that were followed say what {verdict.own.name} says"
+        all_say = f"the {len(decided)} others that were followed say"
+        all_say = "the other one says" if len(decided) == 1 else all_say
+        said = f"{all_say} what {verdict.own.name} says"
         yield Line(NOTHING, f"not the reading: {said}")
 
 
