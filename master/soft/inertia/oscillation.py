@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from master.outcome import StoppedError
+from master.soft.inertia.body import RINGS
 from origins.thresholds.law import Array
 
 # Points a period at which crossings are looked for, and what a peak between them may rise above them, in amplitudes.
@@ -20,6 +22,10 @@ OF_LIMIT = 1e-3
 OF_PEAK, OF_CROSSING, RELATIVE, ROUNDING = 1e-14, 1e-15, 1e-14, 1e-15
 # Exponents below which e^z - 1 is taken by its first two terms, as the integral divides by the rate, possibly 0.
 SMALL = 1e-8
+
+# Most periods that are looked through for one crossing, some 3 s: a level within reach is reached in the next ones, but
+# where rounding decides.
+MOST_PERIODS = 10_000
 
 
 @dataclass(frozen=True)
@@ -120,13 +126,22 @@ class Oscillation:
         def above(t: float) -> float:
             return sign * (self.centre + self.drift * t) + self.bound(t) - level
 
+        if not self.size:  # it moves as its balance does: no period has to be looked at
+            ahead, rises = level - sign * self.centre, sign * self.drift
+            passes = max(ahead, 0.0) / rises if rises > 0.0 else np.inf
+            return float(passes) if passes <= end else np.inf
         # the bound of sign y is convex: below the level between two times at most
         begin, step = 0.0, self.period / SAMPLES
         if above(0.0) < 0.0:
             if not np.isfinite(end) or above(end) < 0.0:
                 return np.inf
             begin = max(0.0, float(brentq(above, 0.0, end, xtol=OF_LIMIT * step)) - step)
+        looked_at = 0
         while begin < end:
+            looked_at += AT_ONCE
+            # time may have too few digits for a period
+            if self.swings and (begin + step <= begin or looked_at > MOST_PERIODS):
+                raise StoppedError(RINGS)
             whole = end - begin
             lasts = whole if self._fades(whole) else min(whole, AT_ONCE * self.period)
             times = begin + self._looked_at(lasts)

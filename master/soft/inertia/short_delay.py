@@ -80,7 +80,7 @@ def short_delay(
         mass=drive.mass,
         damping=drive.damping - takes,
     )
-    if oscillations(without, damped):
+    if oscillations(without, damped)[0]:
         return None
     run = Run(without, damped, tolerance, OF_RUN, until)
     if run.stopped:
