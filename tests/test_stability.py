@@ -243,7 +243,7 @@ def test_a_map_ends_where_a_number_is_refused(
     ("number", "status", "word"),
     [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")],
 )
-@pytest.mark.parametrize("scene", [["gaussian"], []])
+@pytest.mark.parametrize("scene", [["gaussian"], pytest.param([], marks=pytest.mark.slow)])
 def test_an_interrupted_table_holds_what_is_known(
     scene: list[str],
     number: int,
