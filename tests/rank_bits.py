@@ -38,6 +38,7 @@ def told(comm: Any) -> Iterator[Any]:
         (origins.Contacts(strong, start, soft), loop, 301, {}),
         (origins.Contacts(wide, delay=origins.Delay(0.1)), path, 300, {"spring": 0.7}),
         (origins.Contacts(strong, start), path, 300, {"spring": 0.7}),
+        (origins.Contacts(strong, thermal=soft), path, 300, {"spring": 0.7}),
         (
             origins.Contacts(wide, delay=origins.Delay(0.1)),
             path,
