@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.polynomial import legendre
 from scipy import stats
 from scipy.integrate import solve_ivp
 
@@ -20,7 +21,7 @@ from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Collocation, Machine, Missed, Solved, State
 from master.soft.inertia.delayed.drive_path import DrivePath
 from master.soft.inertia.delayed.fast_sliding import FastSliding
-from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, PLACES, TimePanel
+from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, PLACES, STAGES, TimePanel
 from master.soft.inertia.delayed.panel_births import PanelBirths
 from master.soft.inertia.delayed.panels import Part
 from master.soft.inertia.delayed.past_breaks import PastBreaks
@@ -95,6 +96,10 @@ def test_births_on_a_panel_longer_than_the_delay_follow_from_its_own_breaks() ->
     np.testing.assert_allclose(births.born, exact, atol=1e-14)
     np.testing.assert_allclose(births.rate, 0.2 + 0.2 * (times[1:] - delay), atol=1e-13)
     assert births.missed < 1e-14
+    # the last two coefficients tell what the polynomial misses
+    for degree in (STAGES - 1, STAGES):
+        births.take(1e-3 * legendre.legvander(2.0 * PLACES - 1.0, STAGES)[:, degree])
+        assert births.missed == pytest.approx(1e-3)
 
 
 @pytest.mark.parametrize(

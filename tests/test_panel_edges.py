@@ -93,6 +93,15 @@ def test_two_bad_widths_tell_the_next_one_where_halving_is_slow():
     assert sum(t == 0.0 for t, _ in all_tried) <= 8
 
 
+def test_two_bad_widths_tell_the_next_one_where_errors_are_as_their_square():
+    """The first two widths tell the third, 1e-5 in place of 0.1, up to a factor of 10."""
+    all_tried, _ = tried(
+        lambda t, width: 1e2 * width**2 if t == 0.0 else 1e-8 * (width / (2.0 * t)) ** 16
+    )
+    widths = [width for t, width in all_tried if t == 0.0]
+    assert 1e-6 < widths[2] < 1e-5 and widths[1] > 1e-3
+
+
 def test_births_on_earlier_legs_are_cut_where_their_survival_bends():
     """Between the right cuts E of a rectangular law is a line in the time of birth, so that no piece is halved."""
     contacts = Contacts(BOX)

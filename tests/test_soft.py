@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import pytest
+from numpy.polynomial import Chebyshev, Legendre, Polynomial
 from phase_type import gaussian_force
 from scipy import stats
 from scipy.integrate import cumulative_trapezoid, quad
@@ -15,8 +16,10 @@ from scipy.optimize import brentq
 import eq_model
 import master
 import origins
+from master.numerics.polynomials import DEGREE
 from master.soft import limit_cycle
 from master.soft.cold_contacts import ColdContacts
+from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.moves import LoadingHistory, Move
 from master.soft.moves_without_births import MoveWithoutBirths
 
@@ -132,6 +135,30 @@ def test_onset_and_period_of_a_reset(spring, tolerance):
     off = np.abs(solution.force - spring * (since - position))
     assert off.max() <= solution.force_error + 1e-13
     assert np.abs(solution.position - (path - since + position)).max() <= off.max() / spring + 1e-12
+
+
+def test_an_error_of_the_force_shifts_the_begin_of_a_slip_as_told():
+    """The load 1 - 4 (y - y_0)² on a panel from 2 to 5 has its largest value, and a slip, at y_0. Errors of the force
+    of 1e-9 in the form of Chebyshev's polynomials, which are the steepest, shift it by what is told at most, and at
+    the worst y_0 by half of that."""
+    begin, width, spring, size, worst = 2.0, 3.0, 0.5, 1e-9, 0.0
+    for y in np.linspace(begin + 0.1, begin + width - 0.1, 30):
+        load = 1.0 - 4.0 * Polynomial([-y, 1.0]) ** 2
+        force = (load - Polynomial([0.0, spring])).convert(
+            kind=Legendre, domain=[begin, begin + width]
+        )
+        series = np.append(force.coef, np.zeros(DEGREE - 2))[None]
+        of_force, none = np.array([size]), np.empty(0)
+        curve = LoadCurve(
+            np.array([begin]), np.array([width]), series, of_force, of_force, none, spring
+        )
+        told = SlipBegin(curve, y, 1.0).begin_error
+        # the slope of the load falls by 8 along a travel of 1
+        errors = (Chebyshev.basis(n, [begin, begin + width]) * size for n in range(1, DEGREE + 1))
+        shift = max(abs(float(each.deriv()(y))) / 8.0 for each in errors)
+        assert shift <= told
+        worst = max(worst, shift / told)
+    assert worst > 0.5
 
 
 def test_cycles_repeat_and_are_solved_once():

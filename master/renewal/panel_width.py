@@ -166,23 +166,25 @@ class PanelWidth:
         """
         rules, width, largest = self.rules, proposal.width, float(errors.max())
         self._bad_error = 0.0
-        calm = broken < rules.calm * self.tolerance
-        narrow = width <= rules.is_narrow * self._guess
+        few_break = broken < rules.calm * self.tolerance
+        is_narrow = width <= rules.is_narrow * self._guess
         # where contacts break at rates of all sizes, and behind a point that no polynomial resolves, wider panels soon
         # suffice
-        soon = calm or narrow or not self._quick
-        spare = self.tolerance * (rules.spare_soon if soon else rules.spare_late)
+        suffice_soon = few_break or is_narrow or not self._quick
+        spare = self.tolerance * (rules.spare_soon if suffice_soon else rules.spare_late)
         spare = max(spare, rules.rounding)
         self._good_panels = self._good_panels + errors.size if largest < spare else 0
         self._batch_size = min(rules.batch_growth * self._batch_size, rules.largest_batch)
         # a new width pays at once where panels are narrow or hardly any contact breaks, else if it serves many panels
-        patience = 0 if calm or narrow else rules.patience
-        easy = self._good_panels > patience and proposal.to_edge - errors.size >= patience
-        if not (unresolved or (easy and width > rules.fills * self.widest)):
+        patience = 0 if few_break or is_narrow else rules.patience
+        pays = self._good_panels > patience and proposal.to_edge - errors.size >= patience
+        if not (unresolved or (pays and width > rules.fills * self.widest)):
             return
         factor = rules.far_widening if largest < rules.far_below * spare else rules.widening
-        self.widest = min((rules.calm_widening if calm else factor) * width, self._whole_life)
-        self._batch_size = 1 if soon else max(1, int(rules.batch_after_widening * self._batch_size))
+        self.widest = min((rules.calm_widening if few_break else factor) * width, self._whole_life)
+        self._batch_size = (
+            1 if suffice_soon else max(1, int(rules.batch_after_widening * self._batch_size))
+        )
         self._good_panels = 0
 
 

@@ -66,7 +66,7 @@ class ColdSlider:
         relaxed = contacts.start.span == cold.formed_again.span == (0.0, 0.0)
         self._loaded = LoadingHistory(cold.formed_again if relaxed else contacts.start)
         # resets repeat the same move, in each direction: it is solved once
-        self._begun = lru_cache(4)(partial(Move, cold))
+        self._move_from = lru_cache(4)(partial(Move, cold))
         # of slips: the share of the contacts that break before a reset, nan where that takes too much work; and those
         # of "reform-after" that leave no contact holding, which are resets
         self._broken, self._leave_none = dict[Onset, float](), set[Onset]()
@@ -166,7 +166,7 @@ class ColdSlider:
         """Follow the drive in one direction over these X_T, with all slips on the way."""
         y, spring = 0.0, self.spring
         while True:
-            move = self._begun(direction, self._loaded)
+            move = self._move_from(direction, self._loaded)
             begin = direction * (self._base + move.at(0.0))
             # the load (see curve.py) that each of these X_T asks for
             asked = spring * (direction * drives - begin)
@@ -253,7 +253,7 @@ class ColdSlider:
         if key in self._leave_none:
             return self._reset(move, slip, begin)
         if (slipped := self._repeated.get(key) or self._slipped(move, slip)) is None:
-            # such a slip is a reset at another place, whose moves are known
+            # all contacts form again where it ends, as in a reset
             self._leave_none.add(key)
             return self._reset(move, slip, begin)
         self._note(move, slip, begin, slipped.force, slipped.share)
@@ -263,13 +263,15 @@ class ColdSlider:
 
     def _slipped(self, move: Move, slip: SlipBegin) -> Slipped | None:
         """What a slip leaves in which broken contacts stay out; None where no contact holds on. Once all slips to come
-        are as this one, to an error that is added, its move is repeated as a reset's is."""
+        are as this one, to an error that is added, its move is repeated as a reset's is.
+
+        Errors (lengths): slip.error of the load where it begins, slip.begin_error of the travel there, by which some
+        contacts are misjudged, of a force `error`. Both shift its end, by `moved`; F goes on with `error`."""
         unit, spring = self.contacts.unit, self.spring
         slide, (curve, y) = self._slide(move, slip)
         if slide.holds_none(y):
             return None
         holding, force = slide.holding_after(y), float(curve.force(y))
-        # force of the contacts misjudged as out or as holding (a length), by the error of where the slip begins
         far = min(y, self.contacts.life.largest_stretch)  # no contact that holds is stretched more
         error = (1.0 + spring) * slip.begin_error * far / unit
         moved = float(curve.travel_errors(y, 0.0, slip.error + error))

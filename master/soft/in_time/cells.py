@@ -6,7 +6,8 @@ drift's potential (P_cf ~ e^-U) and h the rate of breaking early,
     du/dt = d/dy [(D U' + d|x|/dt) u + D du/dy] - h u,        u = 0 at y = 0.
 
 The density u is stored as weights of cells in y, small ones towards y = 0; the flux through their
-faces comes from cubics through the four cells around, of fourth order, and weight is conserved.
+faces comes from cubics through the four cells around, of fourth order, and weight is conserved. Weights are followed
+for many groups of contacts of a memory side by side: a group is a strand here, and a lane of the kernel.
 
 One step in time is implicit, Radau's of two stages (`cells_kernel.step`). Each term of the equation, times the step's
 duration, is an array of a name there:
@@ -36,8 +37,8 @@ from origins.thresholds.law import Array
 class CellControl(NamedTuple):
     """Numbers of the choice of cells; none has a unit.
 
-    finer : the next resolution divides cells by 2 to this power, 0.75: their errors, of fourth order, then fall by 8,
-        as those of this file's steps in time do, of third order, which are halved along with it
+    finer : 0.75: the next resolution halves the steps in time, whose error is of third order and falls by 8, and
+        divides the cells by 2^0.75, as their error, of fourth order, then falls by (2^0.75)^4 = 8, too
     far : fraction of thresholds beyond the last cell: as small as rounding
     most : cells; a step of one strand then takes some milliseconds
     of_layer : width of the first cell, in thicknesses D/v of the layer at |x| in which the density falls to 0: right
