@@ -313,7 +313,7 @@ def test_a_wrong_unit_is_asked_for_by_its_key(capsys: Any) -> None:
     stated = {"mean_stiffness": 50.0, "contact_density": 5e11, "pressure": 1e6}
     samples = {"kind": "from-samples", "x_s": list(np.linspace(0.5, 1.5, 40)), "unit": "nm"}
     wave = {"kind": "hexagonal", "amplitude": 8e-21, "period": 2.46e-10}
-    island = {"kind": "domains", "law": "equal", "stiffness": 5.0, "substrate": wave}
+    island = {"kind": "domains", "law": "equal", "stiffness": 50.0, "substrate": wave}
     island |= {"lattice_constant": 2.88e-10, "sizes": [[6, 6]], "angles": [0.1, 0.2, 0.3]}
     for law in (samples, island):
         assert not of_units(loaded(law, stated).thresholds)
@@ -419,3 +419,33 @@ def test_a_power_that_few_samples_leave_open_is_told_from_where_to_where() -> No
     told = [onset_in_words(Number(0.0, error, ""), 8) for error in (0.0, 0.04, 12.3, np.inf)]
     assert told == ["0", "0 ± 0.04", "0 to 12", "0, error not known"]
     assert onset_in_words(Number(3.0, 2.0, ""), 8) == "1 to 5"
+
+
+@pytest.mark.parametrize("stated, refused", [(20.0, False), (20, False), (5.0, True)])
+def test_a_stiffness_stated_twice_is_one(stated: float, refused: bool) -> None:
+    """Forces in nN over 20 N/m are lengths, which 5 N/m would turn into forces of a quarter."""
+    law = {"kind": "from-samples", "f_s": [1.0, 2.0, 3.0], "unit": "nN", "stiffness": 20.0}
+    interface = {"mean_stiffness": stated, "contact_density": 1e12}
+    tables: dict[str, Any] = {"contacts": {"thresholds": law, "interface": interface}}
+    if not refused:
+        toolkit.load_scene(tables, solved=False)
+        return
+    with pytest.raises(InputError, match=r"mean_stiffness = 5.*stiffness = 20 N/m turned forces"):
+        toolkit.load_scene(tables, solved=False)
+
+
+@pytest.mark.parametrize("unit", [None, "Å"])
+def test_an_island_in_another_unit_than_its_substrate_is_refused(unit: str | None) -> None:
+    """Atoms 2.88 Å apart, read as 2.88 m, have a barrier, too, of another size, on a substrate of 2.46 Å."""
+    origins.circular_island(2.88, radius=6.0).write("flake.xyz")
+    island = {"kind": "file", "file": "flake.xyz"} | ({"unit": unit} if unit else {})
+    substrate = {"kind": "hexagonal", "amplitude": -3.2e-21, "period": 2.46e-10}
+    law = {"kind": "domains", "law": "equal", "stiffness": 32.0, "samples": 50}
+    law |= {"island": island, "substrate": substrate}
+    if unit:
+        toolkit.load_scene({"contacts": {"thresholds": law}}, solved=False)
+        return
+    with pytest.raises(
+        InputError, match=r"2.88 from the next, on a substrate of period 2.*unit = "
+    ):
+        toolkit.load_scene({"contacts": {"thresholds": law}}, solved=False)

@@ -45,6 +45,8 @@ def domains(
         raise InputError(f"domains: give exactly one of sizes, {hint}")
     if island is not None and lattice_constant is not None:
         refuse("lattice_constant", lattice_constant, "the table island has its own; leave it out")
+    if island is not None and substrate is not None:
+        _check_lengths(island, substrate)
     return origins.domains(
         lattice_constant=lattice_constant,
         sizes=sizes,
@@ -62,6 +64,21 @@ def domains(
         seed=seed,
         comm=comm,
     )
+
+
+def _check_lengths(island: Any, substrate: origins.Substrate) -> None:
+    """Refuse an island whose atoms are 100 times as far apart as the substrate's period, or as much nearer: it is in
+    another unit, as that of a file in Å beside a substrate in metres."""
+    points = island.get_positions()
+    period = 2.0 * np.pi / float(np.linalg.norm(substrate.wavevectors, axis=1).min())
+    if len(points) < 2:
+        return
+    apart = float(np.linalg.norm(points[1:] - points[0], axis=1).min())
+    if not 0.01 <= apart / period <= 100.0:
+        raise InputError(
+            f"domains: the island's first atom is {apart:.3g} from the next, on a substrate of period {period:.3g}: "
+            'one is in another unit; give island the unit of its file, such as unit = "Å"'
+        )
 
 
 def island_of_file(folder: Path, file: str, unit: str | None = None, comm: Any = None) -> Any:

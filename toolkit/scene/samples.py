@@ -1,7 +1,7 @@
 """Thresholds through samples: a scene's own values, or a column of a text file, with header, weights and unit."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -16,6 +16,8 @@ from toolkit.scene.tables import did_you_mean
 
 # of a file of samples; one with more, and no header, may be another one
 FEW_COLUMNS = 4
+# part of a stiffness by which the same, given twice, may differ, as one of them is rounded
+SAME_STIFFNESS = 1e-3
 NEWTONS = {"N": 1.0, "mN": 1e-3, "µN": 1e-6, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12}
 
 
@@ -156,3 +158,16 @@ def in_si(unit: str, known: dict[str, float]) -> float:
     """What one of this unit is in SI units; InputError for a unit that is not known."""
     one_of("unit", unit, tuple(known))
     return known[unit]
+
+
+def check_one_stiffness(law: Mapping[str, Any], interface: Mapping[str, Any] | None) -> None:
+    """Refuse an interface whose <k> is not the stiffness by which forces of the law, or islands, became lengths: forces
+    of the answer would be off by their ratio. Where it hangs on the island, or is in units of its own, the two are not
+    compared."""
+    alike = law.get("unit") in NEWTONS or (law.get("kind"), law.get("law")) == ("domains", "equal")
+    stated, given = (interface or {}).get("mean_stiffness"), law.get("stiffness")
+    if not (alike and isinstance(stated, float | int) and isinstance(given, float | int)):
+        return
+    if abs(stated - given) > SAME_STIFFNESS * abs(given):
+        hint = f"thresholds.stiffness = {given:g} N/m turned forces into lengths; give the same <k>"
+        refuse("contacts.interface.mean_stiffness", stated, hint)

@@ -19,7 +19,7 @@ from origins.drive import Drive
 from origins.errors import InputError, one_of, refuse, shown
 from origins.laws.temperature import TooHot, too_cold
 from toolkit.processes.ranks import on_root
-from toolkit.scene import laws, tables
+from toolkit.scene import laws, samples, tables
 from toolkit.scene.changes import changed
 from toolkit.scene.drive import (
     has_path,
@@ -284,6 +284,7 @@ def make_contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Conta
             own = laws.without_kelvin(own, f"contacts.{name}", surface)
             own = laws.with_width(own, f"contacts.{name}")
             made[name] = laws.build(kinds, own, f"contacts.{name}", folder, comm, thresholds)
+    samples.check_one_stiffness(table.thresholds, table.interface)
     made["thresholds"] = made.pop("strengthening", thresholds)
     thermal = table.thermal or {}
     if thermal and surface is not None and "attempt_frequency" not in thermal:

@@ -119,7 +119,7 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
             said = "none is given, so that they form again at once; give [contacts.delay]"
             yield Line(TURNS, f"the contacts' delay: {said}")
         elif delay_decides(verdict):
-            said = "far below the time of a slip it changes the answer"
+            said = f"another one may change the answer{_of_short_delays(own)}"
             yield Line(TURNS, f"the contacts' delay: {said}")
         elif known and verdict.turned and verdict.turned.kind != "undecided":
             yield _same_with(verdict, verdict.turned, "without one" if given else "with a long one")
