@@ -1333,6 +1333,9 @@ def test_a_busy_machine_is_given_more_of_the_clock(monkeypatch: Any) -> None:
     now |= {"clock": 0.0, "work": 0.0}
     monkeypatch.setattr(os, "getloadavg", lambda: (3.0, 1.0, 1.0))
     assert Budget(60.0, strict=False).left() == 120.0
+    # the load of a hundred cores says little of the two that this process may use
+    monkeypatch.setattr(os, "getloadavg", lambda: (99.0, 1.0, 1.0))
+    assert Budget(60.0, strict=False).left() == 240.0
 
 
 def test_a_mass_without_time_is_not_told_to_shorten_its_path() -> None:

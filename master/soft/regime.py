@@ -151,7 +151,7 @@ def _by_slips(
     late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
     if trend is not None or late >= (1.0 - STEADY) * longer:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
-    if _closes_in(drops):
+    if _closes_in(drops) and unsure <= KNOWN * drops[-1]:
         return "stick-slip", f"{counted}, each drop between the two before it"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
 

@@ -15,6 +15,9 @@ from origins.roughness.surface import METRES, Topography, as_topography
 from toolkit.scene.files import read_file
 from toolkit.scene.samples import in_si
 
+# an island's atoms are about as far apart as a substrate's period: a factor beyond which one is in another unit
+OTHER_UNIT = 100.0
+
 
 def identical_start(value: float) -> float:
     """All contacts start at one stretch (a length)."""
@@ -67,16 +70,17 @@ def domains(
 
 
 def _check_lengths(island: Any, substrate: origins.Substrate) -> None:
-    """Refuse an island whose atoms are 100 times as far apart as the substrate's period, or as much nearer: it is in
-    another unit, as that of a file in Å beside a substrate in metres."""
+    """Refuse an island whose atoms are OTHER_UNIT times as far apart as the substrate's longest period, or as much
+    nearer than its shortest: it is in another unit, as that of a file in Å beside a substrate in metres."""
     points = island.get_positions()
-    period = 2.0 * np.pi / float(np.linalg.norm(substrate.wavevectors, axis=1).min())
     if len(points) < 2:
         return
+    periods = 2.0 * np.pi / np.linalg.norm(substrate.wavevectors, axis=1)
     apart = float(np.linalg.norm(points[1:] - points[0], axis=1).min())
-    if not 0.01 <= apart / period <= 100.0:
+    if not periods.min() / OTHER_UNIT <= apart <= OTHER_UNIT * periods.max():
         raise InputError(
-            f"domains: the island's first atom is {apart:.3g} from the next, on a substrate of period {period:.3g}: "
+            f"domains: the island's first atom is {apart:.3g} from the next, on a substrate of period "
+            f"{periods.max():.3g}: "
             'one is in another unit; give island the unit of its file, such as unit = "Å"'
         )
 

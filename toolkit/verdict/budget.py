@@ -9,6 +9,8 @@ MORE_TIME = f"raise wall_time (s; {WALL_TIME:.0f} where none is given)"
 LONGER = f"the command's --set wall_time={10 * WALL_TIME:.0f} gives it ten minutes"
 # s by which the pace is smoothed, as that of the first moments says little
 _SMOOTH = 1.0
+# largest pace that is expected before any is seen: the load may be that of cores which this process does not share
+_MOST_EXPECTED = 4.0
 
 
 class Budget:
@@ -44,6 +46,6 @@ class Budget:
 
 
 def _expected_pace() -> float:
-    """Programs that wanted a core in the last minute, and this one, for each core; at least 1."""
+    """Programs that wanted a core in the last minute, and this one, for each core of the machine; at least 1."""
     waiting = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    return max((1.0 + waiting) / (os.cpu_count() or 1), 1.0)
+    return min(max((1.0 + waiting) / (os.cpu_count() or 1), 1.0), _MOST_EXPECTED)

@@ -180,9 +180,9 @@ class DelayedBody:
     @property
     def hardly_any_holds(self) -> bool:
         """Whether so few contacts hold that their force is below the tolerance."""
-        response = self.contacts.response(np.array([self.state.x])).holding[0]
+        holding = self.contacts.response(np.array([self.state.x])).holding[0]
         longest = MOST_FORCE * self.contacts.survival.longest
-        return bool(response * longest <= ALIKE * self.tolerance)
+        return bool(holding * longest <= ALIKE * self.tolerance)
 
     def near(self, x: float) -> float:
         """Positions nearer than that are the same."""
