@@ -31,15 +31,15 @@ def closest(
     fresh = chain.from_iterable(contacts.thresholds.rvs(1024, generator) for _ in count())
     force, breaks, here = np.empty(positions.size), 0, 0.0
     for j, goal in enumerate(positions):
-        reached = False
-        while not reached:
+        holds = False
+        while not holds:
             i = int(np.argmin(gap))
-            reached = here + gap[i] > goal
-            step = goal - here if reached else gap[i]
+            holds = here + gap[i] > goal
+            step = goal - here if holds else gap[i]
             x += step
             gap -= step
             here += step
-            if not reached:
+            if not holds:
                 x[i], gap[i] = 0.0, next(fresh)
                 breaks += 1
         here, force[j] = goal, x.mean()

@@ -50,12 +50,12 @@ class Engine:
         # the same law all along the path: without laws nothing depends on time
         steady = not contacts.laws or (contacts.laws == ("thermal",) and drive.time is None)
         forward, scale = drive.forward and steady, contacts.mean_threshold
-        self._reach = reach = Reach(contacts, drive)
+        self._limits = limits = StretchLimits(contacts, drive)
         linked = contacts.stiffness == "linked"
-        stiffest = max(reach.largest / scale, 1.0) if linked else 1.0
+        stiffest = max(limits.largest_threshold / scale, 1.0) if linked else 1.0
         course = Drive(drive.path, drive.velocity) if forward else drive
         exact = contacts.thresholds.atoms[0].size > 0
-        in_units = whole_drive(course, scale, 2.0 * reach.longest * stiffest, exact)
+        in_units = whole_drive(course, scale, 2.0 * limits.largest_stretch * stiffest, exact)
         law = law_of(contacts, in_units, TIE * exact)
         # a block takes at most 0.25 s, after which a run can be stopped
         slow = max(int(0.25 / max(seconds_of(contacts, drive, law), 1e-12)), 1)
@@ -68,8 +68,8 @@ class Engine:
                 f"histograms: the kernel of {', '.join(contacts.laws)} has no line of AGED; {instead}"
             )
         self._order = np.argsort(in_units.bin_of_point[points], kind="stable")
-        furthest = float(reach.span[points].max(initial=0.0)) + reach.furthest
-        self._edges = make_edges(furthest, reach.largest, reach.typical)
+        furthest = float(limits.span[points].max(initial=0.0)) + limits.largest_birth
+        self._edges = make_edges(furthest, limits.largest_threshold, limits.typical_threshold)
         watched = in_units.bin_of_point[points][self._order]
         per_x, per_y = (in_units.unit / float(edges[2] - edges[1]) for edges in self._edges)
         before = np.searchsorted(watched, np.arange(in_units.bin_ends.size + 2))
@@ -159,16 +159,16 @@ class Engine:
         far = square * (per_square * part) + places * (2 * part * kky + kk * places)
         born, squares_born = ky * part + k * places, kky * part + kk * places
         changes = np.cumsum([count, k, born, kk, squares_born, far], axis=1)
-        holds, held, born, squares, squares_born, far = changes[:, drive.bin_of_point]
+        holds, stiffness, born, squares, squares_born, far = changes[:, drive.bin_of_point]
         # the rounding of a single starting stretch is corrected as a displacement of the slider
         start = self.contacts.start
         rounded = start.is_single * (start.mean() - round(start.mean() / unit) * unit)
         positions = self._drive.path + rounded
         at = np.rint(positions / unit).astype(np.int64)
         beside, x = positions - at * unit, at.astype(object)
-        force = held * x - born
+        force = stiffness * x - born
         spread = ((squares * x - 2 * squares_born) * x + far) * (part * n) - force * force
-        mean = (force.astype(float) * unit + held.astype(float) * beside) / (part * n)
+        mean = (force.astype(float) * unit + stiffness.astype(float) * beside) / (part * n)
         variance = np.full(mean.size, np.inf)
         if n > 1:
             variance = spread.astype(float) * (unit / part) ** 2 / n / (n - 1)
@@ -176,27 +176,33 @@ class Engine:
 
     def _with_unseen(self, seen: Array, n: int) -> Array:
         """The variance, at least what one break more or less would make in n contacts, where one may happen."""
-        contacts, reach, start = self.contacts, self._reach, self.contacts.start
-        stretch = np.minimum(reach.span + reach.furthest, reach.longest)
-        law, again, share = contacts.thresholds, contacts.reforming, np.full(seen.size, 1.0 / n)
+        contacts, limits, start = self.contacts, self._limits, self.contacts.start
+        stretch = np.minimum(limits.span + limits.largest_birth, limits.largest_stretch)
+        law, reforming, weight = (
+            contacts.thresholds,
+            contacts.reforming,
+            np.full(seen.size, 1.0 / n),
+        )
         constant = contacts.changing is None
         if constant and contacts.thermal is None:
             alike = start.is_single and not np.diff(law.support())[0]
-            if alike and (again is None or again.law.is_single):
+            if alike and (reforming is None or reforming.law.is_single):
                 return np.zeros(seen.size)  # all contacts do the same
             # an expected number of 1e-9 breaks counts as none
-            held = law.sf(abs(start.mean()) if start.is_single else 0.0)
-            share *= (n * (held - law.sf(reach.begun)) > 1e-9 * held) & (reach.span > 0.0)
+            survival = law.sf(abs(start.mean()) if start.is_single else 0.0)
+            weight *= (n * (survival - law.sf(limits.largest_of_start)) > 1e-9 * survival) & (
+                limits.span > 0.0
+            )
         if constant:
             # one in a hundred ensembles has a contact with a larger threshold
-            stretch = np.minimum(stretch, max(float(law.isf(0.01 / n)), reach.furthest))
+            stretch = np.minimum(stretch, max(float(law.isf(0.01 / n)), limits.largest_birth))
         if contacts.stiffness == "linked":  # a contact's threshold is not below its stretch
             typical = np.maximum(stretch, float(np.sqrt(law.moment(2))))
             stretch = stretch * typical / contacts.mean_threshold
         rounding = self._work.drive.unit**2 / self._work.drive.square  # of squares of stretches
         # stretches or stiffnesses so narrow that their variance is lost in rounding may still have that much
         least = 0.0 if start.is_single and contacts.stiffness != "linked" else rounding
-        return np.maximum(np.where(seen < rounding, least, seen), stretch**2 * share)
+        return np.maximum(np.where(seen < rounding, least, seen), stretch**2 * weight)
 
     def _step_error(self, done: list[range], sums: Whole) -> Array:
         """Bound on the error of the force by the inner steps of ageing, at the points (a length); 0 without ageing.
@@ -214,13 +220,13 @@ class Engine:
         return (np.abs(coarse.force - fine.force) + doubt) / (self.COARSER - 1.0)
 
 
-class Reach:
+class StretchLimits:
     """How far contacts may be stretched on a drive, lengths.
 
-    furthest : the largest stretch at which contacts form; largest : the largest threshold at any time; typical : what
-    old thresholds and stretches of the start are about; longest : the largest stretch; span : shape (n,), the range of
-    slider positions up to each point of the path; begun : shape (n,), the largest stretch up to there of contacts of
-    the start that have not broken.
+    largest_birth : the largest stretch at which contacts form; largest_threshold : at any time; typical_threshold :
+    about that of old contacts, or the mean stretch of the start if that is larger; largest_stretch : at any time;
+    span : shape (n,), the range of slider positions up to each point of the path; largest_of_start : shape (n,), the
+    largest stretch up to there of contacts of the start that have not broken.
     """
 
     def __init__(self, contacts: Contacts, drive: Drive) -> None:
@@ -230,15 +236,21 @@ class Reach:
         path, ends = np.append(0.0, drive.path), contacts.start.span
         high, low = np.maximum.accumulate(path)[1:], np.minimum.accumulate(path)[1:]
         self.span = high - low
-        self.begun = np.maximum(np.maximum(ends[1] + high, -ends[0] - low), max(np.abs(ends)))
-        self.largest = tables_of(contacts)["thresholds"].largest
+        self.largest_of_start = np.maximum(
+            np.maximum(ends[1] + high, -ends[0] - low), max(np.abs(ends))
+        )
+        self.largest_threshold = tables_of(contacts)["thresholds"].largest
         born = max(abs(end) for law in laws_of(contacts).values() for end in law.span)
-        self.furthest = min(born, self.largest)
+        self.largest_birth = min(born, self.largest_threshold)
         lasts = float(durations(drive).sum())
         if (changing := contacts.changing) is not None:
-            self.largest = changing.largest_threshold(self.largest, DEEPEST, lasts)
-        self.typical = max(contacts.oldest_threshold(lasts), abs(contacts.start.mean()))
-        self.longest = min(self.largest, float(self.span[-1]) + self.furthest)
+            self.largest_threshold = changing.largest_threshold(
+                self.largest_threshold, DEEPEST, lasts
+            )
+        self.typical_threshold = max(contacts.oldest_threshold(lasts), abs(contacts.start.mean()))
+        self.largest_stretch = min(
+            self.largest_threshold, float(self.span[-1]) + self.largest_birth
+        )
 
 
 def breaks_by_heat(contacts: Contacts, lasts: float) -> float:
@@ -259,15 +271,15 @@ def seconds_of(contacts: Contacts, drive: Drive, law: Any) -> float:
 
     lasts, moved = durations(drive), np.abs(np.diff(drive.path, prepend=0.0))
     total, travel = float(lasts.sum()), float(moved.sum())
-    thermal, again, changing = contacts.thermal, contacts.reforming, contacts.changing
+    thermal, reforming, changing = contacts.thermal, contacts.reforming, contacts.changing
     often, slower = dict[str, float](), 0.0
     if changing is not None:
         kernel = kernel_of(changing)
         often[changing.law] = kernel.often(contacts, lasts, moved, law)
         slower = (kernel.SECONDS - 1e-7) * often[changing.law]
-    if again is not None and again.law.is_single:
+    if reforming is not None and reforming.law.is_single:
         # half of the contacts break again within this distance
-        stretch, thresholds = abs(again.law.mean()), contacts.thresholds
+        stretch, thresholds = abs(reforming.law.mean()), contacts.thresholds
         distance = float(thresholds.isf(0.5 * thresholds.sf(stretch))) - stretch
         often["reforming"] = travel / max(distance, 1e-300)
     begins_at_0 = contacts.growing is not None and contacts.growing.begins_at_0

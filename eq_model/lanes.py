@@ -159,7 +159,7 @@ def _ahead(law, n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
     return broken
 
 
-form_again = by_law(lambda law: _ahead if law is Forward else _by_path)
+re_form = by_law(lambda law: _ahead if law is Forward else _by_path)
 
 
 @inlined
@@ -212,7 +212,7 @@ def _row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-d
         _look(law, n, work, lanes, counts)
     if not work.at_once:
         _count_lives(n, work, lanes, sums)
-    place = form_again(law, n, work, lanes, broken, lanes.place)
+    place = re_form(law, n, work, lanes, broken, lanes.place)
     if work.at_once and not work.linked:
         _count_changes(n, place, work, lanes, sums)
     _next(n, count, looks, place, work, lanes)

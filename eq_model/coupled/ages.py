@@ -33,7 +33,9 @@ class Ages(NamedTuple):
     heat: Any  # NoHeat or heat.Heat
     beta: float  # 0: thresholds do not grow
     time: float  # τ_0
-    share: float  # threshold at age 0 over the drawn one, which is that of contacts of the start
+    fresh_ratio: (
+        float  # threshold at age 0 over the drawn one, which is that of contacts of the start
+    )
     fresh: Array  # threshold at age 0
     born: Array  # time of birth
     zero: Whole  # X at which the contact is relaxed
@@ -42,17 +44,21 @@ class Ages(NamedTuple):
 
 def ages_of(contacts: Contacts, n: int, heat: Any) -> Ages:
     """Of n contacts that are yet to form."""
-    law, beta, time, share = contacts.strengthening, 0.0, 1.0, 1.0
+    law, beta, time, fresh_ratio = contacts.strengthening, 0.0, 1.0, 1.0
     numbered = law is not None or not isinstance(heat, NoHeat)
     n = n if numbered else 0
     if law is not None:
-        beta, time, share = law.beta, law.time_unit, 1.0 / float(law.factor(law.start_pinned_for))
+        beta, time, fresh_ratio = (
+            law.beta,
+            law.time_unit,
+            1.0 / float(law.factor(law.start_pinned_for)),
+        )
     return Ages(
         numbered=numbered,
         heat=heat,
         beta=beta,
         time=time,
-        share=share,
+        fresh_ratio=fresh_ratio,
         fresh=np.empty(n),
         born=np.empty(n),
         zero=np.empty(n, np.int64),
@@ -65,7 +71,7 @@ def add_contact(ages, threshold, zero, born):  # type: ignore[no-untyped-def]
     """The number of a contact with this drawn threshold that is relaxed at the position `zero`."""
     contact = ages.free[ages.free[0]]
     ages.free[0] -= 1
-    ages.fresh[contact], ages.born[contact] = ages.share * np.float64(threshold), born
+    ages.fresh[contact], ages.born[contact] = ages.fresh_ratio * np.float64(threshold), born
     ages.zero[contact] = zero
     return contact
 

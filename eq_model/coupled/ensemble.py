@@ -7,7 +7,7 @@ import numpy as np
 
 from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.coupled.work import check_work, growth
-from eq_model.engine import Reach
+from eq_model.engine import StretchLimits
 from eq_model.result import SIZES, CoupledSlips, means
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
@@ -55,7 +55,7 @@ class Replicas:
         )
         # one contact in a thousand breaks beyond
         span = float(law.isf(2.0**-10)) * growth(contacts, drive)
-        span = min(span, Reach(contacts, drive).largest)
+        span = min(span, StretchLimits(contacts, drive).largest_threshold)
         self._ring_bits = ring_bits(n, self._shift, mean / self._unit, span / self._unit)
         if drive.path[-1] > LARGEST * self._unit:
             hint = f"must be below {LARGEST * self._unit:.3g}; positions are whole multiples of {self._unit:.3g}"
@@ -66,7 +66,7 @@ class Replicas:
         """Fields of the result."""
         tables = state.rows, state.slips.reshape(-1, 8)
         rows, slips = (table[np.argsort(table[:, 0], kind="stable")] for table in tables)
-        # a row: its replica's number, breaks, X_T = F(0)/K, avalanches by class; then X, F and the share that holds
+        # a row: its replica's number, breaks, X_T = F(0)/K, avalanches by class; then X, F and the fraction that holds
         numbers, avalanches, curves = np.split(rows, [3, 3 + SIZES], axis=1)
         curves = curves.reshape(len(rows), 3, -1)
         fields: dict[str, Any] = {"positions": curves[:, 0], "forces": curves[:, 1]}
@@ -117,15 +117,15 @@ class Replicas:
         s["age"] = 0.0 if contacts.growing is None else contacts.growing.start_pinned_for
         kernel.form_all(slider, queue, first, ages, n)
         if warm:
-            s["back"] = (ages.zero - np.rint(ages.fresh / ages.share)).max()
+            s["back"] = (ages.zero - np.rint(ages.fresh / ages.fresh_ratio)).max()
         balance = s["force"] / (n * (self._drive.spring or 0.0))
         pull, each, s["age"] = self._pull(s), unit / n, 0.0
         if warm:
             begin_with_heat(slider, queue, ages)
-        while (why := kernel.slide(slider, queue, later, ages, pull)) != kernel.PATH_DONE:
-            if why == kernel.SLIP_ENDED:
+        while (reason := kernel.slide(slider, queue, later, ages, pull)) != kernel.PATH_DONE:
+            if reason == kernel.SLIP_ENDED:
                 slips.append(np.r_[replica, len(slips), pull.avalanche])
-            elif why == kernel.OVERTAKEN:
+            elif reason == kernel.OVERTAKEN:
                 raise InputError(
                     "reforming: contacts that form again stretched forward take the slider far beyond the drive; use a "
                     "stiffer spring, or stretches closer to 0"
@@ -135,9 +135,9 @@ class Replicas:
                 hint = f"takes more than {self._most:.0e} breaks of {n} contacts, here up to X_T = {at:.4g}"
                 refuse("path[-1]", self._drive.path[-1], f"{hint}; end the path before")
             check_dropped(self._dropped)
-        x, force, held = pull.at_points
+        x, force, holding = pull.at_points
         numbers = replica, s["breaks"], balance * unit
-        row = np.r_[numbers, pull.avalanches, x * unit, force * each, held / n]
+        row = np.r_[numbers, pull.avalanches, x * unit, force * each, holding / n]
         # a slip's X_T in two parts: K (X_T - base), and the base
         scales = [1.0, 1.0, unit / pull.spring, unit, unit, unit, each, each, 1.0]
         table = np.reshape(slips, (-1, 9)) * scales
@@ -149,13 +149,13 @@ class Replicas:
         """Move a slider whose contacts break by heat back to where it balances a load of the drive below that of the
         start. Kernels take a drive that never goes back, so that it is there from the begin on."""
         both = self._n * (self._drive.spring or 0.0) + s["stiffness"]
-        way = int(np.rint((load - s["force"]) / both))
-        if way * self._unit < -MOST_BACK * self._contacts.mean_threshold:
+        displacement = int(np.rint((load - s["force"]) / both))
+        if displacement * self._unit < -MOST_BACK * self._contacts.mean_threshold:
             first = s["force"] / (self._n * (self._drive.spring or 0.0)) * self._unit
             hint = f"lies behind F(0)/K = {first:.4g}, where the drive balances the start; with heat begin there"
             refuse("path[0]", self._drive.path[0], hint)
-        s["force"] += s["stiffness"] * way
-        s["at"] += way
+        s["force"] += s["stiffness"] * displacement
+        s["at"] += displacement
 
     def _pull(self, s: np.void) -> Any:
         """The Pull of a slider with its first contacts, from the position that balances them on."""
@@ -171,8 +171,8 @@ class Replicas:
                 f" from X_T = {balance * unit:g}, where it balances the start; begin the path above"
                 f" {first:g}"
             )
-        way = np.abs(np.diff(path, prepend=balance))
-        time = np.cumsum(way) * unit / drive.velocity if drive.time is None else drive.time
+        distances = np.abs(np.diff(path, prepend=balance))
+        time = np.cumsum(distances) * unit / drive.velocity if drive.time is None else drive.time
         begin = balance
         if self._contacts.thermal is not None and path[0] < balance:
             begin = path[0]
@@ -181,6 +181,7 @@ class Replicas:
         clock, places = np.r_[0.0, time, time[-1] + 1.0], np.r_[begin, path, path[-1]]
         moves = np.append(True, np.diff(clock) > 0.0)
         waits = 1 if delay is None else n + 1
+        limits = StretchLimits(self._contacts, drive)
         return Pull(
             n=n,
             spring=spring,
@@ -192,8 +193,7 @@ class Replicas:
             slip=max(int(np.ceil(self.slip_fraction * n)), 1),
             at_once=drive.slip == "instant" and delay is None,
             resets=drive.slip == "reset",
-            furthest=int((max(drive.path[-1], 0.0) + Reach(self._contacts, drive).furthest) / unit)
-            + 1,
+            furthest=int((max(drive.path[-1], 0.0) + limits.largest_birth) / unit) + 1,
             avalanche=np.empty(7),
             at_points=np.zeros((3, path.size)),
             avalanches=np.zeros(SIZES, np.int64),
@@ -203,13 +203,13 @@ class Replicas:
 
 
 def checked_slip_fraction(slip_fraction: float | None) -> float:
-    """The smallest share of the contacts that breaks in a slip; InputError unless it is one."""
+    """The smallest fraction of the contacts that breaks in a slip; InputError unless it is one."""
     # before a slip avalanches break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below
     # 0.7 K* break most of them
-    share = SLIP_SHARE if slip_fraction is None else positive("slip_fraction", slip_fraction)
-    if share > 1.0:
+    fraction = SLIP_SHARE if slip_fraction is None else positive("slip_fraction", slip_fraction)
+    if fraction > 1.0:
         refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
-    return share
+    return fraction
 
 
 def unit_of(contacts: Contacts) -> float:

@@ -29,7 +29,7 @@ SLOWER = 30.0
 # Levels, by factors of 4, end where all contacts together propose a thousandth of a break on the drive.
 PROPOSED = 1e-3
 # Share of the slider's own rate, its speed over <x_s>, below which a contact's rate need not be known better.
-CALM = 0.1
+ALLOWED_RATE = 0.1
 # A proposal with a smaller chance than this to be accepted gives the contact a lower level.
 RARE = 1.0 / 16.0
 # In mean thresholds: how far windows extend backward. The slider goes back by |x|/N where a contact breaks at x < 0.
@@ -45,7 +45,7 @@ class Heat(NamedTuple):
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
     end: float  # of the drive, a time
     margin: int
-    calm: int  # level that a window may always have
+    allowed: int  # the level that a window may have whatever the contact's rate is
     bounds: Array  # rates of the levels; that of level 0 is 0, of contacts that do not hold
     first: Whole
     order: Whole
@@ -62,21 +62,23 @@ def heat_of(contacts: Contacts, drive: Drive, n: int, unit: float, stream: Strea
     if contacts.thermal is None:
         return NoHeat()
     time = np.append(0.0, drive.arrival_times())
-    ways, times = np.abs(np.diff(drive.path, prepend=0.0)), np.diff(time)
+    distances, times = np.abs(np.diff(drive.path, prepend=0.0)), np.diff(time)
     spring, mean = drive.spring or np.inf, contacts.mean_threshold
-    fastest = float(np.divide(ways, times, out=np.zeros(ways.size), where=times > 0.0).max())
+    fastest = float(
+        np.divide(distances, times, out=np.zeros(distances.size), where=times > 0.0).max()
+    )
     scale = contacts.thermal.rates.scale
     least = min(PROPOSED / (n * max(time[-1], 1e-300)), scale)
     levels = 3 + int(np.ceil(np.log2(scale / least) / 2.0))
     bounds = np.append(0.0, least * 4.0 ** np.arange(levels - 1))
-    calm = np.searchsorted(bounds, CALM * fastest * spring / (1.0 + spring) / mean) - 1
+    allowed = np.searchsorted(bounds, ALLOWED_RATE * fastest * spring / (1.0 + spring) / mean) - 1
     return Heat(
         rates=rates_of(contacts).law,
         unit=unit,
         mean=mean / unit if contacts.stiffness == "linked" else 0.0,
         end=float(time[-1]),
         margin=int(MARGIN * mean / unit),
-        calm=max(int(calm), 1),
+        allowed=max(int(allowed), 1),
         bounds=bounds,
         first=np.zeros(levels + 1, np.int64),
         order=np.empty(n, np.int64),
@@ -124,8 +126,8 @@ def _stiffness_of(heat, ages, contact):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _window(heat, ages, contact, s, calm):  # type: ignore[no-untyped-def]
-    """Give a contact a window with a level of at most `calm`, or the one above its rate's. Returns its end ahead, or
+def _window(heat, ages, contact, s, allowed):  # type: ignore[no-untyped-def]
+    """Give a contact a window with a level of at most `allowed`, or the one above its rate's. Returns its end ahead, or
     the slider's X where it is at its threshold."""
     x, k = s.at - ages.zero[contact], _stiffness_of(heat, ages, contact)
     y, oldest = threshold_of(ages, contact, s.now), threshold_of(ages, contact, heat.end)
@@ -139,11 +141,11 @@ def _window(heat, ages, contact, s, calm):  # type: ignore[no-untyped-def]
     else:
         back = min(heat.margin, back + 2 * x)
     level = _level_of(heat, max(abs(x) - back, 0), abs(x), y, oldest, k)
-    calm = max(calm, level + 1)
+    allowed = max(allowed, level + 1)
     while True:
         far = max(x + ahead, back - x)
         level = _level_of(heat, max(x - back, -x - ahead, 0), far, y, oldest, k)
-        if level <= calm or ahead + back <= 2:
+        if level <= allowed or ahead + back <= 2:
             break
         if back - x > x + ahead:
             back = max(back >> 1, 1)
@@ -210,9 +212,9 @@ def by_heat(heat: Any, without: Any) -> Any:
     return by_law(lambda law: heat if law is Heat else without)
 
 
-# look_again(heat, ages, contact, s): where the queue holds a contact from now on; the slider's X if it breaks now
-look_again = by_heat(
-    lambda heat, ages, contact, s: _window(heat, ages, contact, s, heat.calm),
+# queue_position(heat, ages, contact, s): where the queue holds a contact from now on; the slider's X if it breaks now
+queue_position = by_heat(
+    lambda heat, ages, contact, s: _window(heat, ages, contact, s, heat.allowed),
     lambda heat, ages, contact, s: place_of(ages, contact, s),
 )
 lower = by_heat(

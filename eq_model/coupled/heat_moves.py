@@ -5,7 +5,7 @@ import numpy as np
 from eq_model.compiling import bare, entry, inlined
 from eq_model.coupled.ages import threshold_of
 from eq_model.coupled.forming import break_numbered
-from eq_model.coupled.heat import NOWHERE, by_heat, draw_budget, look_again, lower, proposed
+from eq_model.coupled.heat import NOWHERE, by_heat, draw_budget, lower, proposed, queue_position
 from eq_model.coupled.moves import balance, move, rebase
 from eq_model.coupled.queue_kernel import (
     BEYOND,
@@ -28,7 +28,7 @@ def _new_windows(s, queue, ages):  # type: ignore[no-untyped-def]
     s.back = NOWHERE
     for contact in range(ages.fresh.size):
         if ages.heat.level[contact] > 0:
-            add_break(queue, look_again(ages.heat, ages, contact, s), contact)
+            add_break(queue, queue_position(ages.heat, ages, contact, s), contact)
 
 
 @entry
@@ -68,8 +68,8 @@ def _go_back(s, queue, supply, ages, pull, ahead):  # type: ignore[no-untyped-de
         return False
     move(s, min(max(x, s.back), s.at))
     for contact in range(ages.fresh.size):
-        reached = -np.int64(np.rint(threshold_of(ages, contact, s.now)))
-        if ages.heat.level[contact] > 0 and s.at - ages.zero[contact] <= reached:
+        break_stretch = -np.int64(np.rint(threshold_of(ages, contact, s.now)))
+        if ages.heat.level[contact] > 0 and s.at - ages.zero[contact] <= break_stretch:
             break_numbered(s, queue, supply, ages, pull, contact)
     _new_windows(s, queue, ages)
     return True

@@ -26,8 +26,8 @@ def straight(x, places, values):  # type: ignore[no-untyped-def]
     """Linear interpolation at x between increasing places; where places are equal, the first value."""
     k = min(max(np.searchsorted(places, x), 1), places.size - 1)
     step = places[k] - places[k - 1]
-    share = (x - places[k - 1]) / step if step > 0.0 else 1.0
-    return values[k - 1] + share * (values[k] - values[k - 1])
+    fraction = (x - places[k - 1]) / step if step > 0.0 else 1.0
+    return values[k - 1] + fraction * (values[k] - values[k - 1])
 
 
 @inlined
@@ -96,11 +96,11 @@ def store_points(s, pull, ahead, drive, time):  # type: ignore[no-untyped-def]
     """Store X and F at the points that the drive passes before its load is `drive`, or there before `time`."""
     base = np.float64(s.base)
     while s.point < pull.path.size:
-        reached = pull.spring * (pull.path[s.point] - base)
-        if reached > drive or (reached == drive and pull.time[s.point] >= time):
+        load = pull.spring * (pull.path[s.point] - base)
+        if load > drive or (load == drive and pull.time[s.point] >= time):
             return
-        x = balance(s, pull, ahead, reached)
+        x = balance(s, pull, ahead, load)
         pull.at_points[0, s.point] = base + x
-        pull.at_points[1, s.point] = reached - pull.spring * x
-        pull.at_points[2, s.point] = s.held
+        pull.at_points[1, s.point] = load - pull.spring * x
+        pull.at_points[2, s.point] = s.n_holding
         s.point += 1

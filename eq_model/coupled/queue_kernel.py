@@ -48,16 +48,16 @@ class Queue(NamedTuple):
 
 
 def bucket_bits(
-    n: int, mean: float, share_below: Callable[[float], float], returns: bool = False
+    n: int, mean: float, fraction_below: Callable[[float], float], returns: bool = False
 ) -> int:
     """Bits of a bucket's width for n contacts of `mean` threshold (units).
 
-    share_below : share of the thresholds below a number of means; contacts that break in the bucket of
+    fraction_below : fraction of the thresholds below a number of means; contacts that break in the bucket of
         their birth are inserted one by one, which is slow.
     returns : whether all contacts are put back into the bucket where they are taken, before they break
     """
     width = min((MOST_MOVED if returns else BUCKET_SIZE) / n, WIDEST_BUCKET)
-    while width * n * min(share_below(width), 1.0) > MOST_MOVED:
+    while width * n * min(fraction_below(width), 1.0) > MOST_MOVED:
         width *= 0.5
     return min(max(int(np.floor(np.log2(mean * width))), 1), 64 - THRESHOLD_BITS)
 

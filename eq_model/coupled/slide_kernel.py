@@ -21,7 +21,7 @@ from eq_model.coupled.forming import (
     form_many,
     stiffness_of,
 )
-from eq_model.coupled.heat import is_gone, look_again, next_proposal
+from eq_model.coupled.heat import is_gone, next_proposal, queue_position
 from eq_model.coupled.heat_moves import furthest_back, go_back, propose
 from eq_model.coupled.moves import (
     balance,
@@ -89,7 +89,7 @@ def _break_next(s, queue, supply, ages, pull, ahead):  # type: ignore[no-untyped
             return
         if s.broken == 0:
             pass_time(s, time_of_drive(s, pull))
-        place = look_again(ages.heat, ages, x, s)
+        place = queue_position(ages.heat, ages, x, s)
         if place > s.at:
             add_break(queue, place, x)
             return

@@ -21,7 +21,7 @@ SLIDER = np.dtype(
             "back",
             np.int64,
         ),  # X at which the first contact would break, or a window end, if the slider moved back
-        ("held", np.int64),  # number of contacts that hold
+        ("n_holding", np.int64),  # number of contacts that hold
         ("drive", np.float64),  # K (X_T - base) of the last break that began an avalanche
         ("out", np.int64),  # contacts that broke in this avalanche and have not re-formed
         ("broken", np.int64),  # number of breaks in this avalanche; 0: the slider sticks

@@ -34,7 +34,7 @@ class DrawnBirths(NamedTuple):
 
 
 # runs with many seeds share the tables of the same contacts
-_known: WeakKeyDictionary[Contacts, dict[str, QuantileTable]] = WeakKeyDictionary()
+_tables_made: WeakKeyDictionary[Contacts, dict[str, QuantileTable]] = WeakKeyDictionary()
 
 
 def tables_of(contacts: Contacts) -> dict[str, QuantileTable]:
@@ -43,7 +43,7 @@ def tables_of(contacts: Contacts) -> dict[str, QuantileTable]:
     Raises InputError where they cannot be certified, and where stretches reach so far that the
     survival of the thresholds is below 1e-290.
     """
-    if contacts not in _known:
+    if contacts not in _tables_made:
         laws, thresholds = laws_of(contacts), contacts.thresholds
         furthest = max(abs(end) for law in laws.values() for end in law.span)
         # stretches beyond the largest threshold are drawn again, but the others may come close to it
@@ -56,8 +56,8 @@ def tables_of(contacts: Contacts) -> dict[str, QuantileTable]:
             )
         found = {"thresholds": make_table(thresholds, max(DEEPEST * rarest, 1e-300))}
         spread = ((name, law) for name, law in laws.items() if not law.is_single)
-        _known[contacts] = found | {name: make_table(law, name=name) for name, law in spread}
-    return _known[contacts]
+        _tables_made[contacts] = found | {name: make_table(law, name=name) for name, law in spread}
+    return _tables_made[contacts]
 
 
 def laws_of(contacts: Contacts) -> dict[str, Start]:
@@ -214,12 +214,13 @@ def _value_at(above, v, table):  # type: ignore[no-untyped-def]
 
 
 @bare
-def beyond(x, fraction, table, known):  # type: ignore[no-untyped-def]
+def beyond(x, fraction, table, last_survival):  # type: ignore[no-untyped-def]
     """A whole threshold above x (whole), at a share of the law beyond: P_c conditional on x_s > x.
 
-    known : a stretch and the survival there, of the last call; it is found by bisection with the table's own quantiles.
+    last_survival : a stretch and the survival there, of the last call; the survival is found by bisection
+    with the table's own quantiles.
     """
-    if known[0] != real(x):
+    if last_survival[0] != real(x):
         # from the tree's smallest share to 1, as bit patterns, which increase as the numbers do
         low, high = bits_of(1e-300), bits_of(1.0)
         while high - low > whole(1 << 26):  # 1.5e-8 of a share, finer than tables
@@ -228,8 +229,8 @@ def beyond(x, fraction, table, known):  # type: ignore[no-untyped-def]
                 low = middle
             else:
                 high = middle
-        known[0], known[1] = real(x), double_of(high)
-    return max(_value_at(True, max(known[1] * fraction, 1e-300), table), x)
+        last_survival[0], last_survival[1] = real(x), double_of(high)
+    return max(_value_at(True, max(last_survival[1] * fraction, 1e-300), table), x)
 
 
 @cache
@@ -271,12 +272,12 @@ def draw_thresholds(n, row, turn, stream, births, scratch, r, x):  # type: ignor
 
 
 @bare
-def _raise_thresholds(n, row, turn, stream, purpose, table, known, r, x):  # type: ignore[no-untyped-def]
-    """Draw anew, beyond |r|, the thresholds x that are below it; `known` as `beyond` has it."""
+def _raise_thresholds(n, row, turn, stream, purpose, table, last_survival, r, x):  # type: ignore[no-untyped-def]
+    """Draw anew, beyond |r|, the thresholds x that are below it; `last_survival` as `beyond` has it."""
     room = whole(0)
     for i in range(unsigned(n)):  # in vector code
         room = min(room, x[i] - abs(r[i]))
     for i in range(n if room < 0 else 0):
         if x[i] < abs(r[i]):
             a, b, _, _ = words_at(i, turn, stream, purpose + row)
-            x[i] = beyond(abs(r[i]), uniform(a, b), table, known)
+            x[i] = beyond(abs(r[i]), uniform(a, b), table, last_survival)

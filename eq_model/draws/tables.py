@@ -102,12 +102,12 @@ def _side(
     edge = 2.0 ** -(OCTAVES + 1) * np.append(octaves, 2.0**OCTAVES)
     left, right = np.append(OCTAVES + 1.0, edge[:-1]), np.append(-np.log2(deepest), edge[1:])
     logarithmic = np.arange(SIDE) == 0
-    rows, children, total, jumps, why = [], [], 0, 0.0, ""
-    while left.size and not why:
+    rows, children, total, jumps, failure = [], [], 0, 0.0, ""
+    while left.size and not failure:
         total += left.size
         row = _fit(quantile, left, right, logarithmic)
         if not np.isfinite(row).all():
-            why = "they are not finite"
+            failure = "they are not finite"
             break
         good = _certified(tail_of, row, logarithmic, UNSEEN if total > MANY else 0.0)
         thin = ~good & (right - left <= 2.0**-50 * right)
@@ -123,12 +123,12 @@ def _side(
         left, right = ends[:, :2].ravel(), ends[:, 1:].ravel()
         logarithmic = np.repeat(logarithmic[split], 2)
         if total + left.size > 100_000:
-            why = "it would take more than 100,000 cells"
+            failure = "it would take more than 100,000 cells"
         elif jumps > 1e-11:
-            why = f"a weight of {jumps:.2g} is left over at its jumps"
-    if why:
+            failure = f"a weight of {jumps:.2g} is left over at its jumps"
+    if failure:
         raise InputError(
-            f"{name}: the quantiles cannot be tabulated to 1e-6 ({why}); make the distribution's "
+            f"{name}: the quantiles cannot be tabulated to 1e-6 ({failure}); make the distribution's "
             "cdf, sf, ppf and isf agree"
         )
     return np.concatenate(rows), np.concatenate(children)

@@ -220,8 +220,8 @@ def break_diffusing(law, contact, drive, counts):  # type: ignore[no-untyped-def
             drawn += 1
             part = met
             if law.warm:
-                reached, first = x + met * (then - x), rate_at(x, y, law, 1.0)
-                last = rate_at(reached, reached if broken else later, law, 1.0)
+                last_stretch, first = x + met * (then - x), rate_at(x, y, law, 1.0)
+                last = rate_at(last_stretch, last_stretch if broken else later, law, 1.0)
                 spread = _steepness(min(x, y), y, law)[1] * np.sqrt(variance)
                 # integral of the rate, with ln h linear in time plus a Brownian bridge
                 ratio = np.log(last / first) if first > 0.0 and last > 0.0 else 0.0

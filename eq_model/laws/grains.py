@@ -121,14 +121,14 @@ def _meeting(near, pace, room, age, goal, root):  # type: ignore[no-untyped-def]
         at *= 1.56 * more / (more + speed * (4.0 + 3.0 * speed))
     at = min(at, room)
     for _ in range(200):
-        reached, slope = _hazard(near + at, age + at * pace, pace, root)
-        if reached < goal:
+        hazard, slope = _hazard(near + at, age + at * pace, pace, root)
+        if hazard < goal:
             if at == room:
                 return np.inf
             low = at
         else:
             high = at
-        then = at + 2.0 * (1.0 - np.sqrt(reached / goal)) * reached / slope
+        then = at + 2.0 * (1.0 - np.sqrt(hazard / goal)) * hazard / slope
         if not low < then < high:
             then = 0.5 * (low + min(high, 4.0 * at))
         then = min(then, room)

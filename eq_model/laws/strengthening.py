@@ -84,8 +84,8 @@ def _in_row(law, n, x, breaks_at, lanes, work):  # type: ignore[no-untyped-def]
             step = at - goal * (1.0 + law.beta * np.log(later))
             step /= 1.0 - goal * law.beta * pace / later
             at -= step
-        known = abs(step) <= max(1e-6 * at, 0.25) and initial[i] == 0
-        breaks_at[i] = whole(at + 0.5) if known else whole(-1)
+        converged = abs(step) <= max(1e-6 * at, 0.25) and initial[i] == 0
+        breaks_at[i] = whole(at + 0.5) if converged else whole(-1)
     if law.warm:
         breaks_at[:n] = -1
     return breaks_at

@@ -6,9 +6,9 @@ from eq_model.compiling import bare, entry, inlined, unsigned
 from eq_model.coupled.mass.motion import first_passage, first_top
 from eq_model.coupled.mass.moves import MOVED, damped_move, motion_of, quick_move, slow_move
 from eq_model.coupled.mass.nearest import (
+    EXACT,
     FAR,
     FETCHED,
-    KNOWN,
     NEXT,
     WHO,
     fetch,
@@ -20,7 +20,7 @@ from eq_model.coupled.mass.state import (
     CONTACT_FORCE,
     ENERGIES,
     FORCE,
-    HELD,
+    HOLDING,
     POSITION,
     RELEASED,
     SPEED,
@@ -47,7 +47,7 @@ def _form(s, contacts, i, supply, mean, pull):  # type: ignore[no-untyped-def]
     """Contact i forms at the slider's present place."""
     x, r = take(supply)
     k = np.float64(x) / mean if mean > 0.0 else 1.0
-    s.held += 1
+    s.n_holding += 1
     s.stiffness += k
     s.force += k * np.float64(r)
     set_place(contacts.ahead, i, s.at - r + x)
@@ -83,11 +83,11 @@ def _break(s, contacts, side, pull):  # type: ignore[no-untyped-def]
     k = x / pull.mean if pull.mean > 0.0 else 1.0
     s.force -= side * k * x
     s.stiffness -= k
-    s.held -= 1
+    s.n_holding -= 1
     released = 0.5 * k * x * x
     add(pull.energy, RELEASED, released)
     add(pull.energy, STORED, -released)
-    if s.held == 0:  # nothing is left of what rounding has added up
+    if s.n_holding == 0:  # nothing is left of what rounding has added up
         s.force, s.stiffness = 0.0, 0.0
         pull.energy[STORED] = 0.0
     s.breaks += 1
@@ -100,7 +100,7 @@ def _break(s, contacts, side, pull):  # type: ignore[no-untyped-def]
     if s.returning == s.returns:
         s.due = pull.wait
     contacts.waits[s.returns % contacts.waits.size] = s.since
-    contacts.out[pull.n - s.held - 1] = i
+    contacts.out[pull.n - s.n_holding - 1] = i
     s.since, s.returns = 0.0, s.returns + 1
     return np.int64(-1)
 
@@ -112,7 +112,7 @@ def _return(s, contacts, pull):  # type: ignore[no-untyped-def]
     s.due = np.inf
     if s.returning < s.returns:
         s.due = contacts.waits[s.returning % contacts.waits.size]
-    return np.int64(contacts.out[pull.n - s.held - 1])
+    return np.int64(contacts.out[pull.n - s.n_holding - 1])
 
 
 @bare
@@ -121,7 +121,7 @@ def _end_leg(s, pull):  # type: ignore[no-untyped-def]
     faster than the slider."""
     s.elapsed = pull.lasts[s.leg]
     out, k = pull.at_points, s.leg
-    out[POSITION, k], out[HELD, k] = np.float64(s.at) + s.off, s.held
+    out[POSITION, k], out[HOLDING, k] = np.float64(s.at) + s.off, s.n_holding
     out[FORCE, k], out[CONTACT_FORCE, k] = spring_force(s, pull), contact_force(s, pull)
     out[SPEED, k] = s.speed
     for part in range(STORED):
@@ -147,7 +147,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             return PATH_DONE
         ahead = np.float64(nearest(contacts.ahead) - s.at) - s.off
         behind = np.float64(nearest(contacts.behind) + s.at) + s.off
-        known, known_behind = contacts.ahead.at[KNOWN] != 0, contacts.behind.at[KNOWN] != 0
+        exact, exact_behind = contacts.ahead.at[EXACT] != 0, contacts.behind.at[EXACT] != 0
         remaining = pull.lasts[unsigned(s.leg)] - s.elapsed
         most, slipped = max(min(remaining, s.due), 0.0), False
         side = 1 if ahead <= 0.0 else -1 if behind <= 0.0 else 0
@@ -158,7 +158,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             if not s.falling:
                 watch(s, pull, pulled)
             s.seen = s.breaks
-            if known if s.speed >= 0.0 else known_behind:
+            if exact if s.speed >= 0.0 else exact_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
                 if side == 0:
                     side = damped_move(s, pull, ahead, most, net, stiffness)
@@ -173,14 +173,14 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                     limit = speed_limit(pull.speeds[unsigned(s.leg)])
                     if early < t and top > FASTER * limit:
                         t, side, most, s.tried = early, 0, early, s.loose
-                if side == 0 or (known if side > 0 else known_behind):
+                if side == 0 or (exact if side > 0 else exact_behind):
                     travel = ahead if side > 0 else -behind
                     slipped = slow_move(s, pull, motion, t, side, travel)
         forms = np.int64(-1)
         # at a bound, where the slider has not moved yet, the places are looked up
-        if side > 0 and not known:
+        if side > 0 and not exact:
             look_through(contacts.ahead)
-        elif side < 0 and not known_behind:
+        elif side < 0 and not exact_behind:
             look_through(contacts.behind)
         elif side != 0:
             forms = _break(s, contacts, side, pull)

@@ -1,7 +1,7 @@
 """Replicas of coupled contacts on a slider with mass: following one, and the result of all."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,14 @@ FURTHEST = 2.0**60  # of positions in whole units
 LONGEST = 1e13  # oscillations between two points of the path, after which a double has three digits of their phase
 CURVES = "position", "force", "holding", "velocity", "contact_force"
 ENERGIES = "drive", "damped", "released", "contacts", "spring", "kinetic"
+
+
+class Legs(NamedTuple):
+    """Legs of the drive: X_T where each begins (lengths), the drive's speed on it, and the time that it takes."""
+
+    places: Array
+    speeds: Array
+    lasts: Array
 
 
 class HeavySliders:
@@ -69,7 +77,7 @@ class HeavySliders:
                 f"takes {breaks:.1e} breaks of {self._n} contacts, and at most {MOST_BREAKS:.0e} are followed; "
                 f"shorten the path, or give fewer contacts or a delay",
             )
-        _, _, lasts = self._legs(contacts.start.mean() / spring)
+        lasts = self._legs(contacts.start.mean() / spring).lasts
         most = float(lasts.max()) * np.sqrt((spring + 1.0) / (drive.mass or 1.0)) / (2.0 * np.pi)
         if most > LONGEST:
             refuse(
@@ -79,19 +87,21 @@ class HeavySliders:
                 "followed; give a larger mass, or points that are closer",
             )
 
-    def _legs(self, balance: float) -> tuple[Array, Array, Array]:
-        """X_T at the beginning of each leg of the drive (lengths), from the balance at t = 0 on, its speed and time."""
+    def _legs(self, balance: float) -> Legs:
+        """The legs of the drive, from the balance at t = 0 on."""
         drive = self._drive
         places = np.r_[balance, drive.path]
-        ways = np.diff(places)
-        lasts = np.abs(ways) / drive.velocity
+        displacements = np.diff(places)
+        lasts = np.abs(displacements) / drive.velocity
         if drive.time is not None:
             lasts = np.diff(drive.time, prepend=0.0)
-        if (ways[0] != 0.0) and not lasts[0] > 0.0:
+        if (displacements[0] != 0.0) and not lasts[0] > 0.0:
             hint = f"leaves no time to get there from X_T = {balance:g}, where the drive balances the start"
             refuse("path[0]", drive.path[0], hint)
-        speeds = np.divide(ways, lasts, out=np.zeros_like(ways), where=lasts > 0.0)
-        return places[:-1], speeds, lasts
+        speeds = np.divide(
+            displacements, lasts, out=np.zeros_like(displacements), where=lasts > 0.0
+        )
+        return Legs(places[:-1], speeds, lasts)
 
     def fields(self, state: State) -> dict[str, Any]:
         """Fields of the result."""
@@ -144,10 +154,10 @@ class HeavySliders:
         pull.speeds[:] /= unit
         pull.energy[:] = 0.0
         pull.energy[state.STORED, 0] = at_start = self._stored(s, contacts)
-        while (why := kernel.slide(slider, contacts, later, pull)) != kernel.PATH_DONE:
-            if why == kernel.SLIP_ENDED:
+        while (reason := kernel.slide(slider, contacts, later, pull)) != kernel.PATH_DONE:
+            if reason == kernel.SLIP_ENDED:
                 slips.append(np.r_[replica, len(slips), pull.slipped])
-            elif why == kernel.TOO_MANY:
+            elif reason == kernel.TOO_MANY:
                 drive = pull.places[s["leg"]] * unit
                 raise InputError(
                     f"path[-1] = {self._drive.path[-1]:g}: takes more than {MOST_BREAKS:.0e} breaks of {n} contacts, "

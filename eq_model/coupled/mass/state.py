@@ -16,7 +16,7 @@ from origins.thresholds.law import Array
 DRIVE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS, DURATION, TOP_SPEED = range(8)
 WORK, DAMPED, RELEASED, STORED = range(4)  # in Pull.energy
 # In Pull.at_points, with the energies of WORK to STORED behind them.
-POSITION, FORCE, HELD, SPEED, CONTACT_FORCE, ENERGIES = range(6)
+POSITION, FORCE, HOLDING, SPEED, CONTACT_FORCE, ENERGIES = range(6)
 
 # Lengths are whole units; forces of contacts, stiffness and energies of breaks are sums over the contacts with k_i in
 # units of <k>.
@@ -27,7 +27,7 @@ SLIDER = np.dtype(
         ("speed", np.float64),
         ("force", np.float64),  # of the contacts if the slider were at `at`
         ("stiffness", np.float64),  # of the contacts that hold
-        ("held", np.int64),  # number of contacts that hold
+        ("n_holding", np.int64),  # number of contacts that hold
         ("breaks", np.int64),
         ("leg", np.int64),  # index of the drive's present leg
         ("elapsed", np.float64),  # time since that leg began
@@ -137,7 +137,7 @@ def watch(s, pull, force):  # type: ignore[no-untyped-def]
     it is `force` now. Fewer contacts than break in a slip do not hold it: a heavy slider that slowly breaks the last
     ones, as it gathers speed, has begun to slip."""
     x = np.float64(s.at) + s.off
-    if s.held < pull.slip or abs(x - s.rest) > pull.room:
+    if s.n_holding < pull.slip or abs(x - s.rest) > pull.room:
         _rest_at(s, x, force)
     elif force - s.rest_force >= pull.rise:
         if s.seen - s.rest_breaks < pull.slip:
