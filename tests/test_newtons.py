@@ -434,6 +434,29 @@ def test_a_stiffness_stated_twice_is_one(stated: float, refused: bool) -> None:
         toolkit.load_scene(tables, solved=False)
 
 
+@pytest.mark.parametrize("stated", [False, True])
+@pytest.mark.parametrize("unit", [None, "Å"])
+@pytest.mark.parametrize("amplitude", [None, -3.2e-21])
+def test_an_island_in_metres_without_an_energy_is_refused(
+    amplitude: float | None, unit: str | None, stated: bool
+) -> None:
+    """1 is the unit of energy of an island in units of its own, and beside metres it would be 1 J an atom."""
+    scale = 1.0 if unit else 1e-10
+    origins.circular_island(2.88 * scale, radius=6.0 * scale).write("flake.traj")
+    island = {"kind": "file", "file": "flake.traj"} | ({"unit": unit} if unit else {})
+    substrate = {"kind": "hexagonal", "period": 2.46e-10}
+    substrate |= {"amplitude": amplitude} if amplitude else {}
+    law = {"kind": "domains", "law": "equal", "stiffness": 32.0, "samples": 50}
+    contacts: dict[str, Any] = {"thresholds": law | {"island": island, "substrate": substrate}}
+    if stated:
+        contacts["interface"] = {"mean_stiffness": 32.0, "contact_density": 1e13}
+    if amplitude or not (unit or stated):
+        toolkit.load_scene({"contacts": contacts}, solved=False)
+        return
+    with pytest.raises(InputError, match=r"^contacts.thresholds.substrate.amplitude: is missing"):
+        toolkit.load_scene({"contacts": contacts}, solved=False)
+
+
 @pytest.mark.parametrize("unit", [None, "Å"])
 def test_an_island_in_another_unit_than_its_substrate_is_refused(unit: str | None) -> None:
     """Atoms 2.88 Å apart, read as 2.88 m, have a barrier, too, of another size, on a substrate of 2.46 Å."""

@@ -220,9 +220,8 @@ def test_more_contacts_keep_the_error_of_heat_that_is_left_out() -> None:
     more = replace(more, after_error=1e-3, period=1e3, period_error=1.0, slips=3.0)
     told = with_more(few, more, 1.0, 1e-3)
     assert told.contacts == 2000 and told.error == pytest.approx(0.251)
-    assert told.message.endswith(
-        "without heat, which changes the force by at most 2.5e-01 mean thresholds"
-    )
+    assert told.message.endswith("2,000 contacts without heat")
+    assert "heat is left out: it would change the force by" in "\n".join(dependence(of(told)))
 
 
 def test_steps_of_thresholds_that_are_no_surfaces_are_refused_by_their_name() -> None:

@@ -160,7 +160,27 @@ def in_si(unit: str, known: dict[str, float]) -> float:
     return known[unit]
 
 
-def check_one_stiffness(law: Mapping[str, Any], interface: Mapping[str, Any] | None) -> None:
+def check_units(law: Mapping[str, Any], interface: Mapping[str, Any] | None) -> None:
+    """Refuse what is in SI units by one key of the thresholds' table, and by another is not."""
+    _check_energy(law, interface)
+    _check_one_stiffness(law, interface)
+
+
+def _check_energy(law: Mapping[str, Any], interface: Mapping[str, Any] | None) -> None:
+    """Refuse islands in SI units on a substrate without an amplitude: its default of 1 would be a joule an atom, and
+    all forces are proportional to it. Elsewhere 1 is the unit of energy."""
+    island, substrate = law.get("island"), law.get("substrate", {})
+    in_metres = interface is not None or (isinstance(island, dict) and "unit" in island)
+    if law.get("kind") != "domains" or not in_metres or not isinstance(substrate, dict):
+        return
+    if substrate.get("kind") != "fourier" and "amplitude" not in substrate:
+        raise InputError(
+            "contacts.thresholds.substrate.amplitude: is missing; where lengths are in metres it is an energy in J for "
+            "each atom, such as 3.2e-21 (20 meV), and has no default"
+        )
+
+
+def _check_one_stiffness(law: Mapping[str, Any], interface: Mapping[str, Any] | None) -> None:
     """Refuse an interface whose <k> is not the stiffness by which forces of the law, or islands, became lengths: forces
     of the answer would be off by their ratio. Where it hangs on the island, or is in units of its own, the two are not
     compared."""

@@ -275,6 +275,7 @@ def _checked_grid(source: Source, grid: Grid, solved: bool, comm: Any) -> Scene:
 
 def make_contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Contacts:
     """The contacts with the laws that the table names, and no other."""
+    samples.check_units(table.thresholds, table.interface)
     thresholds = laws.build(laws.THRESHOLDS, table.thresholds, "contacts.thresholds", folder, comm)
     made: dict[str, Any] = {"thresholds": thresholds, "stiffness": table.stiffness}
     surface = getattr(thresholds, "interface", None)
@@ -284,7 +285,6 @@ def make_contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Conta
             own = laws.without_kelvin(own, f"contacts.{name}", surface)
             own = laws.with_width(own, f"contacts.{name}")
             made[name] = laws.build(kinds, own, f"contacts.{name}", folder, comm, thresholds)
-    samples.check_one_stiffness(table.thresholds, table.interface)
     made["thresholds"] = made.pop("strengthening", thresholds)
     thermal = table.thermal or {}
     if thermal and surface is not None and "attempt_frequency" not in thermal:

@@ -185,11 +185,9 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
 
 def told_by(number: int, heat: float | None = None) -> str:
     """Who tells of a behaviour: sliders of so many contacts each, without `heat` that may change the force by so many
-    mean thresholds."""
-    said = f"by the ensemble, {SLIDERS} sliders of {of_contacts(number)}"
-    if heat is None:
-        return said
-    return f"{said} without heat, which changes the force by at most {heat:.1e} mean thresholds"
+    mean thresholds, which a line of its own tells."""
+    cold = " without heat" * (heat is not None)
+    return f"by the ensemble, {SLIDERS} sliders of {of_contacts(number)}{cold}"
 
 
 def without_heat(found: Behaviour, change: float) -> Behaviour:

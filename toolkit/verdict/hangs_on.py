@@ -22,6 +22,7 @@ from toolkit.verdict.kinds import (
     by_reason,
     named,
     not_decided,
+    of_a_stuck_slider,
     of_rules,
     others,
     out_of_time,
@@ -29,7 +30,7 @@ from toolkit.verdict.kinds import (
 )
 from toolkit.verdict.machine import Finite
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
-from toolkit.verdict.table import HOLDING, drop_of, in_units, regained_by
+from toolkit.verdict.table import drop_of, in_units, regained_by
 from toolkit.verdict.uncertainty import reach_of_force, shares_of
 from toolkit.verdict.undone import left_undone, of_errors
 
@@ -45,7 +46,7 @@ def dependence(verdict: Verdict) -> list[str]:
         of_rules(verdict),
         _of_readings(verdict),
         _of_a_speed(verdict),
-        _of_a_stuck_slider(verdict),
+        of_a_stuck_slider(verdict),
         _of_a_mass(verdict),
         _of_contacts(verdict),
         left_undone(verdict),
@@ -111,33 +112,6 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
         told = "none is given, and 1 m/s is taken"
         yield Line(TURNS if decides else UNSIZED, f"the speed: {told}; {what}: give drive.velocity")
     yield from (Line(UNSIZED, one) for one in of_celsius(own.contacts))
-
-
-def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
-    """Why the table's forces are not those of the slips."""
-    own = verdict.own
-    if own.machine is not None and own.contacts.in_time:
-        told = [abs(one.before - own.static.value) for one in own.behaviours if one.slips]
-        apart = max(told, default=0.0) / own.static.value
-        yield Line(
-            apart,
-            "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
-            "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
-            f"before a slip{_of_waiting(own)}",
-        )
-
-
-def _of_waiting(own: Answer) -> str:
-    """Why F_k of contacts that wait is small."""
-    if own.holding > HOLDING:
-        return ""
-    scale, mean = own.scale, own.contacts.mean_threshold
-    way = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
-    waits, breaks = (written(one, scale.length_unit) for one in (way, mean))
-    return (
-        f". F_k is that small as a contact waits while the drive goes on by {waits}, and breaks after {breaks}: "
-        f"{100.0 * own.holding:.2g}% of them hold"
-    )
 
 
 def why_smooth(verdict: Verdict) -> list[str]:

@@ -51,6 +51,8 @@ TOLERANCE = 1e-6
 KNOWN = 1e-5
 # resampled laws of samples, the fewest whose scatter tells something, and the tolerance for these
 RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
+# s for the scatter of F_k alone, which of islands of 4,000 angles takes 3
+OF_FORCES = 10.0
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long
 LONGER = 12.0
 
@@ -257,22 +259,27 @@ def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:
 def _with_sampling(
     contacts: Contacts, velocity: float, known: list[Quantity], budget: Budget
 ) -> list[Quantity]:
-    """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; without
-    it where there is no time for enough of them."""
+    """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; F_k alone
+    where there is no time for enough of them, without it where that takes too long, too."""
     import master
 
+    def kinetic_of(law: Thresholds) -> float:
+        return master.steady_state(like(contacts, law), velocity=velocity).force
+
     def row(law: Thresholds) -> list[float]:
-        other = like(contacts, law)
-        kinetic = master.steady_state(other, velocity=velocity).force
+        other, kinetic = like(contacts, law), kinetic_of(law)
         found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
         return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
 
     until = time.monotonic() + budget.left()
     rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
+    if len(rows) < FEWEST:  # F_k alone, which takes next to nothing beside K*
+        until = time.monotonic() + OF_FORCES
+        rows = of_resampled(
+            contacts.thresholds, RESAMPLES, lambda law: [kinetic_of(law)], until=until
+        )
     if len(rows) < FEWEST:
         return known
     scatter = np.std(rows, axis=0, ddof=1)
-    return [
-        replace(quantity, sampling=float(each))
-        for quantity, each in zip(known, scatter, strict=True)
-    ]
+    told = [replace(one, sampling=float(off)) for one, off in zip(known, scatter, strict=False)]
+    return [*told, *known[len(told) :]]

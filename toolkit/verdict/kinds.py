@@ -5,15 +5,19 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import cast
 
+from origins.contacts import Contacts
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import LONGER
 from toolkit.verdict.machine import RULES, Behaviour, Machine, half_a_swing
+from toolkit.verdict.table import HOLDING
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
 # what turns the answer or leaves it open; what changes the forces nobody knows how much, which is taken for half of
 # them; what is said of all verdicts alike; what changes nothing
 TURNS, UNSIZED, GENERAL, NOTHING = float("inf"), 0.5, 0.0, -1.0
+# of F_s: by more than that a slip begins above it, and not by rounding or an error
+ABOVE = 1e-3
 # how the slip rules are named where a user reads of them
 NAMED = {
     "reset": "a slip renews all contacts",
@@ -168,4 +172,52 @@ def _of_short_delays(own: Answer) -> str:
     return (
         f". A delay far below {short}, in which a slip goes on by <x_s>, acts as if contacts re-formed at once, one "
         f"far above {long}, its duration, as if after it"
+    )
+
+
+def of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
+    """Why the table's forces are not those of the slips, and why some of these begin above F_s."""
+    own = verdict.own
+    if own.machine is None:
+        return
+    static, slipping = own.static.value, [one for one in own.behaviours if one.slips]
+    above = max((abs(one.before) for one in slipping), default=0.0) > (1.0 + ABOVE) * static
+    if own.contacts.in_time:
+        apart = max((abs(abs(one.before) - static) for one in slipping), default=0.0) / static
+        yield Line(
+            apart,
+            "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
+            "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
+            f"before a slip{_why_above(own.contacts) * above}{_of_waiting(own)}",
+        )
+    elif above and not own.contacts.start.is_single:
+        yield Line(
+            GENERAL,
+            "slips begin above F_s, which is of contacts as they start, with different stretches: after a slip all "
+            "start again at x = 0, and break more nearly together",
+        )
+
+
+def _why_above(contacts: Contacts) -> str:
+    """Why contacts on which time acts hold a slider that sticks to more than F_s."""
+    if set(contacts.held_in_time) - {"thermal"}:
+        return ", which is above F_s as contacts grow stronger while it sticks"
+    if contacts.thermal is not None:
+        return (
+            ", which is above F_s as heat breaks weak contacts while it sticks, and those that hold until the slip are "
+            "mostly strong"
+        )
+    return ", which is above F_s as all contacts hold a slider that sticks, and some wait where it slides"
+
+
+def _of_waiting(own: Answer) -> str:
+    """Why F_k of contacts that wait is small."""
+    if own.holding > HOLDING:
+        return ""
+    scale, mean = own.scale, own.contacts.mean_threshold
+    way = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
+    waits, breaks = (written(one, scale.length_unit) for one in (way, mean))
+    return (
+        f". F_k is that small as a contact waits while the drive goes on by {waits}, and breaks after {breaks}: "
+        f"{100.0 * own.holding:.2g}% of them hold"
     )

@@ -10,7 +10,7 @@ from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.machine import NO_FORCES, Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
-from toolkit.verdict.uncertainty import share_of
+from toolkit.verdict.uncertainty import other_samples, share_of
 
 # of a force: a larger error of it is told beside it
 KNOWN = 1e-3
@@ -24,10 +24,13 @@ _RUNG = 0.05
 
 def table(verdict: Verdict) -> list[str]:
     """Each number, the scatter of other samples, and the spread over the readings. Numerical errors are far smaller,
-    and stand in verdict.json; a line says how large they are at most."""
+    and stand in verdict.json; lines say how large they are at most."""
     many = len(verdict.answers)
     over = "over the readings" if many > 1 else "one reading only"
     rows = [["", "value", "other samples", over], *_rows(verdict)]
+    if not other_samples(verdict):  # a law that is given has none, and nobody misses them
+        none = ("other samples", "not known")
+        rows = [[*one[:2], "" if one[2] in none else one[2], one[3]] for one in rows]
     return in_columns(rows)
 
 

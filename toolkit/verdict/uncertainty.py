@@ -6,8 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.scene.scale import guarded, written
+from origins.roughness.interface import Interface
+from origins.samples.from_samples import sampled_parts
+from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Quantity, Verdict
+from toolkit.verdict.budget import LONGER
 
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3
@@ -77,36 +80,44 @@ def reach_of_force(verdict: Verdict, whose: str = "") -> str:
     return f"{what} is {' to '.join(dict.fromkeys(ends))}"
 
 
-def numerical_errors(verdict: Verdict) -> str:
+def other_samples(verdict: Verdict) -> list[str]:
+    """What the column of other samples holds, and where nothing is known of them, why; none of a law that is given."""
+    law = verdict.own.contacts.thresholds
+    if drawn := sum(part.n_samples for part in sampled_parts(law)):
+        if verdict.own.kinetic.sampling:
+            return [f"other samples: one standard error, by resampling the {drawn:,} thresholds"]
+        return [f"other samples: no time was left to resample the {drawn:,} thresholds; {LONGER}"]
+    if isinstance(law.interface, Interface):
+        return ["other samples: one surface is one sample (n = 1), which tells nothing of others"]
+    return []
+
+
+def numerical_errors(verdict: Verdict) -> list[str]:
     """How large the numerical errors of the own reading's numbers are at most, relative to these; and those of other
     readings, which stand in the ranges, where they are larger and would be seen."""
-    own = verdict.own
-    told = not (own.smoothed or own.critical_spring.lost)
-    known = [own.kinetic, own.static, *([own.critical_spring] if told else [])]
-    relative, scatter = {"": max(_relative(one) for one in known)}, dict[str, float]()
-    for behaviour in own.behaviours:
-        if np.isfinite(behaviour.error) and behaviour.before:
-            mean = own.contacts.mean_threshold
-            share = behaviour.error * mean / abs(behaviour.before)
-            # that of the ensemble is no bound
-            each = relative if behaviour.contacts is None else scatter
-            each[behaviour.rule] = share
-    what = "numerical errors"
-    if any(one.sampling for one in known):
-        what = "without the scatter of other samples, errors"
-    least_known = max(relative, key=lambda rule: relative[rule])
-    most = relative[least_known]
-    which = f', that of the forces under "{least_known}"' * bool(
-        least_known and most > WORTH_TELLING
-    )
-    worse = "".join(f"; {one}" for one in _less_known(verdict, max(most, SEEN)))
-    if scatter:
-        rules = ", ".join(f'"{rule}"' for rule in scatter)
-        worse = (
-            f"; one standard error of forces and periods under {rules}, means of sliders, is some "
-            f"{max(scatter.values()):.0e} of them{worse}"
-        )
-    return f"{what} are at most {most:.0e} of these numbers{which}{worse} (verdict.json has each)"
+    own, mean = verdict.own, verdict.own.contacts.mean_threshold
+    told = {"F_k": own.kinetic, "F_s": own.static}
+    if not (own.smoothed or own.critical_spring.lost):
+        told["K*"] = own.critical_spring
+    most = max(map(_relative, told.values()))
+    said = [f"{' and '.join([', '.join([*told][:-1]), [*told][-1]])}: at most {most:.0e}"]
+    groups = dict[str, list[str]]()
+    for one in own.behaviours:
+        share = one.error * mean / abs(one.before or np.nan)
+        if 0.0 < share < np.inf:
+            each = f"at most {share:.0e}"
+            if one.contacts is not None:  # that of the ensemble is no bound
+                each = f"a standard error of {share:.0e}, between sliders"
+            groups.setdefault(each, []).append(one.rule)
+    said += [
+        f"forces of the slider under {' and '.join(rules)}: {each}"
+        for each, rules in groups.items()
+    ]
+    said += _less_known(verdict, max(most, SEEN))
+    return [
+        "Numerical errors, relative to each number (all are in verdict.json)",
+        *(f"  {one}" for one in said),
+    ]
 
 
 def _relative(quantity: Quantity) -> float:
@@ -117,8 +128,9 @@ def _relative(quantity: Quantity) -> float:
 
 def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
     """The numbers of other readings with a larger relative error than that, in words, and each K* that is not known."""
+    lost = "not known, as it is as large as the number"
     if verdict.own.critical_spring.lost and not verdict.own.smoothed:
-        yield "but K*, whose error is as large as itself, is not known"
+        yield f"K*: {lost}"
     for answer in verdict.answers[1:]:
         scale = answer.scale
         for name, one, factor, unit in (
@@ -127,7 +139,7 @@ def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
             ("K*", answer.critical_spring, scale.spring, scale.spring_unit),
         ):
             if one is answer.critical_spring and one.lost:
-                yield f"but K* of {answer.name}, whose error is as large as itself, is not known"
+                yield f"K* of {answer.name}: {lost}"
             elif _relative(one) > most:
-                error = written(one.error * factor, unit, digits=2)
-                yield f"but {name} of {answer.name}, in the range, is {written(one.value * factor, unit)} ± {error}"
+                known = with_scatter(one.value * factor, one.error * factor, unit)
+                yield f"{name} of {answer.name}, which is in the range: {_relative(one):.0e}, {known}"

@@ -55,11 +55,12 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     for why, rules in by_reason(missed).items():
         most = max(shares[rule] for rule in rules)
         yield Line(most, f"not as asked if {named(rules)}: {why}")
+    yield from _of_heat(verdict)
     rough = [
-        (_after(one.message, "heat is left out"), one.rule)
+        (one.message, one.rule)
         for one in own.behaviours
         if one.success and one.error > TOLERANCE_IN_TIME and one.kind != "undecided"
-        if one.contacts is None
+        if one.contacts is None and one.heat_left_out is None
     ]
     for why, rules in by_reason(rough).items():
         most = max(shares[rule] for rule in rules)
@@ -88,9 +89,16 @@ def _share(verdict: Verdict, one: Behaviour) -> float:
     return float(error / abs(one.before)) if np.isfinite(error) and one.before else TURNS
 
 
-def _after(message: str, words: str) -> str:
-    """The part of a message that begins with these words; all of it where they are not there."""
-    return message[message.find(words) :] if words in message else message
+def _of_heat(verdict: Verdict) -> Iterator[Line]:
+    """What heat that was left out may change in the force, from above."""
+    own, scale = verdict.own, verdict.own.scale
+    unit = own.contacts.mean_threshold * scale.force
+    cold = {one.rule: one.heat_left_out for one in own.behaviours if one.heat_left_out is not None}
+    said = ((written(most * unit, scale.force_unit, digits=2), rule) for rule, most in cold.items())
+    for most, rules in by_reason(said).items():
+        which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
+        size = max(cold[rule] for rule in rules) * unit / (own.static.value * scale.force)
+        yield Line(size, f"heat is left out{which}: it would change the force by {most} at most")
 
 
 def _left_out(verdict: Verdict) -> list[tuple[str, str]]:

@@ -35,7 +35,13 @@ from toolkit.verdict.table import (
     to_digits,
     without_spring,
 )
-from toolkit.verdict.uncertainty import numerical_errors, reach_of_force, share_of, widest
+from toolkit.verdict.uncertainty import (
+    numerical_errors,
+    other_samples,
+    reach_of_force,
+    share_of,
+    widest,
+)
 
 WORTH_TELLING = 0.01  # of the force of smooth sliding, what the damping bears
 
@@ -45,8 +51,8 @@ def page(verdict: Verdict) -> list[str]:
     lines = [verdict.title, "", *warnings(verdict), sentence(verdict)]
     lines += [f"  {line}" for line in turned(verdict)]
     lines += [*(f"  {line}" for line in details(verdict)), ""]
-    lines += table(verdict)
-    lines += [*why_smooth(verdict), numerical_errors(verdict), "", "What it hangs on"]
+    lines += [*table(verdict), *other_samples(verdict), *why_smooth(verdict), ""]
+    lines += [*numerical_errors(verdict), "", "What it hangs on"]
     lines += [f"  {line}" for line in dependence(verdict)]
     return [*lines, "", f"run time {verdict.run_time:.1f} s"]
 
