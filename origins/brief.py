@@ -23,8 +23,8 @@ def _short(value: object) -> str:
         return f"<{len(value)}>" if value else "<none>"
     if isinstance(value, np.ndarray) and value.size > _FEW:
         shape = "x".join(map(str, value.shape))
-        known = value[np.isfinite(value)] if value.dtype.kind in "fiu" else np.empty(0)
-        extent = f"from {known.min():.6g} to {known.max():.6g}" if known.size else value.dtype
+        finite = value[np.isfinite(value)] if value.dtype.kind in "fiu" else np.empty(0)
+        extent = f"from {finite.min():.6g} to {finite.max():.6g}" if finite.size else value.dtype
         return f"<{shape} {extent}>"
     text = " ".join(repr(value).split())
     if isinstance(value, Mapping):

@@ -295,6 +295,6 @@ def check_contacts(
         )
         raise InputError(f"contacts.{name}{value}: {solver} {hint}")
     if not (own_rates or isinstance(contacts.thermal, Thermal | None)):
-        known = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
-        hint = f'does not take the rate law "{contacts.thermal.rates.name}" yet; use {known}'
+        choices = " or ".join(f'Thermal("{name}", ...)' for name in RATE_LAWS)
+        hint = f'does not take the rate law "{contacts.thermal.rates.name}" yet; use {choices}'
         raise InputError(f"contacts.thermal: {solver} {hint}")

@@ -81,14 +81,14 @@ class AngleThresholds(Thresholds):
             return 2.0 * waves(angle).min(0)
 
         cuts = _cuts(waves, count)
-        known = barrier(cuts)
-        order, least = np.argsort(known), _SAME * known.max()
-        apart = np.diff(known[order], prepend=-np.inf) > least  # else equal but for rounding
-        edges = known[order][apart]
+        heights = barrier(cuts)
+        order, least = np.argsort(heights), _SAME * heights.max()
+        apart = np.diff(heights[order], prepend=-np.inf) > least  # else equal but for rounding
+        edges = heights[order][apart]
         edges[0] *= edges[0] >= least
-        known[order] = edges[np.cumsum(apart) - 1]
+        heights[order] = edges[np.cumsum(apart) - 1]
         ends = np.array([cuts, np.append(cuts[1:], cuts[0] + np.pi)])
-        sides = np.array([known, np.roll(known, -1)])
+        sides = np.array([heights, np.roll(heights, -1)])
         bottom, top = np.where(sides[0] < sides[1], ends, ends[::-1])
         low, high = np.sort(sides, axis=0)
 

@@ -177,10 +177,10 @@ def _periods(atoms: Atoms, calculator: Any, given: npt.ArrayLike | None) -> Arra
     """The periods as given, or those of the calculator or of the atoms."""
     if given is None:
         parts = (calculator, *getattr(getattr(calculator, "mixer", None), "calcs", ()))
-        known = [each for part in parts if (each := getattr(part, "periods", None)) is not None]
+        tiled = [each for part in parts if (each := getattr(part, "periods", None)) is not None]
         cell = np.asarray(atoms.cell)[atoms.pbc]
         flat = cell[np.abs(cell[:, 2]) <= 1e-9 * np.linalg.norm(cell, axis=1)][:, :2]
-        given = known[0] if known else flat if len(flat) == 2 else None
+        given = tiled[0] if tiled else flat if len(flat) == 2 else None
     such = "such as [[2.5, 0.0], [0.0, 2.5]]"
     if given is None:
         refuse("periods", None, f"must be given, {such}: no atoms or calculator tell")

@@ -106,11 +106,14 @@ def domains(
         made = [Island.triangular(substrate, a, *pair) for pair in pairs]
     n_atoms = np.array([island.atoms for island in made])
     if mean_atoms is None:
-        shares = np.ones(len(made)) if weights is None else finite_array("weights", weights)
-        if shares.shape != n_atoms.shape or not (shares > 0.0).all():
+        fractions = np.ones(len(made)) if weights is None else finite_array("weights", weights)
+        if fractions.shape != n_atoms.shape or not (fractions > 0.0).all():
             refuse("weights", weights, f"must be {len(made)} numbers above zero, one an island")
-        shares = shares / shares.sum()
-        kinds, mean = np.searchsorted(np.cumsum(shares)[:-1], quantiles, "right"), shares @ n_atoms
+        fractions = fractions / fractions.sum()
+        kinds, mean = (
+            np.searchsorted(np.cumsum(fractions)[:-1], quantiles, "right"),
+            fractions @ n_atoms,
+        )
     elif weights is None:
         mean = -1.0 / np.expm1(-1.0 / mean_atoms)
     else:
@@ -128,7 +131,7 @@ def domains(
     few_peaks = len(made) <= 2 and max(island.phase_slope for island in made) < 477.0
     if two_waves and few_peaks and mean_atoms is None and resisting.all():
         laws = [angle_thresholds(*each) for each in zip(made, gains.tolist(), strict=True)]
-        thresholds = laws[0] if len(laws) == 1 else mixture(laws, shares)
+        thresholds = laws[0] if len(laws) == 1 else mixture(laws, fractions)
         if exponent != 1.0:
             thresholds = Powered(thresholds, PowerLaw(1.0, exponent))
     else:

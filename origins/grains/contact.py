@@ -54,7 +54,7 @@ class GrainContact(GrowingThresholds):
         """Its arguments."""
         return f"GrainContact({self.growth!r}, age={self.age})"
 
-    def largest_threshold(self, fresh: float, share: float, duration: float) -> float:
+    def largest_threshold(self, fresh: float, ratio: float, duration: float) -> float:
         """See ChangingThresholds: that of the largest grain, at the age of the oldest contacts."""
         return max(fresh, self.typical_threshold(fresh, duration))
 
@@ -114,9 +114,9 @@ class GrainContact(GrowingThresholds):
 
     def check_speed(self, velocity: float) -> None:
         """InputError for speeds so far from that at which thresholds grow that their powers overflow."""
-        if not 1.0 / _FASTEST < (share := self._relative(velocity)) < _FASTEST:
+        if not 1.0 / _FASTEST < (ratio := self._relative(velocity)) < _FASTEST:
             hint = f"of that at which thresholds grow, beyond {1.0 / _FASTEST:g} to {_FASTEST:g}"
-            refuse("velocity", velocity, f"is {share:.3g} {hint}")
+            refuse("velocity", velocity, f"is {ratio:.3g} {hint}")
 
     def _relative(self, velocity: float) -> float:
         return velocity * self.first_pinning_time * float(np.sqrt(float(self.growth.B)))

@@ -158,8 +158,8 @@ class GrowingThresholds(ChangingThresholds):
         speed = at_start[1] / self.time_unit * np.tile([[1e-2], [1.0], [1e2]], (3, 1))
         age, later = np.where(begin, self.start_pinned_for, 0.0), self.time_unit * LATER
         found = self.hazard_at(begin + speed * later, age + later)
-        known = np.where(np.isfinite(found), found, 1e300)
-        steps = np.diff(known) / (1.0 + known[:, 1:])
+        finite = np.where(np.isfinite(found), found, 1e300)
+        steps = np.diff(finite) / (1.0 + finite[:, 1:])
         falls_later = np.maximum.accumulate(steps > ROUGHNESS, axis=1) & (steps < -ROUGHNESS)
         if falls_later.any():
             at = float(speed[falls_later.any(axis=1)][0, 0])

@@ -68,8 +68,8 @@ class OrderedThresholds(ChangingThresholds):
         """How contacts change up to this age and distance. InputError where birth_threshold is not what this class says
         of it, so that no solver follows a law that it would follow wrongly."""
         births = np.append(0.0, self.at_start.ppf(np.array(WEAKER)))
-        ages, ways = longest * LOOKED_AT, furthest * LOOKED_AT
-        found = self._asked(births[:, None, None], ages[:, None], ways)
+        ages, distances = longest * LOOKED_AT, furthest * LOOKED_AT
+        found = self._asked(births[:, None, None], ages[:, None], distances)
         if (np.diff(found, axis=0) < -ROUNDED * found[:-1]).any():
             self._refuse("birth_threshold falls with x, and must not")
         trend = []
@@ -83,7 +83,7 @@ class OrderedThresholds(ChangingThresholds):
         for birth in births[1:]:
             largest = self.largest_threshold(float(birth), NEGLECTED, longest)
             if (
-                self._asked(np.full(1, largest), ages[:, None], ways) < birth * (1 - ROUNDED)
+                self._asked(np.full(1, largest), ages[:, None], distances) < birth * (1 - ROUNDED)
             ).any():
                 fault = f"largest_threshold({birth:.4g}, ..., {longest:.4g}) is {largest:.4g}"
                 self._refuse(f"{fault}, and by birth_threshold some are larger")

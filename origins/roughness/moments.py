@@ -168,12 +168,12 @@ def spectral_moments(
 
 def _why_so_steep(heights: npt.NDArray[np.float64]) -> str:
     """The likely reason of slopes that no surface has: a value that fills gaps, or the unit."""
-    known = heights[np.isfinite(heights)]
-    for end in (known.min(), known.max()):
-        rest = known[known != end]
+    measured = heights[np.isfinite(heights)]
+    for end in (measured.min(), measured.max()):
+        rest = measured[measured != end]
         # a single value far beyond all others is no height
         if rest.size and np.abs(rest - end).min() > np.ptp(rest):
-            many = known.size - rest.size
+            many = measured.size - rest.size
             return f"{many} heights of {end:.6g} may be a fill value; give missing points as NaN"
     return "are heights and pixel size both in metres, or heights in nm or µm declared as m?"
 

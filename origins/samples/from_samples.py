@@ -57,14 +57,14 @@ def from_samples(
     if counts.size != lengths.size:
         refuse("weights", counts, f"must hold one value for each of the {lengths.size} samples")
     order = np.argsort(lengths, kind="stable")
-    lengths, shares = lengths[order], counts[order] / counts.max()
-    shares /= shares.sum()
+    lengths, fractions = lengths[order], counts[order] / counts.max()
+    fractions /= fractions.sum()
     # by the Cauchy-Schwarz inequality those left out change the mean by less than a thousandth of its error
-    heavy = shares * shares.size > 1e-6 * float(shares @ shares)
-    lengths, shares = lengths[heavy], shares[heavy] / shares[heavy].sum()
+    heavy = fractions * fractions.size > 1e-6 * float(fractions @ fractions)
+    lengths, fractions = lengths[heavy], fractions[heavy] / fractions[heavy].sum()
     if lengths[-1] - lengths[0] <= 1e-9 * lengths[-1]:
-        return identical(float(shares @ lengths))
-    return Sampled(lengths, shares, counts.size, float(1.0 / (shares @ shares)))
+        return identical(float(fractions @ lengths))
+    return Sampled(lengths, fractions, counts.size, float(1.0 / (fractions @ fractions)))
 
 
 def _lengths(forces: Array, coefficient: object, stiffness: npt.ArrayLike | None) -> Array:
@@ -105,42 +105,42 @@ class Sampled(Mixture):
         with 95 % confidence (Dvoretzky, Kiefer, Wolfowitz), by the effective samples.
     cdf_misfit : largest distance of this smooth cdf from the empirical one.
     beyond : weights below the smallest sample and above the largest.
-    samples, shares : arrays of shape (n,), the different values, sorted, and their weights, of sum 1.
+    samples, fractions : arrays of shape (n,), the different values, sorted, and their weights, of sum 1.
     smooth_part : the law without its atoms, or None.
     onset_power, onset_power_error : m and its error. Where P_c begins at a finite value, m = 0, and the error is the
         size of a fitted power plus its own error; inf where the samples do not determine m.
     """
 
     def __init__(
-        self, x: Array, shares: Array, n_samples: int, size: float, known: Array | None = None
+        self, x: Array, fractions: Array, n_samples: int, size: float, atoms: Array | None = None
     ) -> None:
-        """x : values, sorted, at least two of them different; shares : their weights, of sum 1; size : the effective
-        number; known : the exact values, if they are given."""
+        """x : values, sorted, at least two of them different; fractions : their weights, of sum 1; size : the effective
+        number; atoms : the exact values, if they are given."""
         self.n_samples, self.effective_samples = n_samples, size
         self.cdf_error = float(np.sqrt(np.log(2.0 / 0.05) / (2.0 * size)))
         first = np.append(0, np.flatnonzero(np.diff(x) > 1e-12 * x[1:]) + 1)
-        values, shares = x[first], np.add.reduceat(shares, first)
+        values, fractions = x[first], np.add.reduceat(fractions, first)
         counts = np.diff(first, append=x.size)
-        atom = _exact(values, counts) if known is None else np.isin(values, known)
+        atom = _exact(values, counts) if atoms is None else np.isin(values, atoms)
         if (~atom).sum() == 1:  # its width cannot be estimated
             atom[:] = True
         laws: list[Thresholds] = [identical(float(value)) for value in values[atom]]
-        weights = shares[atom]
+        weights = fractions[atom]
         self.smooth_part: Thresholds | None = None
         if not atom.all():
-            weight = float(shares[~atom].sum())
-            part = smooth(values[~atom], shares[~atom] / weight, size * weight)
+            weight = float(fractions[~atom].sum())
+            part = smooth(values[~atom], fractions[~atom] / weight, size * weight)
             laws, weights, self.smooth_part = [*laws, part], np.append(weights, weight), part
         super().__init__(laws, weights / weights.sum())
-        self.samples, self.shares = values, shares
-        up_to, steps = self.cdf(values), np.cumsum(shares)
+        self.samples, self.fractions = values, fractions
+        up_to, steps = self.cdf(values), np.cumsum(fractions)
         below = up_to.copy()
         below[atom] -= self.atoms[1]
-        self.cdf_misfit = float(max((steps - up_to).max(), (below - steps + shares).max()))
+        self.cdf_misfit = float(max((steps - up_to).max(), (below - steps + fractions).max()))
         self.beyond = float(below[0]), float(self.sf(values[-1]))
         # the integrals of the likelihood may miss a peak between far samples, or no polynomial follows a peak
-        mean = float(shares @ values)
-        off = abs(self.mean() - mean) / float(np.sqrt(shares @ (values - mean) ** 2 / size))
+        mean = float(fractions @ values)
+        off = abs(self.mean() - mean) / float(np.sqrt(fractions @ (values - mean) ** 2 / size))
         if off > 0.1 or self.cdf_misfit > self.cdf_error + 0.1:
             hint = "peaks that one smooth density does not follow; give each apart, in a mixture"
             among = f"among the samples from {values[0]:g} to {values[-1]:g}"
@@ -238,4 +238,4 @@ def _anew(law: Thresholds, generator: np.random.Generator) -> Thresholds:
         return law
     size = max(round(law.effective_samples), 2)
     x = law.rvs(size, generator)
-    return Sampled(np.sort(x), np.full(size, 1.0 / size), size, float(size), known=law.atoms[0])
+    return Sampled(np.sort(x), np.full(size, 1.0 / size), size, float(size), atoms=law.atoms[0])

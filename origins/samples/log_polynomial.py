@@ -26,7 +26,7 @@ class _State(NamedTuple):
 
     coefficients: Array
     value: float
-    shares: Array
+    fractions: Array
 
 
 class Form(NamedTuple):
@@ -45,7 +45,7 @@ class Form(NamedTuple):
 
 
 class LogPolynomial(Thresholds):
-    """The law of largest score, of one form, for samples x (lengths, sorted, distinct) with `shares` (sum 1).
+    """The law of largest score, of one form, for samples x (lengths, sorted, distinct) with `fractions` (sum 1).
 
     log P_c is a sum of columns, each times its coefficient, and a constant: Legendre polynomials of degree 1, 2, ...,
     then x (decades), then log x (power), all continued as straight lines beyond the extreme samples; they
@@ -53,13 +53,13 @@ class LogPolynomial(Thresholds):
     score : log-likelihood minus the cost of the parameters.
     """
 
-    def __init__(self, x: Array, shares: Array, size: float, form: Form) -> None:
+    def __init__(self, x: Array, fractions: Array, size: float, form: Form) -> None:
         """Prepare the columns and their sums over samples and over panels, and fit the coefficients."""
         self.form, (power, decades, from_zero, open_above) = form, form
         self._size, first, last = size, float(x[0]), float(x[-1])
         self._support = 0.0 if from_zero else first, np.inf if open_above else last
         self.breakpoints = np.unique([self._support[0], first, last])
-        self._unit = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
+        self._unit = float(x[np.searchsorted(np.cumsum(fractions), 0.5)])
         x = x / self._unit
         first, last = self._first, self._last = float(x[0]), float(x[-1])
         low, high = self._variable(x[[0, -1]])
@@ -73,7 +73,7 @@ class LogPolynomial(Thresholds):
         self._above = np.array([*(steep / bent[1]), *more, *[1.0 / last] * power])
         # not the columns of all samples in memory at once
         parts = [slice(i, i + 16384) for i in range(0, x.size, 16384)]
-        self._mean = np.sum([shares[part] @ self.columns(x[part]) for part in parts], axis=0)
+        self._mean = np.sum([fractions[part] @ self.columns(x[part]) for part in parts], axis=0)
         # panels between samples, halved towards either end and towards 0, where the density may be steep
         near = np.geomspace(1e-9, 1.0, 30)
         among = x[np.linspace(0, x.size - 1, min(x.size, 3 * degree)).astype(int)]
@@ -137,7 +137,7 @@ class LogPolynomial(Thresholds):
             penalty = smooth + ridge
             state = self._highest(start, penalty)
             start = state.coefficients
-            covariance = self._covariance(state.shares)
+            covariance = self._covariance(state.fractions)
             spread = _inverse(covariance + penalty)
             count = float(np.trace(spread @ covariance))
             likelihood = size * (state.value + 0.5 * float(start @ penalty @ start))
@@ -169,26 +169,26 @@ class LogPolynomial(Thresholds):
         """The state at these coefficients, by sums over the nodes."""
         log = self._nodes @ coefficients + self._log_weights
         top = float(log.max())
-        shares = np.exp(log - top)
-        whole = float(shares.sum())
+        fractions = np.exp(log - top)
+        whole = float(fractions.sum())
         value = float(self._mean @ coefficients) - top - float(np.log(whole))
         value -= 0.5 * float(coefficients @ penalty @ coefficients)
         # closer to 1/x nearly all weight would be at x that underflow
         if self.form.power and coefficients[-1] <= -0.95:
             value = -np.inf
-        return _State(coefficients, value, shares / whole)
+        return _State(coefficients, value, fractions / whole)
 
-    def _covariance(self, shares: Array) -> Array:
+    def _covariance(self, fractions: Array) -> Array:
         """That of the columns under the density: minus the curvature of the log-likelihood."""
-        away = self._nodes - shares @ self._nodes
-        return (away * shares[:, None]).T @ away
+        away = self._nodes - fractions @ self._nodes
+        return (away * fractions[:, None]).T @ away
 
     def _highest(self, start: Array, penalty: Array) -> _State:
         """The maximum, by Newton's method; the only one, as the penalised log-likelihood is concave."""
         now = self._state(start, penalty)
         for _ in range(100):
-            gradient = self._mean - now.shares @ self._nodes - penalty @ now.coefficients
-            step = _inverse(self._covariance(now.shares) + penalty) @ gradient
+            gradient = self._mean - now.fractions @ self._nodes - penalty @ now.coefficients
+            step = _inverse(self._covariance(now.fractions) + penalty) @ gradient
             gain, length = float(gradient @ step), 1.0
             trial = self._state(now.coefficients + step, penalty)
             if not gain * self._size > 1e-13:
@@ -209,20 +209,20 @@ def _inverse(matrix: Array) -> Array:
     return np.linalg.inv(scaled) * scale * scale[:, None]
 
 
-def smooth(x: Array, shares: Array, size: float) -> LogPolynomial:
+def smooth(x: Array, fractions: Array, size: float) -> LogPolynomial:
     """The law of largest score among a few forms of its two ends.
 
-    x : samples (lengths), distinct and sorted, at least 2; shares : weight of each, of sum 1; size : the effective
+    x : samples (lengths), distinct and sorted, at least 2; fractions : weight of each, of sum 1; size : the effective
     number. Raises InputError where the law is too rough for any use.
     """
 
     def fitted(form: Form) -> LogPolynomial:
         with np.errstate(all="ignore"):  # coefficients that overflow are rejected
-            return LogPolynomial(x, shares, size, form)
+            return LogPolynomial(x, fractions, size, form)
 
     if x.size == 2:  # a straight line from one to the other
         return fitted(Form(from_zero=False, open_above=False))
-    middle = float(x[np.searchsorted(np.cumsum(shares), 0.5)])
+    middle = float(x[np.searchsorted(np.cumsum(fractions), 0.5)])
     # a variable over decades for far samples, a power where some are near 0
     decades, powers = {False, bool(x[-1] > 8.0 * middle)}, {False, bool(x[0] < middle / 3.0)}
     tried = [fitted(Form(power, far)) for far in decades for power in powers]

@@ -25,13 +25,13 @@ def mixture(components: Sequence[object], weights: npt.ArrayLike) -> Thresholds:
     if isinstance(components, Thresholds) or not isinstance(components, Sequence) or not components:
         such = "such as [identical(0.9), identical(1.1)]"
         refuse("components", components, f"must be a list of thresholds, {such}")
-    shares = positive_array("weights", weights)
-    if shares.size != len(components):
+    fractions = positive_array("weights", weights)
+    if fractions.size != len(components):
         hint = f"must hold one weight for each of the {len(components)} components"
         refuse("weights", weights, hint)
-    if abs((whole := float(shares.sum())) - 1.0) > 1e-12:
+    if abs((whole := float(fractions.sum())) - 1.0) > 1e-12:
         refuse("weights", weights, f"must add up to 1, not {whole:.15g}; divide each by their sum")
-    return Mixture([as_thresholds(component) for component in components], shares / whole)
+    return Mixture([as_thresholds(component) for component in components], fractions / whole)
 
 
 def continuous_mixture(
@@ -109,9 +109,9 @@ class Mixture(Thresholds):
         self.breakpoints = np.unique(np.concatenate([c.breakpoints for c in self.components]))
         self.cut_weight = float(self.weights @ [part.cut_weight for part in self.components])
         atoms = zip(self.components, weights.tolist(), strict=True)
-        x, shares = np.hstack([(c.atoms[0], weight * c.atoms[1]) for c, weight in atoms])
+        x, fractions = np.hstack([(c.atoms[0], weight * c.atoms[1]) for c, weight in atoms])
         places, index = np.unique(x, return_inverse=True)
-        self.atoms = places, np.bincount(index, shares, places.size).astype(float)
+        self.atoms = places, np.bincount(index, fractions, places.size).astype(float)
 
     def _sum(self, values: list[Array]) -> Array:
         return np.asarray(sum(w * value for w, value in zip(self.weights, values, strict=True)))

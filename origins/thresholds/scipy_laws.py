@@ -102,8 +102,8 @@ class ScipyDensity(Thresholds):
     @cached_property
     def breakpoints(self) -> Array:
         edges = jumps_of(self.distribution)
-        known = edges[edges > 0.0] if edges.size <= _MOST_EDGES else edges[:0]
-        return np.unique(np.append(known, super().breakpoints))
+        positive = edges[edges > 0.0] if edges.size <= _MOST_EDGES else edges[:0]
+        return np.unique(np.append(positive, super().breakpoints))
 
     def _ask(self, method: str, *x: Array | float) -> Array:
         # warnings inside the distribution are ignored: only its result counts

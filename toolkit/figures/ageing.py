@@ -133,13 +133,13 @@ def a06(figure: Any) -> Found:
     ):
         path = np.linspace(0.0, 3.0, 1201)
         solved = master.paper_transient(contacts, path, 2.5e-3, velocity=speed)
-        known = solved.path < solved.outrun  # beyond, (Q15) has no one answer
-        steep = known & (np.gradient(solved.force, solved.path) <= -_SPRING)
+        unique = solved.path < solved.outrun  # beyond, (Q15) has no one answer
+        steep = unique & (np.gradient(solved.force, solved.path) <= -_SPRING)
         if steep.any():
             cycle = int(np.argmax(steep)) + 1
             force = np.tile(solved.force[:cycle], path.size // cycle + 1)[: path.size]
         else:
-            path, force = solved.path[known], solved.force[known]
+            path, force = solved.path[unique], solved.force[unique]
             axes.text(path[-1], 0.02, " contacts stand beyond $P_c$", color="0.5", fontsize="small")
         axes.plot(path, force, color=INKS[0], lw=1.0)
         axes.set(ylabel=FORCE, ylim=(0.0, 0.8))

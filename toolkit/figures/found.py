@@ -24,8 +24,8 @@ class Found:
     """A number that a figure shows.
 
     what : the quantity in words; value : what the toolkit finds, `off` by at most this (five standard errors, or the
-    error that a solver claims and the rounding of the reference); exact : the reference, None where there is none,
-    and whence it is `known`. paper : what the paper prints, "" where it prints no such number; remark : a sentence
+    error that a solver claims and the rounding of the reference); exact : the reference, None where there is none;
+    reference : whence it is. paper : what the paper prints, "" where it prints no such number; remark : a sentence
     where the paper's statement does not hold, or where a parameter is our own choice.
     """
 
@@ -33,7 +33,7 @@ class Found:
     value: float
     off: float
     exact: float | None
-    known: str
+    reference: str
     paper: str = ""
     remark: str = ""
 

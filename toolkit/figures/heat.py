@@ -1,6 +1,6 @@
 """Figs. 8 to 12, A08: contacts that heat breaks."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -29,14 +29,22 @@ def _mean_rate(x: Array, temperature: float) -> Array:
     return weight * np.exp(0.5 * x * x / temperature) * normal_tail((x - mean) / std)
 
 
-def _survival(temperature: float, slowness: float) -> tuple[Array, Array, Array]:
-    """Gauss-Legendre nodes and weights on (0, 1.6), and what survives there in the paper's closure."""
+class _Survival(NamedTuple):
+    """Gauss-Legendre nodes (stretches) and weights, and the fraction of the contacts that survives to each node."""
+
+    x: Array
+    weights: Array
+    survival: Array
+
+
+def _survival(temperature: float, slowness: float) -> _Survival:
+    """Survival on (0, 1.6) in the paper's closure."""
     nodes, weights = leggauss(400)
     x, weights = 0.8 * (nodes + 1.0), 0.8 * weights
     inner, inner_weights = leggauss(60)
     stretch = 0.5 * np.outer(x, inner + 1.0)
     integral = (0.5 * x[:, None] * inner_weights * _mean_rate(stretch, temperature)).sum(axis=1)
-    return x, weights, normal_tail((x - _MEAN) / _STD) * np.exp(-slowness * integral)
+    return _Survival(x, weights, normal_tail((x - _MEAN) / _STD) * np.exp(-slowness * integral))
 
 
 def a08a(figure: Any) -> Found:

@@ -85,7 +85,7 @@ def in_words(label: str, number: int, found: Found) -> list[str]:
     """Two or three lines: the number beside its reference, the paper's word, the remark."""
     text = f"{found.what}: {found.value:.9g}"
     if found.exact is not None:
-        text += f", exact {found.exact:.9g} ({found.known}), within {found.off:.1g}"
+        text += f", exact {found.exact:.9g} ({found.reference}), within {found.off:.1g}"
         text += "" if found.agrees else ": THEY DO NOT AGREE"
     lines = [f"Fig. {number:<3}{label:10}{text}"]
     lines += [f"{'':18}the paper: {found.paper}"] if found.paper else []

@@ -184,8 +184,8 @@ def a02d(figure: Any) -> Found:
     middles = 0.5 * (last.threshold_edges[1:] + last.threshold_edges[:-1])
     mean = float((middles * last.thresholds * width).sum() / (last.thresholds * width).sum())
     spread = np.sqrt(1.25 - (13.0 / 12.0) ** 2) / np.sqrt(_CONTACTS)  # <x_s³>/<x_s> = 1.25
-    known = "<x_s²>/<x_s>: those that hold are chosen by their length"
-    return Found("mean threshold of contacts that hold", mean, 5.0 * spread, 13.0 / 12.0, known)
+    reference = "<x_s²>/<x_s>: those that hold are chosen by their length"
+    return Found("mean threshold of contacts that hold", mean, 5.0 * spread, 13.0 / 12.0, reference)
 
 
 def _name(upper: Any, lower: Any) -> None:

@@ -71,8 +71,10 @@ def a10b(figure: Any) -> Found:
         powers.append(float(power))
     axes.set(xlabel="$B$", ylabel=r"$F_k/(N_c\langle k\rangle)$", xlim=(0.0, 10.0))
     axes.legend(fontsize="small", loc=(0.7, 0.2))
-    known = "x_s ~ B^(-3/4); plastic -1/2"
-    return Found("power of F_k(B), elastic", powers[0], 1e-9, -0.75, known, paper="-3/4 and -1/2")
+    reference = "x_s ~ B^(-3/4); plastic -1/2"
+    return Found(
+        "power of F_k(B), elastic", powers[0], 1e-9, -0.75, reference, paper="-3/4 and -1/2"
+    )
 
 
 def persson(figure: Any) -> Found:

@@ -4,7 +4,7 @@ surface, and evidence from the ensemble."""
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -173,8 +173,16 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
     )
 
 
-def _measured(scene: Scene) -> tuple[Description, list[Read], dict[str, str]]:
+class _Measured(NamedTuple):
     """The description of the scene's own reading, what each reading says, and why others say nothing."""
+
+    own: Description
+    readings: list[Read]
+    left_out: dict[str, str]
+
+
+def _measured(scene: Scene) -> _Measured:
+    """What the readings of a scene say."""
     deadline, each, left_out = scene.deadline(), list[Read](), dict[str, str]()
     own: Any = None
     for reading in readings_of(scene, quick=True):
@@ -192,7 +200,7 @@ def _measured(scene: Scene) -> tuple[Description, list[Read], dict[str, str]]:
             continue
         own = own or found
         each.append(_read(scene, reading.name, reading.contacts, found))
-    return own, each, left_out
+    return _Measured(own, each, left_out)
 
 
 def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Read:

@@ -136,8 +136,8 @@ def _add_sampling_errors(
             scatter = np.hypot(np.std(others, ddof=1), np.mean(others) - value)
         unknown = name in PROPENSITY and scatter == 0.0
         error = float(np.hypot(numbers[name].error or 0.0, scatter))
-        known = np.isfinite(error) and not unknown
-        numbers[name] = replace(numbers[name], error=error if known else np.inf)
+        finite = np.isfinite(error) and not unknown
+        numbers[name] = replace(numbers[name], error=error if finite else np.inf)
 
 
 def _slide(
@@ -154,9 +154,9 @@ def _slide(
     found = master.propensity(contacts, velocity=velocity, tolerance=tolerance)
     for name, own in zip(PROPENSITY, ("N_c<k>", "", unit), strict=True):
         numbers[name] = Number(getattr(found, name), getattr(found, f"{name}_error"), own)
-    spring_known = found.critical_spring_error <= 1e-3 * found.critical_spring
-    both_known = spring_known and found.static_to_kinetic_error <= 1e-3
-    if steady.success and (found.success or both_known):
+    spring_precise = found.critical_spring_error <= 1e-3 * found.critical_spring
+    both_precise = spring_precise and found.static_to_kinetic_error <= 1e-3
+    if steady.success and (found.success or both_precise):
         return []
     return [f"not as asked: {steady.message}; {found.message}"]
 

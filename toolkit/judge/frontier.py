@@ -62,8 +62,8 @@ def cheapest(points: Sequence[Mapping[str, Any]], floor: float) -> list[dict[str
 
     def cost(found: Front) -> Array:
         """The logarithm of the run time at each of the errors; inf where the method does not get there."""
-        at, known = np.log(found.error[::-1]), np.log(found.run_time[::-1])
-        return np.interp(np.log(errors), at, known, left=np.inf, right=known[-1])
+        logs, times = np.log(found.error[::-1]), np.log(found.run_time[::-1])
+        return np.interp(np.log(errors), logs, times, left=np.inf, right=times[-1])
 
     names = list(fronts)
     best = np.argmin([cost(found) for found in fronts.values()], axis=0)
@@ -111,8 +111,8 @@ def draw_picture(found: dict[str, Any]) -> Any:
         run_time = [point["run_time"] for point in points]
         error = np.array([max(point["error"] or 0.0, floor) for point in points])
         claimed = [point["claimed_error"] or np.nan for point in points]
-        known = np.where(error > floor, error, np.nan)
-        axes.plot(run_time, known, marker, color=colour, label=method)
+        above = np.where(error > floor, error, np.nan)
+        axes.plot(run_time, above, marker, color=colour, label=method)
         axes.plot(run_time, np.where(error > floor, np.nan, floor), marker, color=colour, alpha=0.3)
         line = front(points, method, floor)
         axes.plot(line.run_time, line.error, "-", color=colour, lw=1)

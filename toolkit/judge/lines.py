@@ -12,7 +12,7 @@ from toolkit.verdict.answers import Quantity
 from toolkit.verdict.table import in_columns, row
 
 # of a number: a larger error stands beside it
-_KNOWN = 1e-3
+PRECISE = 1e-3
 _HEADS = "onset m,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,EQ at the peak,ME there,max |z|"
 
 
@@ -31,7 +31,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         for name in names:
             value, over = _cells([one.numbers[name] for one in verdict.readings])
             if name in SPRINGS.values() and any(one.unknown for one in verdict.readings):
-                value, over = _of_known(verdict, name)
+                value, over = _of_answered(verdict, name)
             if name == "onset_power" and value:
                 value = onset_in_words(verdict.own.numbers[name], 4)
             cells.append(value)
@@ -80,12 +80,12 @@ def _cells(each: Sequence[Number]) -> tuple[str, str]:
     """A number by the scene's own reading, with its error where that is seen, and its range over all readings."""
     own, known = each[0], [Quantity(one.value, one.error or 0.0) for one in each]
     _, value, _, ranges = row("", known, [1.0] * len(each), "")
-    if known[0].error > _KNOWN * abs(own.value):
+    if known[0].error > PRECISE * abs(own.value):
         value = with_error(own.value, known[0].error, 4)
     return {"inf": "infinite", "not known": ""}.get(value, value), ranges
 
 
-def _of_known(verdict: Verdict, name: str) -> tuple[str, str]:
+def _of_answered(verdict: Verdict, name: str) -> tuple[str, str]:
     """K*, and its range over the readings, where it is not known by some: these are in no range, and of the scene's own
     reading it is told below which value it is."""
     known = [one.numbers[name] for one in verdict.readings if not one.unknown]
@@ -132,13 +132,15 @@ def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
         if len(alike) == 1 or named.issuperset(alike):
             continue
         named |= {*alike}
-        reaches = dict[str, list[str]]()
+        readings_by_span = dict[str, list[str]]()
         for one in alike:
             span = " to ".join(guarded(end, unit, np.ptp(ends[one])) for end in ends[one])
-            reaches.setdefault(span, []).append(one)
-        each = "; ".join(f"{span} for {', '.join(whose)}" for span, whose in reaches.items())
-        if len(reaches) == 1:
-            each = f"{next(iter(reaches))} for each"
+            readings_by_span.setdefault(span, []).append(one)
+        each = "; ".join(
+            f"{span} for {', '.join(whose)}" for span, whose in readings_by_span.items()
+        )
+        if len(readings_by_span) == 1:
+            each = f"{next(iter(readings_by_span))} for each"
         many = f"{', '.join(alike[:-1])} and {alike[-1]}"
         said.append(f"order undecided between {many}: over readings and errors K* is {each}")
     return said

@@ -9,7 +9,7 @@ from toolkit.judge.compare import Verdict, common_unit
 from toolkit.judge.lines import disagreements
 from toolkit.pictures.axes import in_lines, name_axis, some_of, spring_name, style_of
 from toolkit.pictures.thresholds import highest
-from toolkit.results.kinds import is_known
+from toolkit.results.kinds import is_precise
 from toolkit.scene.scale import SHARED, written
 
 _APART = 20.0  # lengths or heights that differ by more need a logarithmic axis
@@ -83,11 +83,11 @@ def _thresholds(axes: Any, styled: list[_Styled]) -> None:
 
 def _forces(axes: Any, styled: list[_Styled]) -> None:
     """F(X): master equation as lines, ensemble as error bars of one standard error; F_k of each scene at the edge."""
-    reaches = []
+    extents = []
     for one in styled:
         unit, solved, eq = one.length, one.verdict.result.master, one.verdict.result.eq
-        reaches += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
-        if solved is not None and is_known(solved):
+        extents += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
+        if solved is not None and is_precise(solved):
             axes.plot(solved.path / unit, solved.force * one.force, zorder=3, **one.line)
         if eq is not None:
             some = some_of(eq.path.size, 33)
@@ -97,10 +97,10 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
             axes.errorbar(eq.path[some] / unit, eq.force[some] * one.force, **bars)
         level = one.kinetic * one.force
         axes.axhline(level, color=one.style["color"], lw=0.8, ls=":", zorder=0)
-    axes.set(ylim=(0.0, None), xlim=(0.0, 1.02 * max(reaches, default=1.0)))
-    if reaches and max(reaches) > _APART * min(reaches):
-        least = min([*reaches, *(one.mean / one.length for one in styled)])
-        axes.set(xscale="log", xlim=(0.1 * least, 1.05 * max(reaches)))
+    axes.set(ylim=(0.0, None), xlim=(0.0, 1.02 * max(extents, default=1.0)))
+    if extents and max(extents) > _APART * min(extents):
+        least = min([*extents, *(one.mean / one.length for one in styled)])
+        axes.set(xscale="log", xlim=(0.1 * least, 1.05 * max(extents)))
     levels = [one.kinetic * one.force for one in styled]
     if levels and max(levels) > _APART * min(levels):
         axes.set(yscale="log", ylim=(min(levels) / 100.0, 2.0 * max(levels)))

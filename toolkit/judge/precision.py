@@ -82,8 +82,12 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
             point = {"method": method, "setting": run.setting, "error": error}
             point |= {"claimed_error": claimed, "run_time": run.run_time, "runs": run.runs}
             points.append(point)
-            known = error is None or error >= reference.error
-            say(_line((point if known else point | {"error": f"<{reference.error:.1e}"}).values()))
+            resolved = error is None or error >= reference.error
+            say(
+                _line(
+                    (point if resolved else point | {"error": f"<{reference.error:.1e}"}).values()
+                )
+            )
 
     say("errors in mean thresholds <x_s>, time in CPU-s of one thread")
     say(_line(["method", "at", "error", "claimed", "time", "runs"]))

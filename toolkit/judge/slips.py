@@ -39,7 +39,7 @@ def slips_so_far(found: Any, drive: Drive) -> Counts:
 
 def alike(one: Counts, other: Counts) -> npt.NDArray[np.bool_]:
     """The points at which all sliders of both answers are between the same slips, or in none, shape (n,)."""
-    reached = min(one.shape[-1], other.shape[-1])
-    both = np.concatenate([one[..., :reached], other[..., :reached]])
+    common = min(one.shape[-1], other.shape[-1])
+    both = np.concatenate([one[..., :common], other[..., :common]])
     between = both[:, 0] == both[:, 1]
     return np.asarray((between & (both[:, 0] == both[0, 0])).all(axis=0))

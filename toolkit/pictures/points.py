@@ -158,8 +158,8 @@ def flat_spring(result: Result) -> str:
     """That K* hangs on none of the keys swept, with its value, in a sentence; "" where it does, or is not known."""
     sweep: Any = result.sweep
     value, error = _with_error(result, "critical_spring")
-    known = np.isfinite(value).all() and error.max() <= _FLAT * value.max()
-    if not known or np.ptp(value) > max(2.0 * error.max(), _ALIKE * value.max()):
+    precise = np.isfinite(value).all() and error.max() <= _FLAT * value.max()
+    if not precise or np.ptp(value) > max(2.0 * error.max(), _ALIKE * value.max()):
         return ""
     text = written(float(np.median(value)), result.scale.spring_unit, digits=4)
     return f"K* = {text}, which does not depend on {', '.join(_short([*sweep.along]).values())}"

@@ -31,7 +31,7 @@ from toolkit.pictures.points import (
 from toolkit.pictures.thresholds import plot_density
 from toolkit.pictures.traces import along, in_time, moments, slips_of, with_slips
 from toolkit.results.beside import NOT_COMPARED, deviation
-from toolkit.results.kinds import is_coupled, is_heavy, is_known
+from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
 
 _BARS = 61  # error bars; with more the line would be hidden
@@ -66,7 +66,7 @@ def plot_force(axes: Any, result: Result) -> Any:
     since their mean during a slip is the force of none of them. Each slip is drawn from its own data.
     """
     solved, eq, factor = result.master, result.eq, result.scale.force
-    if solved is not None and eq is None and not is_known(solved):
+    if solved is not None and eq is None and not is_precise(solved):
         said = f"the master equation is not solved:\n{in_lines(solved.message, _PANEL)}"
         middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": axes.transAxes}
         axes.text(0.5, 0.5, said, parse_math=False, **middle)
@@ -103,7 +103,7 @@ def _draw_solved(axes: Any, result: Result) -> None:
         label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
     place, force = along(result, solved), solved.force
     place, force = with_slips(place, solved.path, force, slips_of(solved))
-    if not is_known(solved):
+    if not is_precise(solved):
         label, place, force = "master equation: not solved", place[:0], force[:0]
     line = "-" if solved.success else "--"
     style: dict[str, Any] = {"color": INK["master"], "lw": 1.4, "zorder": 3, "label": label}
@@ -128,7 +128,7 @@ def plot_position(axes: Any, result: Result) -> Any:
     name = "drive $X_T$" if soft else "slider $X$"
     axes.plot(along(result, curve), curve.path, color="0.4", ls="--" * soft or "-", label=name)
     solved, eq = result.master, result.eq
-    if solved is not None and solved.position is not None and is_known(solved):
+    if solved is not None and solved.position is not None and is_precise(solved):
         place, slips = along(result, solved), slips_of(solved)
         drawn = with_slips(place, solved.path, solved.position, slips, position=True)
         axes.plot(*drawn, color=INK["master"], lw=1.2, label="slider $X$")
@@ -148,7 +148,7 @@ def plot_position(axes: Any, result: Result) -> Any:
 def plot_holding(axes: Any, result: Result) -> Any:
     """The fraction of the contacts that hold, of a soft slider's replicas their mean; the others wait to form again."""
     for curve, ink in ((result.master, "master"), (result.eq, "eq")):
-        if curve is not None and (ink == "eq" or is_known(curve)):
+        if curve is not None and (ink == "eq" or is_precise(curve)):
             # of a soft slider it moves much between the points of some
             whole = ink == "master" or is_coupled(curve)
             some, mark = (
@@ -186,7 +186,7 @@ def plot_velocity(axes: Any, result: Result) -> Any:
         for replica in range(min(_REPLICAS, len(eq.forces))):
             axes.plot(along(result, eq), eq.velocities[replica], **_OF_EQ)
             _draw_top_speeds(axes, result, eq, eq.forces[replica], replica)
-    if solved is not None and solved.velocity is not None and is_known(solved):
+    if solved is not None and solved.velocity is not None and is_precise(solved):
         axes.plot(along(result, solved), solved.velocity, color=INK["master"], lw=1.2)
         _draw_top_speeds(axes, result, solved, solved.force, None)
     write_along(axes, result)

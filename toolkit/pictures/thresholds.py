@@ -51,7 +51,7 @@ def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
     """Add to S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
     if isinstance(thresholds, Sampled):
         some = some_of(thresholds.samples.size, _STEPS)
-        above = 1.0 - np.cumsum(thresholds.shares)[some]
+        above = 1.0 - np.cumsum(thresholds.fractions)[some]
         label = f"{thresholds.n_samples} samples"
         axes.step(thresholds.samples[some], above, where="post", color="0.25", lw=0.6, label=label)
         legend_above(axes)

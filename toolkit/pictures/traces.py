@@ -81,8 +81,8 @@ def moments(place: Array, drive: Array, value: Array, slips: SlipData) -> Array:
     ends = np.column_stack([slips.force_before, slips.force_after])
     segments = _segments(drive, value, slips.drive, ends)
     found = _moments(place, drive, slips.drive, np.maximum(segments, 0))
-    known = (segments >= 0) & (drive[segments + 1] != drive[segments])
-    return np.where(known, found, np.nan)
+    moving = (segments >= 0) & (drive[segments + 1] != drive[segments])
+    return np.where(moving, found, np.nan)
 
 
 def _segments(

@@ -108,10 +108,11 @@ def _insisting(said: list[int]) -> Iterator[None]:
 def no_longer_than(
     seconds: float | None,
     over: type[TimeIsUp] = TimeIsUp,
-    left: Callable[[], float] | None = None,
+    remaining_time: Callable[[], float] | None = None,
 ) -> Iterator[None]:
     """Raise `over` within once so many seconds are over, of TooMuchWork CPU time, which does not hang on what else the
-    machine does; in the main thread only, None for no limit. `left`, if given, says then how many more there are.
+    machine does; in the main thread only, None for no limit. `remaining_time`, if given, says then how
+    many more there are.
 
     A module that is being imported is imported first, as one that is half there is broken for good, as numba is.
     """
@@ -121,7 +122,7 @@ def no_longer_than(
         if _imports_in(frame) > begun:
             signal.setitimer(over.timer, _REPEATED_AFTER)
             return
-        if left is None or (more := left()) <= 0.0:
+        if remaining_time is None or (more := remaining_time()) <= 0.0:
             raise over
         signal.setitimer(over.timer, max(more, 0.1))
 

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.thresholds.law import Array
-from toolkit.results.kinds import is_coupled, is_heavy, is_known
+from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
 from toolkit.scene.interfaces import with_error
 from toolkit.scene.scale import spoken
@@ -31,7 +31,7 @@ def deviation(result: Result) -> Deviation:
     the master equation's force is not known, whose error would allow any difference.
     The standard errors include the master equation's error and that of the ensemble's steps."""
     solved, eq = result.master, result.eq
-    if solved is None or eq is None or is_coupled(eq) or not is_known(solved):
+    if solved is None or eq is None or is_coupled(eq) or not is_precise(solved):
         # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
         return Deviation(np.empty(0, np.intp), np.empty(0))
     return apart(solved, eq, result.mean_threshold)
@@ -58,7 +58,7 @@ def slips_beside(result: Result) -> list[dict[str, Any]]:
     the same slip in the replicas, of which so many `have` it.
     """
     solved, eq = result.master, result.eq
-    if solved is None or solved.slips is None or not is_coupled(eq) or not is_known(solved):
+    if solved is None or solved.slips is None or not is_coupled(eq) or not is_precise(solved):
         return []
     found = []
     for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
@@ -75,7 +75,7 @@ def slip_line(result: Result) -> str:
     solved, eq, unit = result.master, result.eq, result.mean_threshold
     line = f"slips   {eq.slips.number.size} of eq in {len(eq.forces)} replicas"
     if solved is not None and solved.slips is not None:
-        count = solved.slips.drive.size if is_known(solved) else "an unknown number"
+        count = solved.slips.drive.size if is_precise(solved) else "an unknown number"
         line += f", {count} of the master equation"
     late = [
         with_error((slip["mean_drive"] - slip["drive"]) / unit, slip["drive_error"] / unit, 2)

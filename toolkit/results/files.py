@@ -14,7 +14,7 @@ import numpy as np
 from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
-from toolkit.results.kinds import is_coupled, is_heavy, is_known, units_of
+from toolkit.results.kinds import is_coupled, is_heavy, is_precise, units_of
 from toolkit.results.numbers import numbers_of
 from toolkit.results.points import fill_sweep, read_sweep
 from toolkit.results.records import (
@@ -64,7 +64,7 @@ def earlier(folder: str | os.PathLike[str]) -> dict[str, Any]:
         sliding = "slip_drive" in store.get("master", ()) or "positions" in store.get("eq", ())
         there = {"force.csv": "master" in store or "eq" in store, "slips.csv": sliding}
         there["sweep.csv"] = "sweep" in store
-        return scene | {"tables": [name for name, known in there.items() if known]}
+        return scene | {"tables": [name for name, has_table in there.items() if has_table]}
     with suppress(OSError, ValueError, KeyError, TypeError):
         before = json.loads((Path(folder) / "thresholds.json").read_text(encoding="utf-8"))
         return {name: str(before[name]) for name in ("name", "scene")}
@@ -98,7 +98,7 @@ def summary(result: Result) -> dict[str, Any]:
         content["master"] = {"tolerance": asked.master.tolerance, **_numbers(solved)}
         if solved.slips is not None:
             content["master"]["period_error"] = 2.0 * float(solved.slips.drive_error)
-        if not is_known(solved):
+        if not is_precise(solved):
             content["master"] |= dict.fromkeys(_OF_FORCE & content["master"].keys())
     if eq is not None and asked.eq is not None:
         own = _numbers(eq) | {"followed": int(eq.contacts)}

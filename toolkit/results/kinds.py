@@ -20,7 +20,7 @@ contact_force_standard_error contact_forces""",
 QUANTITIES = {name: quantity for quantity, names in _NAMES.items() for name in names.split()}
 
 
-def is_known(solved: Any) -> bool:
+def is_precise(solved: Any) -> bool:
     """Whether the force is known well enough to be drawn: to a tenth of <x_s>, where F_k is about half of it."""
     return bool(solved.success or solved.force_error < 0.1)
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.results.kinds import is_coupled, is_known
+from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.slips import main_slips
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import with_uncertainty, written
@@ -15,7 +15,7 @@ def numbers_of(result: Any) -> dict[str, Number]:
     numerical or its standard error. The master equation's where it is solved, else the ensemble's."""
     solved, eq, scale = result.master, result.eq, result.scale
     found, force = dict[str, Number](), scale.force_unit
-    if solved is not None and is_known(solved) and solved.force.size:
+    if solved is not None and is_precise(solved) and solved.force.size:
         error = np.full(solved.force.size, solved.force_error * result.mean_threshold)
         found |= _of_curve(solved.force, error, scale)
         if solved.regime is not None:

@@ -76,10 +76,10 @@ class SweepRecord:
 def key_units(along: Iterable[str], scale: Scale) -> dict[str, str]:
     """Units of keys of a scene that are swept as numbers, where they are known; by the last word of a key."""
     length, time = scale.length_unit, scale.time_unit
-    known = FIXED_UNITS | dict.fromkeys(LENGTHS, length) | dict.fromkeys(("delay", "time"), time)
-    known |= {"temperature": f"{length}²", "rate": f"{length}²/{time}"}
-    known |= {"velocity": scale.speed_unit}
-    return {key: known.get(key.rpartition(".")[2], "") for key in along}
+    units = FIXED_UNITS | dict.fromkeys(LENGTHS, length) | dict.fromkeys(("delay", "time"), time)
+    units |= {"temperature": f"{length}²", "rate": f"{length}²/{time}"}
+    units |= {"velocity": scale.speed_unit}
+    return {key: units.get(key.rpartition(".")[2], "") for key in along}
 
 
 def force_factors(record: SweepRecord, scale: Scale) -> Array:

@@ -167,9 +167,9 @@ class Result:
         without it, N_c<k> of other thresholds and of a scene with units = "N_c<k>"."""
         if self.interface is None:
             return without_stiffness(self.thresholds.in_metres)
-        known = {name: number.value for name, number in self.interface.items()}
-        density, pressure = known.get("contact_density"), known.get("pressure")
-        return of_surface(density, known["mean_stiffness"], pressure, self._area, self.asked.units)
+        values = {name: number.value for name, number in self.interface.items()}
+        density, pressure = values.get("contact_density"), values.get("pressure")
+        return of_surface(density, values["mean_stiffness"], pressure, self._area, self.asked.units)
 
     @property
     def _area(self) -> float | None:
@@ -233,6 +233,6 @@ def sample_curve(thresholds: Thresholds) -> ThresholdCurve:
     edges = np.unique([0.0, *panel_edges(thresholds, upper), *jumps, upper])
     within = np.linspace(edges[:-1], edges[1:], _PER_PANEL).ravel()
     x = np.unique(np.concatenate([quantiles, within, jumps * (1.0 - 1e-12), jumps * (1.0 + 1e-12)]))
-    known = length_unit_of(thresholds)
-    unit = known if known == "m" else OWN_UNIT
+    own = length_unit_of(thresholds)
+    unit = own if own == "m" else OWN_UNIT
     return ThresholdCurve(x, thresholds.pdf(x), thresholds.sf(x), atoms, weights, unit)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
-from toolkit.results.kinds import is_coupled, is_known
+from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.numbers import in_words
 from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import in_a_line, with_error
@@ -26,10 +26,10 @@ def report(result: Any) -> list[str]:
         lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None:
         period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
-        known = is_known(solved) and solved.slips.period is not None
-        period_text = f", last period {period.strip()}" if known else ""
+        periodic = is_precise(solved) and solved.slips.period is not None
+        period_text = f", last period {period.strip()}" if periodic else ""
         lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
-        if solved.energy is not None and solved.slips.drive.size and is_known(solved):
+        if solved.energy is not None and solved.slips.drive.size and is_precise(solved):
             lasts = spoken(solved.slips.duration.mean(), result.scale.time_unit)
             fastest = spoken(abs(solved.slips.top_speed).max(), result.scale.speed_unit)
             lines.append(f"motion  slips last {lasts} on average, top speed {fastest}")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from origins.thresholds.law import Array
-from toolkit.results.kinds import is_coupled, is_known
+from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.records import Result
 
 # points of a path: more, some tens of megabytes, are in result.h5 alone
@@ -81,7 +81,7 @@ def write_slips(result: Result, path: Path) -> None:
     for solver, slips in both:
         if slips is None:
             continue
-        if solver == "master" and not is_known(master):
+        if solver == "master" and not is_precise(master):
             columns["solver"].append(solver)
             columns["slider"].append("")
             for head, _ in names.values():

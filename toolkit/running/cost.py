@@ -62,9 +62,9 @@ def _measured(scene: str, changes: Mapping[str, Any]) -> Cost:
     """Run the scene here; see `cost`."""
     homes, stages, seen = metadata.packages_distributions(), list[Any](), set[str]()
     wanted = [line for line in metadata.requires("mesofriction") or [] if not _EXTRAS.search(line)]
-    known = {match[0].lower() for line in wanted if (match := re.match(r"[\w.-]+", line))}
+    required = {match[0].lower() for line in wanted if (match := re.match(r"[\w.-]+", line))}
     # modules of the distributions that are asked for; such as mpich have none
-    wanted_by = {name: of[0] for name, of in homes.items() if of[0].lower() in known}
+    wanted_by = {name: of[0] for name, of in homes.items() if of[0].lower() in required}
     began, used = time.perf_counter(), sum(os.times()[:4])
 
     def done(name: str) -> None:

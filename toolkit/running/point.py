@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.results.kinds import is_coupled, is_known
+from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.running.solvers import follow, make_ensemble, solve_master
 from toolkit.scene.scene import Scene, Source, checked
 
@@ -85,12 +85,12 @@ def _by_master(scene: Scene) -> dict[str, Column]:
     if solved.regime is not None:
         slips: Any = solved.slips
         found["regime"] = Column(solved.regime.verdict)
-        known = is_known(solved)
-        found["slips"] = Column(slips.drive.size if known else np.nan)
-        period = solved.period if known else None
+        answered = is_precise(solved)
+        found["slips"] = Column(slips.drive.size if answered else np.nan)
+        period = solved.period if answered else None
         found["period"] = Column(np.nan if period is None else period, unit)
         for name in ("force_before", "force_after"):
-            usable = known and slips.drive.size
+            usable = answered and slips.drive.size
             last = float(getattr(slips, name)[slips.main[-1]]) if usable else np.nan
             found[f"{name}_slip"] = Column(last, unit)
     return found if solved.success else found | {"message": Column(solved.message)}

@@ -78,11 +78,16 @@ def follow(
 
 @contextmanager
 def within(
-    deadline: float | None, scene: Scene, what: str, left: Callable[[], float] | None = None
+    deadline: float | None,
+    scene: Scene,
+    what: str,
+    remaining_time: Callable[[], float] | None = None,
 ) -> Iterator[None]:
-    """Raise InputError within once the deadline, in s of the monotonic clock, has passed, and no s are `left`."""
+    """Raise InputError within once the deadline, in s of the monotonic clock, has passed, and no time remains."""
     try:
-        with no_longer_than(None if deadline is None else deadline - time.monotonic(), left=left):
+        with no_longer_than(
+            None if deadline is None else deadline - time.monotonic(), remaining_time=remaining_time
+        ):
             yield
     except TimeIsUp as over:
         if scene.wall_time is None:

@@ -50,12 +50,12 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
         if read is None:
             hint = f'must be a number and a unit, "{own.example}" or "0.5 {own.shared}"'
             refuse(key, given, hint)
-        known = {own.si: 1.0, own.shared: 1.0} | own.others
-        if read[2] not in known:
-            refuse(key, given, f"unit {read[2]} is not known; known: {', '.join(known)}")
+        units = {own.si: 1.0, own.shared: 1.0} | own.others
+        if read[2] not in units:
+            refuse(key, given, f"unit {read[2]} is not known; known: {', '.join(units)}")
         check = non_negative if name == "damping" else positive
         try:
-            given = check(key, float(read[1]) * known[read[2]])
+            given = check(key, float(read[1]) * units[read[2]])
         except InputError as error:  # of the text as it was given
             refuse(key, given, str(error).partition(": ")[2])
         unit = own.shared if read[2] == own.shared else own.si

@@ -47,11 +47,11 @@ def with_error(value: float, error: float, digits: int) -> str:
     if not (np.isfinite(value) and 0.0 < error < np.inf):
         return f"{value:.{digits}g}" + " ± inf" * bool(np.isfinite(value) and error == np.inf)
     error_text = f"{error:.1g}"
-    known = int(np.floor(np.log10(abs(value) or error)) - np.floor(np.log10(float(error_text)))) + 1
-    if known >= digits:
+    shown = int(np.floor(np.log10(abs(value) or error)) - np.floor(np.log10(float(error_text)))) + 1
+    if shown >= digits:
         return f"{value:.{digits}g} ± {error_text}"
     # with its last zeros
-    return f"{value:#.{max(known, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {error_text}"
+    return f"{value:#.{max(shown, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {error_text}"
 
 
 def of_interface(interface: InSI) -> dict[str, Number]:

@@ -44,9 +44,9 @@ _BY_NAME |= {f"fig{figure.number}": label for label, figure in PAPER_FIGURES.ite
 def figures_called(name: str) -> list[str]:
     """Labels of the figures that a name means: one of `A08c`, `figA08c`, `fig10`, or all that begin with `A08`."""
     plain = re.sub(r"[\s._-]", "", name.lower())
-    for known in (plain, plain.removeprefix("figure"), plain.removeprefix("fig")):
-        if known in _BY_NAME:
-            return [_BY_NAME[known]]
+    for label in (plain, plain.removeprefix("figure"), plain.removeprefix("fig")):
+        if label in _BY_NAME:
+            return [_BY_NAME[label]]
     start = plain.removeprefix("fig")
     return [label for label in PAPER_FIGURES if start and label.lower().startswith(start)]
 

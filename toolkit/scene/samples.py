@@ -154,10 +154,10 @@ def _words(line: str) -> list[float]:
     return found
 
 
-def in_si(unit: str, known: dict[str, float]) -> float:
+def in_si(unit: str, units: dict[str, float]) -> float:
     """What one of this unit is in SI units; InputError for a unit that is not known."""
-    one_of("unit", unit, tuple(known))
-    return known[unit]
+    one_of("unit", unit, tuple(units))
+    return units[unit]
 
 
 def check_units(law: Mapping[str, Any], interface: Mapping[str, Any] | None) -> None:

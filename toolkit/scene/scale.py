@@ -62,8 +62,8 @@ def scale_of(contacts: Contacts, area: float | None, units: str = SI) -> Scale:
 
 def length_unit_of(thresholds: Thresholds) -> str:
     """Of the lengths of a law: "m" of a surface's, with a stated interface, or of samples in a unit; else "length"."""
-    known = thresholds.interface is not None or thresholds.in_metres
-    return "m" if known else "length"
+    in_metres = thresholds.interface is not None or thresholds.in_metres
+    return "m" if in_metres else "length"
 
 
 def of_units(law: Thresholds) -> list[str]:
@@ -153,13 +153,13 @@ def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) 
         return "not known"
     if not np.isfinite(value):
         return f"{value:g} {unit}".strip()
-    known = digits
+    significant = digits
     if value and 0.0 < uncertainty < np.inf:
-        known = int(np.clip(_known_digits(value, uncertainty), min(2, digits), digits))
+        significant = int(np.clip(_significant_digits(value, uncertainty), min(2, digits), digits))
     if unit not in PREFIXED or not value:
-        return f"{_rounded(value, known)} {unit}".strip()
+        return f"{_rounded(value, significant)} {unit}".strip()
     power = _power_of(value, unit)
-    return f"{_rounded(value / 10.0**power, known)} {PREFIXES[power]}{unit}"
+    return f"{_rounded(value / 10.0**power, significant)} {PREFIXES[power]}{unit}"
 
 
 def _power_of(value: float, unit: str) -> int:
@@ -176,10 +176,12 @@ def guarded(value: float, unit: str, uncertainty: float) -> str:
     them: with two digits two values that are nearly alike may seem 4 % apart."""
     if not (value and 0.0 < uncertainty < np.inf):
         return written(value, unit)
-    return written(value, unit, digits=int(np.clip(_known_digits(value, uncertainty) + 1, 3, 4)))
+    return written(
+        value, unit, digits=int(np.clip(_significant_digits(value, uncertainty) + 1, 3, 4))
+    )
 
 
-def _known_digits(value: float, uncertainty: float) -> int:
+def _significant_digits(value: float, uncertainty: float) -> int:
     """How many digits of the value its uncertainty leaves; 0 or less where that is larger."""
     return int(np.floor(np.log10(abs(value))) - np.floor(np.log10(uncertainty))) + 1
 
@@ -209,10 +211,10 @@ def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
     # an error of a ten-thousandth stands in the fifth digit
     number, _, prefixed = written(value, unit, error, digits + 1).partition(" ")
     beside = error / 10.0 ** _power_of(value, unit)
-    told = _rounded(beside, 1)
-    if "e-" in told:  # a value of 1 to 10 with so small an error
-        told = np.format_float_positional(beside, precision=1, fractional=False, trim="-")
-    return f"{number} ± {told} {prefixed}".strip()
+    text = _rounded(beside, 1)
+    if "e-" in text:  # a value of 1 to 10 with so small an error
+        text = np.format_float_positional(beside, precision=1, fractional=False, trim="-")
+    return f"{number} ± {text} {prefixed}".strip()
 
 
 def of_contacts(number: float, digits: str = ",.0f") -> str:

@@ -141,9 +141,9 @@ def read_table(tables: Mapping[str, Any]) -> SceneTable:
         where = place.strip("`$").lstrip(".")
         if "field" in expected:
             key = f"{where}.{expected.split('`')[1]}".lstrip(".")
-            known = _TABLES.get(where, RangeTable).__struct_encode_fields__
-            meant = what_is_meant(key.rpartition(".")[2], known)
-            said = f"unknown key; {meant}known here: {', '.join(known)}"
+            names = _TABLES.get(where, RangeTable).__struct_encode_fields__
+            meant = what_is_meant(key.rpartition(".")[2], names)
+            said = f"unknown key; {meant}known here: {', '.join(names)}"
             raise InputError(f"{key}: {'is missing' if 'missing' in expected else said}") from error
         value: Any = tables
         for key in where.replace("]", "").replace("[", ".").split("."):
@@ -175,21 +175,21 @@ def _with_quoted_keys(tables: Any) -> Any:
     return {**tables, "sweep": own | ({QUOTED: quoted} if quoted else {})}
 
 
-def what_is_meant(key: str, known: Iterable[str]) -> str:
+def what_is_meant(key: str, names: Iterable[str]) -> str:
     """For a message on an unknown key: the table that has it, if one does; else the known key nearest to it."""
     tables = [
         name for name, table in _TABLES.items() if name and key in table.__struct_encode_fields__
     ]
-    if (other := _ALSO_CALLED.get(key)) and other[0] in known:
+    if (other := _ALSO_CALLED.get(key)) and other[0] in names:
         return f"give {other[0]}, {other[1]}; "
     if tables and key in SceneTable.__struct_encode_fields__:
         return "it stands before all tables; "
-    return f"it stands in [{tables[0]}]; " if len(tables) == 1 else did_you_mean(key, known)
+    return f"it stands in [{tables[0]}]; " if len(tables) == 1 else did_you_mean(key, names)
 
 
-def did_you_mean(word: object, known: Iterable[str]) -> str:
+def did_you_mean(word: object, names: Iterable[str]) -> str:
     """A question that names the known word nearest to this one, for a message; "" where none is near."""
-    close = get_close_matches(str(word), list(known), 1)
+    close = get_close_matches(str(word), list(names), 1)
     return f"did you mean {close[0]}? " if close else ""
 
 

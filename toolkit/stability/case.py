@@ -131,22 +131,22 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     Wrong is: an error above the claim and the truth's own error together, a claim of success beside an error above
     `GRANTED` tolerances, an invariant that does not hold, or a value that is no number beside a claim that is one.
     """
-    values, known = np.atleast_1d(answer.values), np.atleast_1d(truth.values)
+    values, expected = np.atleast_1d(answer.values), np.atleast_1d(truth.values)
     claims = np.broadcast_to(np.asarray(answer.error, float), values.shape)
-    floors = np.broadcast_to(np.asarray(truth.error, float), known.shape)
+    floors = np.broadcast_to(np.asarray(truth.error, float), expected.shape)
     if not values.size:
         return Judgement(_short(answer), np.nan, np.nan, np.inf, answer.message)
-    both, cut = min(values.size, known.size), values.size < known.size  # a path may be cut
+    both, cut = min(values.size, expected.size), values.size < expected.size  # a path may be cut
     values, claims = values[:both], claims[:both]
-    known, floors = known[:both], floors[:both]
-    off = np.abs(np.subtract(values, known, out=np.zeros(both), where=values != known))
+    expected, floors = expected[:both], floors[:both]
+    off = np.abs(np.subtract(values, expected, out=np.zeros(both), where=values != expected))
     if (unknown := ~np.isfinite(off)).any():
         honest = not answer.success and np.isinf(claims[unknown]).all()
         verdict: Verdict = _short(answer) if honest else "wrong"
         return Judgement(verdict, np.nan, np.nan, np.inf, answer.message or "no number")
-    known_at = np.isfinite(floors)
-    off = np.where(known_at, off, 0.0)  # elsewhere the truth says nothing
-    worst = int(np.argmax(np.where(known_at, off, -1.0)))
+    checked = np.isfinite(floors)
+    off = np.where(checked, off, 0.0)  # elsewhere the truth says nothing
+    worst = int(np.argmax(np.where(checked, off, -1.0)))
     beyond = off - floors - ROUND_OFF
     said = answer.message
     if answer.faults:
@@ -159,10 +159,10 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     elif not answer.success or cut:
         verdict = _short(answer)
     else:
-        exact = known_at.any() and off.max() <= ROUND_OFF
+        exact = checked.any() and off.max() <= ROUND_OFF
         verdict = "exact" if exact else "within tolerance"
     claim = np.inf if cut else float(claims[worst])  # of the rest of a path nothing is known
-    error = float(off[worst]) if known_at[worst] else np.nan
+    error = float(off[worst]) if checked[worst] else np.nan
     return Judgement(verdict, error, float(floors[worst]), claim, said)
 
 
@@ -194,7 +194,7 @@ def rows(case: Case | Question) -> list[Row]:
     for name, found in answers.items():
         other = "ensemble" if name == "master" else "master"
         witness = _witness(other, answers.get(other, ("", 0.0))[0])
-        out.append(_row(case, name, found, exact or witness or _nothing_known(found[0])))
+        out.append(_row(case, name, found, exact or witness or _no_witness(found[0])))
     return out
 
 
@@ -229,7 +229,7 @@ def _witness(name: str, answer: Answer | str) -> Truth | None:
     return Truth(answer.values, answer.error, WITNESSES[name])
 
 
-def _nothing_known(answer: Answer | str) -> Truth | None:
+def _no_witness(answer: Answer | str) -> Truth | None:
     """No second road: invariants alone are checked."""
     return None if isinstance(answer, str) else Truth(answer.values, np.inf, "invariants alone")
 

@@ -31,8 +31,8 @@ def by_cohorts(contacts: Contacts, path: Array, time: Array | None = None) -> Tr
     Laws: any thresholds, grains that grow, soft, stiff or eyring heat, a delay; contacts form relaxed or with
     stretches of their own. The error is estimated from two halvings of all steps. Raises InputError for other laws.
     """
-    known = contacts.ageing is None and isinstance(contacts.thermal, Thermal | None)
-    if not known or contacts.stiffness == "linked" or contacts.each_by_itself() is not contacts:
+    supported = contacts.ageing is None and isinstance(contacts.thermal, Thermal | None)
+    if not supported or contacts.stiffness == "linked" or contacts.each_by_itself() is not contacts:
         raise InputError("contacts: by cohorts they neither age nor differ in stiffness")
     if contacts.thresholds.atoms[0].size:
         raise InputError("contacts: their F jumps at exact thresholds, which no steps resolve")

@@ -12,13 +12,13 @@ from toolkit.stability.table import answered
 
 PROMISED = 0.99  # of the cases have an error within the claim
 EXPECTED = (0.6827, 0.9545, 0.9973)  # of normal errors lie within 1, 2, 3 standard errors
-_COUNTED = 3.0  # counting errors that a share may be off by
+_COUNTED = 3.0  # counting errors that a fraction may be off by
 _CONTACTS = 4_000  # of the ensemble in a case
 _FEWEST = 30  # broken contacts without which errors are not normal
 
 
 @dataclass(frozen=True)
-class Share:
+class CountedFraction:
     """How many of `all` cases `hold`."""
 
     hold: int
@@ -29,7 +29,7 @@ class Share:
         return self.hold / max(self.all, 1)
 
     def counting_error(self, expected: float) -> float:
-        """Standard error of the share where `expected` is true."""
+        """Standard error of the fraction where `expected` is true."""
         return float(np.sqrt(expected * (1.0 - expected) / max(self.all, 1)))
 
 
@@ -37,30 +37,30 @@ class Share:
 class Coverage:
     """What the rows of many cases tell.
 
-    held : cases in which the master equation's claim bounds the true error; those that are refused, cut or
+    bounded : cases in which the master equation's claim bounds the true error; those that are refused, cut or
         unknown do not
     ratios : claim over true error (or round-off) where the truth is known well enough to tell, (n,)
     overruns : claims of success beside an error above 3 tolerances
     within : cases of the ensemble whose error is at most 1, 2 and 3 standard errors
     """
 
-    held: Share
+    bounded: CountedFraction
     ratios: Any
     overruns: int
-    within: tuple[Share, ...]
+    within: tuple[CountedFraction, ...]
 
     @property
     def promise_kept(self) -> bool:
         """Whether claims hold, in as many cases as chance lets so few tell."""
-        missing = self.held.all * (1.0 - PROMISED)
-        return self.held.all - self.held.hold <= missing and not self.overruns
+        missing = self.bounded.all * (1.0 - PROMISED)
+        return self.bounded.all - self.bounded.hold <= missing and not self.overruns
 
     @property
     def sigmas_kept(self) -> bool:
         """Whether intervals hold what they should, within counting error."""
         return all(
-            abs(share.value - expected) <= _COUNTED * share.counting_error(expected)
-            for share, expected in zip(self.within, EXPECTED, strict=True)
+            abs(fraction.value - expected) <= _COUNTED * fraction.counting_error(expected)
+            for fraction, expected in zip(self.within, EXPECTED, strict=True)
         )
 
 
@@ -100,26 +100,28 @@ def _ensemble(case: Case, seed: int) -> Question:
         return Answer(found.force[at] / unit, bound, bool(found.success), None, found.message)
 
     def truth() -> Truth:
-        known = case.exact(contacts, path) if case.exact else None
-        assert known is not None
-        error, at = np.broadcast_to(known.error, known.values.shape), place or [0]
-        return Truth(known.values[at], error[at], known.road)
+        exact = case.exact(contacts, path) if case.exact else None
+        assert exact is not None
+        error, at = np.broadcast_to(exact.error, exact.values.shape), place or [0]
+        return Truth(exact.values[at], error[at], exact.road)
 
     return Question(case.group, case.name, "ensemble", ask_it, truth)
 
 
 def coverage(rows: Iterable[Row]) -> Coverage:
-    """The shares of these rows."""
+    """What these rows tell."""
     by_master = [row for row in rows if row.solver != "ensemble"]
-    held = sum(not _failed(row) for row in by_master)
+    bounded = sum(not _failed(row) for row in by_master)
     sure = [row for row in by_master if row.floor <= 0.3 * max(row.claim, row.error)]
     ratios = [row.claim / max(row.error, ROUND_OFF) for row in sure]
     overruns = sum(row.said == OVERRUN for row in by_master)
     by_ensemble = [row for row in rows if row.solver == "ensemble"]
     sampled = [row for row in by_ensemble if np.isfinite([row.error, row.floor]).all()]
     off = np.array([SIGMAS * row.error / row.claim for row in sampled])
-    within = tuple(Share(int((off <= sigma).sum()), off.size) for sigma in (1.0, 2.0, 3.0))
-    return Coverage(Share(held, len(by_master)), np.array(ratios), overruns, within)
+    within = tuple(
+        CountedFraction(int((off <= sigma).sum()), off.size) for sigma in (1.0, 2.0, 3.0)
+    )
+    return Coverage(CountedFraction(bounded, len(by_master)), np.array(ratios), overruns, within)
 
 
 def _failed(row: Row) -> bool:
@@ -139,28 +141,29 @@ def as_lines(rows: Sequence[Row]) -> list[str]:
         ratio = f"{np.median(found.ratios):.3g}" if found.ratios.size else ""
         sigmas = [f"{100.0 * one.value:.1f}" if one.all else "" for one in found.within]
         against = "" if kind == "all" else "; ".join(roads)
-        lines.append(_line((kind, found.held.all, found.held.hold, ratio, *sigmas, against)))
+        lines.append(_line((kind, found.bounded.all, found.bounded.hold, ratio, *sigmas, against)))
     lines += [
         f"{row.verdict}: {row.solver}, {row.group} {row.case}: {row.said}"
         for row in rows
         if _failed(row)
     ]
     found = coverage(rows)
-    held, sure = found.held, found.ratios.size
+    bounded, sure = found.bounded, found.ratios.size
     missed = [row.verdict for row in rows if row.solver != "ensemble" and _failed(row)]
     refused, wrong = missed.count("refused"), missed.count("wrong")
     lines.append(
-        f"master: its claim bounds the true error in {held.hold} of {held.all} cases, {100.0 * held.value:.1f} %, at "
-        f"least 99 % promised; {refused} refused, {len(missed) - refused - wrong} cut or not known, and {wrong} that "
+        f"master: its claim bounds the true error in {bounded.hold} of {bounded.all} cases, "
+        f"{100.0 * bounded.value:.1f} %, at least 99 % promised; "
+        f"{refused} refused, {len(missed) - refused - wrong} cut or not known, and {wrong} that "
         f"claim too little count against it. Half of its claims are within "
         f"{np.median(found.ratios) if sure else np.nan:.3g} times the true error, or round-off ({sure} cases tell)"
     )
-    for sigma, (share, expected) in enumerate(zip(found.within, EXPECTED, strict=True), start=1):
-        if not share.all:
+    for sigma, (fraction, expected) in enumerate(zip(found.within, EXPECTED, strict=True), start=1):
+        if not fraction.all:
             continue
-        error = 100.0 * share.counting_error(expected)
+        error = 100.0 * fraction.counting_error(expected)
         lines.append(
-            f"ensemble: {100.0 * share.value:.1f} % of {share.all} errors within {sigma} standard errors; "
+            f"ensemble: {100.0 * fraction.value:.1f} % of {fraction.all} errors within {sigma} standard errors; "
             f"{100.0 * expected:.1f} ± {error:.1f} by chance"
         )
     return lines
@@ -168,19 +171,19 @@ def as_lines(rows: Sequence[Row]) -> list[str]:
 
 def _line(cells: Sequence[Any]) -> str:
     kind, cases, holding, ratio, *sigmas, against = cells
-    shares = "".join(f"{share:>7}" for share in sigmas)
-    return f"{kind:16}{cases:>6}{holding:>6}{ratio:>13}{shares}  {against}"
+    within = "".join(f"{percent:>7}" for percent in sigmas)
+    return f"{kind:16}{cases:>6}{holding:>6}{ratio:>13}{within}  {against}"
 
 
 def plain_coverage(found: Coverage) -> dict[str, Any]:
-    """The shares for JSON; `promise_kept` and `sigmas_kept` are the judgement."""
+    """The fractions for JSON; `promise_kept` and `sigmas_kept` are the judgement."""
     ratio = float(np.median(found.ratios)) if found.ratios.size else None
     return {
-        "held": found.held.hold,
-        "master_cases": found.held.all,
+        "held": found.bounded.hold,
+        "master_cases": found.bounded.all,
         "median_claim_over_error": ratio,
         "overruns": found.overruns,
-        "within_sigmas": [share.value for share in found.within],
+        "within_sigmas": [fraction.value for fraction in found.within],
         "ensemble_cases": found.within[0].all,
         "promise_kept": found.promise_kept,
         "sigmas_kept": found.sigmas_kept,

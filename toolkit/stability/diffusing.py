@@ -61,13 +61,13 @@ def aged_lives(
     breaks, survival = np.empty_like(travel), np.empty_like(travel)
     for k, stretch in enumerate(travel):
         if k:
-            known = density * (1.0 + half * now[1])
-            known[:-1] += half * now[0, 1:] * density[1:]
-            known[1:] += half * now[2, :-1] * density[:-1]
+            right_side = density * (1.0 + half * now[1])
+            right_side[:-1] += half * now[0, 1:] * density[1:]
+            right_side[1:] += half * now[2, :-1] * density[:-1]
             now = rates(stretch)
             unknown = -half * now
             unknown[1] += 1.0
-            density = solve_banded((1, 1), unknown, known, check_finite=False)
+            density = solve_banded((1, 1), unknown, right_side, check_finite=False)
         breaks[k] = diffusion * density[0] / (apart[0] * velocity)
         survival[k] = width @ density
     return breaks, travel * survival

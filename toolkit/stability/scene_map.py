@@ -65,9 +65,9 @@ def scene_map(
     for done, (key, value) in enumerate(all_numbers):
         say(f"{key} = {value}")
         for sign in (-1, 1):
-            ways = 2 * (len(all_numbers) - done) - (sign > 0)  # with this one, still to be gone
+            searches = 2 * (len(all_numbers) - done) - (sign > 0)  # with this one, still to be done
             now = time.process_time()
-            own_end = now + (until - now) / ways
+            own_end = now + (until - now) / searches
             for decade in range(1, DECADES + 1):
                 other = times(value, 10.0 ** (sign * decade))
                 shown = other if isinstance(other, str) else f"{other:.6g}"

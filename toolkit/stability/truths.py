@@ -176,8 +176,8 @@ def pulled(spring: float, contacts: Contacts, path: Array) -> Truth:
     low = np.maximum(high - grid[1], 0.0)
     for _ in range(50):
         middle = 0.5 * (low + high)
-        reached = balance(np.append(middle, grid[-1]))[:-1] >= spring * drive
-        low, high = np.where(reached, low, middle), np.where(reached, middle, high)
+        balanced = balance(np.append(middle, grid[-1]))[:-1] >= spring * drive
+        low, high = np.where(balanced, low, middle), np.where(balanced, middle, high)
     # a slip leaps over many steps of the grid
     error = np.where(grid[far] - grid[near] > 10.0 * grid[1], np.inf, 1e-12 * (1.0 + spring))
     return Truth(spring * (drive - high), error, "F of the rigid slider, in closed form")

@@ -8,7 +8,7 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
-from toolkit.results.kinds import is_known
+from toolkit.results.kinds import is_precise
 from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_follow, without_heat
 from toolkit.verdict.machine import (
@@ -202,7 +202,7 @@ def _by_distribution(
             if key.startswith("path") or "end the path" in why:
                 why = why.partition("; ")[0]
             return not_followed(rule, why or str(error))
-        if found.slips and not is_known(solved):
+        if found.slips and not is_precise(solved):
             break  # what the shorter path told stands
         found = replace(
             _behaviour(rule, solved, machine.velocity), cut=solved.path.size < path.size
@@ -262,7 +262,7 @@ def _after_forgetting(
 
 def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
     """What the solution of a soft slider says: no figure where its force is not known."""
-    if not is_known(solved):
+    if not is_precise(solved):
         why = solved.message
         if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
             why = f"neither force nor slips are known in time: {MORE_TIME}"

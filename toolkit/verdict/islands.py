@@ -33,9 +33,9 @@ def with_barriers(contacts: Contacts) -> Contacts:
         return contacts
     if law.samples.size <= FEW:
         values = [identical(value) for value in law.samples.tolist()]
-        return contacts.replace(thresholds=mixture(values, law.shares))
+        return contacts.replace(thresholds=mixture(values, law.fractions))
     bins = int(np.clip(law.samples.size // IN_A_BIN, 1, MOST_BINS))
-    up_to = np.append(0.0, np.cumsum(law.shares))
+    up_to = np.append(0.0, np.cumsum(law.fractions))
     ends = np.append(law.samples[0], law.samples)
     edges = np.unique(np.interp(np.linspace(0.0, 1.0, bins + 1), up_to, ends))
     weights = np.diff(np.interp(edges, ends[1:], up_to[1:], left=0.0))
