@@ -16,19 +16,19 @@ from origins.drive import Drive
 from toolkit.results.slips import are_fading
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
-from toolkit.verdict.machine import Behaviour, Known, Machine
+from toolkit.verdict.machine import Behaviour, Machine, RigidSlider
 
 NARROW = Contacts(gaussian(1.0, 0.05))
 
 
-def known_of(contacts: Contacts) -> Known:
+def known_of(contacts: Contacts) -> RigidSlider:
     """F_s, F_k, K* and the decoherence length of these contacts."""
     found, steady = master.propensity(contacts, 1e-6), master.steady_state(contacts)
     static = found.static_to_kinetic * steady.force
-    return Known(static, steady.force, 1e-9, found.critical_spring, found.decoherence_length)
+    return RigidSlider(static, steady.force, 1e-9, found.critical_spring, found.decoherence_length)
 
 
-def followed(spring: float, contacts: Contacts = NARROW) -> tuple[Machine, Known, Behaviour]:
+def followed(spring: float, contacts: Contacts = NARROW) -> tuple[Machine, RigidSlider, Behaviour]:
     """What infinitely many contacts that re-form at once do on this spring."""
     machine, known = Machine(spring, None, 0.0, 1.0), known_of(contacts)
     return machine, known, follow(machine, contacts, "instant", known, wall_time=1e4)

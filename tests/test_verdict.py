@@ -37,8 +37,8 @@ from toolkit.verdict.machine import (
     NO_TIME,
     Behaviour,
     Finite,
-    Known,
     Machine,
+    RigidSlider,
     not_followed,
 )
 from toolkit.verdict.of_area import disagreeing, fall_of, late_force_of, with_more
@@ -661,12 +661,12 @@ SOFT = Machine(spring=1e-4, mass=None, damping=0.0, velocity=1.0)
 WIDE = Contacts(gaussian(1.0, 0.3))
 
 
-def rigid(contacts: Contacts) -> Known:
+def rigid(contacts: Contacts) -> RigidSlider:
     """F_s, F_k, K* and the decoherence length of these contacts."""
     found, steady = master.propensity(contacts, 1e-6), master.steady_state(contacts)
     static = found.static_to_kinetic * steady.force
     springs = found.critical_spring, found.decoherence_length
-    return Known(static, steady.force, 1e-9, *springs)
+    return RigidSlider(static, steady.force, 1e-9, *springs)
 
 
 def test_without_time_a_slider_that_forgets_its_start_slides_at_the_kinetic_force() -> None:
@@ -696,7 +696,7 @@ def test_a_refused_slider_is_told_without_a_path_to_give_and_with_units(monkeypa
 
     monkeypatch.setattr(master, "solve", refused)
     heavy = replace(SOFT, mass=1.0, damping=0.1)
-    found = follow(heavy, WIDE, "mass", Known(0.8, 0.5, 0.0, 3.0, 1.0), wall_time=10.0)
+    found = follow(heavy, WIDE, "mass", RigidSlider(0.8, 0.5, 0.0, 3.0, 1.0), wall_time=10.0)
     assert found.kind == "undecided" and found.message == why
     metres = Scale(length_unit="m", time_unit="s")
     assert in_units(why, metres) == why + "0 s" and in_units(why, Scale()) == why
@@ -762,7 +762,7 @@ def test_slips_of_islands_are_those_of_the_barriers_and_not_of_their_smooth_law(
     way = np.linspace(0.0, 6e3, 50)
     own = eq_model.simulate(exact, way, spring=1e-4, slip="reset", n_contacts=20_000, seed=5)
     before = float(own.slips.force_before.mean())
-    known = Known(0.35, 0.25, 1e-9, float("inf"), 1.0)
+    known = RigidSlider(0.35, 0.25, 1e-9, float("inf"), 1.0)
     assert of_smoothing(law)
     told = follow_islands(SOFT, contacts, "reset", known, wall_time=1e4)
     finite = follow_finite(SOFT, with_barriers(contacts), 2e4, told, known.static, 1e3)
@@ -796,7 +796,7 @@ def test_the_ensembles_slips_of_a_narrow_peak_between_those_of_all_are_no_slips(
     soft = replace(SOFT, spring=0.01)
     solved: Any = master.solve(law, [0.0, 88.0], 1e-6, spring=0.01, slip="reform-after")
     (exact,) = solved.slips.force_before[solved.slips.main]
-    known = Known(exact, 0.487, 1e-9, 5.37, 1.0)
+    known = RigidSlider(exact, 0.487, 1e-9, 5.37, 1.0)
     told = follow(soft, law, "reform-after", known, wall_time=0.0)
     finite = follow_finite(soft, law, 2e4, told, exact, seconds=1e3)
     assert told.kind == finite.kind == "stick-slip" and told.slips == 6
@@ -1400,17 +1400,17 @@ def test_a_busy_machine_is_given_more_of_the_clock(monkeypatch: Any) -> None:
     monkeypatch.setattr(time, "process_time", lambda: now["work"])
     shared, given = Budget(60.0, strict=False), Budget(60.0, strict=True)
     now |= {"clock": 40.0, "work": 20.0}
-    assert shared.left() == pytest.approx(80.0, rel=0.05) and given.left() == 20.0
-    assert shared.part(0.5).left() == pytest.approx(40.0, rel=0.05)
+    assert shared.remaining() == pytest.approx(80.0, rel=0.05) and given.remaining() == 20.0
+    assert shared.part(0.5).remaining() == pytest.approx(40.0, rel=0.05)
     now["work"] = 80.0  # several threads: the clock counts
-    assert shared.left() == 20.0
+    assert shared.remaining() == 20.0
     # before anything is known of the pace, two programs beside this one want the cores
     now |= {"clock": 0.0, "work": 0.0}
     monkeypatch.setattr(os, "getloadavg", lambda: (3.0, 1.0, 1.0))
-    assert Budget(60.0, strict=False).left() == 120.0
+    assert Budget(60.0, strict=False).remaining() == 120.0
     # the load of a hundred cores says little of the two that this process may use
     monkeypatch.setattr(os, "getloadavg", lambda: (99.0, 1.0, 1.0))
-    assert Budget(60.0, strict=False).left() == 240.0
+    assert Budget(60.0, strict=False).remaining() == 240.0
 
 
 def test_a_mass_without_time_is_not_told_to_shorten_its_path() -> None:
@@ -1446,7 +1446,9 @@ def test_heat_that_does_nothing_leaves_the_ensemble_to_a_heavy_slider() -> None:
     heat = origins.Thermal("soft", temperature=1e-8, attempt_frequency=1.0)
     contacts = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=heat, delay=origins.Delay(20.0))
     machine = Machine(spring=1e-2, mass=1e-3, damping=1e-3, velocity=0.1)
-    known = Known(static=0.7, kinetic=0.5, kinetic_error=1e-9, critical_spring=1.0, memory=1.0)
+    known = RigidSlider(
+        static=0.7, kinetic=0.5, kinetic_error=1e-9, critical_spring=1.0, memory=1.0
+    )
     found = follow(machine, contacts, "mass", known, 2.0)
     assert found.heat_left_out is not None and found.error >= found.heat_left_out
     assert found.kind == "stick-slip"
@@ -1512,7 +1514,7 @@ def test_a_slider_that_rings_at_the_end_of_its_path_is_not_called_smooth() -> No
     """Without damping it rings on while contacts that form again break at once."""
     contacts, known = (
         Contacts(gaussian(1.0, 0.2), delay=Delay(300.0)),
-        Known(0.75, 0.52, 1e-9, 1.0, 4.0),
+        RigidSlider(0.75, 0.52, 1e-9, 1.0, 4.0),
     )
     for damping, kind in ((0.0, "undecided"), (1e-4, "stick-slip")):
         machine = Machine(spring=1e-3, mass=1e-3, damping=damping, velocity=1.0)
@@ -1536,7 +1538,7 @@ def test_a_mass_is_followed_until_its_swing_has_died_away(damping: float) -> Non
     """Sliding at F_k the spring bears F_k + γv in the end; a path of a few loadings is shorter than one period."""
     contacts = Contacts(gaussian(1.0, 0.2))
     steady = master.steady_state(contacts, velocity=1.0)
-    known = Known(0.75, steady.force, 1e-9, 1.0, 4.0)
+    known = RigidSlider(0.75, steady.force, 1e-9, 1.0, 4.0)
     machine = Machine(spring=2.0, mass=50.0, damping=damping, velocity=1.0)
     found = follow(machine, contacts, "mass", known, 60.0)
     assert found.kind == "smooth" and found.error < 0.02

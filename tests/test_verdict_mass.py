@@ -22,7 +22,7 @@ from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import verdict
-from toolkit.verdict.machine import NO_TIME, Behaviour, Finite, Known, Machine, not_followed
+from toolkit.verdict.machine import NO_TIME, Behaviour, Finite, Machine, RigidSlider, not_followed
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.table import table
@@ -54,7 +54,9 @@ def test_the_trace_of_a_mass_has_its_slips_in_time() -> None:
     spring's force falls along it, and not at one place of the drive."""
     machine = Machine(spring=1e-2, mass=1.0, damping=0.02, velocity=1.0)
     contacts = WAITING.replace(delay=Delay(200.0))
-    found = follow_by_contacts(machine, contacts, "mass", 80.0, 1e9, Known(0.8, 0.5, 0, 3, 500))
+    found = follow_by_contacts(
+        machine, contacts, "mass", 80.0, 1e9, RigidSlider(0.8, 0.5, 0, 3, 500)
+    )
     top, bottom = int(np.argmax(found.force)), int(np.argmin(found.force))
     assert found.force[bottom] < 0.0 < found.force[top]
     way = found.drive[bottom] - found.drive[top]
@@ -138,7 +140,7 @@ def test_what_a_shorter_path_told_stands_where_a_longer_one_takes_too_long(
         return replace(found, path=path, **told)
 
     monkeypatch.setattr(master, "solve", without_time)
-    found = follow(machine, contacts, "mass", Known(0.8, 0.5, 0, 3, 500), 60.0)
+    found = follow(machine, contacts, "mass", RigidSlider(0.8, 0.5, 0, 3, 500), 60.0)
     assert found.kind == "undecided" and found.slips == 3 and found.before == 0.9
     assert ends[1] == pytest.approx(3600.0 + 2.2 * 1400.0)
 
@@ -153,7 +155,7 @@ def test_contacts_of_a_fast_drive_are_pulled_beyond_the_force_that_infinitely_ma
         master.steady_state(contacts, velocity=2e3),
     )
     static = found.static_to_kinetic * steady.force
-    known = Known(static, steady.force, 1e-9, found.critical_spring, found.decoherence_length)
+    known = RigidSlider(static, steady.force, 1e-9, found.critical_spring, found.decoherence_length)
     told = follow(machine, contacts, "mass", known, wall_time=1e9)
     assert told.kind == "smooth" and told.force.max() > 1.1 * static
     few = follow_finite(machine, contacts, 2000.0, told, static, 1e9)

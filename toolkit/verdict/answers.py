@@ -118,6 +118,8 @@ class Verdict:
         if own.smoothed:
             rows[-1] = ("critical spring K*", "not known: it hangs on the smoothing of P_c")
         rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
-        held = [one for one in self.finite if one.kind != "unknown"]
-        rows += [(f"{of_contacts(one.contacts)}, slip rule {one.rule}", one.kind) for one in held]
+        followed = [one for one in self.finite if one.kind != "unknown"]
+        rows += [
+            (f"{of_contacts(one.contacts)}, slip rule {one.rule}", one.kind) for one in followed
+        ]
         return as_table(self.title, rows)

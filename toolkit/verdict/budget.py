@@ -26,15 +26,15 @@ class Budget:
         self._first_pace = _expected_pace() if pace is None else pace
         self._clock, self._work = time.monotonic(), time.process_time()
 
-    def left(self) -> float:
-        """How many s of the clock are left at the pace so far; below 0 once the time is over."""
+    def remaining(self) -> float:
+        """How many s of the clock remain at the pace so far; below 0 once the time is over."""
         used, pace = self._used()
         return (self._seconds - used) * pace
 
-    def part(self, share: float) -> "Budget":
-        """A budget from now on, of this share of what is left."""
+    def part(self, fraction: float) -> "Budget":
+        """A budget from now on, of this fraction of what remains."""
         used, pace = self._used()
-        return Budget(share * (self._seconds - used), self._strict, pace)
+        return Budget(fraction * (self._seconds - used), self._strict, pace)
 
     def _used(self) -> tuple[float, float]:
         """Seconds that count, and the pace."""

@@ -30,17 +30,17 @@ def closely(found: Behaviour, machine: Machine, contacts: Contacts, seconds: flo
         return found
     if found.damping is not None:
         machine = replace(machine, damping=found.damping)
-    start, way = contacts.start.mean() / machine.spring, machine.velocity * lasts
+    start, distance = contacts.start.mean() / machine.spring, machine.velocity * lasts
     with suppress(InputError):
         for _ in range(TRIES):
-            places = begin + way * np.linspace(-BEFORE, 1.0 + AFTER, POINTS)
+            places = begin + distance * np.linspace(-BEFORE, 1.0 + AFTER, POINTS)
             places = places[places > start]
             path = np.concatenate([[start], places])
             solved = _solved(found, machine, contacts, path, seconds / TRIES)
             late = first_of(solved.slips)
             if late is None or solved.path.size < path.size:
                 break
-            if abs(late - begin) < 0.5 * BEFORE * way:
+            if abs(late - begin) < 0.5 * BEFORE * distance:
                 drive, force = with_slips(solved, machine.velocity)
                 shown = drive >= places[0]
                 return replace(found, slip_drive=drive[shown], slip_force=force[shown])

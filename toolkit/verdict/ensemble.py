@@ -17,8 +17,8 @@ from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.machine import (
     Behaviour,
     Finite,
-    Known,
     Machine,
+    RigidSlider,
     first_of,
     half_a_swing,
     last_of,
@@ -46,7 +46,7 @@ LATE, RINGS = 10, 0.3
 NOT_SLID = "their path ended before they slid or slipped"
 
 
-def may_follow(machine: Machine, contacts: Contacts, rule: str, known: Known) -> bool:
+def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlider) -> bool:
     """Whether finitely many contacts tell what infinitely many do.
 
     With a mass where a delay is far above the time of a slip, π (M/K)^(1/2): else contacts re-form while it goes on,
@@ -57,7 +57,7 @@ def may_follow(machine: Machine, contacts: Contacts, rule: str, known: Known) ->
         return False
     if rule == "mass":
         return contacts.waiting_time >= LONG_DELAY * half_a_swing(machine)
-    return rule != "instant" and machine.spring < SOFT * known.critical_spring
+    return rule != "instant" and machine.spring < SOFT * rigid.critical_spring
 
 
 def sliders(
@@ -80,23 +80,28 @@ def sliders(
     if number > FEW:
         eq_model.Ensemble(contacts, path, n_contacts=FEW, **asked)  # makes the kernels and tables
         pilot = eq_model.simulate(contacts, path, n_contacts=FEW, **asked)
-        left = max(seconds - pilot.run_time, 0.0)
-        needed, most = pilot.run_time * number / FEW, int(FEW * left / pilot.run_time)
-        if needed > left and most <= FEW:
+        remaining = max(seconds - pilot.run_time, 0.0)
+        needed, most = pilot.run_time * number / FEW, int(FEW * remaining / pilot.run_time)
+        if needed > remaining and most <= FEW:
             if few_will_do:
                 return pilot
             raise InputError(
-                f"{number:,} contacts would take some {needed:,.2g} s, where {left:.0f} s are left: {MORE_TIME}"
+                f"{number:,} contacts would take some {needed:,.2g} s, where {remaining:.0f} s are left: {MORE_TIME}"
             )
         if (
-            needed > left
+            needed > remaining
         ):  # by powers of 2, as the pilot's time differs from run to run, and answers should not
             number = FEW * 2 ** int(np.log2(most / FEW))
     return eq_model.simulate(contacts, path, n_contacts=number, **asked)
 
 
 def follow_by_contacts(
-    machine: Machine, contacts: Contacts, rule: str, loading: float, until: float, known: Known
+    machine: Machine,
+    contacts: Contacts,
+    rule: str,
+    loading: float,
+    until: float,
+    rigid: RigidSlider,
 ) -> Behaviour:
     """Sliders by the ensemble of as many contacts as there are, or fewer where there is no time for all; `loading`: way
     of the drive up to the static force, `until`: s of the monotonic clock.
@@ -104,7 +109,7 @@ def follow_by_contacts(
     Fewer slip earlier, by some N^(-2/3): the forces before a slip of two numbers tell by how much.
     """
     path = contacts.start.mean() / machine.spring + np.linspace(0.0, LOADINGS * loading, POINTS)
-    asked = min(round(known.contacts), MOST_CONTACTS) if known.contacts else CONTACTS
+    asked = min(round(rigid.contacts), MOST_CONTACTS) if rigid.contacts else CONTACTS
     try:
         found = sliders(
             machine, contacts, rule, path, asked, max(until - time.monotonic(), SHORT), True
@@ -125,7 +130,7 @@ def follow_by_contacts(
         many = with_late_slips(many, slips)
         before, after = many.before, many.after
         error = max(many.before_error, many.after_error, machine.spring * many.period_error)
-    if slipped and number < (known.contacts or np.inf):
+    if slipped and number < (rigid.contacts or np.inf):
         few = found
         if number > FEW:
             few = sliders(machine, contacts, rule, path, FEW, SHORT)
@@ -145,7 +150,7 @@ def follow_by_contacts(
         slips=common,
         error=float(error / unit),
         success=True,
-        message=told_by(number),
+        message=by_sliders(number),
         contacts=number,
         sliders=many,
         run_time=found.run_time,
@@ -183,7 +188,7 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
     )
 
 
-def told_by(number: int, heat: float | None = None) -> str:
+def by_sliders(number: int, heat: float | None = None) -> str:
     """Who tells of a behaviour: sliders of so many contacts each, without `heat` that may change the force by so many
     mean thresholds, which a line of its own tells."""
     cold = " without heat" * (heat is not None)
@@ -192,7 +197,7 @@ def told_by(number: int, heat: float | None = None) -> str:
 
 def without_heat(found: Behaviour, change: float) -> Behaviour:
     """What the ensemble found without heat that changes the force by at most so many mean thresholds."""
-    message = told_by(found.contacts or 0, change)
+    message = by_sliders(found.contacts or 0, change)
     return replace(found, error=found.error + change, message=message, heat_left_out=change)
 
 

@@ -76,8 +76,8 @@ class _Asked:
 
 
 @dataclass(frozen=True)
-class _Way:
-    """The drive's way for sliders of some contacts (a length), and the breaks of all of them on it, at most."""
+class _PlannedDrive:
+    """The drive's travel for sliders of some contacts (a length), and the breaks of all of them on it, at most."""
 
     end: float
     breaks: float
@@ -99,10 +99,10 @@ def follow_finite(
     until, found = time.monotonic() + seconds, None
     for least, above in pairwise((LEAST_ABOVE, *ABOVE)):
         began = time.monotonic()
-        again = _pulled(asked, until - began, above, above - least)
-        if found is not None and again.kind == "unknown":
-            return found if found.kind != "unknown" else again
-        found, now = again, time.monotonic()
+        longer = _pulled(asked, until - began, above, above - least)
+        if found is not None and longer.kind == "unknown":
+            return found if found.kind != "unknown" else longer
+        found, now = longer, time.monotonic()
         slid = not (found.rises or found.message == NOT_SLID)
         # those that begin to slide take longer the further they are pulled
         if slid or not asked.settles or until - now < LONGER * (now - began):
@@ -121,7 +121,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     )
     rule, slips = infinite.rule, infinite.kind == "stick-slip"
     settles = asked.settles
-    held = max(round(asked.number), 1)
+    present = max(round(asked.number), 1)
     mean = contacts.mean_threshold
     # with a delay far above the time of a slip (see `may_follow`) contacts are out until the slip is over
     swing = half_a_swing(machine) if rule == "mass" else 0.0
@@ -134,14 +134,14 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             contacts.waiting_time * (infinite.before - infinite.after) / machine.spring / swing
         )
 
-    def planned(number: int) -> _Way:
+    def planned(number: int) -> _PlannedDrive:
         """The way of the drive for so many contacts, and how often each breaks on it, at most."""
         softness = number ** (-2.0 / 3.0) / machine.spring if settles else 0.0
         # contacts that wait hold a slider that sticks to more than F_s of one that moves with the drive
-        reached = max(static, infinite.before) if slips else static
+        highest_force = max(static, infinite.before) if slips else static
         if rule == "mass" and infinite.kind != "undecided":
-            reached = max(reached, float(infinite.force.max(initial=0.0)))
-        loading = reached / machine.spring + (1.0 + above * softness) * mean
+            highest_force = max(highest_force, float(infinite.force.max(initial=0.0)))
+        loading = highest_force / machine.spring + (1.0 + above * softness) * mean
         end = LOADINGS * loading if slips else loading + BEYOND * mean
         longer = MANY_LOADINGS * loading
         lasting = MANY_LOADINGS if slips else longer / mean
@@ -154,38 +154,38 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             # the spring relaxes to the force of sliding, to none where that is not known
             relaxed = infinite.after if np.isfinite(infinite.after) else 0.0
             lives += max(static - relaxed, 0.0) / machine.spring / mean
-        return _Way(end, SLIDERS * number * lives)
+        return _PlannedDrive(end, SLIDERS * number * lives)
 
     # fewer contacts have to be pulled further
     most = MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
-    followed, way = min(held, MOST_CONTACTS), planned(held)
-    breaks_of_all = way.breaks
-    while followed >= min(held, FEW) and (way := planned(followed)).breaks > MORE * most:
-        followed = int(followed * most / way.breaks)
-    if followed < min(held, FEW):
+    followed, plan = min(present, MOST_CONTACTS), planned(present)
+    breaks_of_all = plan.breaks
+    while followed >= min(present, FEW) and (plan := planned(followed)).breaks > MORE * most:
+        followed = int(followed * most / plan.breaks)
+    if followed < min(present, FEW):
         why = f"some {breaks_of_all:.1g} breaks are more than are followed here"
-        return Finite(rule, held, "unknown", message=why)
+        return Finite(rule, present, "unknown", message=why)
     # the static force of so many scatters by some N^(-1/2) of itself
-    further = static / np.sqrt(held) / machine.spring / mean
+    further = static / np.sqrt(present) / machine.spring / mean
     if rule == "mass" and not slips and further > SCATTERED * BEYOND:
-        scatter = f"F_s of such sliders scatters by some {held**-0.5:.1%}"
+        scatter = f"F_s of such sliders scatters by some {present**-0.5:.1%}"
         far = spoken(further * mean, length_unit_of(contacts.thresholds))
         why = (
             f"{scatter}: they begin to slide {far} of the drive's way apart, too far to be followed"
         )
-        return Finite(rule, held, "unknown", message=why)
+        return Finite(rule, present, "unknown", message=why)
     if infinite.heat_left_out is not None:  # nor do as many contacts need it
         contacts = contacts.replace(thermal=None)
     if contacts.held_in_time:
         why = "single contacts are followed on a spring without heat and age only"
-        return Finite(rule, held, "unknown", message=why)
-    steady = way.end - SETTLED * BEYOND * mean
-    points = np.unique(np.linspace([0.0, max(steady, 0.0)], way.end, POINTS))
+        return Finite(rule, present, "unknown", message=why)
+    steady = plan.end - SETTLED * BEYOND * mean
+    points = np.unique(np.linspace([0.0, max(steady, 0.0)], plan.end, POINTS))
     path = contacts.start.mean() / machine.spring + points
     try:
         found = sliders(machine, contacts, rule, path, followed, seconds)
     except InputError as refused:
-        return Finite(rule, held, "unknown", message=str(refused))
+        return Finite(rule, present, "unknown", message=str(refused))
     drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     if settles:
@@ -194,12 +194,12 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         found = replace(found, slips=main_slips(found.slips))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
     if not counts.any() and not has_slid(found, mean):
-        return Finite(rule, held, "unknown", message=NOT_SLID)
+        return Finite(rule, present, "unknown", message=NOT_SLID)
     # contacts that re-form at once forget their start in many slips, as F falls from static to kinetic
     if flowing and infinite.kind == "undecided" and counts.any():
         few = found.contacts // SLIDERS
         why = f"{few:,} slip, perhaps only until they slide: what infinitely many do is not known"
-        return Finite(rule, held, "unknown", message=why)
+        return Finite(rule, present, "unknown", message=why)
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
     if not slips:
@@ -211,19 +211,19 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
                 found.slips.drop[found.slips.number == counts.min() - 1].mean() / mean,
             )
             why = f"{of_contacts(few)} slip ever less, by {last:.2g} <x_s> at the end of the way, as infinitely many do"
-            return Finite(rule, held, "unknown", message=why)
+            return Finite(rule, present, "unknown", message=why)
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     followed, message = found.contacts // SLIDERS, ""
-    if followed < held:
-        message = f"as infinitely many do, and so the {held:,} of the area, which lie between"
+    if followed < present:
+        message = f"as infinitely many do, and so the {present:,} of the area, which lie between"
         if kind != infinite.kind:
-            message = f"{held:,} take too long, and {followed:,} do something else than infinitely many: {kind}"
-            return Finite(rule, held, "unknown", message=message)
+            message = f"{present:,} take too long, and {followed:,} do something else than infinitely many: {kind}"
+            return Finite(rule, present, "unknown", message=message)
     finite = Finite(rule, followed, kind, message=message, drive=drive, force=force)
     if counts.any():
         main = found.slips if settles else main_slips(found.slips)
-        left_out = 0 if settles else all_slips - main.drive.size
-        finite = with_late_slips(replace(finite, smaller=left_out), main)
+        smaller = 0 if settles else all_slips - main.drive.size
+        finite = with_late_slips(replace(finite, smaller=smaller), main)
         if not settles:
             return finite
     # the part of the way along which the force is taken as that of steady sliding

@@ -14,14 +14,14 @@ from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_f
 from toolkit.verdict.machine import (
     NO_TIME,
     Behaviour,
-    Known,
     Machine,
+    RigidSlider,
     first_of,
     half_a_swing,
-    known_of,
     last_of,
     not_followed,
-    settling_way,
+    rigid_slider,
+    settling_distance,
     with_slips,
 )
 
@@ -59,7 +59,7 @@ def follow(
     machine: Machine,
     contacts: Contacts,
     rule: str,
-    known: Known,
+    rigid: RigidSlider,
     wall_time: float,
     rings: bool = False,
     in_time: float = TOLERANCE_IN_TIME,
@@ -73,72 +73,72 @@ def follow(
     is told; and an undamped slider is followed again with some damping.
     """
     end = time.monotonic() + wall_time
-    loading = known.static / machine.spring + contacts.mean_threshold
+    loading = rigid.static / machine.spring + contacts.mean_threshold
     # the ensemble keeps its tables with the contacts, for all rules
     cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
     undamped = machine.mass is not None and not machine.damping
     if undamped and rings:
-        return _damped(machine, contacts, rule, known, wall_time, in_time)
+        return _damped(machine, contacts, rule, rigid, wall_time, in_time)
     # without damping they ring on: while a slider is fast, contacts that form again break at once
-    by_contacts = may_follow(machine, cold, rule, known) and not undamped
+    by_contacts = may_follow(machine, cold, rule, rigid) and not undamped
     first = FIRST if rule == "mass" else FIRST_OF_RULES
     until = end - (1.0 - first) * wall_time * (undamped or by_contacts)
-    forgets = rule == "instant" and _forgets(machine, contacts, known)
+    forgets = rule == "instant" and _forgets(machine, contacts, rigid)
     if forgets or (by_contacts and rule != "mass" and not contacts.in_time):
         until = min(until, time.monotonic() + ENOUGH_OF_RULES)
-    one_length = rule != "mass" and may_follow(machine, contacts, rule, known)
+    one_length = rule != "mass" and may_follow(machine, contacts, rule, rigid)
     lengths = LENGTHS[:1] if one_length else LENGTHS
     tolerance = in_time if contacts.in_time else TOLERANCE
     if rule == "mass" and contacts.waiting_time:
         tolerance = max(tolerance, TOLERANCE_WITH_DELAY)
         lengths = (FIRST_WITH_DELAY, *lengths[1:])
-    ways = [each * loading for each in lengths]
-    found = _by_distribution(machine, contacts, rule, ways, until, tolerance)
+    distances = [each * loading for each in lengths]
+    found = _by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":
-        return _settled(found, known, contacts) if machine.mass is None else found
+        return _settled(found, rigid, contacts) if machine.mass is None else found
     # the ensemble takes no heat on a spring: it is followed where what it leaves out is known to change little
     by_contacts &= contacts.thermal is None or found.heat_left_out is not None
     if by_contacts and (rule != "mass" or not found.success):
-        other = follow_by_contacts(machine, cold, rule, loading, end, known)
+        other = follow_by_contacts(machine, cold, rule, loading, end, rigid)
         if other.kind == "undecided":
             return found
         return other if found.heat_left_out is None else without_heat(other, found.heat_left_out)
     if forgets:
-        return _after_forgetting(machine, contacts, known, found)
+        return _after_forgetting(machine, contacts, rigid, found)
     if undamped:
-        again = _damped(machine, contacts, rule, known, end - time.monotonic(), in_time)
-        return again if again.kind != "undecided" else found
+        damped = _damped(machine, contacts, rule, rigid, end - time.monotonic(), in_time)
+        return damped if damped.kind != "undecided" else found
     return found
 
 
-def _settled(found: Behaviour, known: Known, contacts: Contacts) -> Behaviour:
+def _settled(found: Behaviour, rigid: RigidSlider, contacts: Contacts) -> Behaviour:
     """Smooth sliding without mass whose force still changes at the path's end at F_k, to which it tends once contacts
     that began together have forgotten it, narrow thresholds after tens of them. Exact ones may keep their order: then
     the change is part of the error."""
     if found.kind != "smooth" or not found.drive.size:
         return found
     mean, late = contacts.mean_threshold, found.drive >= (1.0 - 1.0 / SETTLED_IN) * found.drive[-1]
-    left = float(np.ptp(found.force[late])) / mean
-    if left <= found.error:
+    change = float(np.ptp(found.force[late])) / mean
+    if change <= found.error:
         return found
     if contacts.thresholds.atoms[0].size:
-        return replace(found, error=found.error + left)
-    error = max(found.error, known.kinetic_error / mean)
-    return replace(found, before=known.kinetic, after=known.kinetic, error=error)
+        return replace(found, error=found.error + change)
+    error = max(found.error, rigid.kinetic_error / mean)
+    return replace(found, before=rigid.kinetic, after=rigid.kinetic, error=error)
 
 
 def _damped(
     machine: Machine,
     contacts: Contacts,
     rule: str,
-    known: Known,
+    rigid: RigidSlider,
     wall_time: float,
     in_time: float,
 ) -> Behaviour:
     """What an undamped slider with mass does with DAMPED of its critical damping."""
     critical = 2.0 * float(np.sqrt(machine.spring * (machine.mass or 0.0)))
     damped = replace(machine, damping=DAMPED * critical)
-    found = follow(damped, contacts, rule, known, wall_time, in_time=in_time)
+    found = follow(damped, contacts, rule, rigid, wall_time, in_time=in_time)
     return replace(found, damping=damped.damping)
 
 
@@ -157,13 +157,13 @@ def follow_other_delay(
     other = contacts.replace(thermal=None, delay=None)
     steady = master.steady_state(other, velocity=machine.velocity)
     found = master.propensity(other, velocity=machine.velocity, tolerance=ROUGHLY)
-    known = known_of(other, steady, found, number)
+    rigid = rigid_slider(other, steady, found, number)
     rule = "instant" if contacts.waiting_time else "reform-after"
-    told = follow(light, other, rule, known, wall_time)
-    way_in_slip = machine.velocity * half_a_swing(machine)
-    if told.period is not None and way_in_slip > SHORT_SLIP * told.period:
+    behaviour = follow(light, other, rule, rigid, wall_time)
+    slip_distance = machine.velocity * half_a_swing(machine)
+    if behaviour.period is not None and slip_distance > SHORT_SLIP * behaviour.period:
         return not_followed(rule, "a slip of this mass takes as long as the time between slips")
-    return told
+    return behaviour
 
 
 def _by_distribution(
@@ -180,7 +180,7 @@ def _by_distribution(
 
     begin = contacts.start.mean() / machine.spring
     found, swings = not_followed(rule, NO_TIME), False
-    settled = settling_way(machine, contacts.mean_threshold)
+    settled = settling_distance(machine, contacts.mean_threshold)
     if lengths[-1] < settled < np.inf:
         lengths = [*lengths, settled]
     enough = np.inf  # where the slider will have slipped often enough, as its slips tell
@@ -189,11 +189,11 @@ def _by_distribution(
         if swings and length < settled:
             continue
         path = begin + np.linspace(0.0, length, POINTS)
-        if (left := until - time.monotonic()) <= 0.0:
+        if (remaining := until - time.monotonic()) <= 0.0:
             break
         try:
             solved: Any = master.solve(
-                contacts, path, tolerance, wall_time=left, **machine.keywords(rule)
+                contacts, path, tolerance, wall_time=remaining, **machine.keywords(rule)
             )
         except InputError as error:
             # without the key and its value, which is in the solver's units, not in the user's
@@ -212,8 +212,8 @@ def _by_distribution(
             found = replace(found, kind="undecided", message=SWINGING)
         elif settled and found.kind == "smooth":
             # what is left of the swing, as the force is told from the path's end
-            left = float(np.ptp(solved.force[-POINTS // SETTLED_IN :])) / contacts.mean_threshold
-            found = replace(found, error=found.error + left)
+            change = float(np.ptp(solved.force[-POINTS // SETTLED_IN :])) / contacts.mean_threshold
+            found = replace(found, error=found.error + change)
         if found.kind != "undecided" or not solved.success:
             break
         enough = np.inf
@@ -223,7 +223,7 @@ def _by_distribution(
     return found
 
 
-def _forgets(machine: Machine, contacts: Contacts, known: Known) -> bool:
+def _forgets(machine: Machine, contacts: Contacts, rigid: RigidSlider) -> bool:
     """Whether the slip from F_s is so long that the contacts have forgotten their start when it ends.
 
     Without laws in time F of contacts that re-form at once hangs on the slider's position alone, and tends to F_k: a
@@ -232,31 +232,31 @@ def _forgets(machine: Machine, contacts: Contacts, known: Known) -> bool:
     """
     if contacts.in_time or contacts.reforming is not None or contacts.thresholds.atoms[0].size:
         return False
-    way = (known.static - known.kinetic) / machine.spring
+    distance = (rigid.static - rigid.kinetic) / machine.spring
     needed = FORGOTTEN + np.log(1.0 / machine.spring)
-    return machine.spring < SOFTEST and way > needed * known.memory
+    return machine.spring < SOFTEST and distance > needed * rigid.memory
 
 
 def _after_forgetting(
-    machine: Machine, contacts: Contacts, known: Known, found: Behaviour
+    machine: Machine, contacts: Contacts, rigid: RigidSlider, found: Behaviour
 ) -> Behaviour:
     """Sliding at F_k after the slip from F_s; its error is that of F_k, and of the slider's way up to F_s."""
     mean, begin = contacts.mean_threshold, contacts.start.mean()
-    slip = known.static / machine.spring
-    way = (known.static - known.kinetic) / machine.spring / mean
+    slip = rigid.static / machine.spring
+    distance = (rigid.static - rigid.kinetic) / machine.spring / mean
     return replace(
         found,
         kind="smooth",
-        before=known.kinetic,
-        after=known.kinetic,
+        before=rigid.kinetic,
+        after=rigid.kinetic,
         period=None,
         slips=1,
-        error=known.kinetic_error / mean + machine.spring,
+        error=rigid.kinetic_error / mean + machine.spring,
         success=True,
-        message=f"its slip from F_s goes on for {way:.1e} mean thresholds, after which the contacts have forgotten "
-        "their start and F is F_k; smaller slips before it were not followed",
+        message=f"its slip from F_s goes on for {distance:.1e} mean thresholds, after which the contacts have "
+        "forgotten their start and F is F_k; smaller slips before it were not followed",
         drive=np.array([begin / machine.spring, slip, slip, 2.0 * slip]),
-        force=np.array([begin, known.static, known.kinetic, known.kinetic]),
+        force=np.array([begin, rigid.static, rigid.kinetic, rigid.kinetic]),
     )
 
 

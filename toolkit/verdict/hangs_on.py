@@ -31,8 +31,8 @@ from toolkit.verdict.kinds import (
 from toolkit.verdict.machine import Finite
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
 from toolkit.verdict.table import drop_of, in_units, regained_by
-from toolkit.verdict.uncertainty import reach_of_force, shares_of
-from toolkit.verdict.undone import left_undone, of_errors
+from toolkit.verdict.uncertainty import range_of_force, uncertainties_of
+from toolkit.verdict.undone import of_errors, unanswered
 
 NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
 RULE = "<rule>"
@@ -49,7 +49,7 @@ def dependence(verdict: Verdict) -> list[str]:
         of_a_stuck_slider(verdict),
         _of_a_mass(verdict),
         _of_contacts(verdict),
-        left_undone(verdict),
+        unanswered(verdict),
         of_errors(verdict),
     )
     return sorted_texts(chain(*lines))
@@ -61,7 +61,7 @@ def _of_readings(verdict: Verdict) -> Iterator[Line]:
     if many < 2:
         return
     differ = others(verdict)
-    size = TURNS if differ else shares_of(verdict).readings
+    size = TURNS if differ else uncertainties_of(verdict).readings
     springs = [
         one.critical_spring.value * one.scale.spring
         for one in answers
@@ -70,7 +70,7 @@ def _of_readings(verdict: Verdict) -> Iterator[Line]:
     if len(springs) > 1:
         factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
         said = f"K* differs by a factor of {factor:.3g} over {len(springs)} readings"
-        said += f", and {reach_of_force(verdict)}"
+        said += f", and {range_of_force(verdict)}"
         yield Line(size, f"threshold law, contact model and resolution: {said}")
     for kind, names in differ.items():
         yield Line(size, f"of these, {kind}: {', '.join(names)}")
@@ -80,11 +80,11 @@ def _of_readings(verdict: Verdict) -> Iterator[Line]:
     absent = {one.name for one in missing}
     decided = [one for one in answers[1:] if {each.kind for each in one.behaviours} - {"undecided"}]
     decided = [one for one in decided if one.name not in absent]
-    known = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
+    decided_rules = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
     partly = [
         answer.name
         for answer in decided
-        if any(one.kind == "undecided" for one in answer.behaviours if one.rule in known)
+        if any(one.kind == "undecided" for one in answer.behaviours if one.rule in decided_rules)
     ]
     if partly:
         said = "decided under some slip rules, and not under others"
@@ -109,8 +109,10 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
     if not verdict.velocity_given and own.machine is not None and own.scale.length_unit == "m":
         decides = bool(own.contacts.in_time) or own.machine.mass is not None
         what = "forces and slips hang on it, and all times" if decides else "all times hang on it"
-        told = "none is given, and 1 m/s is taken"
-        yield Line(TURNS if decides else UNSIZED, f"the speed: {told}; {what}: give drive.velocity")
+        given = "none is given, and 1 m/s is taken"
+        yield Line(
+            TURNS if decides else UNSIZED, f"the speed: {given}; {what}: give drive.velocity"
+        )
     yield from (Line(UNSIZED, one) for one in of_celsius(own.contacts))
 
 
@@ -159,12 +161,12 @@ def _of_a_mass(verdict: Verdict) -> Iterator[Line]:
             )
         if (regained := regained_by(verdict, behaviour)) is not None:
             drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit
-            back = drop - (left := regained * own.scale.force)
+            back = drop - (remaining := regained * own.scale.force)
             yield Line(
                 GENERAL,
                 f"the slider rings after a slip, while its contacts are out: of the drop of {written(drop, force)} it "
                 f"swings back by {written(back, force)} before it sticks, and the period is that of the other "
-                f"{written(left, force)}",
+                f"{written(remaining, force)}",
             )
 
 
@@ -185,12 +187,12 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
         Line(_size_of(verdict, one), one)
         for one in remarks(own.contacts.thresholds, machine is not None)
     )
-    known = [finite for finite in verdict.finite if finite.kind != "unknown"]
+    followed = [finite for finite in verdict.finite if finite.kind != "unknown"]
     # what the headline tells already, in place of infinitely many, is not told again
     alone = [one.sliders for one in own.behaviours if one.sliders and not one.sliders.message]
-    known = [finite for finite in known if not any(finite is one for one in alone)]
-    for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in known).items():
-        change = max(_change_by(verdict, one) for one in known if one.rule in rules)
+    followed = [finite for finite in followed if not any(finite is one for one in alone)]
+    for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in followed).items():
+        change = max(_change_by(verdict, one) for one in followed if one.rule in rules)
         yield Line(change, said.replace(RULE, named(rules)))
     unknown = [finite for finite in verdict.finite if finite.kind == "unknown"]
     for why, rules in by_reason(_unknown(verdict, one) for one in unknown).items():
@@ -211,28 +213,28 @@ def _unknown(verdict: Verdict, many: Finite) -> tuple[str, str]:
 
 def _size_of(verdict: Verdict, remark: str) -> float:
     """By how much what a remark on the thresholds names may change the forces."""
-    surface, shares = verdict.own.contacts.interface, shares_of(verdict)
+    surface, uncertainties = verdict.own.contacts.interface, uncertainties_of(verdict)
     if "?" in remark:
         return TURNS
     if isinstance(surface, Interface):
         if remark == surface.plastic_caution:
             return surface.plastic_load_fraction or 0.0
         return UNSIZED if remark in surface.cautions else GENERAL
-    return shares.sampling or UNSIZED
+    return uncertainties.sampling or UNSIZED
 
 
 def _change_by(verdict: Verdict, many: Finite) -> float:
     """By how much the forces of so many contacts differ from those of infinitely many; of more than were followed by
     N^(-2/3) as much."""
     one = next(each for each in verdict.own.behaviours if each.rule == many.rule)
-    told = many.late if np.isfinite(many.late) else many.before
+    force = many.late if np.isfinite(many.late) else many.before
     if many.message and np.isfinite(many.late) and one.kind == "smooth":
-        share = many.contacts / (verdict.own.scale.contacts or many.contacts)
-        return abs(told - one.before) / abs(one.before) * min(share, 1.0) ** (2.0 / 3.0)
+        fraction = many.contacts / (verdict.own.scale.contacts or many.contacts)
+        return abs(force - one.before) / abs(one.before) * min(fraction, 1.0) ** (2.0 / 3.0)
     if many.rule not in apart(verdict):
         return NOTHING
     alike = one.kind == many.kind or (one.kind == "smooth" and np.isfinite(many.late))
-    return abs(told - one.before) / abs(one.before) if alike else TURNS
+    return abs(force - one.before) / abs(one.before) if alike else TURNS
 
 
 def _not_followed(verdict: Verdict, many: Finite) -> float:

@@ -11,7 +11,7 @@ from origins.thresholds.mixture import mixture
 from toolkit.scene.interfaces import of_smoothing
 from toolkit.verdict.ensemble import follow_by_contacts
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, follow
-from toolkit.verdict.machine import Behaviour, Known, Machine
+from toolkit.verdict.machine import Behaviour, Machine, RigidSlider
 
 # barriers in a bin of the law of these, and most bins: more change F by less than the sampling of 20,000 barriers does
 IN_A_BIN, MOST_BINS = 20, 1000
@@ -48,7 +48,7 @@ def follow_islands(
     machine: Machine,
     contacts: Contacts,
     rule: str,
-    known: Known,
+    rigid: RigidSlider,
     wall_time: float,
     rings: bool = False,
     in_time: float = TOLERANCE_IN_TIME,
@@ -57,6 +57,6 @@ def follow_islands(
     ensemble tells of them, with the barriers themselves."""
     barriers = with_barriers(contacts)
     if barriers is contacts or contacts.held_in_time or rule not in ("reset", "reform-after"):
-        return follow(machine, contacts, rule, known, wall_time, rings, in_time)
-    loading = known.static / machine.spring + contacts.mean_threshold
-    return follow_by_contacts(machine, barriers, rule, loading, time.monotonic() + wall_time, known)
+        return follow(machine, contacts, rule, rigid, wall_time, rings, in_time)
+    loading = rigid.static / machine.spring + contacts.mean_threshold
+    return follow_by_contacts(machine, barriers, rule, loading, time.monotonic() + wall_time, rigid)

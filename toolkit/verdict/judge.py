@@ -33,9 +33,9 @@ from toolkit.verdict.machine import (
     Finite,
     Machine,
     acting,
-    known_of,
     machine_of,
     not_followed,
+    rigid_slider,
     rules_of,
 )
 from toolkit.verdict.of_area import with_more
@@ -48,7 +48,7 @@ HEAVY = 0.8
 # of K* and F_s of readings other than the scene's own
 TOLERANCE = 1e-6
 # relative error of both that is not seen on the page, and not lowered with more work
-KNOWN = 1e-5
+PRECISE = 1e-5
 # resampled laws of samples, the fewest whose scatter tells something, and the tolerance for these
 RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
 # s for the scatter of F_k alone, which of islands of 4,000 angles takes 3
@@ -81,13 +81,13 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         # the scene's own is the answer; what it does not need is left to the number of contacts, and to the others
         alone = len(readings) == 1 and bool(scene.contacts.held_in_time)
         # the others in order, twice their share, as most leave a part of it to those after them
-        many_left = len(readings) - number
-        part = budget.part(OWN if reading.own and not alone else 2.0 / (many_left + 1))
-        deadline = time.monotonic() + budget.left()
+        remaining_readings = len(readings) - number
+        part = budget.part(OWN if reading.own and not alone else 2.0 / (remaining_readings + 1))
+        deadline = time.monotonic() + budget.remaining()
         try:
             if reading.contacts is None:
                 raise InputError(reading.refused)
-            with within(deadline, scene, "this reading", budget.left):
+            with within(deadline, scene, "this reading", budget.remaining):
                 # what the own reading's slider does without damping, those of the others do
                 rings = any(one.damping is not None for each in answers for one in each.behaviours)
                 found = _answer(table, reading, rules, part, rings)
@@ -135,8 +135,8 @@ def _finite(
         if one.rule == "instant" and contacts.waiting_time:
             continue  # the last, of contacts without their delay
         progress(f"sliders of {of_contacts(number)}, slip rule {one.rule}")
-        static, left = own.static.value, budget.left()
-        found.append(follow_finite(own.machine, contacts, number, one, static, left))
+        static, remaining = own.static.value, budget.remaining()
+        found.append(follow_finite(own.machine, contacts, number, one, static, remaining))
     return tuple(found)
 
 
@@ -153,7 +153,7 @@ def _with_a_slip(own: Answer, budget: Budget) -> Answer:
     """The own reading's answer with the points of a slip for the picture, where slips take time."""
     if own.machine is None:
         return own
-    each = [closely(one, own.machine, own.contacts, budget.left()) for one in own.behaviours]
+    each = [closely(one, own.machine, own.contacts, budget.remaining()) for one in own.behaviours]
     return replace(own, behaviours=tuple(each))
 
 
@@ -164,7 +164,7 @@ def _turned(own: Answer, budget: Budget) -> Behaviour | None:
     if own.behaviours[0].kind == "undecided" and not own.behaviours[0].slips:
         return None
     with suppress(InputError, TimeIsUp):
-        return follow_other_delay(own.machine, own.contacts, own.scale.contacts, budget.left())
+        return follow_other_delay(own.machine, own.contacts, own.scale.contacts, budget.remaining())
     return None
 
 
@@ -190,15 +190,15 @@ def _answer(
         ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
         static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
         critical = Quantity(found.critical_spring, found.critical_spring_error)
-        before = known_of(contacts, steady, found, scale.contacts)
-        for left, rule in zip(range(len(asked), 0, -1), asked, strict=True):
+        before = rigid_slider(contacts, steady, found, scale.contacts)
+        for n_rules, rule in zip(range(len(asked), 0, -1), asked, strict=True):
             # the first one may tell that no rule acts, see _without_slip
-            parts = min(left, 2) if contacts.in_time else left
-            share = budget.left() / parts * (HEAVY if machine and machine.mass else 1.0)
+            parts = min(n_rules, 2) if contacts.in_time else n_rules
+            seconds = budget.remaining() / parts * (HEAVY if machine and machine.mass else 1.0)
             pulled = cast(Machine, machine)
             same = _without_slip(behaviours, contacts, rule)
             behaviours.append(
-                same or follow_islands(pulled, contacts, rule, before, share, rings, in_time)
+                same or follow_islands(pulled, contacts, rule, before, seconds, rings, in_time)
             )
         unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
         if machine is not None and unknown == ["mass"]:
@@ -206,17 +206,15 @@ def _answer(
             light = replace(machine, mass=None, damping=0.0)
             rules = acting(RULES, contacts)
             short = contacts.delay is not None and contacts.thermal is None
-            for left, rule in zip(range(len(rules), 0, -1), rules, strict=True):
-                share = budget.left() / (left + short)
-                behaviours.append(follow_islands(light, contacts, rule, before, share))
+            for n_rules, rule in zip(range(len(rules), 0, -1), rules, strict=True):
+                seconds = budget.remaining() / (n_rules + short)
+                behaviours.append(follow_islands(light, contacts, rule, before, seconds))
             if short:  # and, as the delay may be far shorter than a slip, what it does without one
-                left_for_it = budget.left()
-                behaviours.append(
-                    follow_other_delay(machine, contacts, scale.contacts, left_for_it)
-                )
+                remaining = budget.remaining()
+                behaviours.append(follow_other_delay(machine, contacts, scale.contacts, remaining))
         if sampled_parts(contacts.thresholds):
-            known = [kinetic, static, critical]
-            kinetic, static, critical = _with_sampling(contacts, velocity, known, budget)
+            quantities = [kinetic, static, critical]
+            kinetic, static, critical = _with_sampling(contacts, velocity, quantities, budget)
     why = NO_FORCES if critical.unknown else NO_TIME
     behaviours += [not_followed(rule, why) for rule in asked[len(behaviours) :]]
     return Answer(
@@ -232,14 +230,14 @@ def _answer(
     )
 
 
-def _without_slip(known: list[Behaviour], contacts: Contacts, rule: str) -> Behaviour | None:
+def _without_slip(behaviours: list[Behaviour], contacts: Contacts, rule: str) -> Behaviour | None:
     """What a slider does under this rule where it is known to slide without a slip, as no rule acts then. That is told
     by "reset" alone, by which F falls to 0 in the smallest slip. None where it is not known, or soon found."""
-    if not known or known[0].rule != "reset" or not contacts.in_time:
+    if not behaviours or behaviours[0].rule != "reset" or not contacts.in_time:
         return None
-    told = known[0]
-    sure = told.kind == "smooth" and told.success and not told.slips and told.contacts is None
-    return replace(told, rule=rule, run_time=0.0) if sure else None
+    first = behaviours[0]
+    sure = first.kind == "smooth" and first.success and not first.slips and first.contacts is None
+    return replace(first, rule=rule, run_time=0.0) if sure else None
 
 
 def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:
@@ -248,16 +246,16 @@ def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:
     import master
 
     rough = master.propensity(contacts, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
-    late = LONGER * rough.run_time > budget.left()
+    late = LONGER * rough.run_time > budget.remaining()
     spring, off = rough.critical_spring, rough.critical_spring_error
-    known = off <= KNOWN * spring and rough.static_to_kinetic_error <= KNOWN
-    if late or known or not np.isfinite(spring):
+    precise = off <= PRECISE * spring and rough.static_to_kinetic_error <= PRECISE
+    if late or precise or not np.isfinite(spring):
         return rough
     return master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
 
 
 def _with_sampling(
-    contacts: Contacts, velocity: float, known: list[Quantity], budget: Budget
+    contacts: Contacts, velocity: float, quantities: list[Quantity], budget: Budget
 ) -> list[Quantity]:
     """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; F_k alone
     where there is no time for enough of them, without it where that takes too long, too."""
@@ -271,7 +269,7 @@ def _with_sampling(
         found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
         return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
 
-    until = time.monotonic() + budget.left()
+    until = time.monotonic() + budget.remaining()
     rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
     if len(rows) < FEWEST:  # F_k alone, which takes next to nothing beside K*
         until = time.monotonic() + OF_FORCES
@@ -279,7 +277,9 @@ def _with_sampling(
             contacts.thresholds, RESAMPLES, lambda law: [kinetic_of(law)], until=until
         )
     if len(rows) < FEWEST:
-        return known
+        return quantities
     scatter = np.std(rows, axis=0, ddof=1)
-    told = [replace(one, sampling=float(off)) for one, off in zip(known, scatter, strict=False)]
-    return [*told, *known[len(told) :]]
+    scattered = [
+        replace(one, sampling=float(off)) for one, off in zip(quantities, scatter, strict=False)
+    ]
+    return [*scattered, *quantities[len(scattered) :]]

@@ -67,13 +67,13 @@ def others(verdict: Verdict) -> dict[str, list[str]]:
 
 def not_decided(verdict: Verdict) -> list[Answer]:
     """The other readings of which nothing is known under any rule that the scene's own reading is decided under."""
-    known = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
-    if not known:
+    decided_rules = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
+    if not decided_rules:
         return []
     return [
         answer
         for answer in verdict.answers[1:]
-        if all(one.kind == "undecided" for one in answer.behaviours if one.rule in known)
+        if all(one.kind == "undecided" for one in answer.behaviours if one.rule in decided_rules)
     ]
 
 
@@ -118,14 +118,14 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
     elif len(kinds) > 1 and "undecided" not in kinds.values():
         yield Line(NOTHING, "not the slip rule, for infinitely many contacts: all rules agree")
     elif len(kinds) == 1 and own.machine and own.machine.mass:
-        given, known = bool(own.contacts.waiting_time), verdict.turned is not None
-        if not given and (delay_decides(verdict) or not known):
+        given, turned_found = bool(own.contacts.waiting_time), verdict.turned is not None
+        if not given and (delay_decides(verdict) or not turned_found):
             said = "none is given, so that they form again at once; give [contacts.delay]"
             yield Line(TURNS, f"the contacts' delay: {said}")
         elif delay_decides(verdict):
             said = f"another one may change the answer{_of_short_delays(own)}"
             yield Line(TURNS, f"the contacts' delay: {said}")
-        elif known and verdict.turned and verdict.turned.kind != "undecided":
+        elif turned_found and verdict.turned and verdict.turned.kind != "undecided":
             yield _same_with(verdict, verdict.turned, "without one" if given else "with a long one")
 
 
@@ -215,8 +215,8 @@ def _of_waiting(own: Answer) -> str:
     if own.holding > HOLDING:
         return ""
     scale, mean = own.scale, own.contacts.mean_threshold
-    way = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
-    waits, breaks = (written(one, scale.length_unit) for one in (way, mean))
+    distance = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
+    waits, breaks = (written(one, scale.length_unit) for one in (distance, mean))
     return (
         f". F_k is that small as a contact waits while the drive goes on by {waits}, and breaks after {breaks}: "
         f"{100.0 * own.holding:.2g}% of them hold"

@@ -49,7 +49,7 @@ def half_a_swing(machine: Machine) -> float:
     return float(np.pi * np.sqrt((machine.mass or 0.0) / machine.spring))
 
 
-def settling_way(machine: Machine, unit: float) -> float:
+def settling_distance(machine: Machine, unit: float) -> float:
     """The drive's way in which the swing of a mass that slides on at F_k dies away: SETTLING time constants of
     M X'' + γ X' + K X = 0, inf without damping; 0 where a swing of a speed like the drive's changes the spring's
     force by less than SWINGS of the mean threshold `unit`."""
@@ -111,7 +111,7 @@ def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Known:
+class RigidSlider:
     """What is known of a rigid slider on these contacts before a soft one is followed.
 
     static, kinetic : F_s/(N_c <k>) and F_k/(N_c <k>), lengths; kinetic_error : of the latter, a length
@@ -128,9 +128,11 @@ class Known:
     contacts: float | None = None
 
 
-def known_of(contacts: Contacts, steady: Any, propensity: Any, number: float | None) -> Known:
+def rigid_slider(
+    contacts: Contacts, steady: Any, propensity: Any, number: float | None
+) -> RigidSlider:
     """What is known from the master equation's steady state and propensity; `number`: of contacts on the area."""
-    return Known(
+    return RigidSlider(
         static=propensity.static_to_kinetic * steady.force,
         kinetic=steady.force,
         kinetic_error=steady.force_error * contacts.mean_threshold,

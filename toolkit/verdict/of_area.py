@@ -10,14 +10,14 @@ import numpy as np
 from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Verdict
-from toolkit.verdict.ensemble import told_by
+from toolkit.verdict.ensemble import by_sliders
 from toolkit.verdict.finite import SMALL
 from toolkit.verdict.machine import Behaviour, Finite
-from toolkit.verdict.uncertainty import SEEN, share_of
+from toolkit.verdict.uncertainty import SEEN, widest_uncertainty
 
 # standard errors, and part of F_k, by which few contacts differ from infinitely many where it is told; the scatter of
 # four sliders is known to some 40 %
-CLEARLY, TOLD = 4.0, 0.01
+CLEARLY, WORTH_SHOWING = 4.0, 0.01
 # of a mean: a standard deviation from slip to slip above which the range is told, as slips may be of several kinds
 WIDE = 0.3
 
@@ -30,7 +30,7 @@ def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
 def apart(verdict: Verdict) -> dict[str, Finite]:
     """What as many contacts as there are do, by the rules under which that is something else than what infinitely many
     do, or the same at forces that differ by more than the errors of both, or that scatter."""
-    told = dict[str, Finite]()
+    by_rule = dict[str, Finite]()
     for one, many in _pairs(verdict):
         if (
             _kinds_differ(verdict, one, many)
@@ -39,9 +39,9 @@ def apart(verdict: Verdict) -> dict[str, Finite]:
             or scatters(many)
         ):
             # where none slips, no rule acts: what is left between rules is chance
-            alike = [other for other in told.values() if _slide_alike(many, other)]
-            told[one.rule] = replace(alike[0], rule=one.rule) if alike else many
-    return told
+            alike = [other for other in by_rule.values() if _slide_alike(many, other)]
+            by_rule[one.rule] = replace(alike[0], rule=one.rule) if alike else many
+    return by_rule
 
 
 def _slide_alike(one: Finite, other: Finite) -> bool:
@@ -69,15 +69,15 @@ def _slips_differ(verdict: Verdict, one: Behaviour, many: Finite) -> bool:
     """Whether all the contacts of the area slip as infinitely many do, and from a clearly other force."""
     if not one.kind == many.kind == "stick-slip":
         return False
-    known = max(SEEN * abs(one.before), _error_of(verdict, one), 2.0 * many.before_error)
-    return abs(many.before - one.before) > known
+    margin = max(SEEN * abs(one.before), _error_of(verdict, one), 2.0 * many.before_error)
+    return abs(many.before - one.before) > margin
 
 
 def _slides_apart(many: Finite, kinetic: float, error: float = 0.0) -> bool:
     """Whether contacts that re-form at once bear clearly more at the end of the way than infinitely many, `kinetic`
     with its numerical `error` (lengths): on soft springs by N^(-2/3) <x_s> times 2 to 9, or more (docs/sliders.md)."""
-    known = max(CLEARLY * many.late_error, TOLD * kinetic, error)
-    return bool(abs(many.late - kinetic) > known)
+    margin = max(CLEARLY * many.late_error, WORTH_SHOWING * kinetic, error)
+    return bool(abs(many.late - kinetic) > margin)
 
 
 def _error_of(verdict: Verdict, one: Behaviour) -> float:
@@ -121,11 +121,13 @@ def behaved(verdict: Verdict, many: Finite) -> str:
 
 
 def scatters(many: Finite) -> bool:
-    """Whether the force of so many contacts, or their slips, differ along the path by TOLD of the mean or more."""
+    """Whether the force of so many contacts, or their slips, differ along the path by WORTH_SHOWING of the mean."""
     if many.kind != "stick-slip":
-        return many.fluctuation >= TOLD * abs(many.late)
+        return many.fluctuation >= WORTH_SHOWING * abs(many.late)
     each = ((many.befores, many.before), (many.drops, many.before), (many.periods, many.period))
-    return any(one is not None and one.std >= TOLD * abs(mean or 0.0) for one, mean in each)
+    return any(
+        one is not None and one.std >= WORTH_SHOWING * abs(mean or 0.0) for one, mean in each
+    )
 
 
 def fluctuating(many: Finite, scale: Scale) -> str:
@@ -148,9 +150,9 @@ def _scatter(each: Spread | None, least: float, unit: str, factor: float = 1.0) 
 
 
 def _of_periods(many: Finite, scale: Scale) -> str:
-    """The scatter of the period, where it is TOLD of it or more."""
+    """The scatter of the period, where it is WORTH_SHOWING of it or more."""
     each = many.periods
-    return _scatter(each, TOLD * each.mean, scale.length_unit) if each is not None else ""
+    return _scatter(each, WORTH_SHOWING * each.mean, scale.length_unit) if each is not None else ""
 
 
 def _short(value: float, unit: str) -> str:
@@ -159,14 +161,16 @@ def _short(value: float, unit: str) -> str:
 
 
 def period_of(
-    verdict: Verdict, period: float, share: float = 0.0, told: bool = False
+    verdict: Verdict, period: float, uncertainty: float = 0.0, to_error: bool = False
 ) -> tuple[str, str]:
-    """A period of the drive as a length and as a time, known to `share` of itself or worse; to the digit of that where
-    it is `told` of the forces."""
-    scale, share = verdict.own.scale, max(share, share_of(verdict))
+    """A period of the drive as a length and as a time, known to `uncertainty` of itself, or worse; `to_error` :
+    to the digit of that, which stands beside the forces."""
+    scale, uncertainty = verdict.own.scale, max(uncertainty, widest_uncertainty(verdict))
     each = (period, scale.length_unit), (period / verdict.velocity, scale.time_unit)
     every, later = (
-        written(one, unit, share * one, digits=4) if told else guarded(one, unit, share * one)
+        written(one, unit, uncertainty * one, digits=4)
+        if to_error
+        else guarded(one, unit, uncertainty * one)
         for one, unit in each
     )
     return every, later
@@ -217,7 +221,9 @@ def fall_of(finite: Finite, scale: Scale) -> str:
         for mean, error in means
     )
     drop = (finite.before - finite.after) * factor
-    scatter = [_scatter(one, TOLD * size, unit, factor) for one in (finite.befores, finite.drops)]
+    scatter = [
+        _scatter(one, WORTH_SHOWING * size, unit, factor) for one in (finite.befores, finite.drops)
+    ]
     if scatter[1] and finite.after:
         return f"{high}{scatter[0]} down by {_short(drop, unit)}{scatter[1]}"
     return falls(high, low, drop, unit, scatter[0])
@@ -250,7 +256,7 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float, spring: float) 
         period=finite.period,
         slips=int(finite.slips),
         error=error,
-        message=told_by(finite.contacts, behaviour.heat_left_out),
+        message=by_sliders(finite.contacts, behaviour.heat_left_out),
         contacts=finite.contacts,
         sliders=finite,
         drive=finite.drive,

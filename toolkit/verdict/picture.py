@@ -48,11 +48,11 @@ def draw_verdict(verdict: Verdict) -> Any:
     """The friction trace, the threshold laws and K* of each reading, on a figure of its own."""
     from matplotlib.figure import Figure
 
-    pulled = bool(_known(verdict)) or any(finite.drive.size for finite in apart(verdict).values())
+    pulled = bool(_drawn(verdict)) or any(finite.drive.size for finite in apart(verdict).values())
     many = len(verdict.answers)
     low = _LOW + (1.2 + _EACH * many) * (many > 1)
     figure = Figure(figsize=(11, low + 4.4 * pulled), layout="constrained")
-    slips = [one for one in _known(verdict) if one.slip_drive.size]
+    slips = [one for one in _drawn(verdict) if one.slip_drive.size]
     rows = figure.add_gridspec(1 + pulled, 1, height_ratios=[4.4] * pulled + [low])
     wide = _SLIP_WIDE if slips else (1.0,)
     places = _row(figure, rows[0], ("trace", "slip"), wide) if pulled else {}
@@ -89,8 +89,8 @@ def _row(
 def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
     """The spring's force against the drive for each rule, slips at their own places; and that of one of the sliders of
     so many contacts where these do something else."""
-    known, scale = _alike(_known(verdict)), verdict.own.scale
-    for number, same in enumerate(known):
+    drawn, scale = _alike(_drawn(verdict)), verdict.own.scale
+    for number, same in enumerate(drawn):
         behaviour = same[0]
         style: dict[str, Any] = {"color": OKABE_ITO[number], "ls": DASHES[number], "lw": 1.3}
         label = f"{named([one.rule for one in same])}: {_kind_of(behaviour)}"
@@ -104,12 +104,12 @@ def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
         label = in_lines(label, letters)
         axes.plot(behaviour.drive, behaviour.force * scale.force, label=label, **style)
     followed = [finite for finite in apart(verdict).values() if finite.drive.size]
-    for number, alike in enumerate(_alike(followed), start=len(known)):
+    for number, alike in enumerate(_alike(followed), start=len(drawn)):
         finite, rules = alike[0], named([one.rule for one in alike])
         label = f"{of_contacts(finite.contacts)}, {rules}: {finite.kind}"
         # thin, and above the others, which it may follow for long, as one of these another
         style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
-        style["ls"] = DASHES[(number - len(known)) % len(DASHES)]
+        style["ls"] = DASHES[(number - len(drawn)) % len(DASHES)]
         axes.plot(finite.drive, finite.force * scale.force, label=label, **style)
     axes.margins(x=0.01, y=0.05)
     low, high = axes.get_ylim()
@@ -144,7 +144,7 @@ def _kind_of(behaviour: Behaviour) -> str:
     return "not decided, the path is cut" if behaviour.cut else "not decided"
 
 
-def _known(verdict: Verdict) -> list[Behaviour]:
+def _drawn(verdict: Verdict) -> list[Behaviour]:
     """What the slider does under the rules whose force is known well enough to be drawn."""
     each = [one for one in verdict.own.behaviours if one.drive.size]
     return [one for one in each if one.error < _UNKNOWN or one.contacts is not None]

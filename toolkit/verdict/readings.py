@@ -124,8 +124,8 @@ def _read(scene: Scene, given: dict[str, Any], name: str, step: int, title: str)
 def _parts(name: str) -> Iterator[tuple[str, str]]:
     """Model, law and regime of a reading's name; InputError for a name of another form."""
     words = name.split("/")
-    known = words[0] in ("gw", "persson") and len(words) in (2, 3) and words[1] in LAWS
-    if not known or (len(words) == 3 and (words[0] != "gw" or words[2] not in REGIMES)):
+    valid = words[0] in ("gw", "persson") and len(words) in (2, 3) and words[1] in LAWS
+    if not valid or (len(words) == 3 and (words[0] != "gw" or words[2] not in REGIMES)):
         hint = 'must be a model and a law, as "gw/amontons" or "persson/paper", or "gw/paper/mixed"'
         refuse("verdict.readings", name, hint)
     if words[:2] == ["persson", "strength"]:

@@ -10,10 +10,10 @@ from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.machine import NO_FORCES, Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
-from toolkit.verdict.uncertainty import other_samples, share_of
+from toolkit.verdict.uncertainty import other_samples, widest_uncertainty
 
 # of a force: a larger error of it is told beside it
-KNOWN = 1e-3
+PRECISE = 1e-3
 # of the contacts: where no more of them hold, F_k is told with their share
 HOLDING = 0.9
 # of a path, its first part, over which the force of stick-slip is not averaged: contacts began together there
@@ -47,16 +47,16 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     scale = own.scale
     forces, unit = [one.scale.force for one in answers], scale.force_unit
     kinetic, static = [one.kinetic for one in answers], [one.static for one in answers]
-    share = share_of(verdict)
+    uncertainty = widest_uncertainty(verdict)
     # contacts that depend on time bear another force where the slider sticks: see `dependence`
     speed = guarded(verdict.velocity, speed_unit(verdict), 0.0)
     at = f" of a rigid slider at {speed}" * bool(own.contacts.in_time)
-    yield row(f"kinetic friction F_k{at}{_of_holding(own)}", kinetic, forces, unit, share)
-    yield row(f"static friction F_s{at}", static, forces, unit, share)
+    yield row(f"kinetic friction F_k{at}{_of_holding(own)}", kinetic, forces, unit, uncertainty)
+    yield row(f"static friction F_s{at}", static, forces, unit, uncertainty)
     if scale.load is not None:
         coefficients = [one.scale.force / (one.scale.load or 1.0) for one in answers]
-        yield row("friction coefficient F_k/load", kinetic, coefficients, "", share)
-        yield row("static coefficient F_s/load", static, coefficients, "", share)
+        yield row("friction coefficient F_k/load", kinetic, coefficients, "", uncertainty)
+        yield row("static coefficient F_s/load", static, coefficients, "", uncertainty)
     # a slider that sticks is slower than the drive: of contacts that depend on time K* promises no slip
     name = (
         f"K*, the steepest fall of the force{at}"
@@ -68,27 +68,31 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     elif own.critical_spring.lost:
         yield [name, "not known", "", ""]
     else:
-        told = [one for one in answers if not one.critical_spring.lost]
-        critical = [one.critical_spring for one in told]
-        yield row(name, critical, [one.scale.spring for one in told], scale.spring_unit)
+        with_spring = [one for one in answers if not one.critical_spring.lost]
+        critical = [one.critical_spring for one in with_spring]
+        yield row(name, critical, [one.scale.spring for one in with_spring], scale.spring_unit)
     if own.machine is not None:
         springs = [one.scale.spring for one in answers]
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
         yield row("the machine's spring K", each, springs, scale.spring_unit)
     if scale.contacts is not None:
-        held = [one.scale.contacts or 0.0 for one in answers]
-        ends = dict.fromkeys(f"{end:,.0f}" for end in (min(held), max(held)))
-        reach = " to ".join(ends) if len(ends) > 1 else "the same" * (len(held) > 1)
+        numbers = [one.scale.contacts or 0.0 for one in answers]
+        ends = dict.fromkeys(f"{end:,.0f}" for end in (min(numbers), max(numbers)))
+        range_text = " to ".join(ends) if len(ends) > 1 else "the same" * (len(numbers) > 1)
         # as in sentences, which name the number of those that are followed
-        yield ["contacts on the area", f"{held[0]:,.0f}", "", reach]
+        yield ["contacts on the area", f"{numbers[0]:,.0f}", "", range_text]
     yield from _of_slips(verdict)
 
 
 def row(
-    name: str, each: Sequence[Quantity], factors: Sequence[float], unit: str, share: float = 0.0
+    name: str,
+    each: Sequence[Quantity],
+    factors: Sequence[float],
+    unit: str,
+    uncertainty: float = 0.0,
 ) -> list[str]:
-    """A row: the own reading's value to a digit beyond that which the widest of the three uncertainties leaves, `share`
-    of the value or more."""
+    """A row: the own reading's value to a digit beyond that which the widest of the three uncertainties leaves;
+    `uncertainty` : the least that is taken for it, relative to the value."""
     if each[0].unknown:
         return [name, "not known", "", ""]
     values = [one.value * factor for one, factor in zip(each, factors, strict=True)]
@@ -96,9 +100,9 @@ def row(
     error, sampling = own.error * factors[0], (own.sampling or 0.0) * factors[0]
     # an infinite K* is apart from a finite one, and not from another
     apart = high - low > 1e-6 * min(abs(low), abs(high))
-    off = max(error, sampling, high - low if apart else 0.0, share * abs(values[0]))
+    off = max(error, sampling, high - low if apart else 0.0, uncertainty * abs(values[0]))
     if not np.isfinite(off):
-        off = share * abs(values[0])
+        off = uncertainty * abs(values[0])
     ends = [guarded(value, unit, off) for value in (low, high)]
     return [
         name,
@@ -119,37 +123,49 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
     for behaviour in verdict.own.behaviours:
         if behaviour.kind == "undecided" and not behaviour.slips:
             rows.setdefault(("slips", "not known"), []).append(behaviour.rule)
-        told_above = behaviour.rule in few and behaviour.sliders is few[behaviour.rule]
-        if behaviour.kind == "smooth" or not behaviour.slips or told_above:
+        shown_above = behaviour.rule in few and behaviour.sliders is few[behaviour.rule]
+        if behaviour.kind == "smooth" or not behaviour.slips or shown_above:
             continue
         mean, before = verdict.own.contacts.mean_threshold, abs(behaviour.before)
-        known = behaviour.error * mean / before if before and behaviour.error < np.inf else 0.0
-        share = max(share_of(verdict), known)
+        relative_error = (
+            behaviour.error * mean / before if before and behaviour.error < np.inf else 0.0
+        )
+        uncertainty = max(widest_uncertainty(verdict), relative_error)
         before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
         # an error that other samples and readings do not hide is told beside its number
-        error = known * abs(before) if known > max(KNOWN, share_of(verdict)) else 0.0
-        told = {"force before a slip": _with_error(before, force, share * before, error)}
+        error = (
+            relative_error * abs(before)
+            if relative_error > max(PRECISE, widest_uncertainty(verdict))
+            else 0.0
+        )
+        values = {"force before a slip": _with_error(before, force, uncertainty * before, error)}
         if load:
-            over = to_digits(before / load, "", share * before / load, error / load)
-            told["force before a slip"] += f", {over} of the load"
-        told["drop of a slip"] = _with_error(drop, force, share * drop, error)
+            over = to_digits(before / load, "", uncertainty * before / load, error / load)
+            values["force before a slip"] += f", {over} of the load"
+        values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error)
         if (regained := regained_by(verdict, behaviour)) is not None:
             back = regained * scale.force
-            told["of it regained over a period"] = to_digits(back, force, share * back, error)
+            values["of it regained over a period"] = to_digits(
+                back, force, uncertainty * back, error
+            )
         if (mean_force := mean_over_slips(behaviour)) is not None:
             mean_force *= scale.force
-            told["mean force of stick-slip"] = to_digits(
-                mean_force, force, share * mean_force, error
+            values["mean force of stick-slip"] = to_digits(
+                mean_force, force, uncertainty * mean_force, error
             )
             if load:
-                over = to_digits(mean_force / load, "", share * mean_force / load, error / load)
-                told["mean force of stick-slip"] += f", {over} of the load"
+                over = to_digits(
+                    mean_force / load, "", uncertainty * mean_force / load, error / load
+                )
+                values["mean force of stick-slip"] += f", {over} of the load"
         if behaviour.period is not None:
-            told["period"] = ", ".join(period_of(verdict, behaviour.period, share, bool(error)))
+            values["period"] = ", ".join(
+                period_of(verdict, behaviour.period, uncertainty, bool(error))
+            )
         if behaviour.slip_time is not None:
-            told["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
+            values["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         whose = ", infinitely many contacts" * (behaviour.rule in few)
-        for name, value in told.items():
+        for name, value in values.items():
             rule = behaviour.rule + _unfinished(behaviour)
             rows.setdefault((name + whose, value), []).append(rule)
     for (name, value), rules in rows.items():
@@ -183,10 +199,10 @@ def _with_error(value: float, unit: str, uncertainty: float, error: float) -> st
     return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty)
 
 
-def to_digits(value: float, unit: str, uncertainty: float, told: float) -> str:
-    """A value to the digit of an error that is `told` beside it or beside what it follows from; where none is (0), to
+def to_digits(value: float, unit: str, uncertainty: float, error: float) -> str:
+    """A value to the digit of an error that stands beside it or beside what it follows from; where none is (0), to
     one digit more than its uncertainty leaves."""
-    return written(value, unit, told, digits=4) if told else guarded(value, unit, uncertainty)
+    return written(value, unit, error, digits=4) if error else guarded(value, unit, uncertainty)
 
 
 def _unfinished(behaviour: Behaviour) -> str:
@@ -210,8 +226,8 @@ def without_spring(verdict: Verdict) -> str:
             "slips on springs softer than K*, which is not known: its numerical error is as large as itself; give "
             "drive.spring for a verdict on a machine"
         )
-    known = [answer for answer in verdict.answers if not answer.critical_spring.lost]
-    springs = [answer.critical_spring.value * answer.scale.spring for answer in known]
+    with_spring = [answer for answer in verdict.answers if not answer.critical_spring.lost]
+    springs = [answer.critical_spring.value * answer.scale.spring for answer in with_spring]
     own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
     if not np.isfinite(spread):
         spread = 0.0
@@ -249,6 +265,6 @@ def in_units(message: str, scale: Scale) -> str:
         return message
     for before, unit in (("X_T = ", scale.length_unit), ("lasts some ", scale.time_unit)):
         for number in re.findall(rf"{before}(\d[\d.]*(?:e[+-]?\d+)?)", message):
-            told = written(float(number), unit)
-            message = message.replace(f"{before}{number}", f"{before}{told}")
+            text = written(float(number), unit)
+            message = message.replace(f"{before}{number}", f"{before}{text}")
     return message

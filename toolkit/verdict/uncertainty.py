@@ -18,7 +18,7 @@ SEEN = 1e-3
 WORTH_TELLING = 0.01
 
 
-class Shares(NamedTuple):
+class Uncertainties(NamedTuple):
     """Uncertainties of static and kinetic force, the larger of both, relative to it: the spread over the readings, the
     scatter of other samples, the numerical error."""
 
@@ -27,9 +27,9 @@ class Shares(NamedTuple):
     numerical: float
 
 
-def shares_of(verdict: Verdict) -> Shares:
+def uncertainties_of(verdict: Verdict) -> Uncertainties:
     """How well the forces of a rigid slider are known."""
-    found = [Shares(0.0, 0.0, 0.0)]
+    found = [Uncertainties(0.0, 0.0, 0.0)]
     for name in ("kinetic", "static"):
         each: list[Quantity] = [getattr(answer, name) for answer in verdict.answers]
         scaled = [
@@ -39,35 +39,37 @@ def shares_of(verdict: Verdict) -> Shares:
         own = each[0]
         if own.value > 0.0:
             spread = (max(scaled) - min(scaled)) / scaled[0]
-            found.append(Shares(spread, (own.sampling or 0.0) / own.value, own.error / own.value))
-    return Shares(
+            found.append(
+                Uncertainties(spread, (own.sampling or 0.0) / own.value, own.error / own.value)
+            )
+    return Uncertainties(
         *(max(one for one in column if np.isfinite(one)) for column in zip(*found, strict=True))
     )
 
 
-def share_of(verdict: Verdict) -> float:
+def widest_uncertainty(verdict: Verdict) -> float:
     """The widest uncertainty of static and kinetic force, relative: it decides to how many digits forces, and the
     periods that follow from them, are written."""
-    return max(shares_of(verdict))
+    return max(uncertainties_of(verdict))
 
 
 def widest(verdict: Verdict) -> list[str]:
     """The widest uncertainty of the forces in words, where it is not the numerical error, which stands beside them."""
-    shares, own = shares_of(verdict), verdict.own
-    scale, share = own.scale, max(shares)
-    if share < WORTH_TELLING or share == shares.numerical:
+    uncertainties, own = uncertainties_of(verdict), verdict.own
+    scale, widest_one = own.scale, max(uncertainties)
+    if widest_one < WORTH_TELLING or widest_one == uncertainties.numerical:
         return []
-    if shares.sampling > shares.readings:
+    if uncertainties.sampling > uncertainties.readings:
         error = written((own.kinetic.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
         whose = " of a rigid slider" * bool(own.contacts.in_time and own.machine)
         return [f"other samples would change F_k{whose} by ± {error}"]
-    return [reach_of_force(verdict, f" of the {len(verdict.answers)} readings")]
+    return [range_of_force(verdict, f" of the {len(verdict.answers)} readings")]
 
 
-def reach_of_force(verdict: Verdict, whose: str = "") -> str:
+def range_of_force(verdict: Verdict, whose: str = "") -> str:
     """F_k over all readings, whose they are, from the least to the largest; where contacts depend on time, and stick
     and slip, the force before a slip of readings that do, as F_k is that of a rigid slider as fast as the drive."""
-    scale, share, answers = verdict.own.scale, share_of(verdict), verdict.answers
+    scale, uncertainty, answers = verdict.own.scale, widest_uncertainty(verdict), verdict.answers
     forces, what = [one.kinetic.value * one.scale.force for one in answers], f"F_k{whose}"
     befores = [
         [abs(each.before) * one.scale.force for each in one.behaviours if each.kind == "stick-slip"]
@@ -76,7 +78,7 @@ def reach_of_force(verdict: Verdict, whose: str = "") -> str:
     if verdict.own.contacts.in_time and befores[0]:
         forces, slip = [one for each in befores for one in each], sum(map(bool, befores))
         what = f"the force before a slip by the {slip} of {len(answers)} readings that slip"
-    ends = (guarded(one, scale.force_unit, share * one) for one in (min(forces), max(forces)))
+    ends = (guarded(one, scale.force_unit, uncertainty * one) for one in (min(forces), max(forces)))
     return f"{what} is {' to '.join(dict.fromkeys(ends))}"
 
 
@@ -96,24 +98,26 @@ def numerical_errors(verdict: Verdict) -> list[str]:
     """How large the numerical errors of the own reading's numbers are at most, relative to these; and those of other
     readings, which stand in the ranges, where they are larger and would be seen."""
     own, mean = verdict.own, verdict.own.contacts.mean_threshold
-    told = {"F_k": own.kinetic, "F_s": own.static}
+    quantities = {"F_k": own.kinetic, "F_s": own.static}
     if not (own.smoothed or own.critical_spring.lost):
-        told["K*"] = own.critical_spring
-    most = max(map(_relative, told.values()))
-    said = [f"{' and '.join([', '.join([*told][:-1]), [*told][-1]])}: at most {most:.0e}"]
+        quantities["K*"] = own.critical_spring
+    most = max(map(_relative, quantities.values()))
+    said = [
+        f"{' and '.join([', '.join([*quantities][:-1]), [*quantities][-1]])}: at most {most:.0e}"
+    ]
     groups = dict[str, list[str]]()
     for one in own.behaviours:
-        share = one.error * mean / abs(one.before or np.nan)
-        if 0.0 < share < np.inf:
-            each = f"at most {share:.0e}"
+        relative_error = one.error * mean / abs(one.before or np.nan)
+        if 0.0 < relative_error < np.inf:
+            each = f"at most {relative_error:.0e}"
             if one.contacts is not None:  # that of the ensemble is no bound
-                each = f"a standard error of {share:.0e}, between sliders"
+                each = f"a standard error of {relative_error:.0e}, between sliders"
             groups.setdefault(each, []).append(one.rule)
     said += [
         f"forces of the slider under {' and '.join(rules)}: {each}"
         for each, rules in groups.items()
     ]
-    said += _less_known(verdict, max(most, SEEN))
+    said += _less_certain(verdict, max(most, SEEN))
     return [
         "Numerical errors, relative to each number (all are in verdict.json)",
         *(f"  {one}" for one in said),
@@ -122,11 +126,11 @@ def numerical_errors(verdict: Verdict) -> list[str]:
 
 def _relative(quantity: Quantity) -> float:
     """The error of a number, relative to it; 0 for one that is 0 or infinite."""
-    known = quantity.value and np.isfinite(quantity.value)
-    return quantity.error / abs(quantity.value) if known else 0.0
+    finite = quantity.value and np.isfinite(quantity.value)
+    return quantity.error / abs(quantity.value) if finite else 0.0
 
 
-def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
+def _less_certain(verdict: Verdict, most: float) -> Iterator[str]:
     """The numbers of other readings with a larger relative error than that, in words, and each K* that is not known."""
     lost = "not known, as it is as large as the number"
     if verdict.own.critical_spring.lost and not verdict.own.smoothed:
@@ -141,5 +145,5 @@ def _less_known(verdict: Verdict, most: float) -> Iterator[str]:
             if one is answer.critical_spring and one.lost:
                 yield f"K* of {answer.name}: {lost}"
             elif _relative(one) > most:
-                known = with_scatter(one.value * factor, one.error * factor, unit)
-                yield f"{name} of {answer.name}, which is in the range: {_relative(one):.0e}, {known}"
+                text = with_scatter(one.value * factor, one.error * factor, unit)
+                yield f"{name} of {answer.name}, which is in the range: {_relative(one):.0e}, {text}"

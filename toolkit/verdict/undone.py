@@ -20,7 +20,7 @@ from toolkit.verdict.readings import why_late
 from toolkit.verdict.table import in_units
 
 
-def left_undone(verdict: Verdict) -> Iterator[Line]:
+def unanswered(verdict: Verdict) -> Iterator[Line]:
     """What of the own reading was too late, and readings without an answer."""
     if verdict.own.critical_spring.unknown:
         why = why_late(verdict.own.contacts)
@@ -34,26 +34,26 @@ def left_undone(verdict: Verdict) -> Iterator[Line]:
 def of_errors(verdict: Verdict) -> Iterator[Line]:
     """Where the slider's force is less well known than asked for, and why."""
     own = verdict.own
-    scale, shares = own.scale, {one.rule: _share(verdict, one) for one in own.behaviours}
-    told = [one for one in own.behaviours if one.contacts is not None]
-    for who, rules in by_reason((one.message, one.rule) for one in told).items():
-        if all(one.kind == "smooth" for one in told if one.rule in rules):
+    scale, errors = own.scale, {one.rule: _relative_error(verdict, one) for one in own.behaviours}
+    by_contacts = [one for one in own.behaviours if one.contacts is not None]
+    for who, rules in by_reason((one.message, one.rule) for one in by_contacts).items():
+        if all(one.kind == "smooth" for one in by_contacts if one.rule in rules):
             said = f"the force is told {who}"
         else:
             said = f"the slips are means {who}"
-        error = max(one.error for one in told if one.rule in rules)
-        known = written(
+        error = max(one.error for one in by_contacts if one.rule in rules)
+        error_text = written(
             error * own.contacts.mean_threshold * scale.force, scale.force_unit, digits=2
         )
         which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
         more = ", with what more contacts would change" * any(
-            _fewer_than_there_are(verdict, one) for one in told if one.rule in rules
+            _fewer_than_there_are(verdict, one) for one in by_contacts if one.rule in rules
         )
-        said += f", their forces known to some {known} (one standard error{more}){which}"
-        yield Line(max(shares[rule] for rule in rules), f"{said}: {_not_solved(verdict)}")
+        said += f", their forces known to some {error_text} (one standard error{more}){which}"
+        yield Line(max(errors[rule] for rule in rules), f"{said}: {_not_solved(verdict)}")
     missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
     for why, rules in by_reason(missed).items():
-        most = max(shares[rule] for rule in rules)
+        most = max(errors[rule] for rule in rules)
         yield Line(most, f"not as asked if {named(rules)}: {why}")
     yield from _of_heat(verdict)
     rough = [
@@ -63,7 +63,7 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         if one.contacts is None and one.heat_left_out is None
     ]
     for why, rules in by_reason(rough).items():
-        most = max(shares[rule] for rule in rules)
+        most = max(errors[rule] for rule in rules)
         yield Line(most, f"the force is known roughly if {named(rules)}: {why}")
 
 
@@ -83,7 +83,7 @@ def _fewer_than_there_are(verdict: Verdict, one: Behaviour) -> bool:
     return number is None or (one.contacts or 0) < round(number)
 
 
-def _share(verdict: Verdict, one: Behaviour) -> float:
+def _relative_error(verdict: Verdict, one: Behaviour) -> float:
     """The error of a behaviour's force, relative to it; TURNS where the force is not known."""
     error = one.error * verdict.own.contacts.mean_threshold
     return float(error / abs(one.before)) if np.isfinite(error) and one.before else TURNS

@@ -27,7 +27,7 @@ from toolkit.verdict.kinds import (
 from toolkit.verdict.machine import Behaviour, Finite, half_a_swing
 from toolkit.verdict.of_area import apart, behaved, disagreeing, falls, subject
 from toolkit.verdict.table import (
-    KNOWN,
+    PRECISE,
     drop_of,
     in_units,
     speed_unit,
@@ -38,9 +38,9 @@ from toolkit.verdict.table import (
 from toolkit.verdict.uncertainty import (
     numerical_errors,
     other_samples,
-    reach_of_force,
-    share_of,
+    range_of_force,
     widest,
+    widest_uncertainty,
 )
 
 WORTH_TELLING = 0.01  # of the force of smooth sliding, what the damping bears
@@ -69,7 +69,7 @@ def warnings(verdict: Verdict) -> list[str]:
 def sentence(verdict: Verdict) -> str:
     """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides; and
     how many readings it is not known of."""
-    return "; ".join([_answered(verdict), *_not_known_of(verdict)])
+    return "; ".join([_answered(verdict), *_undecided_readings(verdict)])
 
 
 def _answered(verdict: Verdict) -> str:
@@ -83,12 +83,12 @@ def _answered(verdict: Verdict) -> str:
         return extremes
     if len({one.kind for each in verdict.answers for one in each.behaviours} - {"undecided"}) > 1:
         return f"the assumptions decide: {', '.join(_kinds(verdict))}"
-    return "; ".join(_told(verdict, own))
+    return "; ".join(_by_rules(verdict, own))
 
 
 def details(verdict: Verdict) -> list[str]:
     """The numbers of what the sentence says in kinds alone; none where it gives them itself."""
-    numbers = _told(verdict, verdict.own) if verdict.own.machine is not None else []
+    numbers = _by_rules(verdict, verdict.own) if verdict.own.machine is not None else []
     return [] if _answered(verdict) == "; ".join(numbers) else numbers
 
 
@@ -108,18 +108,18 @@ def turned(verdict: Verdict) -> list[str]:
     ]
 
 
-def _not_known_of(verdict: Verdict) -> list[str]:
+def _undecided_readings(verdict: Verdict) -> list[str]:
     """How many readings are not decided beside an own one that is, and their F_k, of which K* and F_k are known all the
     same; as the answer is that of the others alone."""
     missing, own = not_decided(verdict), verdict.own
     if not missing:
         return []
-    many, left = len(verdict.answers), len(verdict.answers) - len(missing)
-    whose = own.name if left == 1 else f"{left} of {many} readings"
+    many, decided = len(verdict.answers), len(verdict.answers) - len(missing)
+    whose = own.name if decided == 1 else f"{decided} of {many} readings"
     late = " in time" * all(out_of_time(one) for one in missing)
     one = "is" if len(missing) == 1 else "are"
     count = f"the other {len(missing)} {one} not decided{late}"
-    return [f"this is of {whose}, {count}; {reach_of_force(verdict, f' of all {many}')}"]
+    return [f"this is of {whose}, {count}; {range_of_force(verdict, f' of all {many}')}"]
 
 
 def _kinds(verdict: Verdict) -> list[str]:
@@ -154,7 +154,8 @@ def _disagreement(verdict: Verdict) -> str:
         said += f", from {falls_of.pop()}"
     other = _verb(infinite := {one.kind for one, _ in differ})
     at = {
-        guarded(one.after * force, unit, share_of(verdict) * one.after * force) for one, _ in differ
+        guarded(one.after * force, unit, widest_uncertainty(verdict) * one.after * force)
+        for one, _ in differ
     }
     if infinite == {"smooth"} and len(at) == 1:
         other += f" at {at.pop()}"
@@ -166,8 +167,8 @@ def _verb(kinds: set[str]) -> str:
     """What sliders do of which so many kinds are told."""
     if len(kinds) > 1:
         return "slip or slide otherwise, by the slip rule"
-    told = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}
-    return told.get(min(kinds), "slip now and then")
+    verbs = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}
+    return verbs.get(min(kinds), "slip now and then")
 
 
 def _plain_fall(finite: Finite, force: float, unit: str) -> str:
@@ -186,7 +187,7 @@ def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
     return groups
 
 
-def _told(verdict: Verdict, answer: Answer) -> list[str]:
+def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
     """What the rules say under one reading, with its numbers. Of those that are not decided the first says why, as
     others may be followed in its place; `dependence` has the reasons of all."""
     groups = dict[tuple[str, str, str], list[Behaviour]]()
@@ -203,11 +204,11 @@ def _told(verdict: Verdict, answer: Answer) -> list[str]:
         said = _behaved(verdict, answer, kind, alike, bare=own.startswith(kind))
         if own:
             # of those that are followed in place of infinitely many nothing else is known
-            told = all(one.sliders is few[one.rule] for one in alike)
-            said = own if told else f"{own} ({said} for infinitely many)"
+            no_more = all(one.sliders is few[one.rule] for one in alike)
+            said = own if no_more else f"{own} ({said} for infinitely many)"
         parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
-    told_there = bool(not_decided(verdict)) or answer is not verdict.own
-    return parts if told_there else [*parts, *widest(verdict)]
+    elsewhere = bool(not_decided(verdict)) or answer is not verdict.own
+    return parts if elsewhere else [*parts, *widest(verdict)]
 
 
 def _without_delay(answer: Answer, slider: Behaviour) -> str:
@@ -235,31 +236,32 @@ def _behaved(
 ) -> str:
     """One kind of behaviour with its numbers; its forces alone if `bare`. The numerical error stands beside these where
     it is the widest uncertainty."""
-    scale, last, share = answer.scale, alike[0], share_of(verdict)
+    scale, last, uncertainty = answer.scale, alike[0], widest_uncertainty(verdict)
 
     error = max((one.error for one in alike if one.error < np.inf), default=0.0)
     error *= answer.contacts.mean_threshold * scale.force
     top = max((abs(one.before) for one in alike), default=0.0) * scale.force
     if top > 0.0:
-        share = max(share, error / top)
+        uncertainty = max(uncertainty, error / top)
 
-    def reach(values: Sequence[float], unit: str, told: float = 0.0) -> str:
-        """One value, or the smallest and the largest where they differ as written; to the digit of an error that is
-        `told` beside it."""
-        said = [to_digits(end, unit, share * abs(end), told) for end in (min(values), max(values))]
+    def span(values: Sequence[float], unit: str, shown_error: float = 0.0) -> str:
+        """One value, or the smallest and the largest where they differ as written; to the digit of an error that
+        stands beside it."""
+        ends = min(values), max(values)
+        said = [to_digits(end, unit, uncertainty * abs(end), shown_error) for end in ends]
         return " to ".join(dict.fromkeys(said))
 
     if kind == "undecided" and not last.slips:
         first = answer.behaviours[0]
         why = f" ({in_units(last.message, scale)})" * (last.message == first.message)
         return f"not decided{why}"
-    told = error if error > max(KNOWN, share_of(verdict)) * top else 0.0
+    shown_error = error if error > max(PRECISE, widest_uncertainty(verdict)) * top else 0.0
 
     def with_error(values: Sequence[float]) -> str:
-        """As `reach`, of forces of `alike`, each with its own error where errors are told: that of one rule may be a
+        """As `span`, of forces of `alike`, each with its own error where errors are told: that of one rule may be a
         half of its force and a thousandth of that of another rule."""
-        said = reach(values, scale.force_unit, told)
-        if not told:
+        said = span(values, scale.force_unit, shown_error)
+        if not shown_error:
             return said
         if " to " not in said:
             return with_scatter(values[0], error, scale.force_unit)
@@ -273,10 +275,8 @@ def _behaved(
             return with_error(after)
         beside = f"{_of_damping(answer, last)}{_without_delay(answer, last)}"
         return f"smooth at {with_error(after)}{beside}"
-    high, low = (
-        with_error([one.before * scale.force for one in alike]),
-        reach(after, scale.force_unit, told),
-    )
+    high = with_error([one.before * scale.force for one in alike])
+    low = span(after, scale.force_unit, shown_error)
     fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
@@ -289,8 +289,11 @@ def _behaved(
     periods = [one.period for one in alike if one.period is not None]
     if periods:
         # of a period known as well as the force
-        known, times = told and share, [period / verdict.velocity for period in periods]
-        every = reach(periods, scale.length_unit, known * max(periods))
-        seconds = reach(times, scale.time_unit, known * max(times))
+        relative_error, times = (
+            shown_error and uncertainty,
+            [period / verdict.velocity for period in periods],
+        )
+        every = span(periods, scale.length_unit, relative_error * max(periods))
+        seconds = span(times, scale.time_unit, relative_error * max(times))
         said += f" every {every}, {seconds} at {written(verdict.velocity, speed_unit(verdict))}"
     return said
