@@ -243,3 +243,26 @@ def test_what_is_not_followed_is_refused_in_one_line(contacts, path, more, said)
     with pytest.raises(InputError, match=said) as refusal:
         eq_model.simulate(contacts, path, spring=0.5, **more)
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
+def test_another_unit_of_length_changes_nothing_but_the_scale(scale):
+    """In metres k_BT/<k> is some 1e-22 m², beside which a contact of 1 m would be as cold as none."""
+    one, other = (
+        eq_model.simulate(
+            Contacts(
+                origins.gaussian(unit, 0.2 * unit), thermal=Thermal("soft", 0.02 * unit**2, 100.0)
+            ),
+            unit * np.linspace(0.0, 9.0, 20),
+            velocity=unit,
+            spring=0.5,
+            slip="reset",
+            n_contacts=300,
+            n_replicas=2,
+            seed=3,
+        )
+        for unit in (1.0, scale)
+    )
+    assert one.breaks > 300 and one.slips.drive.size > 2
+    assert other.slips.force_before / scale == pytest.approx(one.slips.force_before, abs=0.05)
+    assert other.forces.mean() / scale == pytest.approx(one.forces.mean(), rel=0.1)

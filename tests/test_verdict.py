@@ -777,6 +777,23 @@ def test_slips_of_islands_are_those_of_the_barriers_and_not_of_their_smooth_law(
     assert follow_islands(SOFT, held, "reset", known, wall_time=0.0).contacts is None
 
 
+def test_contacts_of_the_area_break_by_heat_as_they_are_followed() -> None:
+    """On a spring of 0.5 infinitely many slip from 0.6174 in this heat (docs/sliders.md), cold ones from 0.668."""
+    warm = Contacts(gaussian(1.0, 0.2), thermal=origins.Thermal("soft", 0.02, 100.0))
+    machine, slips = replace(SOFT, spring=0.5), replace(infinite("stick-slip", 5), before=0.6174)
+    told = follow_finite(machine, warm, 2000, slips, 0.65, 1e4)
+    assert told.kind == "stick-slip"
+    assert told.before == pytest.approx(0.6174, abs=0.02 + 3.0 * told.before_error)
+    assert told.before + 3.0 * told.before_error < 0.65
+    left_out = follow_finite(machine, warm, 2000, replace(slips, heat_left_out=1e-3), 0.69, 1e4)
+    assert left_out.before == pytest.approx(0.668, abs=0.02 + 3.0 * left_out.before_error)
+    ageing = origins.Ageing(gaussian(1.0, 0.2), rate=1e-3)
+    for held, rule in ((warm, "mass"), (Contacts(gaussian(1.0, 0.2), ageing=ageing), "reset")):
+        asked = replace(machine, mass=1e-3 if rule == "mass" else None)
+        told = follow_finite(asked, held, 2000, replace(slips, rule=rule), 0.65, 1e4)
+        assert told.kind == "unknown" and "the ensemble takes no contacts" in told.message
+
+
 def test_many_barriers_have_their_own_quantiles() -> None:
     """In bins of twenty, on which the cdf is straight."""
     x_s = np.sort(stats.arcsine(0.5, 1.0).rvs(4000, random_state=1))

@@ -99,8 +99,9 @@ class Replicas:
 
         if replica < 0:
             # kernels are the same for all rules and laws but those of rates
-            few = Contacts(identical(1.0), thermal=self._contacts.thermal)
-            drive, blocks = Drive([3.0], spring=1.0), Blocks(2, 2)
+            mean = self._contacts.mean_threshold  # to which a temperature belongs
+            few = Contacts(identical(mean), thermal=self._contacts.thermal)
+            drive, blocks = Drive([3.0 * mean], spring=1.0), Blocks(2, 2)
             Replicas(few, drive, blocks, seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
         check_dropped(self._dropped)

@@ -31,6 +31,10 @@ FLOWING = ("instant", "mass")
 MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
 # and where contacts wait while a slider with mass moves, as it rings on them when it sticks: some 10 s at 400 ns each
 MOST_BREAKS_RINGING = 2.5e7
+# and where they break by heat, too: some 10 s at 800 ns each
+MOST_BREAKS_IN_HEAT = 1.2e7
+# laws in time of contacts that hold, with which the ensemble takes them on a spring without a mass
+TAKEN = {"thermal", "strengthening"}
 # times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
@@ -119,6 +123,8 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         asked.infinite,
         asked.static,
     )
+    from eq_model.engine import breaks_by_heat
+
     rule, slips = infinite.rule, infinite.kind == "stick-slip"
     settles = asked.settles
     present = max(round(asked.number), 1)
@@ -154,10 +160,20 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             # the spring relaxes to the force of sliding, to none where that is not known
             relaxed = infinite.after if np.isfinite(infinite.after) else 0.0
             lives += max(static - relaxed, 0.0) / machine.spring / mean
+        if contacts.thermal is not None:  # and those that break while the slider sticks
+            lives += breaks_by_heat(contacts, end / machine.velocity)
         return _PlannedDrive(end, SLIDERS * number * lives)
 
+    if infinite.heat_left_out is not None:  # nor do as many contacts need it
+        contacts = contacts.replace(thermal=None)
+    held_by = set(contacts.held_in_time)
+    if held_by - TAKEN or (held_by and rule == "mass"):
+        why = "the ensemble takes no contacts on a spring that age, and none beside a mass that break by heat or grow"
+        return Finite(rule, present, "unknown", message=why)
     # fewer contacts have to be pulled further
     most = MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
+    if held_by:
+        most = MOST_BREAKS_IN_HEAT
     followed, plan = min(present, MOST_CONTACTS), planned(present)
     breaks_of_all = plan.breaks
     while followed >= min(present, FEW) and (plan := planned(followed)).breaks > MORE * most:
@@ -173,11 +189,6 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         why = (
             f"{scatter}: they begin to slide {far} of the drive's way apart, too far to be followed"
         )
-        return Finite(rule, present, "unknown", message=why)
-    if infinite.heat_left_out is not None:  # nor do as many contacts need it
-        contacts = contacts.replace(thermal=None)
-    if contacts.held_in_time:
-        why = "single contacts are followed on a spring without heat and age only"
         return Finite(rule, present, "unknown", message=why)
     steady = plan.end - SETTLED * BEYOND * mean
     points = np.unique(np.linspace([0.0, max(steady, 0.0)], plan.end, POINTS))

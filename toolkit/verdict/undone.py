@@ -97,6 +97,8 @@ def _of_heat(verdict: Verdict) -> Iterator[Line]:
     said = ((written(most * unit, scale.force_unit, digits=2), rule) for rule, most in cold.items())
     for most, rules in by_reason(said).items():
         which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
+        few = any(one.rule in rules and one.kind != "unknown" for one in verdict.finite)
+        which += ", of the contacts of the area, too" * few
         size = max(cold[rule] for rule in rules) * unit / (own.static.value * scale.force)
         yield Line(size, f"heat is left out{which}: it would change the force by {most} at most")
 
