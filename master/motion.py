@@ -42,16 +42,8 @@ class Motion:
             raise FaultError(
                 f"all knots of a motion are at t = {times[0]:.6g}, a fault of the program"
             )
-        steps = np.diff(times)
-        speeds = np.diff(positions) / steps
-        # speeds that differ by 1e-9 count as equal: quotients of positions and times are rounded, to 1e-13 where a path
-        # has thousands of points; rounding of times and positions changes the speeds of short steps most, and of steps
-        # late or far from 0
-        late, far = times[1:], np.maximum(*np.abs([positions[1:], positions[:-1]]))
-        rounded = 1e-9 + _rounded(late, steps) + _rounded(far, np.abs(np.diff(positions)))
-        larger, rounding = (np.maximum(a[1:], a[:-1]) for a in (np.abs(speeds), rounded))
-        turns = np.flatnonzero(np.abs(np.diff(speeds)) > rounding * larger) + 1
-        kept = np.concatenate([[0], turns, [times.size - 1]])
+        # most motions have one leg, of which nothing can be dropped
+        kept = _turns(times, positions) if times.size > 2 else slice(None)
         self.times: Array = times[kept]
         self.positions: Array = positions[kept]
         self.speeds: Array = np.diff(self.positions) / np.diff(self.times)
@@ -101,6 +93,20 @@ class Motion:
         return History(self, t, s)
 
 
+def _turns(times: Array, positions: Array) -> npt.NDArray[np.intp]:
+    """Indices of the first knot, of those at which the speed changes, and of the last."""
+    steps = np.diff(times)
+    speeds = np.diff(positions) / steps
+    # speeds that differ by 1e-9 count as equal: quotients of positions and times are rounded, to 1e-13 where a path
+    # has thousands of points; rounding of times and positions changes the speeds of short steps most, and of steps
+    # late or far from 0
+    late, far = times[1:], np.maximum(*np.abs([positions[1:], positions[:-1]]))
+    rounded = 1e-9 + _rounded(late, steps) + _rounded(far, np.abs(np.diff(positions)))
+    larger, rounding = (np.maximum(a[1:], a[:-1]) for a in (np.abs(speeds), rounded))
+    turns = np.flatnonzero(np.abs(np.diff(speeds)) > rounding * larger) + 1
+    return np.concatenate([[0], turns, [times.size - 1]])
+
+
 def _rounded(ends: Array, steps: Array) -> Array:
     """By which part of itself each step (n,) between rounded numbers may be off, that of the larger one; 1/2 at most,
     as a hold is told from a move."""
@@ -118,6 +124,8 @@ def middle_of(rows: Array) -> Array:
     """The middle between the least and the largest of each row, shape (rows, 1). Where a row lies within one piece of a
     range, so does this, and well inside it: it tells on which side of the piece's ends the row is."""
     count, width = rows.shape
+    if width == 1:
+        return rows
     if count < width:
         return 0.5 * (rows.min(axis=1, keepdims=True) + rows.max(axis=1, keepdims=True))
     # along the short rows themselves numpy takes five times as long

@@ -161,6 +161,34 @@ def test_an_error_of_the_force_shifts_the_begin_of_a_slip_as_told():
     assert worst > 0.5
 
 
+def test_travels_of_loads_are_found_up_to_the_begin_of_a_slip():
+    """The load y³ + y/2 on [-1, 1], counted from -1, bends both ways; and 1 - (1 - y)² is flat where it is largest."""
+    spring, none = 0.5, np.empty(0)
+
+    def curve_of(force: Polynomial, begin: float, width: float) -> LoadCurve:
+        series = force.convert(kind=Legendre, domain=[begin, begin + width]).coef
+        series = np.append(series, np.zeros(DEGREE + 1 - series.size))[None]
+        error = np.zeros(1)
+        return LoadCurve(np.array([begin]), np.array([width]), series, error, error, none, spring)
+
+    y = np.linspace(0.0, 2.0, 81)
+    cubic = curve_of(Polynomial([-1.0, 1.0]) ** 3, 0.0, 2.0)
+    assert cubic.travel_at((y - 1.0) ** 3 + 0.5 * y, 0.0, 2.0) == pytest.approx(y, abs=1e-14)
+    flat = curve_of(Polynomial([0.0, 2.0 - spring, -1.0]), 0.0, 1.0)
+    beside = np.array([1.0, 1e-2, 1e-4, 1e-6])  # travels before the largest load
+    found = 1.0 - flat.travel_at(1.0 - beside**2, 0.0, 1.0)
+    assert (np.abs(found - beside) <= 4e-15 / beside).all()
+
+
+def test_a_move_that_is_planned_on_keeps_the_width_of_its_panels():
+    """Each width takes sums of its own: at the ends of plans, which lie ever farther ahead, it stays the same."""
+    cold = ColdContacts(origins.Contacts(origins.gaussian(1.0, 0.2)), 0.3, 1e-8, np.inf)
+    move = Move(cold, 1, LoadingHistory(cold.start))
+    curve = move.curve_to(25.0)
+    late = curve.width[curve.begin > 3.0]
+    assert late.size > 40 and np.ptp(late) <= 1e-12
+
+
 def test_cycles_repeat_and_are_solved_once():
     spring = 1.0
     let_go = first_onset(spring)

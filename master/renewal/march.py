@@ -280,8 +280,9 @@ class March:
         other.lumps += [lump for lump in self.lumps[1:] if lump.birth < t]
         other._past.count_errors_of(self._past)
         other.jumps = self.jumps.copy()
-        # work that is done: tables of survivals, which no motion changes, and its count
+        # work that is done: tables and sums of panels, found again at the widths so far; no motion changes them
         other.present = self.present.counted_on(births)
+        other.widths = PanelWidth(self.life.quick, known=self.widths.widest)
         births.work = self.births.work
         return other
 

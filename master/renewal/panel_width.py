@@ -97,28 +97,29 @@ class PanelWidth:
 
     All widths are times (at T = 0 without delay, as all times of a march, distances).
 
-    widest : largest width of the next panels, inf before the first, kept from edge to edge; `narrow` and `widen` change
-        it
+    widest : largest width of the next panels, inf or `known` before the first, kept from edge to edge; `narrow` and
+        `widen` change it
     duration : from edge to edge
     guess, whole_life : width of the first guess, and the largest that is of use. March has both as lengths; here they
         are divided by the speed, and so inf in a hold, where only the time to the edge bounds a width
     tolerance : largest error of a good panel; quick : whether a look-up gives the survival (Life.quick)
     """
 
-    def __init__(self, quick: bool, rules: WidthRules = RULES) -> None:
-        """Before the first edge."""
-        self.widest, self.rules, self._quick = np.inf, rules, quick
+    def __init__(self, quick: bool, rules: WidthRules = RULES, known: float = np.inf) -> None:
+        """Before the first edge; the first panels are no wider than `known`, what a march that this one goes on from
+        has found."""
+        self.widest, self.rules, self._quick = known, rules, quick
         self._leg = -1  # of the panels so far; -1 before the first
 
     def begin(
         self, leg: int, duration: float, guess: float, whole_life: float, tolerance: float
     ) -> None:
-        """Begin at an edge, with panels as wide as those before it on the same leg, else with those of the first guess:
-        the leg before had another speed, and a march that goes on amid a leg (March.cut) has a controller of its own,
-        which knows no width yet."""
+        """Begin at an edge, with panels as wide as those before it on the same leg, else with those of the first guess,
+        as the leg before had another speed."""
         rules = self.rules
         if leg != self._leg:
-            self.widest = guess if guess < np.inf else rules.of_hold * duration
+            first = guess if guess < np.inf else rules.of_hold * duration
+            self.widest = min(first, self.widest) if self._leg < 0 else first
             self._leg = leg
         self.duration, self.tolerance = duration, tolerance
         self._guess, self._whole_life = guess, whole_life

@@ -10,12 +10,12 @@ break together, it slips; it stops at the first y where the load has the same va
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from numpy.polynomial import Legendre, legendre
-from scipy.optimize.elementwise import find_root
+from numpy.polynomial import legendre
 
 from master.numerics import polynomials
 from origins.thresholds.law import Array
@@ -27,6 +27,9 @@ ROUNDED = 1e-15
 OFF_AXIS = 1e-6
 # A slope of the load above this many errors of the slope did not come down to 0 before: at a slip it jumps.
 SURELY_ABOVE = 10.0
+# Newton's method for travels: most steps, each at most this part of the one before; and the rounding of loads and
+# travels, a part of the largest on the panel.
+MOST_STEPS, SHORTER, ROUNDED_LOAD = 200, 0.75, 4.0 * np.finfo(float).eps
 # A force that no longer changes is laid out this many times as far as is asked, so that few panels are added.
 AHEAD = 2.0
 
@@ -62,11 +65,11 @@ class LoadCurve:
 
     def load_slope(self, y: float | Array) -> Array:
         """F' + K at travels y."""
-        return self._values(self._derivatives(1), y) + self.spring
+        return self._values(self._slopes, y) + self.spring
 
     def bend(self, y: float | Array) -> Array:
         """F'' at travels y."""
-        return self._values(self._derivatives(2), y)
+        return self._values(self._bends, y)
 
     def curvature(self, y: float | Array) -> Array:
         """|F''| at travels y."""
@@ -85,9 +88,15 @@ class LoadCurve:
         z = np.clip(2.0 * (y - self.begin[panel]) / self.width[panel] - 1.0, -1.0, 1.0)
         return np.asarray(legendre.legval(z, np.moveaxis(series[panel], -1, 0), tensor=False))
 
-    def _derivatives(self, order: int) -> Array:
-        """Legendre coefficients of derivatives of the force by the travel."""
-        return legendre.legder(self.series, order, axis=1) * (2.0 / self.width[:, None]) ** order
+    @cached_property
+    def _slopes(self) -> Array:
+        """Legendre coefficients of F'."""
+        return legendre.legder(self.series, axis=1) * (2.0 / self.width[:, None])
+
+    @cached_property
+    def _bends(self) -> Array:
+        """Legendre coefficients of F''."""
+        return legendre.legder(self._slopes, axis=1) * (2.0 / self.width[:, None])
 
     def slip_begins(self, after: float) -> float:
         """The first travel after `after` beyond which the load falls; inf if there is none.
@@ -95,13 +104,13 @@ class LoadCurve:
         The load falls where its slope is below 0 by more than the error of the slope somewhere
         before it rises again: a fall within that error may be numerical noise, and is no slip.
         """
-        drops, slopes = self.drops[self.drops > after], self._derivatives(1)
+        drops, slopes = self.drops[self.drops > after], self._slopes
         # Markov's inequality: the slope of an error of this size, of a polynomial of this degree
         steep = 2.0 * polynomials.DEGREE**2 * self.own_error / self.width
         surely = self._first_above(-slopes, self.spring + steep, after)
         falls = self._first_above(-slopes, self.spring, after) if np.isfinite(surely) else np.inf
         while falls < surely:
-            rises = self._first_above(slopes, -self.spring, falls)
+            rises = self._first_above(slopes, -self.spring, falls, before=surely)
             if rises > surely:
                 break
             falls = self._first_above(-slopes, self.spring, rises)
@@ -109,7 +118,7 @@ class LoadCurve:
 
     def rises(self, after: float) -> float:
         """The first travel >= after from which the load rises; inf if none."""
-        return self._first_above(self._derivatives(1), -self.spring, after)
+        return self._first_above(self._slopes, -self.spring, after)
 
     def reaches(self, level: float, after: float) -> float:
         """The first travel >= after at which the load is at `level`; inf if none."""
@@ -118,21 +127,28 @@ class LoadCurve:
         load[:, 1] += self.spring * 0.5 * self.width
         return self._first_above(load, level, after)
 
-    def _first_above(self, series: Array, level: float | Array, after: float) -> float:
+    def _first_above(
+        self, series: Array, level: float | Array, after: float, before: float = np.inf
+    ) -> float:
         """The first travel >= after at which polynomials on panels are above a level, one for all or one for each
-        panel; inf if none."""
+        panel; inf if none, or none on panels that begin before the travel `before`."""
         level = np.broadcast_to(level, self.begin.shape)
         most = series[:, 0] + np.abs(series[:, 1:]).sum(axis=1)
         ends = np.append(self.begin[1:], self.end)
         # far from a move's beginning a narrow panel may be rounded to no width
-        for panel in np.flatnonzero((most > level) & (ends > np.maximum(after, self.begin))):
+        somewhere = (most > level) & (ends > np.maximum(after, self.begin)) & (self.begin < before)
+        for panel in np.flatnonzero(somewhere):
             first, end = float(self.begin[panel]), float(ends[panel])
-            excess = Legendre(series[panel], [first, end]) - level[panel]
-            roots = excess.trim(ROUNDED * np.abs(excess.coef).max()).roots()
-            real = np.sort(roots.real[np.abs(roots.imag) < OFF_AXIS * (end - first)])
+            excess = series[panel].copy()
+            excess[0] -= level[panel]
+            roots = legendre.legroots(legendre.legtrim(excess, ROUNDED * np.abs(excess).max()))
+            # from z in [-1, 1] to travels, and back
+            middle, half = 0.5 * (first + end), 0.5 * (end - first)
+            real = np.sort(middle + half * roots.real[np.abs(roots.imag) < 2.0 * OFF_AXIS])
             first = max(first, after)
             points = np.array([first, *real[(real > first) & (real < end)], end])
-            above = excess(0.5 * (points[1:] + points[:-1])) > 0.0
+            between = 0.5 * (points[1:] + points[:-1])
+            above = legendre.legval((between - middle) / half, excess) > 0.0
             if above.any():
                 return float(points[np.argmax(above)])
         return np.inf
@@ -155,15 +171,28 @@ class LoadCurve:
 
     def travel_at(self, load: Array, low: float, high: float) -> Array:
         """Travels from low to high, where the load rises, with given loads; same shape as load."""
-
-        def lack(y: Array, load: Array) -> Array:
-            return self.force(y) + self.spring * y - load
-
         places = np.array([low, *self.begin[(self.begin > low) & (self.begin < high)], high])
-        known = np.maximum.accumulate(lack(places, np.zeros(places.size)))
+        known = np.maximum.accumulate(self.force(places) + self.spring * places)
         cell = np.clip(np.searchsorted(known, load) - 1, 0, places.size - 2)
         wanted = np.clip(load, known[0], known[-1])
-        return np.asarray(find_root(lack, (places[cell], places[cell + 1]), args=(wanted,)).x)
+        below, above = places[cell], places[cell + 1]
+        rounded = ROUNDED_LOAD * np.maximum(np.abs(known[cell]), np.abs(known[cell + 1]))
+        narrowest = ROUNDED_LOAD * above
+        y, step = 0.5 * (below + above), above - below
+        for _ in range(MOST_STEPS):
+            lack = wanted - self.force(y) - self.spring * y
+            exact = np.abs(lack) <= rounded
+            if (exact | (np.abs(step) <= narrowest)).all():
+                break
+            below, above = np.where(lack >= 0.0, y, below), np.where(lack <= 0.0, y, above)
+            # Newton's step, or halving where it leaves the bracket or does not get shorter
+            with np.errstate(all="ignore"):
+                newton = y + lack / self.load_slope(y)
+            good = (below <= newton) & (newton <= above)
+            good &= np.abs(newton - y) <= SHORTER * np.abs(step)
+            step = np.where(exact, 0.0, np.where(good, newton, 0.5 * (below + above)) - y)
+            y = y + step
+        return y
 
 
 @dataclass(frozen=True)

@@ -100,6 +100,8 @@ class Move:
         self._plan(loaded.march, loaded.cut, loaded.end)
         self._first = self._march.solved.count
         self._steady: SteadyForce | None = None
+        # the last slip that was found, and the travel after which it is the first: resets repeat one move
+        self._found: tuple[float, SlipBegin] | None = None
 
     def at(self, y: Array | float) -> Any:
         """X after the travel y, relative to where the history began (lengths)."""
@@ -107,6 +109,8 @@ class Move:
 
     def next_slip(self, after: float, target: float) -> SlipBegin:
         """The first slip after a travel, if it begins before the load reaches the target."""
+        if self._found and self._found[0] == after and self._found[1].load < target:
+            return self._found[1]
         travel = after
         while True:
             curve = self.curve_to(travel)
@@ -116,7 +120,8 @@ class Move:
             if load >= target:
                 return SlipBegin(curve, last, np.inf)
             if np.isfinite(y):
-                return SlipBegin(curve, y, load)
+                self._found = after, SlipBegin(curve, y, load)
+                return self._found[1]
             travel = curve.end + self.contacts.life.resolution_length
 
     def end_of_slip(
