@@ -120,8 +120,8 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
     above = f"error estimate {error:.1e} is above the tolerance {tolerance:.1e}"
     solved = march.solved
     if not solved.count:
-        known = "; no panel was solved, and F is not known even at X = 0"
-        return f"{above}{known}; loosen the tolerance" + ", or give more time" * march.unfinished
+        hint = "; no panel was solved, and F is not known even at X = 0"
+        return f"{above}{hint}; loosen the tolerance" + ", or give more time" * march.unfinished
     panel = int(np.argmax(solved.error))
     near = f"near X = {march.motion.at(solved.begin[panel]):.6g}"
     largest = max(march.jumps, key=lambda jump: jump.size, default=None)

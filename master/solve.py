@@ -137,6 +137,6 @@ def _rigid(
     fine = solved_to(tolerance)
     if fine.path.size >= rough.path.size:
         return fine
-    known = f"the force is known to {rough.force_error:.1e} only, as more took too long"
-    message = f"stopped by wall_time: {known}" if rough.success else rough.message
+    hint = f"the force is known to {rough.force_error:.1e} only, as more took too long"
+    message = f"stopped by wall_time: {hint}" if rough.success else rough.message
     return replace(rough, success=False, message=message, run_time=rough.run_time + fine.run_time)

@@ -120,7 +120,7 @@ def test_force_error_is_the_promise_it_is_said_to_be() -> None:
             print(f"{len(rows)} of {CASES}", flush=True)
     print("\n".join(as_lines(rows)))
     found = coverage(rows)
-    failed, ratios = CASES - found.held.hold, found.ratios
+    failed, ratios = CASES - found.bounded.hold, found.ratios
     if CASES >= ALL:
         most, least = MISSED * CASES, 0.5 * len(ratios)
     else:
@@ -137,7 +137,7 @@ def test_far_corners_keep_it_where_they_are_answered() -> None:
     rows = [row for one in far for row in answered(question(one)) if row.verdict != "refused"]
     assert len(rows) > 0.9 * len(far)
     found = coverage(rows)
-    failed = len(rows) - found.held.hold
+    failed = len(rows) - found.bounded.hold
     assert failed <= scipy.stats.binom.ppf(0.99, len(rows), 0.5 * MISSED), as_lines(rows)
     assert not found.overruns, as_lines(rows)
 

@@ -91,8 +91,8 @@ def test_births_on_a_panel_longer_than_the_delay_follow_from_its_own_breaks() ->
     births = PanelBirths(past, begin, width)
     times = begin + width * PLACES
     exact = breaks(times - delay) - breaks(begin - delay)
-    assert not births.all_known
-    births.take(births.known + births.of_breaks @ (breaks(times) - breaks(begin)))
+    assert not births.all_before
+    births.take(births.of_past + births.of_breaks @ (breaks(times) - breaks(begin)))
     np.testing.assert_allclose(births.born, exact, atol=1e-14)
     np.testing.assert_allclose(births.rate, 0.2 + 0.2 * (times[1:] - delay), atol=1e-13)
     assert births.missed < 1e-14
@@ -153,7 +153,7 @@ def test_births_of_breaks_on_the_same_panel_are_solved_with_their_derivatives(
     x, step = way * (0.9 + 0.3 * NODES + 0.1 * NODES**2), 1e-5
     here, born = at(x), births.born
     breaks = np.append(0.0, held - here.holding + born[1:])
-    np.testing.assert_allclose(born, births.known + births.of_breaks @ breaks, atol=1e-14)
+    np.testing.assert_allclose(born, births.of_past + births.of_breaks @ breaks, atol=1e-14)
     assert born[-1] > 0.05
     differences = [
         (at(x + step * unit).force - at(x - step * unit).force) / (2.0 * step)

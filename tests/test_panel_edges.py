@@ -60,7 +60,7 @@ def tried(error_of, length=1.0, first=0.1, tolerance=1e-8):
     """Widths tried by the controller for panels with these errors; and ends of the panels that were kept."""
     widths, t, all_tried, kept = PanelWidth(True), 0.0, [], []
     widths.begin(0, length, first, 1.0, tolerance)
-    while not widths.reached(length - t):
+    while not widths.at_edge(length - t):
         proposal = widths.propose(length - t)
         width = proposal.width
         begins = t + width * np.arange(proposal.panels)

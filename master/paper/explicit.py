@@ -87,41 +87,42 @@ def _stepped(contacts: Contacts, path: Array, step: float, breaking: Breaking) -
         refuse("step", step, f"needs more than {MOST_NODES:,} steps or nodes; {example}")
     zero = 1 + int(np.ceil(largest / step))  # the index of x = 0
     x: Array = step * np.arange(-zero, zero + 1, dtype=float)
-    fraction = broken_fraction(contacts, x, step, breaking)
-    fraction[-1] = 1.0  # contacts that would leave the grid break at its end
-    shares = starting_shares(contacts, x, step)
+    broken_part = broken_fraction(contacts, x, step, breaking)
+    broken_part[-1] = 1.0  # contacts that would leave the grid break at its end
+    populations = starting_populations(contacts, x, step)
 
     travelled = step * np.arange(int(np.ceil(travel[-1] / step * (1.0 - 1e-12))) + 1)
     at = np.interp(travelled, np.append(0.0, travel), np.append(0.0, path))
     if at.size > 1:  # the last step may end beyond the path
         at[-1] = at[-2] + np.copysign(step, at[-1] - at[-2])
-    force = [x @ shares]
+    force = [x @ populations]
     for move in np.diff(np.rint(at / step).astype(int)).tolist():
-        forward = shares if move >= 0 else shares[::-1]  # a view: backward is forward in -x
-        broken = [shift_and_break(forward, fraction) for _ in range(abs(move))]
-        shares[zero] += sum(broken)
-        force.append(x @ shares)
+        # a view: backward is forward in -x
+        forward = populations if move >= 0 else populations[::-1]
+        broken = [shift_and_break(forward, broken_part) for _ in range(abs(move))]
+        populations[zero] += sum(broken)
+        force.append(x @ populations)
     return ExplicitSolution(path, np.interp(travel, travelled, force), time.perf_counter() - began)
 
 
-def shift_and_break(shares: Array, fraction: Array) -> float:
+def shift_and_break(populations: Array, broken_part: Array) -> float:
     """Move all contacts by one node and break some (paper, Eq. Q2), in place; returns their share."""
-    shares[1:] = shares[:-1].copy()
-    shares[0] = 0.0
-    broken = fraction * shares
-    shares -= broken
+    populations[1:] = populations[:-1].copy()
+    populations[0] = 0.0
+    broken = broken_part * populations
+    populations -= broken
     return float(broken.sum())
 
 
-def starting_shares(contacts: Contacts, x: Array, step: float) -> Array:
+def starting_populations(contacts: Contacts, x: Array, step: float) -> Array:
     """The share of the contacts at each node at X = 0 (paper, Eq. Q5b); they add up to 1."""
     start = contacts.start
     if start.is_single:  # distributed over two nodes with the same mean
-        shares = np.maximum(1.0 - np.abs(x - start.mean()) / step, 0.0)
+        populations = np.maximum(1.0 - np.abs(x - start.mean()) / step, 0.0)
     else:
-        shares = np.diff(start.cdf(np.append(x - 0.5 * step, x[-1] + 0.5 * step)))
-        shares[contacts.thresholds.sf(np.abs(x)) <= 0.0] = 0.0
-    return shares / shares.sum()
+        populations = np.diff(start.cdf(np.append(x - 0.5 * step, x[-1] + 0.5 * step)))
+        populations[contacts.thresholds.sf(np.abs(x)) <= 0.0] = 0.0
+    return populations / populations.sum()
 
 
 def broken_fraction(contacts: Contacts, x: Array, step: float, breaking: Breaking) -> Array:

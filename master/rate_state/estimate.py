@@ -34,7 +34,7 @@ SMALL_STEP = 1.1
 LOOSER = 10.0
 # of the change of force after a step: a larger error of it asks for a lower tolerance, of FINEST mean thresholds at
 # least, as rounding and the tenth of it that smaller steps take leave no room for more
-KNOWN, FINEST = 1e-3, 1e-9
+OF_CHANGE, FINEST = 1e-3, 1e-9
 
 
 def rate_state(
@@ -94,7 +94,7 @@ def rate_state(
     curve, unit = kinetic_curve(contacts, velocity), contacts.mean_threshold
     steps = steps_about(contacts, velocity, ratio, tolerance)
     if slow:
-        _check_known(steps)
+        _check_resolved(steps)
     found, slope = read_steps(steps, evolution), slope_at(contacts, velocity)
     small: Sequence[VelocityStep] = ()
     larger: Sequence[VelocityStep] = steps
@@ -170,9 +170,9 @@ def rate_state(
 
 
 def _finer(steps: Sequence[VelocityStep], tolerance: float) -> float:
-    """The tolerance that tells the change of the force after these steps to KNOWN of itself, or the same; steps that do
+    """The tolerance that tells the change of the force after these steps to OF_CHANGE of it, or the same; steps that do
     not become steady are known no better with another."""
-    known, error = KNOWN * _change(steps), steps[0].error
+    known, error = OF_CHANGE * _change(steps), steps[0].error
     if error <= known or not steps[0].settled:
         return tolerance
     return max(tolerance * known / error, min(FINEST, tolerance))
@@ -183,7 +183,7 @@ def _change(steps: Sequence[VelocityStep]) -> float:
     return min(float(np.ptp(one.force)) for one in steps)
 
 
-def _check_known(steps: Sequence[VelocityStep]) -> None:
+def _check_resolved(steps: Sequence[VelocityStep]) -> None:
     """Raise InputError where the error of the force is above its change, before minutes of work on smaller steps, other
     speeds and rests, which are then known no better."""
     if steps[0].error > (change := _change(steps)):

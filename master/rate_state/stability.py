@@ -65,11 +65,11 @@ def critical_spring_of(
         return _largest(waves, transform(slip, response, waves)).spring
 
     waves = np.geomspace(_LEAST_WAVE, _MOST_WAVE, _WAVES) / unit
-    known, mean = steps[0].slip, _mean(steps)
-    places = np.arange((known.size - 1) * _FINER + 1) / _FINER
-    slip = np.interp(places, np.arange(known.size), known)
-    smooth = transform(slip, PchipInterpolator(known, mean)(slip), waves)
-    plain = transform(known, mean, waves)
+    slips, mean = steps[0].slip, _mean(steps)
+    places = np.arange((slips.size - 1) * _FINER + 1) / _FINER
+    slip = np.interp(places, np.arange(slips.size), slips)
+    smooth = transform(slip, PchipInterpolator(slips, mean)(slip), waves)
+    plain = transform(slips, mean, waves)
     small, shift = abs(steps[0].log_ratio), steps[0].error / abs(steps[0].log_ratio)
     # of q T, which is a spring
     error = np.maximum.accumulate(waves * np.abs(smooth - plain)) + waves * shift
@@ -85,13 +85,13 @@ def critical_spring_of(
         apart = abs(of_answer(larger[0].slip, _mean(larger)) - straight)
         left_out = TWICE * apart / ((larger[0].log_ratio / small) ** 2 - 1.0)
     else:
-        left_out = max(abs(of_answer(known, one.response) - straight) for one in steps)
-    known_to = float(np.interp(wave, waves, error[: waves.size]))
+        left_out = max(abs(of_answer(slips, one.response) - straight) for one in steps)
+    transform_error = float(np.interp(wave, waves, error[: waves.size]))
     if wave * unit < _SWINGS:
         # what is left at the end swings on at about this wave number, and decays as it did
         fallen = np.log(np.abs(mean - mean[-1]).max() / shift) if shift else np.inf
-        known_to += 0.5 * wave**2 * shift * float(known[-1] / max(fallen, 1.0))
-    return CriticalSpring(value, max(abs(straight - value), known_to) + shifted + left_out)
+        transform_error += 0.5 * wave**2 * shift * float(slips[-1] / max(fallen, 1.0))
+    return CriticalSpring(value, max(abs(straight - value), transform_error) + shifted + left_out)
 
 
 def _mean(steps: Sequence[VelocityStep]) -> Array:

@@ -140,9 +140,9 @@ def approach_of(contacts: Contacts, velocity: float, steady: float, most: float)
         accuracy = most / contacts.mean_threshold
         force = solve(contacts, slid, accuracy, velocity=velocity).force
         off = np.flatnonzero(np.abs(force - steady) > most)
-        reached = life + (float(slid[off[-1]]) if off.size else 0.0)
-        if reached <= slid[-1]:
-            return Approach(reached, life)
+        settled_at = life + (float(slid[off[-1]]) if off.size else 0.0)
+        if settled_at <= slid[-1]:
+            return Approach(settled_at, life)
     return Approach(LIVES[-1] * life, life)
 
 

@@ -201,5 +201,5 @@ def still_out(t: Array, delay: float, begin: Array | float, width: Array | float
     t, shape (..., DEGREE + 1): all that broke up to t, but for those up to one delay before, which have formed again.
     `begin` and `width` are the panel's, or broadcast against t."""
     places = [np.clip((up_to - begin) / width, 0.0, 1.0) for up_to in (t, t - delay)]
-    broken, born_again = polynomials.values(np.stack(places))
-    return np.asarray(broken - born_again)
+    broken, re_formed = polynomials.values(np.stack(places))
+    return np.asarray(broken - re_formed)

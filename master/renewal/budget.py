@@ -78,8 +78,8 @@ class ErrorBudget:
         """Divide a tolerance of the force, which is in mean thresholds, as round_off is; stretch, mean : the longest
         stretch and the mean threshold (lengths). A tolerance looser than LOOSEST counts as that."""
         tolerance = min(tolerance, LOOSEST)
-        known = round_off + life.error * stretch / mean
-        part = max(tolerance - known, LEAST_FOR_PANELS * tolerance)
+        fixed_errors = round_off + life.error * stretch / mean
+        part = max(tolerance - fixed_errors, LEAST_FOR_PANELS * tolerance)
         if not life.quick:
             part *= 1.0 - FOR_SUMS
         smallest = SMALLEST_TOLERANCE if life.quick else SMALLEST_OF_SUMS

@@ -43,7 +43,7 @@ SMOOTHER = 1e-2
 # which it does not.
 MOST_EDGES, MOST_JUMPS = 400, 4000
 # Largest jump of the breaks, in tolerances of their number, that may be left to the panels' own errors.
-LEFT_TO_PANELS = 1e3
+MOST_UNRESOLVED = 1e3
 # A law of thresholds or of stretches at birth is narrow where its width is below this part of the largest threshold.
 NARROW = 0.1
 # Two edges nearer than this share of the time since their leg began, and ROUNDED of all the time, count as equal, and a
@@ -65,7 +65,7 @@ class Kink(NamedTuple):
 
 
 class Edges(NamedTuple):
-    """Edges, times sorted from `continued_from` to the end, and the kinks that make them, the known ones first;
+    """Edges, times sorted from `continued_from` to the end, and the kinks that make them, those met before first;
     too_many_jumps : whether there are more than can be followed."""
 
     times: Array
@@ -78,27 +78,28 @@ def edges(
     start: Start,
     tolerance: float,
     continued_from: float = 0.0,
-    known: Sequence[Kink] = (),
+    kinks_met: Sequence[Kink] = (),
 ) -> Edges:
     """Where panels begin and end.
 
     start : law of the stretches at t = 0
     tolerance : of the number of breaks; the panels' own errors count kinks of a size below SMOOTHER times this
-    continued_from, known : for a march that is continued, the time that it has reached, and the kinks that it has met
+    continued_from, kinks_met : for a march that is continued, the time up to which it is solved, and the kinks up to
+        there
     """
     chain = _Kinks(births, continued_from)
-    first = [*known, *chain.of_start(start), *chain.of_knots()]
+    first = [*kinks_met, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
     most += sum(kink.needed for kink in first)
     # where there are too many, the smallest are left to the panels' own errors: another decade of sizes each time
     while len(met := list(islice(chain.following(first, least), most + 1))) > most:
         least *= 10.0
-    too_many = bool(births.life.atoms.size) and least > LEFT_TO_PANELS * tolerance
+    too_many = bool(births.life.atoms.size) and least > MOST_UNRESOLVED * tolerance
     end = float(births.motion.times[-1])
     # a kink at the end is an edge already; it is kept for a march that goes on from there
     inside = (kink.time for kink in met if kink.time < end - chain.close(kink.time))
     times = np.array([continued_from, *inside, end])
-    return Edges(times, too_many, [*known, *met])
+    return Edges(times, too_many, [*kinks_met, *met])
 
 
 class _Kinks:
@@ -222,17 +223,17 @@ def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[t
     times, speeds = np.append(birth, motion.times[first + 1 :]), motion.speeds[first:]
     stretch = np.cumsum(np.append(x, speeds * np.diff(times)))
     farthest = np.maximum.accumulate(np.abs(stretch))
-    before, reached = farthest[:-1], np.abs(stretch[1:])  # before a leg, and at its end
-    rounded = reached * (1.0 + SAME_TIME)
+    before, at_leg_end = farthest[:-1], np.abs(stretch[1:])  # before a leg, and at its end
+    rounded = at_leg_end * (1.0 + SAME_TIME)
     # where a leg ends just at the largest value so far, no contact is stretched further; but a bend there is met
-    passes = before * (1.0 + SAME_TIME) < reached
+    passes = before * (1.0 + SAME_TIME) < at_leg_end
     meets = np.searchsorted(bends, before, "right") < np.searchsorted(bends, rounded, "right")
     for leg in np.flatnonzero((passes | meets) & (speeds != 0.0) & (np.diff(times) > 0.0)).tolist():
         begin, end = times[leg], times[leg + 1]
         speed, at_begin = speeds[leg], stretch[leg]
         # on its first leg a contact comes back only if it was born stretched against the motion
-        comes_back = passes[leg] and (leg or at_begin * speed < 0.0)
-        back = [(before[leg], np.nan)] if comes_back else []
+        exceeds_former = passes[leg] and (leg or at_begin * speed < 0.0)
+        back = [(before[leg], np.nan)] if exceeds_former else []
         new = bends[(before[leg] < bends) & (bends <= rounded[leg])].tolist()
         for goal, bend in [*back, *zip(new, new, strict=True)]:
             t = begin + (np.sign(speed) * goal - at_begin) / speed

@@ -123,7 +123,7 @@ class March:
         guess_duration = self.motion.duration(self.guess, leg)
         whole_life = self.motion.duration(self.life.largest_stretch, leg)
         widths.begin(leg, edge_leg - now_leg, guess_duration, whole_life, tolerance)
-        while not widths.reached(edge_leg - now_leg):
+        while not widths.at_edge(edge_leg - now_leg):
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
             batch = self._solve_batch(leg, now_leg, proposal.width, proposal.panels)
@@ -182,9 +182,9 @@ class March:
         speed, same_width = float(self.motion.speeds[leg]), self._count_same_width(width, leg)
         of_panel = self.present.panel_sums(speed, width, same_width + count)
         targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
-        known = self.enter_and_sum(leg, targets_leg, same_width)
+        from_others = self.enter_and_sum(leg, targets_leg, same_width)
         breaks_same_width = self.solved.breaks[self.solved.count - same_width :]
-        return solve_batch(of_panel, known, breaks_same_width, self.longest_stretch)
+        return solve_batch(of_panel, from_others, breaks_same_width, self.longest_stretch)
 
     def _count_same_width(self, width: float, leg: int) -> int:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there

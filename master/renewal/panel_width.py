@@ -128,7 +128,7 @@ class PanelWidth:
         self._good_panels = 0  # in a row, with errors that let panels widen
         self._bad_width = self._bad_error = 0.0  # of the last attempt, 0 if that was good
 
-    def reached(self, remaining: float) -> bool:
+    def at_edge(self, remaining: float) -> bool:
         """Whether the `remaining` time to the edge is 0 but for rounding."""
         return remaining <= self.rules.same * min(self.widest, self.duration)
 

@@ -132,13 +132,15 @@ class Present:
         return nodes, nodes.weight * self.look_up(speed, t[nodes.target, None] - nodes.time)
 
 
-def solve_batch(of_panel: PanelSums, known: Array, same_width: Array, stretch: float) -> Batch:
+def solve_batch(
+    of_panel: PanelSums, from_others: Array, same_width: Array, stretch: float
+) -> Batch:
     """Solve panels of one width: at each node, number of births before + own sums * breaks = 1.
 
-    known : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
+    from_others : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
     same_width : breaks on the panels of this width that directly precede the first; stretch : the longest |x|
     """
-    count, size, targets = known.shape[1], polynomials.DEGREE + 1, TARGETS.size
+    count, size, targets = from_others.shape[1], polynomials.DEGREE + 1, TARGETS.size
     # how many panels before a panel count for it, at most: of farther ones none holds, or they are not of this width
     before = min(of_panel.values.shape[0], len(same_width) + count) - 1
     # breaks of those before the first panel, in the order of time, 0 where there are fewer; then of those to be solved
@@ -148,7 +150,7 @@ def solve_batch(of_panel: PanelSums, known: Array, same_width: Array, stretch: f
     # the farthest panels first, the order in which `panels` holds them
     of_same_width = of_panel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
     # of each panel to be solved, number at all TARGETS, then force
-    sums = known.swapaxes(0, 1).reshape(count, -1)
+    sums = from_others.swapaxes(0, 1).reshape(count, -1)
     for panel in range(count):
         sums[panel] += of_same_width @ panels[panel : panel + before].ravel()
         panels[panel + before, 1:] = of_panel.solve @ (1.0 - sums[panel, 1:size])

@@ -99,7 +99,7 @@ class StrandBirths:
         fresh = life.begin(stretches.nodes)
         fresh.until = births.until
         self._passages = fresh.aged(speed, ages)
-        self._legs, self._known_error = life.follow(self._passages, leg + 1), stretches.error
+        self._legs, self._stretches_error = life.follow(self._passages, leg + 1), stretches.error
         pieces = Pieces(np.arange(left.size), left, right)
         # of the pieces' nodes in a sum over all births
         self._weight = births_own_leg.legendre_weights(pieces, SIZE) @ basis.series.T
@@ -112,12 +112,12 @@ class StrandBirths:
     @property
     def holding(self) -> float:
         """Share of all contacts that were born on the leg and hold where the strands are now."""
-        return float(np.abs(self._weight).ravel() @ self._passages.surviving_shares()[0])
+        return float(np.abs(self._weight).ravel() @ self._passages.surviving_fractions()[0])
 
     @property
     def survival_error(self) -> float:
         """By the stretches at birth, the first passages with splines between instants, and rounding."""
-        return self._known_error + self._passages.error + ROUNDING
+        return self._stretches_error + self._passages.error + ROUNDING
 
     def seen_from(self, motion: Motion, left_out_below: float) -> bool:
         """Follow the strands to the leg that begins at t = 0 of this motion; whether more than this share hold."""

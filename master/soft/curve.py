@@ -120,7 +120,7 @@ class LoadCurve:
         """The first travel >= after from which the load rises; inf if none."""
         return self._first_above(self._slopes, -self.spring, after)
 
-    def reaches(self, level: float, after: float) -> float:
+    def travel_to_load(self, level: float, after: float) -> float:
         """The first travel >= after at which the load is at `level`; inf if none."""
         load = self.series.copy()
         load[:, 0] += self.spring * (self.begin + 0.5 * self.width)
@@ -172,11 +172,11 @@ class LoadCurve:
     def travel_at(self, load: Array, low: float, high: float) -> Array:
         """Travels from low to high, where the load rises, with given loads; same shape as load."""
         places = np.array([low, *self.begin[(self.begin > low) & (self.begin < high)], high])
-        known = np.maximum.accumulate(self.force(places) + self.spring * places)
-        cell = np.clip(np.searchsorted(known, load) - 1, 0, places.size - 2)
-        wanted = np.clip(load, known[0], known[-1])
+        loads = np.maximum.accumulate(self.force(places) + self.spring * places)
+        cell = np.clip(np.searchsorted(loads, load) - 1, 0, places.size - 2)
+        wanted = np.clip(load, loads[0], loads[-1])
         below, above = places[cell], places[cell + 1]
-        rounded = ROUNDED_LOAD * np.maximum(np.abs(known[cell]), np.abs(known[cell + 1]))
+        rounded = ROUNDED_LOAD * np.maximum(np.abs(loads[cell]), np.abs(loads[cell + 1]))
         narrowest = ROUNDED_LOAD * above
         y, step = 0.5 * (below + above), above - below
         for _ in range(MOST_STEPS):

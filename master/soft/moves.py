@@ -135,7 +135,7 @@ class Move:
             curve = self.curve_to(travel)
             # panels that were searched before are not searched again: a slip may pass thousands
             rises = curve.rises(searched) if np.isinf(rises) else rises
-            y = curve.reaches(load, max(rises, searched)) if np.isfinite(rises) else np.inf
+            y = curve.travel_to_load(load, max(rises, searched)) if np.isfinite(rises) else np.inf
             if np.isfinite(y):
                 return SlipEnd(curve, y)
             searched = max(searched, curve.end)

@@ -86,8 +86,8 @@ class MoveWithoutBirths(Move):
             width = min(self._widest, room)
             count = min(count, max(int(room / width), 1))
             starts = begin + width * np.arange(count)[:, None]
-            known = march.enter_and_sum_at(starts + width * TARGETS)[..., : polynomials.DEGREE + 1]
-            force = known[1]
+            sums = march.enter_and_sum_at(starts + width * TARGETS)[..., : polynomials.DEGREE + 1]
+            force = sums[1]
             error = (
                 np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1) / life.largest_stretch
             )
@@ -97,7 +97,7 @@ class MoveWithoutBirths(Move):
             if good:
                 break
             self._widest, count = 0.5 * width, 1
-        self._holding = float(known[0, good - 1, -1])
+        self._holding = float(sums[0, good - 1, -1])
         self._force = self.direction * float(force[good - 1, -1])
         # beside a panel that was too wide the next ones are, too; the error grows as the width to the power DEGREE
         if good < count:

@@ -79,7 +79,7 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
     """The state at a speed; a life that is given is that of `steady_life`."""
     unit = contacts.mean_threshold
     if contacts.ageing is not None and contacts.ageing.closure == "paper":
-        known = paper_steady(contacts, velocity)
+        fields = paper_steady(contacts, velocity)
     else:
         life = life or steady_life(contacts, velocity)
         if contacts.reforming and not contacts.reforming.law.is_single:
@@ -96,7 +96,7 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
                 )
                 cycle.area, cycle.area_error = float(sums.area[0]), float(sums.area_error[0])
         force, force_error = cycle.force()
-        known = {
+        fields = {
             "force": force,
             "force_error": force_error / unit,
             "holding": cycle.length / cycle.birth_to_birth,
@@ -106,10 +106,10 @@ def state_at(contacts: Contacts, velocity: float, life: Life | None = None) -> S
             "cycle_length_error": cycle.length_error / unit,
             "_survival_at": partial(_survival_at, cycle),
         }
-    force = max(abs(known["force"]), float(np.finfo(float).tiny))  # F_k may be 0
-    relative = known["force_error"] * unit / force
+    force = max(abs(fields["force"]), float(np.finfo(float).tiny))  # F_k may be 0
+    relative = fields["force_error"] * unit / force
     success, message = judged("F_k", relative, WELL)
-    return SteadyState(success=bool(success), message=message, **known)
+    return SteadyState(success=bool(success), message=message, **fields)
 
 
 def _survival_at(cycle: Cycle, x: Array) -> Array:

@@ -26,7 +26,7 @@ OVER = 7.0
 # Panels of 8 nodes in u: of one width above ln ξ = EVEN, wider and wider ones below, where the weight is an
 # exponential. The relative error of sums is then ROUND_OFF (measured).
 EVEN, WIDTH, ROUND_OFF = -1.0, 0.6, 2e-12
-# Panels next to the threshold, where the rate may vanish as a square root, as shares of the cube root of the distance
+# Panels next to the threshold, where the rate may vanish as a square root, as parts of the cube root of the distance
 # in u: the stretch is smooth in this root. Where they are cut is measured.
 CUTS = np.array([1.0, 0.8, 0.58, 0.33, 0.0])
 # Last two Legendre coefficients on a panel of thresholds, in units of typical values, below which it is
@@ -67,11 +67,11 @@ def summed(contacts: Contacts, speeds: Array) -> CycleSums:
     check_finite(contacts)
     law, unit = contacts.thresholds, contacts.mean_threshold
     moments = _break_moments(contacts, speeds)
-    positions, shares = law.atoms
+    positions, weights = law.atoms
     total, off = np.zeros((2, 2, speeds.size))
     if positions.size:
-        total += np.einsum("a,kas->ks", shares, moments(positions))
-    if float(shares.sum()) < ALL_ATOMS:
+        total += np.einsum("a,kas->ks", weights, moments(positions))
+    if float(weights.sum()) < ALL_ATOMS:
         edges = panel_edges(law, tail=TAIL)
         at_edges = moments(np.maximum(edges, NARROWEST_PANEL * unit))
         parts = -np.diff(law.sf(edges))[:, None] * np.maximum(at_edges[:, 1:], at_edges[:, :-1])
@@ -102,8 +102,8 @@ def _break_moments(contacts: Contacts, speeds: Array) -> Callable[[Array], Array
     even = np.linspace(bottom, top, 2 + int((top - bottom) / WIDTH))
     wider = np.linspace(1.0, 0.0, 13)[:-1] ** 1.5  # the next to the even ones is 0.75 wide
     edges = np.append(bottom - (EVEN - LEAST_LOG) * wider, even)
-    every_u, shares = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
-    at_speeds = shares[:, None] * _weight(every_u[:, None] - log_speeds)
+    every_u, gauss_weights = (part.ravel() for part in gauss(edges[:-1], edges[1:]))
+    at_speeds = gauss_weights[:, None] * _weight(every_u[:, None] - log_speeds)
     # the rate may vanish at the threshold: a panel must be at least its width away from it
     usable_from = edges[1:] + np.diff(edges)
 

@@ -115,8 +115,8 @@ class GrowingLife(ChangingLife):
         turns = float((speeds[1:] * speeds[:-1] < 0.0).sum())
         rests = np.diff(motion.times)[speeds == 0.0] / self._growing.time_unit
         bent = OF_TURN * turns + OF_DECADE_AT_REST * float(np.log10(1.0 + rests).sum())
-        ways = np.abs(np.diff(motion.positions)) / self._growing.at_start.mean()
-        legs = OF_LEG * float(np.minimum(ways, 1.0).sum())
+        distances = np.abs(np.diff(motion.positions)) / self._growing.at_start.mean()
+        legs = OF_LEG * float(np.minimum(distances, 1.0).sum())
         seconds = legs * FOR_DECADE**decades + bent * FOR_DECADE_TURNED**decades
         return float(seconds * (1.0 if self.start.is_single else FOR_WIDTH))
 

@@ -250,8 +250,8 @@ class Creep:
             at_end = make_interp_spline(time, np.stack([s, force], axis=1), k=3)(end)
             until = time < end
             s, time, force = (
-                np.append(known[until], last)
-                for known, last in zip((s, time, force), (at_end[0], end, at_end[1]), strict=True)
+                np.append(values[until], last)
+                for values, last in zip((s, time, force), (at_end[0], end, at_end[1]), strict=True)
             )
         sections = [self._section(s, time, force)]
         if time[-1] < end:

@@ -128,8 +128,8 @@ def largest_effect(contacts: Contacts, duration: float, early: float) -> float:
     <x_s^2>, the largest true effect was 0.25 of the result, with linked stiffness 0.75.
     """
     thermal, law = contacts.thermal, contacts.thresholds
-    known = thermal is not None and thermal.closure == "exact" and contacts.changing is None
-    if not known or law.atoms[0].size:
+    applies = thermal is not None and thermal.closure == "exact" and contacts.changing is None
+    if not applies or law.atoms[0].size:
         return np.inf
     unit = contacts.mean_threshold
     threshold = law.isf(np.linspace(1.0 - TAIL, TAIL, THRESHOLDS))
@@ -153,12 +153,12 @@ def _most_of_fresh(contacts: Contacts, lost: float) -> float:
     """A force lost by relaxed contacts (mean thresholds), for contacts that begin or form again at their stretches."""
     law, unit = contacts.thresholds, contacts.mean_threshold
     strongest = float(law.isf(TAIL))
-    shares = [lost]
+    bounds = [lost]
     for born in (contacts.start, reforming_law(contacts)):
         nodes = stretch_nodes(born, strongest, cold_nodes(0))
         holding = np.maximum(law.sf(np.abs(nodes.stretch)), TAIL)
-        shares.append(float(np.minimum(lost / holding, strongest / unit) @ nodes.weight))
-    return max(shares)
+        bounds.append(float(np.minimum(lost / holding, strongest / unit) @ nodes.weight))
+    return max(bounds)
 
 
 def _last_quiet_stretch(contacts: Contacts, threshold: Array, log_rate: float) -> Array:

@@ -188,15 +188,15 @@ class Slider:
 
     def _repeat_while_new(self, end: float) -> None:
         """While all contacts are new, and slip before `end`, let them stick and slip as they did before on this leg."""
-        contacts, known = self.contacts, self._stick_and_slip
-        if not (known and contacts.are_new):
+        contacts, cycle = self.contacts, self._stick_and_slip
+        if not (cycle and contacts.are_new):
             return
-        begin, slip = known[0][0], known[-1][-1]
-        steps = sum(len(section) - 1 for section in known)
+        begin, slip = cycle[0][0], cycle[-1][-1]
+        steps = sum(len(section) - 1 for section in cycle)
         while slip.time + contacts.now - begin.time < end:
             here = self._node(0.0)
             later, farther = here.time - begin.time, here.position - begin.position
-            for section in known:
+            for section in cycle:
                 self.sections.append([node.shifted(later, farther) for node in section])
             contacts.repeat(steps, self.sections[-1][-1].time)  # which leaves all of them new
             contacts.position = self._drive_position() - contacts.force / self.spring

@@ -6,7 +6,7 @@ time, the travel since the slider turned last, its speed, and energies; three mo
 which comes next:
 
 1. `moving.py`: contacts break, and X follows an ordinary differential equation;
-2. `held.py`: none breaks after a turn, and the motion is a damped oscillator in closed form (`oscillation.py`);
+2. `elastic.py`: none breaks after a turn, and the motion is a damped oscillator in closed form (`oscillation.py`);
 3. `following.py`: nothing rings, and X follows its drive in balance, but for a lag in powers of γ and M (`slow.py`).
 
 The force on a straight move, and what the contacts store, come from the panels of a march (`reaction.py`).

@@ -54,7 +54,7 @@ class Body:
         moving = motion.speeds[motion.speeds != 0.0]
         self.drive_direction = int(np.sign(moving[0])) if moving.size else 1
 
-    def held(self) -> Mode:
+    def elastic(self) -> Mode:
         """No contact breaks."""
         raise NotImplementedError
 

@@ -75,16 +75,16 @@ class Following(Body):
         if ahead.travel <= self.y:
             return self.moving
         load = float(self.move.curve.force(ahead.travel)) + self.spring * ahead.travel
-        reached = self.t + (load - float(self._pull(self.t))) / rate
-        if reached <= self.t:
+        arrival = self.t + (load - float(self._pull(self.t))) / rate
+        if arrival <= self.t:
             # the slider lags behind its balance, which has passed that place: no slow way is left
             return self.moving
-        until = min(reached, end)
+        until = min(arrival, end)
         which = self.record.between(self.t, until)
         loads = self._pull(np.append(self.record.times[which], until))
         low = max(min(self.y, ahead.travel) - BEHIND * self.unit, 0.0)
         self._follow_to(which, self.move.curve.travel_at(loads, low, ahead.travel), until)
-        if reached >= end:
+        if arrival >= end:
             self._next_leg()
             return self.following
         if ahead.drops:
@@ -98,9 +98,9 @@ class Following(Body):
         curve = move.curve
         panels = slice(int(curve.panel(y)), int(curve.panel(y)) + PANELS)
         # F' may jump where panels meet: places just inside both are compared
-        shares = np.clip(np.linspace(0.0, 1.0, POINTS), JUST_INSIDE, 1.0)
+        fractions = np.clip(np.linspace(0.0, 1.0, POINTS), JUST_INSIDE, 1.0)
         widths = np.minimum(curve.width[panels], FURTHEST * self.unit)
-        places = curve.begin[panels, None] + widths[:, None] * shares
+        places = curve.begin[panels, None] + widths[:, None] * fractions
         slow = slow_motion(curve, places.ravel(), rate, self.mass, self.damping)
         # where F' jumps, so does the speed: the slider rings
         jumps = np.abs(np.diff(slow.speed, prepend=slow.speed[0])).reshape(places.shape)

@@ -30,7 +30,7 @@ ROUNDING, OF_ELASTIC_END = 1e-13, 1e-6
 # Least travel, in mean thresholds, at which energies are asked for: at 0 contacts of the move before count.
 BEGUN = 1e-12
 # Shares of a panel at which the force is compared.
-SHARES = np.linspace(1.0 / 16.0, 1.0, 16)
+FRACTIONS = np.linspace(1.0 / 16.0, 1.0, 16)
 # Matrix from Legendre coefficients to those of powers, the highest first.
 POWERS: Array = np.array(
     [
@@ -88,9 +88,11 @@ class Reaction(Move):
     def _extend(self, y: float) -> None:
         """Solve the force up to the travel y."""
         self.curve = curve = self._with_steady_end(self.curve_to(y))
-        known = len(self._panels)
-        powers = curve.series[known:] @ POWERS
-        for begin, width, row in zip(curve.begin[known:], curve.width[known:], powers, strict=True):
+        n_solved = len(self._panels)
+        powers = curve.series[n_solved:] @ POWERS
+        for begin, width, row in zip(
+            curve.begin[n_solved:], curve.width[n_solved:], powers, strict=True
+        ):
             self._begins.append(float(begin))
             self._panels.append(Panel(float(begin), float(width), tuple(row.tolist())))
 
@@ -152,7 +154,7 @@ class Reaction(Move):
         while True:
             for panel in self._panels:
                 low = panel.begin
-                for high in (panel.begin + panel.width * SHARES).tolist():
+                for high in (panel.begin + panel.width * FRACTIONS).tolist():
                     if abs(panel.force(high) - first - high) > self._alike:
                         return (
                             low

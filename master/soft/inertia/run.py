@@ -26,7 +26,7 @@ OF_PANELS, LEAST_OF_PANELS = 0.01, 1e-13
 ROUNDING = 1e-14
 # An error of a duration is told up to this part of it, and where two runs differ in it by no more than so many times
 # what their forces differ by, as a part of the fall: up to 5 times as a rule, hundreds of times in a slip that fades.
-KNOWN, FOLLOWS = 0.1, 30.0
+OF_DURATION, FOLLOWS = 0.1, 30.0
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ class Run:
         per_force = change / max(differ, ROUNDING) + lasts * self._unit / np.abs(ours.drop)
         off = error * per_force
         of_fall = np.maximum(differ, ROUNDING) * self._unit / np.abs(ours.drop)
-        follows = (off <= KNOWN * lasts) & (change <= FOLLOWS * of_fall * lasts)
+        follows = (off <= OF_DURATION * lasts) & (change <= FOLLOWS * of_fall * lasts)
         return float(off.max(initial=0.0)) if follows.all() else np.inf
 
     def parting(self, other: "Run", most: float) -> str:

@@ -105,6 +105,6 @@ def short_delay(
 def _fastest(drive: Drive) -> float:
     """The largest speed of a drive."""
     times = drive.arrival_times(0.0)
-    ways = np.abs(np.diff(drive.path, prepend=0.0))
+    distances = np.abs(np.diff(drive.path, prepend=0.0))
     lasts = np.diff(times, prepend=0.0)
-    return float(np.divide(ways, lasts, out=np.zeros(ways.size), where=lasts > 0.0).max())
+    return float(np.divide(distances, lasts, out=np.zeros(distances.size), where=lasts > 0.0).max())

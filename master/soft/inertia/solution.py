@@ -194,8 +194,8 @@ def _check(contacts: Contacts, drive: Drive, idle: Idle) -> None:
             "mass", drive.mass, f"{hint} {change}; leave out the heat, or the mass and give slip"
         )
     if others:
-        known = ", ".join(others)
-        hint = f"the master equation follows a slider with mass at T = 0, with no law but a delay, not with {known}"
+        laws = ", ".join(others)
+        hint = f"the master equation follows a slider with mass at T = 0, with no law but a delay, not with {laws}"
         also = "use eq_model.simulate, or " if others == ["stiffness"] else ""
         refuse("mass", drive.mass, f"{hint}; {also}leave one of them out")
     if contacts.delay is None:

@@ -144,8 +144,8 @@ class Passage:
         broken = legendre.legint(np.array([each.series for each in self._panels]).T, lbnd=-1.0)
         z = np.minimum(2.0 * (rho - low[panel]) / width[panel] - 1.0, 1.0)
         now = holds[panel] - 0.5 * width[panel] * legendre.legval(z, broken[:, panel], tensor=False)
-        known = age <= self.age * (1.0 + _ROUNDED_AGE)
-        return np.minimum(now, 1.0) * ((now > _NOTHING) & known)
+        followed = age <= self.age * (1.0 + _ROUNDED_AGE)
+        return np.minimum(now, 1.0) * ((now > _NOTHING) & followed)
 
     def at(self, age: float, stretch: float) -> "Passage":
         """These contacts at an earlier age, when they had this stretch."""
@@ -241,8 +241,8 @@ class Passage:
         edges = -np.stack([high, low], axis=1)[::-1].ravel()
         felt = np.arange(edges.size - 1) % 2 == 0
         if each:  # pieces begin shorter near now, where `below` is steepest
-            shares, felt = np.array([0.0, 0.25**3, 0.25**2, 0.25, 1.0]), np.ones(4, dtype=bool)
-            edges = -rho[:, None] + (rho - low)[:, None] * shares
+            fractions, felt = np.array([0.0, 0.25**3, 0.25**2, 0.25, 1.0]), np.ones(4, dtype=bool)
+            edges = -rho[:, None] + (rho - low)[:, None] * fractions
         checked = 0 if len(self._panels) % 8 else 1  # the error is measured on one panel in eight
         return integrals_above(met, -rho, edges, felt, self._resolved, checked=checked)
 

@@ -50,7 +50,7 @@ class Passages:
         """Move on to the end of a leg, at the speed dX/dt. Returns times since its beginning, shape (n,), and the
         fractions that hold and forces per contact born then, shape (n, 2, strands); the error of splines between these
         times is measured."""
-        alive = np.flatnonzero(self.surviving_shares()[0] > self.dropped_below)
+        alive = np.flatnonzero(self.surviving_fractions()[0] > self.dropped_below)
         for part in (part for strand in alive for part in self._strands[strand]):
             stop_after(self.until)
             part.move(speed, duration)
@@ -81,7 +81,7 @@ class Passages:
         self.error = self._survivals_error + self._splines_error
         return times, found
 
-    def surviving_shares(self) -> Array:
+    def surviving_fractions(self) -> Array:
         """Fraction of each strand that holds now, and its force per contact born, shape (2, strands)."""
         now = [
             [(part.surviving, part.surviving * part.stretch) for part in parts]

@@ -10,7 +10,7 @@ from master.soft.in_time.slider import Slider
 NEAR = 2.0
 # Factor above that slope of X_T(X) at which all contacts stick from which on breaks hold the slider back: above the
 # rounding of short steps.
-HELD_BACK = 1.01
+SLOWED = 1.01
 # Rounding of a delay, as a part of it.
 AT_ONCE = 1e-9
 
@@ -62,7 +62,7 @@ def _to_slip(slider: Slider, end: float) -> float:
         return np.inf  # it creeps back, or the drive holds
     slopes = steps / travels
     stuck = 1.0 + slider.contacts.largest_stiffness / slider.spring
-    if slopes.max() > HELD_BACK * stuck:
+    if slopes.max() > SLOWED * stuck:
         return np.inf
     bend = 2.0 * (slopes[1] - slopes[0]) / travels.sum()
     slope = slopes[1] + 0.5 * bend * travels[1]

@@ -157,7 +157,7 @@ class Collocation:
         sliding = Sliding.SLOW
         if steady and width > past.delay and distance >= self._machine.unit:
             sliding, births = Sliding.STEADY, SteadyBirths(width)
-        elif births.all_known and births.born[-1] and distance >= self._shortest:
+        elif births.all_before and births.born[-1] and distance >= self._shortest:
             sliding = Sliding.FAST
         contacts = PullOnPanel(
             self._contacts,
@@ -253,7 +253,7 @@ class Collocation:
             survival = self._contacts.survival.sf(np.abs(x[-1] - x))
             unresolved = unit * abs(born * float(LAST_OF_NODES @ survival)) * INTEGRAL_OF_LAST
         # where some break on the panel itself no closed motion lies one delay before it
-        due = past.born(panel.end) - past.formed - born if births.all_known else 0.0
+        due = past.born(panel.end) - past.formed - born if births.all_before else 0.0
         return Missed(
             place=(self._machine.spring + holding) * place,
             breaks=unit * breaks,

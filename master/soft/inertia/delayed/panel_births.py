@@ -11,12 +11,12 @@ from origins.thresholds.law import Array
 class PanelBirths:
     """Births on a panel, at its PLACES since its beginning: the breaks one delay before.
 
-    With B the breaks on the panel at its PLACES since its beginning, births there are `known` + `of_breaks` B.
+    With B the breaks on the panel at its PLACES since its beginning, births there are `of_past` + `of_breaks` B.
 
     born : of all contacts, shape (STAGES + 1,); where they broke on the panel itself, not valid before `take`
-    all_known : whether they broke before the panel
-    known : births of contacts that broke before it, shape (STAGES + 1,)
-    of_breaks : of those that broke on it, shape (STAGES + 1, STAGES + 1), with 0 at places whose births are known
+    all_before : whether they broke before the panel
+    of_past : births of contacts that broke before it, shape (STAGES + 1,)
+    of_breaks : of those that broke on it, shape (STAGES + 1, STAGES + 1), with 0 where births are `of_past` alone
     """
 
     def __init__(self, past: PastBreaks, begin: float, width: float) -> None:
@@ -24,15 +24,15 @@ class PanelBirths:
         # as places on the panel, below 0 before it
         broken_at = (times - past.delay - begin) / width
         unknown = broken_at > 0.0
-        self.all_known, self._width = not unknown.any(), width
-        self.known = np.array([past.born_on_panels(t) for t in times.tolist()])
-        self.known -= self.known[0]
+        self.all_before, self._width = not unknown.any(), width
+        self.of_past = np.array([past.born_on_panels(t) for t in times.tolist()])
+        self.of_past -= self.of_past[0]
         self.of_breaks = np.zeros((PLACES.size, PLACES.size))
-        if not self.all_known:
+        if not self.all_before:
             # all that broke on panels before, and is out at this one's beginning, forms before those that break on it
-            self.known[unknown] = past.breaks_on_panels - past.born_on_panels(begin)
+            self.of_past[unknown] = past.breaks_on_panels - past.born_on_panels(begin)
             self.of_breaks[unknown] = _values_at(broken_at[unknown])
-        self.born = self.known
+        self.born = self.of_past
 
     @property
     def rate(self) -> Array:
@@ -55,7 +55,7 @@ class SteadyBirths:
     rate, born : as of PanelBirths; not valid before Newton's method has found speeds
     """
 
-    all_known, missed = False, 0.0
+    all_before, missed = False, 0.0
 
     def __init__(self, width: float) -> None:
         self._width = width

@@ -43,7 +43,7 @@ class PanelSearch:
         self._last = panel
 
     def next_up_to(self, stop: float) -> tuple[Solved, bool]:
-        """The next panel, and whether it reaches up to `stop`.
+        """The next panel, and whether it ends `at_stop`.
 
         A panel on which contacts form and break is tried first where it is the wider one. Else, or where it misses too
         much, a panel as wide as the last one's error lets it be, narrower until it misses little enough.
@@ -63,8 +63,8 @@ class PanelSearch:
         while True:
             if width < least or self.tried >= MOST_PANELS:
                 raise StoppedError(self._too_many(width, missed))
-            reaches = t + width >= stop * (1.0 - EPSILON)
-            if reaches:
+            at_stop = t + width >= stop * (1.0 - EPSILON)
+            if at_stop:
                 width = time_to_go
             solved = self.solve(width)
             if solved is None:
@@ -76,10 +76,10 @@ class PanelSearch:
             ratio **= 1.0 / NODES.size
             if missed.largest <= self._body.accuracy:
                 before, self._width = self._width, width * min(ratio, WIDTHS.growth)
-                if reaches and np.isfinite(before):
+                if at_stop and np.isfinite(before):
                     # a panel that an edge cut short does not make the next one narrow
                     self._width = max(self._width, before)
-                return solved, reaches
+                return solved, at_stop
             width *= float(np.clip(ratio, WIDTHS.most_shrink, WIDTHS.least_shrink))
 
     def solve(self, width: float) -> Solved | None:

@@ -91,22 +91,22 @@ class OnPanels:
             body.form_lump()
             return True
         stop = min(body.drive.leg_end, past.next_lump, past.next_kink(body.state.t))
-        solved, reaches = self.search.next_up_to(stop)
+        solved, at_stop = self.search.next_up_to(stop)
         turn, bend = self._turn_in(solved.panel), None
         if turn is not None:
-            part, reaches = Part(solved.panel.cut(turn), solved), False
+            part, at_stop = Part(solved.panel.cut(turn), solved), False
             self.turns += 1
         else:
             bend = self._bend_in(solved.panel)
             if bend is not None:
-                solved, reaches = self._up_to(bend, solved), False
+                solved, at_stop = self._up_to(bend, solved), False
             part = Part(solved.panel, solved)
         self._take(part, turn is not None)
         if bend is not None:
             self._passed(bend, solved.panel)
-        if reaches and stop == body.drive.leg_end:
+        if at_stop and stop == body.drive.leg_end:
             body.end_leg()
-        elif reaches:
+        elif at_stop:
             body.take_time(stop)
         return turn is not None or body.hardly_any_holds
 

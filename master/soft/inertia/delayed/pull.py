@@ -126,7 +126,7 @@ class PullOnPanel:
         births after i, at stretches below 0. There 2 - S(|y|) goes on with the value and the slope of S; S(|y|) would
         have a kink where P_c(0) > 0, which costs breaks and force a power of the panel's width each."""
         old = self._contacts.response(x)
-        if births.all_known and not births.born[-1]:
+        if births.all_before and not births.born[-1]:
             no_drag = np.zeros((x.size, x.size))
             return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
         direction = 1.0 if x[-1] >= self._first_place else -1.0
@@ -137,11 +137,11 @@ class PullOnPanel:
         to_holding, to_force = (
             TO_NODES * each @ SLOPES for each in (survival, direction * stretch * survival)
         )
-        if not births.all_known:
+        if not births.all_before:
             of_breaks, before = births.of_breaks[:, 1:], self._holding_before
             system = np.eye(x.size + 1) - of_breaks @ (np.eye(x.size, x.size + 1, 1) - to_holding)
             try:
-                solved = np.linalg.solve(system, np.column_stack([of_breaks, births.known]))
+                solved = np.linalg.solve(system, np.column_stack([of_breaks, births.of_past]))
             except np.linalg.LinAlgError:
                 return None
             to_births = solved[:, :-1]
@@ -149,7 +149,7 @@ class PullOnPanel:
         counted = self._width * TO_NODES * births.rate
         # S and y S(y) have the slopes -P_c and S - y P_c, by X_i - X_j
         by_place = _of_differences(counted * (survival - stretch * density), old.slope)
-        if not births.all_known:
+        if not births.all_before:
             holding_by_place = _of_differences(-direction * counted * density, old.of_holding)
             by_place = by_place - to_force @ to_births @ holding_by_place
         return Pull(

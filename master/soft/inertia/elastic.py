@@ -14,7 +14,7 @@ from origins.thresholds.law import Array
 
 # At a turn all contacts hold, without being asked again, if it is nearer to the last one than the first part of the way
 # back on which all held then, and its swing back is shorter than the second part of that way.
-SAME_TURN, SURELY_HELD = 0.01, 0.9
+SAME_TURN, SURELY_ELASTIC = 0.01, 0.9
 # Most turns in a row at which contacts break: births of all of them are summed up, 40 take some 10 s.
 MOST_IN_A_ROW = 40
 
@@ -22,7 +22,7 @@ MOST_IN_A_ROW = 40
 class AskedTurn(NamedTuple):
     """A turn at which contacts were asked how far back all of them hold.
 
-    move : that ended there; travel : of it; way_back : as far all hold (lengths)
+    move : that ended there; travel : of it; turning_distance : how far back all hold (lengths)
     """
 
     move: Reaction
@@ -30,8 +30,8 @@ class AskedTurn(NamedTuple):
     turning_distance: float
 
 
-class Held(Body):
-    """The mode `held`, and turns."""
+class Elastic(Body):
+    """The mode `elastic`, and turns."""
 
     _in_a_row = 0
     _asked: AskedTurn | None = None
@@ -52,10 +52,10 @@ class Held(Body):
         asked = self._asked
         if asked is not None and asked.move is self.move:
             distance = asked.turning_distance
-            if self.y - asked.travel < SAME_TURN * distance and swing < SURELY_HELD * distance:
+            if self.y - asked.travel < SAME_TURN * distance and swing < SURELY_ELASTIC * distance:
                 self._hold(self.y, self.y, None)
                 self._range = distance
-                return self.held
+                return self.elastic
         other = self._new_move(-self.move.direction, self.move.stop(self.y, self._error))
         self._asked = AskedTurn(self.move, self.y, other.elastic_end)
         self._hold(self.y, self.y, other)
@@ -66,7 +66,7 @@ class Held(Body):
             if self._in_a_row > MOST_IN_A_ROW:
                 raise StoppedError(RINGS)
             return self._switch()
-        return self.held
+        return self.elastic
 
     def _switch(self) -> Mode:
         """Go on along the move that began where this one turned."""
@@ -78,7 +78,7 @@ class Held(Body):
         self.y, self.w, self.move = self._top - self.y, -self.w, self._other
         return self.moving
 
-    def held(self) -> Mode:
+    def elastic(self) -> Mode:
         """The closed motion while no contact breaks."""
         m, g = self.mass, self.damping
         t, y = self.t, self.y
@@ -90,11 +90,11 @@ class Held(Body):
         rests = t + calm <= t
         if rests:
             motion = Oscillation.of(m, g, self.stiff, pull, rate, motion.centre, motion.drift)
-        end, known = (end, True) if rests or calm > end else (calm, False)
+        end, leg_ends = (end, True) if rests or calm > end else (calm, False)
         lasts, passed = motion.first_passing(self._top - self._range, self._high, end)
-        until = self._leg_end() if known and not passed else t + lasts
-        self._watch_held(motion, lasts)
-        self._record_held(motion, lasts, until)
+        until = self._leg_end() if leg_ends and not passed else t + lasts
+        self._watch_elastic(motion, lasts)
+        self._record_elastic(motion, lasts, until)
         self.t, self.y, self.w = t + lasts, float(motion.travel(lasts)), float(motion.speed(lasts))
         if passed > 0:
             self.y = self._high
@@ -102,11 +102,11 @@ class Held(Body):
         if passed < 0:
             mode = self._switch()
             return self.following if rests else mode
-        if known:
+        if leg_ends:
             self._next_leg()
-        return self.held
+        return self.elastic
 
-    def _watch_held(self, motion: Oscillation, lasts: float) -> None:
+    def _watch_elastic(self, motion: Oscillation, lasts: float) -> None:
         """Falls of the spring's force in the closed motion that follows."""
         t, limit = self.t, max(self._speed, 0.0)
 
@@ -122,7 +122,7 @@ class Held(Body):
 
         watch_closed(self.record, motion, lasts, seen)
 
-    def _record_held(self, motion: Oscillation, lasts: float, until: float) -> None:
+    def _record_elastic(self, motion: Oscillation, lasts: float, until: float) -> None:
         """Energies up to the time `until`, and results at the asked times."""
         which = self.record.between(self.t, until)
         at = np.append(self.record.times[which] - self.t, lasts)
@@ -134,12 +134,12 @@ class Held(Body):
         damped = self.damped + self.damping * motion.squared_speed(at)
         begin = self._top_force + self.y - self._top
         on_contacts = self.on_contacts + 0.5 * (begin + force) * (y - self.y)
-        record, ways = self.record, y[:-1] - self._top
+        record, distances = self.record, y[:-1] - self._top
         record.place[which], record.speed[which] = self.base + d * y[:-1], d * w[:-1]
         record.contact_force[which] = d * force[:-1]
         record.work[which], record.damped[which] = work[:-1], damped[:-1]
         record.on_contacts[which] = on_contacts[:-1]
-        record.store_later(self.move, which, np.full(ways.size, self._top))
-        record.stored[which] += self._top_force * ways + 0.5 * ways**2
+        record.store_later(self.move, which, np.full(distances.size, self._top))
+        record.stored[which] += self._top_force * distances + 0.5 * distances**2
         self.work, self.damped = float(work[-1]), float(damped[-1])
         self.on_contacts = float(on_contacts[-1])
