@@ -1,5 +1,6 @@
 """What a verdict says of a slider with mass whose contacts wait: its trace, the contacts that tell, the delay."""
 
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -22,7 +23,15 @@ from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import verdict
-from toolkit.verdict.machine import NO_TIME, Behaviour, Finite, Machine, RigidSlider, not_followed
+from toolkit.verdict.machine import (
+    NO_TIME,
+    Behaviour,
+    Finite,
+    Machine,
+    RigidSlider,
+    half_a_swing,
+    not_followed,
+)
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.table import table
@@ -299,3 +308,18 @@ def test_one_other_reading_is_no_plural() -> None:
     assert dependence(two)[-1] == "not the reading: the other one says what own says"
     three = replace(two, answers=(*two.answers, replace(found.own, name="step 4")))
     assert "the 2 others that were followed say what own says" in dependence(three)[-1]
+
+
+def test_a_trace_has_several_points_of_each_swing() -> None:
+    """600 points of a path of 700 swings showed slower swings, which are not there."""
+    machine = Machine(1e-3, 1e-3, 1e-4, 1.0)
+    contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(30.0))
+    known = RigidSlider(0.69, 0.52, 1e-9, 1.0, 4.0, 2000.0)
+    found = follow_by_contacts(machine, contacts, "mass", 700.0, time.monotonic() + 1e4, known)
+    swing = 2.0 * half_a_swing(machine) * machine.velocity
+    assert found.first_slip is not None and np.diff(found.drive).max() < swing / 8.0
+    # contacts are out for a delay after the slip, in which the force is 0 twice a swing
+    after = (found.drive > found.first_slip) & (found.drive < found.first_slip + 29.0)
+    crossings = np.count_nonzero(np.diff(np.sign(found.force[after])))
+    assert abs(crossings - 2.0 * 29.0 / swing) <= 1.0
+    assert machine.points(1e9) == 20_000 and replace(machine, mass=None).points(1e9) == 600

@@ -15,6 +15,7 @@ from toolkit.results.slips import late_slips, main_slips, spread_of
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.machine import (
+    POINTS,
     Behaviour,
     Finite,
     Machine,
@@ -28,8 +29,8 @@ from toolkit.verdict.machine import (
 
 # sliders, which differ by chance; contacts of each where the ensemble takes the place of the master equation
 SLIDERS, CONTACTS, SEED = 4, 20_000, 1
-# lengths of the drive's path in loadings, from no force to the static one, and its points
-LOADINGS, POINTS = 6.5, 600
+# lengths of the drive's path in loadings, from no force to the static one
+LOADINGS = 6.5
 # the least delay, in times of a slip; of K*: on softer springs the number of contacts decides nothing
 LONG_DELAY, SOFT = 3.0, 0.1
 # most contacts of a slider that is followed
@@ -78,8 +79,10 @@ def sliders(
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
     asked |= machine.keywords(rule)
     if number > FEW:
+        # points beyond the usual ones take as long however many contacts there are
+        few_points = np.unique(np.append(path[:: -(-path.size // POINTS)], path[-1]))
         eq_model.Ensemble(contacts, path, n_contacts=FEW, **asked)  # makes the kernels and tables
-        pilot = eq_model.simulate(contacts, path, n_contacts=FEW, **asked)
+        pilot = eq_model.simulate(contacts, few_points, n_contacts=FEW, **asked)
         remaining = max(seconds - pilot.run_time, 0.0)
         needed, most = pilot.run_time * number / FEW, int(FEW * remaining / pilot.run_time)
         if needed > remaining and most <= FEW:
@@ -108,7 +111,9 @@ def follow_by_contacts(
 
     Fewer slip earlier, by some N^(-2/3): the forces before a slip of two numbers tell by how much.
     """
-    path = contacts.start.mean() / machine.spring + np.linspace(0.0, LOADINGS * loading, POINTS)
+    length = LOADINGS * loading
+    points = np.linspace(0.0, length, machine.points(length))
+    path = contacts.start.mean() / machine.spring + points
     asked = min(round(rigid.contacts), MOST_CONTACTS) if rigid.contacts else CONTACTS
     try:
         found = sliders(
@@ -138,7 +143,7 @@ def follow_by_contacts(
         error += _too_early(found, few, unit)
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
-    late = found.forces[:, -POINTS // LATE :]
+    late = found.forces[:, -(path.size // LATE) :]
     if not slipped and (swing := float(np.ptp(late, axis=1).max()) / unit) > RINGS:
         return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
     return Behaviour(

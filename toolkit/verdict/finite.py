@@ -191,7 +191,8 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         )
         return Finite(rule, present, "unknown", message=why)
     steady = plan.end - SETTLED * BEYOND * mean
-    points = np.unique(np.linspace([0.0, max(steady, 0.0)], plan.end, POINTS))
+    many = machine.points(plan.end) if rule == "mass" else POINTS
+    points = np.unique(np.linspace([0.0, max(steady, 0.0)], plan.end, many))
     path = contacts.start.mean() / machine.spring + points
     try:
         found = sliders(machine, contacts, rule, path, followed, seconds)

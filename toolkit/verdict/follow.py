@@ -10,7 +10,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise
 from toolkit.verdict.budget import MORE_TIME
-from toolkit.verdict.ensemble import LOADINGS, POINTS, follow_by_contacts, may_follow, without_heat
+from toolkit.verdict.ensemble import LOADINGS, follow_by_contacts, may_follow, without_heat
 from toolkit.verdict.machine import (
     NO_TIME,
     Behaviour,
@@ -188,7 +188,7 @@ def _by_distribution(
         length = min(given, enough)
         if swings and length < settled:
             continue
-        path = begin + np.linspace(0.0, length, POINTS)
+        path = begin + np.linspace(0.0, length, machine.points(length))
         if (remaining := until - time.monotonic()) <= 0.0:
             break
         try:
@@ -212,7 +212,7 @@ def _by_distribution(
             found = replace(found, kind="undecided", message=SWINGING)
         elif settled and found.kind == "smooth":
             # what is left of the swing, as the force is told from the path's end
-            change = float(np.ptp(solved.force[-POINTS // SETTLED_IN :])) / contacts.mean_threshold
+            change = np.ptp(solved.force[-(path.size // SETTLED_IN) :]) / contacts.mean_threshold
             found = replace(found, error=found.error + change)
         if found.kind != "undecided" or not solved.success:
             break

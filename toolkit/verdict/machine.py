@@ -19,6 +19,8 @@ RULES = ("reset", "reform-after", "instant")
 # swing of the spring's force, in mean thresholds, that may be left where sliding is called smooth; and after how many
 # time constants one has died away, e^-10
 SWINGS, SETTLING = 0.01, 10.0
+# points of a drive's path, and where a mass swings: of each swing, and of all
+POINTS, PER_SWING, MOST_POINTS = 600, 16, 20_000
 NO_TIME = f"no time was left: {MORE_TIME}"
 # why nothing is told of a slider, and of a reading other than the scene's own
 NO_FORCES = (
@@ -42,6 +44,12 @@ class Machine:
         if rule == "mass":
             return given | {"mass": self.mass, "damping": self.damping}
         return given | {"slip": rule}
+
+    def points(self, length: float) -> int:
+        """How many points of a drive's path show its trace: where a mass swings several of each swing, as fewer show
+        slower swings, which are not there; of a path of more swings than a picture holds, the most."""
+        swing = 2.0 * self.velocity * half_a_swing(self)
+        return int(np.clip(PER_SWING * length / (swing or np.inf), POINTS, MOST_POINTS))
 
 
 def half_a_swing(machine: Machine) -> float:
