@@ -64,6 +64,14 @@ class Kink(NamedTuple):
     needed: bool = False
 
 
+class Passing(NamedTuple):
+    """When the |x| of contacts passes a length for the first time: a bend, or, for which `bend` is nan, the largest
+    value that it had before a turn, above which contacts begin to break again."""
+
+    time: float
+    bend: float
+
+
 class Edges(NamedTuple):
     """Edges, times sorted from `continued_from` to the end, and the kinks that make them, those met before first;
     too_many_jumps : whether there are more than can be followed."""
@@ -164,8 +172,8 @@ class _Kinks:
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
                 if time > self.continued_from + self.close(time):
-                    # 0 at other bends and for nan. Asked some 400 times the bins of a histogram: a survival each time
-                    # is most of its cost
+                    # 0 at other bends and for nan. It is asked some 400 times of the bins of a histogram, which have
+                    # no atoms: a survival each time would be most of the cost of their edges
                     exact = self.life.atom_fraction(bend, stretch) if has_atoms else 0.0
                     yield Kink(time, size * (exact or SMOOTHER))
 
@@ -211,10 +219,9 @@ def same_time(motion: Motion, time: float) -> float:
     return max(min(SAME_TIME * float(before), 0.5 * float(after)), 0.0) + rounded
 
 
-def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[tuple[float, float]]:
-    """Times at which the |x| of contacts born then, at a stretch x, first passes one of the lengths `bends`, each with
-    that length; and at which |x|, after a turn, comes back to its largest value so far, each with nan: there contacts
-    begin to break at their thresholds again, at which none breaks on the way back.
+def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[Passing]:
+    """When the |x| of contacts born at the time `birth`, at a stretch x, first passes one of the lengths `bends`; and
+    when, after a turn, it comes back to its largest value so far, up to which none breaks at its threshold.
 
     Born at X = 0 with x = 0.2 on the path 0 -> 0.5 -> -1, at the speed 1, with one bend at 0.6: |x| passes it at
     t = 0.4, is 0.7 at the turn, t = 0.5, falls to 0, and comes back to 0.7, at x = -0.7, at t = 1.9: (0.4, 0.6) and
@@ -222,20 +229,26 @@ def passings(motion: Motion, birth: float, x: float, bends: Array) -> Iterator[t
     first = int(motion.leg(birth + same_time(motion, birth)))
     times, speeds = np.append(birth, motion.times[first + 1 :]), motion.speeds[first:]
     stretch = np.cumsum(np.append(x, speeds * np.diff(times)))
-    farthest = np.maximum.accumulate(np.abs(stretch))
-    before, at_leg_end = farthest[:-1], np.abs(stretch[1:])  # before a leg, and at its end
-    rounded = at_leg_end * (1.0 + SAME_TIME)
+    # |x| is convex in time on a leg: nowhere on it is it larger than at the larger one of its ends
+    largest_before = np.maximum.accumulate(np.abs(stretch))[:-1]
+    at_end = np.abs(stretch[1:])
+    at_end_rounded_up = at_end * (1.0 + SAME_TIME)
     # where a leg ends just at the largest value so far, no contact is stretched further; but a bend there is met
-    passes = before * (1.0 + SAME_TIME) < at_leg_end
-    meets = np.searchsorted(bends, before, "right") < np.searchsorted(bends, rounded, "right")
-    for leg in np.flatnonzero((passes | meets) & (speeds != 0.0) & (np.diff(times) > 0.0)).tolist():
+    exceeds = largest_before * (1.0 + SAME_TIME) < at_end
+    bends_before, bends_at_end = (
+        np.searchsorted(bends, length, "right") for length in (largest_before, at_end_rounded_up)
+    )
+    moves = (speeds != 0.0) & (np.diff(times) > 0.0)
+    for leg in np.flatnonzero((exceeds | (bends_before < bends_at_end)) & moves).tolist():
         begin, end = times[leg], times[leg + 1]
         speed, at_begin = speeds[leg], stretch[leg]
-        # on its first leg a contact comes back only if it was born stretched against the motion
-        exceeds_former = passes[leg] and (leg or at_begin * speed < 0.0)
-        back = [(before[leg], np.nan)] if exceeds_former else []
-        new = bends[(before[leg] < bends) & (bends <= rounded[leg])].tolist()
-        for goal, bend in [*back, *zip(new, new, strict=True)]:
-            t = begin + (np.sign(speed) * goal - at_begin) / speed
+        # each length that is passed on this leg, and which bend it is
+        new = bends[bends_before[leg] : bends_at_end[leg]].tolist()
+        lengths = list(zip(new, new, strict=True))
+        # on its first leg a contact has a larger |x| behind it only if it was born stretched against the motion
+        if exceeds[leg] and (leg or at_begin * speed < 0.0):
+            lengths.insert(0, (largest_before[leg], np.nan))
+        for length, bend in lengths:
+            t = begin + (np.sign(speed) * length - at_begin) / speed
             if t > begin:
-                yield float(min(t, end)), bend
+                yield Passing(float(min(t, end)), bend)

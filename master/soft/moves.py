@@ -90,17 +90,28 @@ class SlipEnd(NamedTuple):
 
 
 class Move:
-    """Contacts while the slider moves in one direction, +1 or -1, and broken contacts re-form."""
+    """Contacts while the slider moves in one direction, +1 or -1, and broken contacts re-form.
+
+    contacts, loaded : at T = 0, and their history before this move
+
+    It is solved piece by piece. Edges are planned up to some travel, and panels solved up to there; then twice as far.
+
+    _march, _batches : the march of all panels since the history began, and its batches that are still to come
+    _first : index of the first panel on this move
+    _ahead : travel from the end of the panels on, up to which edges are planned
+    _kinks : those of the history and of the plan
+    _guess, _widest : the first guess of a panel's width; and the widest one that a slip without births tries
+    _steady : the force, once it no longer changes
+    _found : the last slip that was found, and the travel after which it is the first: resets repeat one move
+    """
 
     def __init__(self, contacts: ColdContacts, direction: int, loaded: LoadingHistory) -> None:
         self.contacts, self.direction, self.loaded = contacts, direction, loaded
         self._kinks, self._ahead = loaded.kinks, PLANNED * contacts.unit
-        # the first guess of a panel's width, and the widest one
         self._guess = self._widest = WIDE * contacts.life.resolution_length
         self._plan(loaded.march, loaded.cut, loaded.end)
         self._first = self._march.solved.count
         self._steady: SteadyForce | None = None
-        # the last slip that was found, and the travel after which it is the first: resets repeat one move
         self._found: tuple[float, SlipBegin] | None = None
 
     def at(self, y: Array | float) -> Any:
@@ -212,15 +223,17 @@ class Move:
             return None
         first = panel_at(march.solved.begin, march.solved.end - memory)
         force = self.direction * march.solved.force[first:] @ BETWEEN.T
-        half, (steady, error) = BEYOND * 0.5 * float(np.ptp(force)), contacts.steady_force
-        most = 0.5 * float(force.max() + force.min()) + half
-        ahead = (load - most) / contacts.spring - (march.solved.end - self.loaded.end)
+        half_range = BEYOND * 0.5 * float(np.ptp(force))
+        largest = 0.5 * float(force.max() + force.min()) + half_range
+        # F stays below `largest`, so that the load, F + K y, is below that of the slip's begin for so far
+        ahead = (load - largest) / contacts.spring - (march.solved.end - self.loaded.end)
         if ahead <= 0.0 or not np.isfinite(contacts.decoherence_length):
             return None
-        remaining = HIDDEN * half * np.exp(-ahead / contacts.decoherence_length)
+        remaining = HIDDEN * half_range * np.exp(-ahead / contacts.decoherence_length)
         if remaining > contacts.steady_rates * contacts.unit:
             return None
-        return SteadyForce(steady, error + remaining)
+        kinetic, error = contacts.steady_force
+        return SteadyForce(kinetic, error + remaining)
 
     def travel_of_state(self, y: float) -> float:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
@@ -239,7 +252,8 @@ class Move:
         return LoadingHistory(self.loaded.start, self._march, end, end, places, kinks, error)
 
     def _plan(self, march: March | None, cut_at: float, continued_from: float) -> None:
-        """Set the march that continues from `continued_from`; from `cut_at` to there no contact is born."""
+        """Plan edges, and set the march that goes on from the time `continued_from`, its panels up to `cut_at` being
+        those of `march`; from there to `continued_from`, in a slip, no contact is born."""
         contacts, start = self.contacts, self.loaded.start
         life, end = contacts.life, continued_from - self.loaded.end
         # no finer than the rounding of positions, to which survivals fall within a resolution length

@@ -78,22 +78,22 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
 
 def _cells(each: Sequence[Number]) -> tuple[str, str]:
     """A number by the scene's own reading, with its error where that is seen, and its range over all readings."""
-    own, known = each[0], [Quantity(one.value, one.error or 0.0) for one in each]
-    _, value, _, ranges = row("", known, [1.0] * len(each), "")
-    if known[0].error > PRECISE * abs(own.value):
-        value = with_error(own.value, known[0].error, 4)
+    own, quantities = each[0], [Quantity(one.value, one.error or 0.0) for one in each]
+    _, value, _, ranges = row("", quantities, [1.0] * len(each), "")
+    if quantities[0].error > PRECISE * abs(own.value):
+        value = with_error(own.value, quantities[0].error, 4)
     return {"inf": "infinite", "not known": ""}.get(value, value), ranges
 
 
 def _of_answered(verdict: Verdict, name: str) -> tuple[str, str]:
     """K*, and its range over the readings, where it is not known by some: these are in no range, and of the scene's own
     reading it is told below which value it is."""
-    known = [one.numbers[name] for one in verdict.readings if not one.unknown]
-    value, over = _cells(known) if known else ("", "not known")
+    answered = [one.numbers[name] for one in verdict.readings if not one.unknown]
+    value, over = _cells(answered) if answered else ("", "not known")
     if verdict.own.smoothed:
         value = "hangs on smoothing"
     elif verdict.own.unknown:
-        own, over = verdict.own.numbers[name], value if len(known) == 1 else over
+        own, over = verdict.own.numbers[name], value if len(answered) == 1 else over
         value = f"not known, below {own.value + (own.error or 0.0):.2g}"
     return value, over
 
@@ -102,13 +102,13 @@ def disagreements(verdicts: Sequence[Verdict]) -> list[str]:
     """A sentence for each scene whose readings disagree on stick-slip of its machine."""
     said = list[str]()
     for verdict in verdicts:
-        known = [one for one in verdict.readings if one.softer is not None]
-        slip = [one.name for one in known if one.softer]
-        if 0 < len(slip) < len(known) and verdict.own.softer is not None:
+        decided = [one for one in verdict.readings if one.softer is not None]
+        slip = [one.name for one in decided if one.softer]
+        if 0 < len(slip) < len(decided) and verdict.own.softer is not None:
             own = "slips" if verdict.own.softer else "does not slip"
             said.append(
                 f"{verdict.name}: readings disagree on stick-slip: on its spring a slider slips by {len(slip)} of "
-                f"{len(known)} readings; by its own, {verdict.own.name}, it {own}"
+                f"{len(decided)} readings; by its own, {verdict.own.name}, it {own}"
             )
     return said
 

@@ -31,7 +31,16 @@ class AskedTurn(NamedTuple):
 
 
 class Elastic(Body):
-    """The mode `elastic`, and turns."""
+    """The mode `elastic`, in which all contacts hold, and turns, at which it begins.
+
+    _top, _top_force : travel on the present move at which the slider turned, 0 at t = 0, and F along the move there;
+        while all hold, F = _top_force + y - _top (lengths)
+    _high : travel up to which all hold ahead; beyond it contacts break, and the slider goes on along this move
+    _range : how far below `_top` all hold; farther back it goes on along `_other`
+    _other : the move that begins at `_top` in the other direction; None as long as it is not needed
+    _asked : the last turn at which contacts were asked
+    _in_a_row : so many turns before this one let contacts break soon
+    """
 
     _in_a_row = 0
     _asked: AskedTurn | None = None
@@ -79,32 +88,36 @@ class Elastic(Body):
         return self.moving
 
     def elastic(self) -> Mode:
-        """The closed motion while no contact breaks."""
-        m, g = self.mass, self.damping
-        t, y = self.t, self.y
-        shift, end = self._top_force - self._top, self._leg_end() - t
-        pull, rate = float(self._pull(t)) - shift, self.spring * self._speed
-        motion = Oscillation.of(m, g, self.stiff, pull, rate, y, self.w)
-        calm = motion.time_until(self.quiet / self.stiff)
-        # a time that is lost in rounding would bring the same state again, without end
-        rests = t + calm <= t
-        if rests:
-            motion = Oscillation.of(m, g, self.stiff, pull, rate, motion.centre, motion.drift)
-        end, leg_ends = (end, True) if rests or calm > end else (calm, False)
-        lasts, passed = motion.first_passing(self._top - self._range, self._high, end)
-        until = self._leg_end() if leg_ends and not passed else t + lasts
+        """The closed motion while no contact breaks: until one would, the swing has died away or the drive's leg ends,
+        whichever comes first."""
+        mass, damping, t = self.mass, self.damping, self.t
+        pull = float(self._pull(t)) - (self._top_force - self._top)
+        rate, until_leg_end = self.spring * self._speed, self._leg_end() - t
+        motion = Oscillation.of(mass, damping, self.stiff, pull, rate, self.y, self.w)
+        until_quiet = motion.time_until(self.quiet / self.stiff)
+        # a time that is lost in rounding would bring the same state again, without end: the swing is then over
+        is_quiet = t + until_quiet <= t
+        if is_quiet:
+            balance, speed = motion.centre, motion.drift
+            motion = Oscillation.of(mass, damping, self.stiff, pull, rate, balance, speed)
+        leg_ends = is_quiet or until_quiet > until_leg_end
+        longest = until_leg_end if leg_ends else until_quiet
+        lasts, side = motion.first_passing(self._top - self._range, self._high, longest)
+        until = self._leg_end() if leg_ends and not side else t + lasts
         self._watch_elastic(motion, lasts)
         self._record_elastic(motion, lasts, until)
         self.t, self.y, self.w = t + lasts, float(motion.travel(lasts)), float(motion.speed(lasts))
-        if passed > 0:
+        if not side:
+            if leg_ends:
+                self._next_leg()
+            return self.elastic
+        next_mode: Mode = self.moving
+        if side > 0:
             self.y = self._high
-            return self.following if rests else self.moving
-        if passed < 0:
-            mode = self._switch()
-            return self.following if rests else mode
-        if leg_ends:
-            self._next_leg()
-        return self.elastic
+        else:
+            next_mode = self._switch()
+        # one that does not swing gets to where contacts break as slowly as its drive
+        return self.following if is_quiet else next_mode
 
     def _watch_elastic(self, motion: Oscillation, lasts: float) -> None:
         """Falls of the spring's force in the closed motion that follows."""
