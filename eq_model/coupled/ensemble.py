@@ -11,7 +11,7 @@ from eq_model.engine import StretchLimits
 from eq_model.result import SIZES, CoupledSlips, means
 from origins import Contacts, Drive, identical
 from origins.contacts import check_contacts
-from origins.drive import SLIP_SHARE
+from origins.drive import SLIP_FRACTION
 from origins.errors import InputError, positive, refuse
 from origins.thresholds.law import Array
 
@@ -207,7 +207,7 @@ def checked_slip_fraction(slip_fraction: float | None) -> float:
     """The smallest fraction of the contacts that breaks in a slip; InputError unless it is one."""
     # before a slip avalanches break up to 2 N^(-1/3) of the contacts, 0.13 at N = 4,000; slips of a spring below
     # 0.7 K* break most of them
-    fraction = SLIP_SHARE if slip_fraction is None else positive("slip_fraction", slip_fraction)
+    fraction = SLIP_FRACTION if slip_fraction is None else positive("slip_fraction", slip_fraction)
     if fraction > 1.0:
         refuse("slip_fraction", slip_fraction, "must be at most 1, a share of the contacts")
     return fraction

@@ -172,10 +172,10 @@ def rate_state(
 def _finer(steps: Sequence[VelocityStep], tolerance: float) -> float:
     """The tolerance that tells the change of the force after these steps to OF_CHANGE of it, or the same; steps that do
     not become steady are known no better with another."""
-    known, error = OF_CHANGE * _change(steps), steps[0].error
-    if error <= known or not steps[0].settled:
+    allowed, error = OF_CHANGE * _change(steps), steps[0].error
+    if error <= allowed or not steps[0].settled:
         return tolerance
-    return max(tolerance * known / error, min(FINEST, tolerance))
+    return max(tolerance * allowed / error, min(FINEST, tolerance))
 
 
 def _change(steps: Sequence[VelocityStep]) -> float:
@@ -187,10 +187,10 @@ def _check_resolved(steps: Sequence[VelocityStep]) -> None:
     """Raise InputError where the error of the force is above its change, before minutes of work on smaller steps, other
     speeds and rests, which are then known no better."""
     if steps[0].error > (change := _change(steps)):
-        known = f"known to {SLOW_TOLERANCE:g} mean thresholds, and less well where that takes too much work"
+        hint = f"known to {SLOW_TOLERANCE:g} mean thresholds, and less well where that takes too much work"
         raise InputError(
             f"contacts: the force changes by {change:.1e} after a step, and its error is {steps[0].error:.1e}: heat "
-            f"and strengthening together are {known}; kinetic_curve gives F_k, and eq_model.simulate follows steps"
+            f"and strengthening together are {hint}; kinetic_curve gives F_k, and eq_model.simulate follows steps"
         )
 
 

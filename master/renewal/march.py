@@ -282,7 +282,7 @@ class March:
         other.jumps = self.jumps.copy()
         # work that is done: tables and sums of panels, found again at the widths so far; no motion changes them
         other.present = self.present.counted_on(births)
-        other.widths = PanelWidth(self.life.quick, known=self.widths.widest)
+        other.widths = PanelWidth(self.life.quick, first_widest=self.widths.widest)
         births.work = self.births.work
         return other
 

@@ -97,7 +97,7 @@ class PanelWidth:
 
     All widths are times (at T = 0 without delay, as all times of a march, distances).
 
-    widest : largest width of the next panels, inf or `known` before the first, kept from edge to edge; `narrow` and
+    widest : largest width of the next panels, kept from edge to edge; `first_widest` before the first; `narrow` and
         `widen` change it
     duration : from edge to edge
     guess, whole_life : width of the first guess, and the largest that is of use. March has both as lengths; here they
@@ -105,10 +105,12 @@ class PanelWidth:
     tolerance : largest error of a good panel; quick : whether a look-up gives the survival (Life.quick)
     """
 
-    def __init__(self, quick: bool, rules: WidthRules = RULES, known: float = np.inf) -> None:
-        """Before the first edge; the first panels are no wider than `known`, what a march that this one goes on from
-        has found."""
-        self.widest, self.rules, self._quick = known, rules, quick
+    def __init__(
+        self, quick: bool, rules: WidthRules = RULES, first_widest: float = np.inf
+    ) -> None:
+        """Before the first edge; the first panels are no wider than `first_widest`, what a march that this one
+        goes on from has found."""
+        self.widest, self.rules, self._quick = first_widest, rules, quick
         self._leg = -1  # of the panels so far; -1 before the first
 
     def begin(

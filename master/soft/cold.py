@@ -16,7 +16,7 @@ from master.soft.moves import LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
 from origins import Contacts
-from origins.drive import SLIP_SHARE, Drive
+from origins.drive import SLIP_FRACTION, Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
@@ -54,7 +54,7 @@ class ColdSlider:
         self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until)
         cold.unknown = unknown
         self._start_force = cold.force_of(contacts.start)
-        self._force_after_reset = cold.force_of(cold.formed_again)
+        self._force_after_reset = cold.force_of(cold.reforming)
         # F at points of the path, one array from each slip to the next; and a row for each slip
         self.force, self.slips = list[Array](), list[Array]()
         # estimates from above of the errors of the force, and of X_T at slips (lengths)
@@ -63,16 +63,18 @@ class ColdSlider:
         self.missed_slip = 0.0
         # X at which the history `_loaded` begins, and the error of that X
         self._base, self._base_error = 0.0, 0.0
-        relaxed = contacts.start.span == cold.formed_again.span == (0.0, 0.0)
-        self._loaded = LoadingHistory(cold.formed_again if relaxed else contacts.start)
+        relaxed = contacts.start.span == cold.reforming.span == (0.0, 0.0)
+        self._loaded = LoadingHistory(cold.reforming if relaxed else contacts.start)
         # resets repeat the same move, in each direction: it is solved once
         self._move_from = lru_cache(4)(partial(Move, cold))
-        # of slips: the share of the contacts that break before a reset, nan where that takes too much work; and those
-        # of "reform-after" that leave no contact holding, which are resets
+        # of slips: the fraction of the contacts that breaks before a reset, nan where that takes too much work; and
+        # those of "reform-after" that leave no contact holding, which are resets
         self._broken, self._leave_none = dict[Onset, float](), set[Onset]()
         # slips that leave some contacts holding, once they repeat
         self._cycle, self._repeated = LimitCycle(), dict[Onset, Slipped]()
-        self.shares = list[float]()  # the same of each slip; nan where contacts form again at once
+        self.fractions_broken = list[
+            float
+        ]()  # the same of each slip; nan where contacts form again at once
         if self.slip == "instant" and cold.life.atoms.size and drive.forward:
             self._refuse_endless_slips(contacts)
         if cold.life.largest_stretch > LONGEST_LIFE * cold.unit and drive.forward:
@@ -92,9 +94,7 @@ class ColdSlider:
         # way after way, as to count all instants would take long where there are millions
         while breaks <= MOST_TOGETHER and ahead < 2.0 * distance:
             motion = Motion.along(np.array([0.0, min(ahead, distance)]))
-            plan = edges(
-                Births(cold.life, cold.formed_again, motion), contacts.start, cold.of_panels
-            )
+            plan = edges(Births(cold.life, cold.reforming, motion), contacts.start, cold.of_panels)
             ahead, breaks = 2.0 * ahead, plan.times.size
         if breaks > MOST_TOGETHER:
             fault = f"the slider goes on by {distance:.3g}, and contacts of exact thresholds break"
@@ -155,7 +155,7 @@ class ColdSlider:
             force=force,
             holding=np.ones(force.size),
             slips=slips_of(np.reshape(self.slips, (-1, 3)).T, self.spring, self.drive_error),
-            shares=np.array(self.shares),
+            fractions_broken=np.array(self.fractions_broken),
             error=max(part.size for part in parts),
             nodes=self.contacts.nodes,
             stopped_because=stopped,
@@ -220,19 +220,19 @@ class ColdSlider:
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip: all contacts re-form, and the slider moves to where the spring balances them."""
         force = move.direction * self._force_after_reset
-        self._note(move, slip, begin, force, self._share_broken(move, slip))
+        self._note(move, slip, begin, force, self._fraction_broken(move, slip))
         self._base = move.direction * (begin + (slip.load - force) / self.spring)
         self._base_error += slip.error / self.spring
-        return LoadingHistory(self.contacts.formed_again)
+        return LoadingHistory(self.contacts.reforming)
 
-    def _share_broken(self, move: Move, slip: SlipBegin) -> float:
-        """The share of the contacts that break before a reset renews the others; nan where that takes too much work
-        and, as finding it takes as long as another slip, once one is known in which SLIP_SHARE or more break."""
+    def _fraction_broken(self, move: Move, slip: SlipBegin) -> float:
+        """The fraction of the contacts that breaks before a reset renews the others; nan where that takes too much work
+        and, as finding it takes as long as another slip, once one is known in which SLIP_FRACTION or more break."""
         key = move, slip.travel
         if key in self._leave_none:
             return 1.0
-        main_slip_known = any(share >= SLIP_SHARE for share in self._broken.values())
-        if key not in self._broken and not main_slip_known:
+        main_slip_found = any(one >= SLIP_FRACTION for one in self._broken.values())
+        if key not in self._broken and not main_slip_found:
             try:
                 slide, end = self._slide(move, slip)
                 self._broken[key] = 1.0 - slide.holding_after(end.travel)
@@ -256,7 +256,7 @@ class ColdSlider:
             # all contacts form again where it ends, as in a reset
             self._leave_none.add(key)
             return self._reset(move, slip, begin)
-        self._note(move, slip, begin, slipped.force, slipped.share)
+        self._note(move, slip, begin, slipped.force, slipped.fraction_broken)
         self._base += slipped.shift
         self._base_error += slipped.error
         return slipped.loaded
@@ -289,11 +289,11 @@ class ColdSlider:
         history = slide.after_slip(y, (error + float(curve.error_at(y))) * holding)
         return Slipped(force, 1.0 - holding, moved, history)
 
-    def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, share: float) -> None:
-        """Record a slip, of a move that begins at `begin`, with F after it along the motion, and the share broken."""
+    def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, broken: float) -> None:
+        """Record a slip, of a move that begins at `begin`, with F after it along the motion, and what part broke."""
         drive, force_before = begin + slip.load / self.spring, float(slip.curve.force(slip.travel))
         self.slips.append(move.direction * np.array([drive, force_before, force]))
-        self.shares.append(share)
+        self.fractions_broken.append(broken)
         self.drive_error = max(self.drive_error, slip.error / self.spring + self._base_error)
         if len(self.slips) > 20_000:  # as many take some 20 s
             raise StoppedError("stopped as slips ask for too much work")

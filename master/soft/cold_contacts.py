@@ -24,7 +24,7 @@ STEADY_RATES, OF_STEADY = 1e-10, 1e-2
 class ColdContacts:
     """Contacts at T = 0 under a spring, with the tolerance and limits of their solution.
 
-    start, formed_again : stretches at t = 0, and at which broken contacts form again
+    start, reforming : stretches at t = 0, and at which broken contacts form again
     unit, spring : mean threshold (a length), and K/(N_c <k>)
     tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
@@ -37,7 +37,7 @@ class ColdContacts:
         self._contacts = contacts
         self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
         self.start = contacts.start
-        self.formed_again = reforming_law(contacts)
+        self.reforming = reforming_law(contacts)
         self.largest_stiffness = float(contacts.relative_stiffness(self.life.largest_stretch))
         # a panel's error is a share of the contacts, each of which bears the largest stretch at most
         of_panels = OF_PANELS * min(tolerance, MOST_OF_PANELS, spring)

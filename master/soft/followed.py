@@ -14,7 +14,7 @@ from origins.thresholds.law import Array
 # Error of the force, in mean thresholds, from which on its slips are no evidence.
 UNRELIABLE = 0.1
 # What messages and the regime say then.
-NOT_KNOWN = "neither force nor slips are known"
+NOTHING_KNOWN = "neither force nor slips are known"
 # What makes a part of the error smaller. A shorter path takes fewer steps, so that more halvings fit into the work.
 SHORTEN = "shorten the path or loosen the tolerance"
 LOOSEN = "loosen the tolerance"
@@ -50,7 +50,7 @@ class Followed(NamedTuple):
     stopped_because : why the path was not followed to its end, or steps were not halved further
     of_holding : the error of the share that holds (its size is a share of the contacts), and its source
     note : what is to be said of how it was followed, "" where nothing is
-    shares : array, the share of the contacts that break in each slip, nan where unknown; empty where none is known
+    fractions_broken : array, of the contacts in each slip, nan where unknown; empty where none is known
     """
 
     balance: float
@@ -62,7 +62,7 @@ class Followed(NamedTuple):
     parts: tuple[ErrorPart, ...]
     stopped_because: str = ""
     of_holding: ErrorPart = ErrorPart("the share that holds", 0.0)
-    shares: Array = np.empty(0)
+    fractions_broken: Array = np.empty(0)
     note: str = ""
 
     @property
@@ -100,7 +100,7 @@ class Followed(NamedTuple):
     ) -> tuple[bool, str]:
         """Success and message; `place` is the symbol of the path's positions."""
         solved = self.force.size
-        unknown = "" if self.error < UNRELIABLE else f"{NOT_KNOWN}: "
+        unknown = "" if self.error < UNRELIABLE else f"{NOTHING_KNOWN}: "
         if fault := self.fault(tolerance):
             return False, fault
         if solved == drive.path.size:

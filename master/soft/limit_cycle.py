@@ -21,14 +21,14 @@ class Slipped:
     """A slip that leaves some contacts holding.
 
     force : along the motion, after it (a length)
-    share : of the contacts that break
+    fraction_broken : of the contacts, in it
     error : of the slider's position by it (a length)
     loaded : the history of the next move
     shift : by how much this history begins elsewhere than the one before (a length); 0 where it goes on
     """
 
     force: float
-    share: float
+    fraction_broken: float
     error: float
     loaded: LoadingHistory
     shift: float = 0.0

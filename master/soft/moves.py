@@ -260,7 +260,7 @@ class Move:
         rounding = np.spacing(continued_from + self._ahead) / life.resolution_length
         tolerance = max(contacts.of_panels, rounding)
         motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
-        formed = contacts.formed_again
+        formed = contacts.reforming
         births = Births(life, formed, motion, accuracy=OF_SUMS * tolerance, until=contacts.until)
         if march is None:
             march = March(births, start, np.empty(0), tolerance, self._guess, life.largest_stretch)

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from master.motion import drive_motion
-from master.soft.followed import NOT_KNOWN, UNRELIABLE, Followed
+from master.soft.followed import NOTHING_KNOWN, UNRELIABLE, Followed
 from master.stick_slip.extremes import extremes
 from master.survival.make import why_no_life
 from origins import Contacts
-from origins.drive import SLIP_SHARE, Drive
+from origins.drive import SLIP_FRACTION, Drive
 from origins.thresholds.law import Array
 
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
@@ -25,7 +25,7 @@ LASTING = 0.6
 # Fewest slips that tell of those to come if each leaves all contacts new: where the second and the third are alike, so
 # are the contacts before the third and the fourth. Part of the drop that their error may be, and share of the contacts
 # that may hold on.
-FEWEST_OF_NEW, KNOWN, HOLD_ON = 3, 0.02, 1e-6
+FEWEST_OF_NEW, OF_DROP, HOLD_ON = 3, 0.02, 1e-6
 # Force, in mean thresholds, at or below which, and within its error, no contact holds on after a slip.
 NONE_HOLDS = 1e-3
 
@@ -72,31 +72,33 @@ def regime(
         if drive.mass is not None:  # and a slider with mass gets fast within one swing
             swing = 2.0 * np.pi * (drive.mass / spring) ** 0.5 + drive.damping / spring
             latest += fastest * swing
-    known = f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
+    on_spring = (
+        f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
+    )
     if np.isnan(critical):
         why = "of these laws is not solved for" if unsolved else "was not found within wall_time"
-        known = f"K = {spring:.6g} N_c<k>; K* {why}"
+        on_spring = f"K = {spring:.6g} N_c<k>; K* {why}"
     turns = motion is not None and np.ptp(np.sign(motion.speeds)) > 1
     if count and spring >= critical and turns:
-        known += ", until the drive turns: F may fall more steeply then"
+        on_spring += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
     if (unknown := not found.error < UNRELIABLE) or found.force.size < drive.path.size:
-        reason = NOT_KNOWN if unknown else f"{count} slips up to where the solution stopped"
+        reason = NOTHING_KNOWN if unknown else f"{count} slips up to where the solution stopped"
     elif not count:  # K* is that of a rigid slider; a soft slider's speed differs from the drive's
         lacking = _lacking(contacts, drive, found, critical, latest)
         verdict = "undecided" if lacking else "smooth"
-        reason = f"{known}; no slip up to the end of the path{lacking}"
+        reason = f"{on_spring}; no slip up to the end of the path{lacking}"
     else:
         verdict, reason = _by_slips(contacts, drive, found, trend)
-        shares = found.shares[np.isfinite(found.shares)]
-        largest = float(shares.max(initial=0.0))
-        if shares.size:
+        fractions = found.fractions_broken[np.isfinite(found.fractions_broken)]
+        largest = float(fractions.max(initial=0.0))
+        if fractions.size:
             reason += f"; up to {100.0 * largest:.3g}% of the contacts break in a slip"
-        if verdict == "stick-slip" and shares.size == count and largest < SLIP_SHARE:
+        if verdict == "stick-slip" and fractions.size == count and largest < SLIP_FRACTION:
             verdict = "undecided"
             renewed = ", although a reset renews all" if drive.slip == "reset" else ""
-            reason += f", fewer than {SLIP_SHARE:g}: no stick-slip of the slider{renewed}"
-        reason = f"{reason}; {known}"
+            reason += f", fewer than {SLIP_FRACTION:g}: no stick-slip of the slider{renewed}"
+        reason = f"{reason}; {on_spring}"
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
     ratio = spring / critical if critical else np.inf
@@ -135,7 +137,7 @@ def _by_slips(
     unsure = 2.0 * found.error * contacts.mean_threshold
     faded = trend is not None and trend < -STEADY
     if faded and drops[count // 2] - drops[-1] <= unsure:
-        if unsure <= KNOWN * drops[-1]:
+        if unsure <= OF_DROP * drops[-1]:
             return "stick-slip", f"{counted}, their drops alike within their errors"
         return (
             "undecided",
@@ -151,7 +153,7 @@ def _by_slips(
     late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
     if trend is not None or late >= (1.0 - STEADY) * longer:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
-    if _closes_in(drops) and unsure <= KNOWN * drops[-1]:
+    if _closes_in(drops) and unsure <= OF_DROP * drops[-1]:
         return "stick-slip", f"{counted}, each drop between the two before it"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
 
@@ -168,8 +170,8 @@ def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[n
     in a slip none forms again and none holds on. With a delay the first alone may: later, some are out already."""
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
     out = drive.slip != "instant" or contacts.delay is not None
-    known = found.slips.force_after[: 1 if contacts.delay else None]
-    force = np.abs(known) / contacts.mean_threshold
+    force_after = found.slips.force_after[: 1 if contacts.delay else None]
+    force = np.abs(force_after) / contacts.mean_threshold
     steadily = drive.forward and (drive.time is None or not contacts.in_time)
     alike = relaxed and steadily and not contacts.older_at_start
     return np.flatnonzero((force <= min(found.error, NONE_HOLDS)) & (alike and out))
@@ -188,7 +190,7 @@ def _alike_and_new(contacts: Contacts, drive: Drive, found: Followed) -> bool:
     in_turn = float(np.ptp(period)) <= 4.0 * slips.drive_error + STEADY * period.min()
     new = travel.min() > float(contacts.thresholds.isf(HOLD_ON))
     in_turn = in_turn and period.min() > drive.velocity * contacts.waiting_time
-    return bool(unknown <= KNOWN * drop.min() and alike and in_turn and new)
+    return bool(unknown <= OF_DROP * drop.min() and alike and in_turn and new)
 
 
 def _oldest_threshold(contacts: Contacts, drive: Drive, found: Followed) -> float:

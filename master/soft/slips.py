@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from origins.brief import brief
-from origins.drive import SLIP_SHARE
+from origins.drive import SLIP_FRACTION
 from origins.thresholds.law import Array
 
 
@@ -36,12 +36,12 @@ class Slips:
 
     @property
     def main(self) -> NDArray[np.int64]:
-        """Indices, in order, of the slips that drop by SLIP_SHARE of the largest drop of late, or more.
+        """Indices, in order, of the slips that drop by SLIP_FRACTION of the largest drop of late, or more.
 
         Between slips of all contacts a few may slip alone, such as those of a narrow peak of P_c.
         """
         drops = np.abs(self.drop)
-        return np.flatnonzero(drops >= SLIP_SHARE * largest_of_late(drops))
+        return np.flatnonzero(drops >= SLIP_FRACTION * largest_of_late(drops))
 
     @property
     def period(self) -> float | None:

@@ -105,11 +105,11 @@ def forward_march(cycle: Cycle, horizon: float, tolerance: float, until: float =
     motion = Motion(np.array([0.0, horizon / cycle.velocity]), np.array([0.0, horizon]))
     # with heat contacts break long before they reach the longest stretch
     most = max(max(abs(end) for end in contacts.start.span) + cycle.most, LEAST_FORCE * mean)
-    known = cycle.survival_error + (0.0 if life.quick else float(cycle.table.tails.max()))
+    least_error = cycle.survival_error + (0.0 if life.quick else float(cycle.table.tails.max()))
     # rounded positions make steps of the survival of narrow laws, which no panel resolves: a tenth of those, and ten
     # times the error of a survival, can be met
     finest = max(
-        SMALLEST_TOLERANCE, 10.0 * known, 0.1 * np.spacing(horizon) / cycle.resolution_length
+        SMALLEST_TOLERANCE, 10.0 * least_error, 0.1 * np.spacing(horizon) / cycle.resolution_length
     )
     finest *= min(longest_stretch(contacts, motion, life), most) / mean
     march = march_of(contacts, motion, life, max(tolerance, finest), until, most)

@@ -54,10 +54,10 @@ def crowding(cycle: Cycle) -> float:
     # the share that breaks at each is that just before less that just after it
     sides = np.multiply.outer([1.0 - 1e-11, 1.0 + 1e-11], distances)
     before, after = cycle.scaled(sides.reshape(-1, 1)).survival.reshape(sides.shape)
-    distances, shares = distances[before > after] + cycle.wait, (before - after)[before > after]
-    if not distances.size or shares.sum() > ALL_ATOMS:
+    distances, fractions = distances[before > after] + cycle.wait, (before - after)[before > after]
+    if not distances.size or fractions.sum() > ALL_ATOMS:
         return 0.0 if distances.size else np.inf
-    logs = np.log(shares)
+    logs = np.log(fractions)
     ends = 0.0, -2.0 * float(logs.max()) / float(distances.min())
     return float(
         brentq(lambda rate: np.logaddexp.reduce(rate * distances + logs), *ends, xtol=1e-300)

@@ -105,8 +105,8 @@ class Transform:
             survival = np.maximum(
                 survival.min(axis=1), np.maximum(OF_LARGEST * survival.max(axis=1), UNDERFLOW)
             )
-            known = life.error_at(survival, self._survival_error)
-            return np.maximum(survival, np.stack([known, known + life.error_of_force]) / accuracy)
+            error = life.error_at(survival, self._survival_error)
+            return np.maximum(survival, np.stack([error, error + life.error_of_force]) / accuracy)
 
         shortest = NARROWEST_PANEL * min(cycle.typical, float(edges[1]))
         # last coefficients of 100 times the accuracy may be rounding of E itself

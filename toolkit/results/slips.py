@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from origins.drive import SLIP_SHARE
+from origins.drive import SLIP_FRACTION
 
 # fewest values of which quartiles are told; of a slider, fewest slips of which the later half is told, else the last
 QUARTERED, HALVED = 8, 4
@@ -99,14 +99,14 @@ def are_fading(slips: Any) -> bool:
 
 
 def main_slips(slips: Any) -> Any:
-    """The slips of an ensemble, numbered anew, but those that lower the force by less than SLIP_SHARE of their slider's
-    largest of late: a narrow peak of P_c may slip alone between slips of all contacts."""
+    """The slips of an ensemble, numbered anew, but those that lower the force by less than SLIP_FRACTION of their
+    slider's largest of late: a narrow peak of P_c may slip alone between slips of all contacts."""
     kept = np.zeros(slips.drop.size, bool)
     for replica in np.unique(slips.replica):
         own = np.flatnonzero(slips.replica == replica)
         drops = slips.drop[own]
         late = drops[drops.size // 2 if drops.size > 2 else 0 :]
-        kept[own] = drops >= SLIP_SHARE * late.max()
+        kept[own] = drops >= SLIP_FRACTION * late.max()
     return _of(slips, kept)
 
 

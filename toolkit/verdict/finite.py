@@ -166,13 +166,13 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
 
     if infinite.heat_left_out is not None:  # nor do as many contacts need it
         contacts = contacts.replace(thermal=None)
-    held_by = set(contacts.held_in_time)
-    if held_by - TAKEN or (held_by and rule == "mass"):
+    laws_in_time = set(contacts.held_in_time)
+    if laws_in_time - TAKEN or (laws_in_time and rule == "mass"):
         why = "the ensemble takes no contacts on a spring that age, and none beside a mass that break by heat or grow"
         return Finite(rule, present, "unknown", message=why)
     # fewer contacts have to be pulled further
     most = MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
-    if held_by:
+    if laws_in_time:
         most = MOST_BREAKS_IN_HEAT
     followed, plan = min(present, MOST_CONTACTS), planned(present)
     breaks_of_all = plan.breaks

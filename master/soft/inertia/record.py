@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from master.soft.inertia.reaction import Reaction
-from origins.drive import FASTER, RISE, ROOM, SLIP_SHARE
+from origins.drive import FASTER, RISE, ROOM, SLIP_FRACTION
 from origins.thresholds.law import Array
 
 # Share of the contacts that breaks in a fall of the force; rounding is below it.
@@ -139,13 +139,13 @@ class Record:
         rest, force = self._rest, float(seen.forces[k])
         if (
             rest is None
-            or seen.holding[k] < SLIP_SHARE
+            or seen.holding[k] < SLIP_FRACTION
             or abs(seen.places[k] - rest.place) > self._room
         ):
             self._rest = seen.at(t)
         elif seen.drive_direction * (force - rest.force) >= self._rise:
             self._rest = here = seen.at(t)
-            if here.breaks - rest.breaks < SLIP_SHARE:
+            if here.breaks - rest.breaks < SLIP_FRACTION:
                 self._stuck, self._broken_before = True, here.breaks
 
     def _turn(self, at: Instant, limit: float, drive_direction: int) -> None:
@@ -154,7 +154,7 @@ class Record:
         if begin is None:
             self._fall, self._top_speed = at, 0.0
             return
-        slips = self._stuck and at.breaks - self._broken_before >= SLIP_SHARE
+        slips = self._stuck and at.breaks - self._broken_before >= SLIP_FRACTION
         slips &= drive_direction * (begin.force - at.force) >= self._rise
         if slips and self._top_speed >= FASTER * limit:
             self.slips.append(Slip(begin, at, drive_direction * self._top_speed))
