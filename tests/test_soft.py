@@ -180,6 +180,15 @@ def test_travels_of_loads_are_found_up_to_the_begin_of_a_slip():
     assert (np.abs(found - beside) <= 4e-15 / beside).all()
 
 
+@pytest.mark.parametrize("law", [origins.gaussian(1.0, 0.2), origins.rectangular(0.4, 1.2)])
+def test_a_force_far_below_the_thresholds_is_known_to_their_rounding(law):
+    """Before any contact breaks F = K X_T/(1 + K), here up to 3e-5."""
+    spring, path = 1e-6, np.linspace(0.0, 30.0, 4001)
+    found = solved(origins.Contacts(law), path, spring, "instant", 1e-6)
+    off = np.abs(found.force - spring * path / (1.0 + spring)).max()
+    assert off <= found.force_error <= 1e-14
+
+
 def test_a_move_that_is_planned_on_keeps_the_width_of_its_panels():
     """Each width takes sums of its own: at the ends of plans, which lie ever farther ahead, it stays the same."""
     cold = ColdContacts(origins.Contacts(origins.gaussian(1.0, 0.2)), 0.3, 1e-8, np.inf)

@@ -30,7 +30,7 @@ LONGEST_LIFE = 500.0
 # Part of the tolerance, and of the error of each slip, that slips may miss together, and each, which are repeated
 # although they are not quite the same.
 OF_REPEATING = 0.1
-# Round-off of the largest force, as a part of it: some five units of the last digit.
+# Round-off of the largest force, or of the mean threshold, up to which its polynomials' coefficients are: a part of it.
 ROUNDED = 1e-15
 # Thresholds at which the first breaks are looked at.
 QUANTILES = 2000
@@ -139,7 +139,7 @@ class ColdSlider:
         except StoppedError as why:
             stopped = str(why)
         force = np.concatenate(self.force)
-        rounding = ROUNDED * float(np.abs(force).max(initial=0.0))
+        rounding = ROUNDED * float(np.abs(force).max(initial=unit))
         parts = (
             ErrorPart("the force along the path", self.error / unit),
             ErrorPart("X_T at slips", self.spring * self.drive_error / unit),

@@ -29,7 +29,7 @@ OFF_AXIS = 1e-6
 SURELY_ABOVE = 10.0
 # Newton's method for travels: most steps, each at most this part of the one before; and the rounding of loads and
 # travels, a part of the largest on the panel.
-MOST_STEPS, SHORTER, ROUNDED_LOAD = 200, 0.75, 4.0 * np.finfo(float).eps
+MOST_STEPS, SHORTER, ROUNDED_LOAD = 200, 0.75, np.finfo(float).eps
 # A force that no longer changes is laid out this many times as far as is asked, so that few panels are added.
 AHEAD = 2.0
 
