@@ -83,11 +83,11 @@ class EyringRates(RateLaw):
 
     def compiled(self) -> CompiledRates:
         """The same formulas for compiled loops."""
-        return CompiledRates(EyringLaw(self.width, self.log_scale), *_formulas())
+        return _formulas()._replace(law=EyringLaw(self.width, self.log_scale))
 
 
-def _formulas() -> tuple[Any, ...]:
-    """log_rate, passed, reached, most and falls of CompiledRates."""
+def _formulas() -> CompiledRates:
+    """The formulas, yet without the numbers of a law."""
     log_rate = inlined(EyringRates.log_rate)
 
     def passed(law, far, threshold, stiffness):  # type: ignore[no-untyped-def]
@@ -107,4 +107,5 @@ def _formulas() -> tuple[Any, ...]:
             return np.exp(law.log_scale)
         return np.exp(log_rate(law, nearest, least_y, stiffness))
 
-    return EyringRates.log_rate, passed, reached, most, True
+    rate: Any = EyringRates.log_rate  # of scalars in compiled loops
+    return CompiledRates(None, rate, passed, reached, most, falls=True)

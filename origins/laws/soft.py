@@ -66,7 +66,7 @@ class SoftRates(ActivatedRates):
 
     def compiled(self) -> CompiledRates:
         """The same for compiled loops, from tables."""
-        return CompiledRates(SoftLaw(self.spring, self.log_scale, *_tables()), *_formulas())
+        return _formulas()._replace(law=SoftLaw(self.spring, self.log_scale, *_tables()))
 
 
 @quiet
@@ -117,8 +117,8 @@ def _tables() -> tuple[Array, Array]:
 
 
 @cache
-def _formulas() -> tuple[Any, ...]:
-    """log_rate, passed, reached, most and falls of CompiledRates."""
+def _formulas() -> CompiledRates:
+    """The formulas, yet without the numbers of a law."""
     log_rate = inlined(SoftRates.log_rate)
 
     @inlined
@@ -157,4 +157,5 @@ def _formulas() -> tuple[Any, ...]:
     def most(law, least_x, largest_x, least_y, largest_y, stiffness):  # type: ignore[no-untyped-def]
         return np.exp(log_rate(law, min(largest_x, least_y), least_y, stiffness))
 
-    return SoftRates.log_rate, passed, reached, most, True
+    rate: Any = SoftRates.log_rate  # of scalars in compiled loops
+    return CompiledRates(None, rate, passed, reached, most, falls=True)

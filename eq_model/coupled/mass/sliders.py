@@ -20,6 +20,14 @@ CURVES = "position", "force", "holding", "velocity", "contact_force"
 ENERGIES = "drive", "damped", "released", "contacts", "spring", "kinetic"
 
 
+class Pulled(NamedTuple):
+    """A slider, an array of one `state.SLIDER`; its contacts, none of which holds yet; and what pulls it."""
+
+    slider: Any
+    contacts: Any
+    pull: Any
+
+
 class Legs(NamedTuple):
     """Legs of the drive: X_T where each begins (lengths), the drive's speed on it, and the time that it takes."""
 
@@ -145,7 +153,7 @@ class HeavySliders:
         n, unit, stream = self._n, self._unit, make_stream(self._seed, replica)
         first, later = (make_supply(births, stream) for births in self._births)
         spring = self._drive.spring or 0.0
-        slider, contacts, pull = self._pull()
+        slider, contacts, pull = self._pulled()
         kernel.form_all(slider, contacts, first, pull)
         s, slips = slider[0], list[Array]()
         balance = s["force"] / n / spring * unit
@@ -174,8 +182,8 @@ class HeavySliders:
         table = np.reshape(slips, (-1, 10)) * scales
         return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
 
-    def _pull(self) -> Any:
-        """A slider that rests at X = 0, its n contacts, none of which holds yet, and what pulls it, without legs."""
+    def _pulled(self) -> Pulled:
+        """At X = 0, where the slider rests, and without legs."""
         from eq_model.coupled.mass import state
         from eq_model.coupled.mass.nearest import make_nearest
 
@@ -213,7 +221,7 @@ class HeavySliders:
             falls=np.zeros(SIZES, np.int64),
             energy=np.zeros((4, 2)),
         )
-        return slider, own, pull
+        return Pulled(slider, own, pull)
 
     def _scales(self) -> Array:
         """The user's units of the rows of Pull.at_points, shape (rows, 1)."""
