@@ -338,6 +338,39 @@ def test_a_wrong_unit_is_asked_for_by_its_key(capsys: Any) -> None:
     assert not any("stretches the spring" in line for line in said_first)
 
 
+def test_a_value_and_its_scatter_have_as_many_places(capsys: Any) -> None:
+    """Those that the scatter leaves: of samples in newtons, with prefixes, too."""
+    for value, error, told in (
+        (6.637e6, 1.04e6, "6.6 ± 1.0 MN/m"),
+        (12.34, 4.6, "12 ± 5 N/m"),
+        (3.11e-3, 1.2e-4, "3.1 ± 0.1 mN/m"),
+    ):
+        assert with_scatter(value, error, "N/m") == told
+    law = {"kind": "from-samples", "f_s": [0.8, 0.9, 1.0, 1.1, 1.4], "unit": "nN", "stiffness": 5.0}
+    stated = {"mean_stiffness": 5.0, "contact_density": 5e14, "pressure": 1e6}
+    heat = {"law": "stiff", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e10}
+    contacts = {"thresholds": law, "interface": stated, "thermal": heat}
+    drive = {"area": 1e-8, "to": 1e-9, "points": 3}
+    _, out, _ = said(capsys, "thresholds", write(contacts=contacts, drive=drive))
+    page = "\n".join(out)
+    assert re.search(r"kinetic force of the area +2\.\d+ ± 0\.\d+ mN ", page)
+    assert re.search(r"critical spring of the area +\S+ ± \S+ MN/m ", page)
+    assert "stiff heat at 300 K (attempt frequency 1e+10/s)" in page and "Thermal(" not in page
+
+
+def test_a_run_on_a_spring_is_told_in_newtons_and_metres(capsys: Any) -> None:
+    """Its regime, and how late the slips of the ensemble come."""
+    drive = {"spring": "1 kN/m", "area": 1e-6, "to": 1e-3, "points": 20}
+    eq = {"contacts": 500, "replicas": 2}
+    _, out, _ = said(capsys, "run", write(contacts={"thresholds": ROUGH}, drive=drive, eq=eq))
+    page = "\n".join(out)
+    assert re.search(
+        r"K = 1\.000 kN/m, a rigid slider as fast as the drive has K\* = \S+ .?N/m", page
+    )
+    assert re.search(r"place in eq less that of the master equation: \S+ ± \S+ .m", page)
+    assert "K = " in page and "N_c<k>, a rigid" not in page and " of <x_s>, " not in page
+
+
 def test_a_mass_or_a_number_of_contacts_beyond_any_sliders_is_asked_about() -> None:
     contacts = toolkit.load_scene(scene(contacts={"thresholds": ROUGH})).contacts
     for area, mass, key in ((1e-6, 1e9, "drive.mass"), (1e-13, 1.0, "drive.area"), (1e-6, 0.1, "")):

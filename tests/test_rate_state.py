@@ -593,3 +593,30 @@ def test_an_answer_without_its_smaller_steps_is_no_success() -> None:
     assert first.a.value == pytest.approx(found.a.value, abs=1e-3 * abs(found.b.value))
     assert first.b.value == pytest.approx(found.b.value, rel=1e-2)
     assert not np.isfinite(first.critical_spring_solved_error)
+
+
+def test_which_law_in_time_moves_the_friction_of_a_surface() -> None:
+    """docs/choosing.md: the elastic barrier of contacts of micrometres does not, Eyring's heat by α F_k(∞) for each
+    factor e of the speed, strengthening by less than -β."""
+    kelvin = {"temperature": {"kelvin": 300.0}, "attempt_frequency": 1e10}
+    volume = {"kelvin": 300.0, "shear_strength": 5e7, "activation_volume": 2.8e-27}
+    eyring = {"law": "eyring", "attempt_frequency": 1e10} | volume
+    slopes = dict[str, float]()
+    for name, law in {
+        "none": {},
+        "soft": {"thermal": {"law": "soft"} | kelvin},
+        "stiff": {"thermal": {"law": "stiff"} | kelvin},
+        "eyring": {"thermal": eyring},
+        "strengthening": {"strengthening": {"beta": 0.03, "time": 1e-4}},
+    }.items():
+        scene = {"contacts": {"thresholds": ROUGH} | law}
+        contacts = load_scene(scene, solved=False).contacts
+        slow, fast = (master.steady_state(contacts, velocity=v).force for v in (1e-7, 1e-5))
+        slopes[name] = (fast - slow) / np.log(100.0)
+        if name == "none":
+            cold = slow
+    alpha = 1.380649e-23 * 300.0 / (5e7 * 2.8e-27)
+    assert slopes["none"] == 0.0
+    assert 0.0 < max(abs(slopes["soft"]), abs(slopes["stiff"])) < 1e-4 * cold
+    assert slopes["eyring"] == pytest.approx(alpha * cold, rel=0.02)
+    assert slopes["strengthening"] == pytest.approx(-0.03 * cold, rel=0.05)

@@ -1009,8 +1009,10 @@ def test_forces_under_two_rules_are_told_each_with_its_own_error() -> None:
     scale = scale_of(contacts, None)
     own = answers.Answer("own", contacts, scale, number, number, number, SOFT, (early, full))
     text = "\n".join(page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)))
-    assert "stick-slip: 0.040 ± 0.02 N_c<k> length to 1.500 ± 0.002 N_c<k> length down to 0" in text
-    assert re.search(r"^force before a slip \(reset\) +0.040 ± 0.02 N_c<k> length$", text, re.M)
+    assert (
+        "stick-slip: 0.040 ± 0.020 N_c<k> length to 1.500 ± 0.002 N_c<k> length down to 0" in text
+    )
+    assert re.search(r"^force before a slip \(reset\) +0.040 ± 0.020 N_c<k> length$", text, re.M)
     told = r"^force before a slip \(reform-after\) +1.500 ± 0.002 N_c<k> length$"
     assert re.search(told, text, re.M)
     assert re.search(r"^period \(reform-after\) +15,120 length, 15,120 time$", text, re.M)

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origins import Contacts
+from origins import Contacts, Thermal
 from origins.errors import InputError
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
 from toolkit.running.resampled import like, of_resampled
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite, with_error
-from toolkit.scene.scale import SHARED, Scale, length_unit_of, written
+from toolkit.scene.scale import PREFIXED, SHARED, Scale, length_unit_of, with_scatter, written
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
 # numbers in units of N_c<k>
@@ -163,13 +163,30 @@ def _slide(
 
 def conditions(contacts: Contacts, velocity: float) -> list[str]:
     """The speed and the laws of contacts on which F_k and the propensity depend, in words."""
-    timed = contacts.thermal, contacts.delay, contacts.changing
-    laws = [str(own) for own in timed if own is not None]
+    timed = contacts.delay, contacts.changing
+    laws = [_of_heat(contacts), *(str(own) for own in timed if own is not None)]
+    laws = [own for own in laws if own]
     if contacts.stiffness == "linked":
         laws.append("linked stiffness")
     unit = "m/s" if length_unit_of(contacts.thresholds) == "m" else "length per time"
     where = ", ".join([f"v = {velocity:.4g} {unit}", *laws])
     return [f"with laws: F_k, K*, F_s/F_k and X* at {where}; all else is P_c alone"] if laws else []
+
+
+def _of_heat(contacts: Contacts) -> str:
+    """The heat of contacts in words, in kelvins where <k> is known; "" without any."""
+    thermal, surface = contacts.thermal, contacts.interface
+    if not isinstance(thermal, Thermal):
+        return str(thermal or "")
+    per = "/s" if length_unit_of(contacts.thresholds) == "m" else " per time"
+    said = f"{thermal.law} heat"
+    if thermal.temperature is not None and surface is not None:
+        said += f" at {thermal.temperature / surface.temperature(kelvin=1.0):.4g} K"
+    elif thermal.temperature is not None:
+        said += f" of k_BT/<k> = {thermal.temperature:.4g}"
+    said += "".join(f", {name} {value:.4g}" for name, value in thermal.own)
+    said += f" (attempt frequency {thermal.attempt_frequency:.3g}{per})"
+    return said + " in the paper's closure" * (thermal.closure == "paper")
 
 
 def onset_in_words(number: Number, digits: int) -> str:
@@ -213,6 +230,10 @@ def table_of(
             # F_s - F_k is a small part of F_s
             digits = 5 if name == "static_to_kinetic" else 3
             value, unit = written(number.value, unit, digits=digits), ""
+        elif unit in PREFIXED and 0.0 < (number.error or 0.0) < np.inf:
+            value, unit = with_scatter(number.value, number.error or 0.0, unit, digits=8), ""
+        elif unit in PREFIXED and np.isfinite(number.value) and number.value:
+            value, unit = written(number.value, unit), ""
         else:
             value = with_error(number.value, number.error or 0.0, 8)
             value = value.replace(" ± inf", ", error not known")

@@ -134,7 +134,8 @@ def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
         named |= {*alike}
         readings_by_span = dict[str, list[str]]()
         for one in alike:
-            span = " to ".join(guarded(end, unit, np.ptp(ends[one])) for end in ends[one])
+            each_end = (guarded(end, unit, np.ptp(ends[one])) for end in ends[one])
+            span = " to ".join(dict.fromkeys(each_end))
             readings_by_span.setdefault(span, []).append(one)
         each = "; ".join(
             f"{span} for {', '.join(whose)}" for span, whose in readings_by_span.items()
@@ -142,7 +143,9 @@ def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
         if len(readings_by_span) == 1:
             each = f"{next(iter(readings_by_span))} for each"
         many = f"{', '.join(alike[:-1])} and {alike[-1]}"
-        said.append(f"order undecided between {many}: over readings and errors K* is {each}")
+        single = all(len(one.readings) == 1 for one in verdicts if one.name in alike)
+        over = "with their errors" if single else "over readings and errors"
+        said.append(f"order undecided between {many}: {over} K* is {each}")
     return said
 
 

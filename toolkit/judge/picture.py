@@ -155,7 +155,8 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
         if np.ptp(ends) > _SEEN * ends[1]:  # below the bar, whose number is beside it
             bars = {"xerr": np.ptp(ends) / 2.0, "color": "0.2", "capsize": 4}
             axes.errorbar(np.mean(ends), row + 0.4, **bars)
-        text = "infinite" if np.isinf(value) else f"{value:.3g}" if unit == SHARED else ""
+        shared = written(value, "", off) if off > _SEEN * value else f"{value:.3g}"
+        text = "infinite" if np.isinf(value) else shared if unit == SHARED else ""
         beyond = {"xytext": (12 if np.isinf(value) else 5, 0), "textcoords": "offset points"}
         place = (min(max(value, low), high), row)
         if unknown:  # and its error reaches from the edge to where it is below
@@ -163,7 +164,7 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
             text = f"not known, below {most:.2g}" if unit == SHARED else ""
             text = text or f"not known, below {written(most, unit, digits=2)}"
             beyond["xytext"] = (20, 0)
-        axes.annotate(text or written(value, unit), place, **beyond, **small)
+        axes.annotate(text or written(value, unit, off), place, **beyond, **small)
         if np.isinf(value):
             axes.plot(high, row, ">", color=color, ms=18, clip_on=False)
     axes.set_yticks(range(len(styled)), [one.name for one in styled])
@@ -173,7 +174,8 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
     name_axis(axes.xaxis, *spring_name(unit))
     legend = ["a slider slips at least once on springs below $K^*$"]
     if any(hasattr(one, "has_xerr") for one in axes.containers):
-        legend.append("lines: readings that were solved, and errors")
+        single = all(len(values) == 1 for values in over)
+        legend.append(f"lines: {'' if single else 'readings that were solved, and '}errors")
     if any(machines):
         legend.append("dashed: the machine's spring")
     axes.set_title("\n".join([legend[0], "; ".join(legend[1:])]).strip(), fontsize="medium")

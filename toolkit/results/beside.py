@@ -9,7 +9,7 @@ from origins.thresholds.law import Array
 from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
 from toolkit.scene.interfaces import with_error
-from toolkit.scene.scale import spoken
+from toolkit.scene.scale import spoken, with_scatter
 
 _FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
 
@@ -77,11 +77,12 @@ def slip_line(result: Result) -> str:
     if solved is not None and solved.slips is not None:
         count = solved.slips.drive.size if is_precise(solved) else "an unknown number"
         line += f", {count} of the master equation"
-    late = [
-        with_error((slip["mean_drive"] - slip["drive"]) / unit, slip["drive_error"] / unit, 2)
-        for slip in slips_beside(result)[:10]
-        if slip["have"] > 1
-    ]
+    each = [slip for slip in slips_beside(result)[:10] if slip["have"] > 1]
+    behind = [(slip["mean_drive"] - slip["drive"], slip["drive_error"]) for slip in each]
+    if result.scale.length_unit == "m":
+        late = [with_scatter(*one, "m", digits=2) for one in behind]
+    else:
+        late = [f"{with_error(way / unit, error / unit, 2)} of <x_s>" for way, error in behind]
     if is_heavy(eq):
         if eq.slips.number.size:
             lasts, fastest = eq.slips.duration.mean(), eq.slips.top_speed.max()
@@ -89,6 +90,6 @@ def slip_line(result: Result) -> str:
             line += f"top speed {spoken(fastest, result.scale.speed_unit)}"
         return f"{line}; energy kept to {np.abs(eq.energy.imbalance).max():.0e} of the work"
     if late:
-        line += f"; place in eq less that of the master equation: {', '.join(late)} of <x_s>"
+        line += f"; place in eq less that of the master equation: {', '.join(late)}"
     line += "; N contacts slip late by some 0.5 N^(-2/3)/K <x_s>, more at each; unless N is large,"
     return f"{line} chance may make them slip early, and at K > K*, too"

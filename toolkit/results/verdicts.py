@@ -43,7 +43,7 @@ def contradiction(result: Result) -> str:
 
 
 def with_units(scene: Scene, regime: Any) -> str:
-    """The reason of a soft slider's regime, after the machine's spring and K* in N/m where the surface knows them."""
+    """The reason of a soft slider's regime, with the machine's spring and K* in N/m where the surface knows them."""
     reason, scale = f"{regime.reason}{_of_so_many(scene, regime)}", scene.scale
     if scale.spring_unit == SHARED:
         return reason
@@ -51,6 +51,10 @@ def with_units(scene: Scene, regime: Any) -> str:
         written(own * scale.spring, scale.spring_unit, digits=4)
         for own in (scene.drive.spring or 0.0, regime.critical_spring)
     )
+    shared = f"K = {scene.drive.spring or 0.0:.6g} N_c<k>"
+    if shared in reason:
+        reason = reason.replace(shared, f"K = {spring}")
+        return reason.replace(f"K* = {regime.critical_spring:.6g}", f"K* = {critical}")
     return f"K = {spring}, K* = {critical}; {reason}"
 
 

@@ -211,7 +211,8 @@ def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
     # an error of a ten-thousandth stands in the fifth digit
     number, _, prefixed = written(value, unit, error, digits + 1).partition(" ")
     beside = error / 10.0 ** _power_of(value, unit)
-    text = _rounded(beside, 1)
+    # an error that leaves a value less than its two digits has as many places as these
+    text = _rounded(beside, 1 if _significant_digits(value, error) > 1 else 2)
     if "e-" in text:  # a value of 1 to 10 with so small an error
         text = np.format_float_positional(beside, precision=1, fractional=False, trim="-")
     return f"{number} ± {text} {prefixed}".strip()

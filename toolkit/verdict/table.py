@@ -16,6 +16,8 @@ from toolkit.verdict.uncertainty import other_samples, widest_uncertainty
 PRECISE = 1e-3
 # of the contacts: where no more of them hold, F_k is told with their share
 HOLDING = 0.9
+# of a number: a wider scatter of other samples, told with two digits, leaves it two
+_VAGUE = 0.1
 # of a path, its first part, over which the force of stick-slip is not averaged: contacts began together there
 FORGOTTEN = 1.0 / 3.0
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
@@ -104,9 +106,12 @@ def row(
     if not np.isfinite(off):
         off = uncertainty * abs(values[0])
     ends = [guarded(value, unit, off) for value in (low, high)]
+    told = guarded(values[0], unit, off)
+    if off == sampling > _VAGUE * abs(values[0]):  # beside it, and with as many places
+        told = written(values[0], unit, digits=2)
     return [
         name,
-        guarded(values[0], unit, off),
+        told,
         f"± {written(sampling, unit, digits=2)}" if sampling else "not known" * (own.error > 0.0),
         " to ".join(dict.fromkeys(ends)) if apart else "the same" * (len(each) > 1),
     ]
