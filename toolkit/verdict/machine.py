@@ -47,9 +47,11 @@ class Machine:
 
     def points(self, length: float) -> int:
         """How many points of a drive's path show its trace: where a mass swings several of each swing, as fewer show
-        slower swings, which are not there; of a path of more swings than a picture holds, the most."""
+        slower swings, which are not there; the usual ones of a path of more swings than a picture holds, which die
+        away within a line of it."""
         swing = 2.0 * self.velocity * half_a_swing(self)
-        return int(np.clip(PER_SWING * length / (swing or np.inf), POINTS, MOST_POINTS))
+        needed = PER_SWING * length / (swing or np.inf)
+        return round(max(needed, POINTS)) if needed <= MOST_POINTS else POINTS
 
 
 def half_a_swing(machine: Machine) -> float:
