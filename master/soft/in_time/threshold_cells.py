@@ -79,12 +79,15 @@ class ThresholdCells:
         if self._hot:
             log = np.log(np.maximum(integrals, np.exp(LEAST_LOG)))
             log[every, cut] = self._log_at(low, cut, log[every, cut + 1], log[every, cut + 2])
-            weight = weight * mean_survival(log)
+            weight = weight * mean_survival(log, weight > 0.0)
+        holding = weight.sum(axis=1)
+        if self._contacts.stiffness == "independent":
+            return np.stack([holding, stretch * holding])
         ends = np.tile(edges, (least.size, 1))
         ends[every, cut] = low
         middle = 0.5 * (ends[:, 1:] + ends[:, :-1])
         stiffness = (weight * self._contacts.relative_stiffness(middle)).sum(axis=1)
-        return np.stack([weight.sum(axis=1), stretch * stiffness])
+        return np.stack([holding, stretch * stiffness])
 
     def _log_at(self, low: Array, cut: npt.NDArray[np.intp], near: Array, far: Array) -> Array:
         """ln A at thresholds `low` in the cells `cut`, from its values near = ln A(x_1) and far = ln A(x_2) at the next
@@ -104,17 +107,19 @@ class ThresholdCells:
         return near + (squares[cut + 1] - low**2) / width * np.maximum(near - far, 0.0)
 
 
-def mean_survival(log: Array) -> Array:
-    """Mean of e^-A over cells at whose ends ln A has the values (n, k + 1), shape (n, k)."""
+def mean_survival(log: Array, counts: npt.NDArray[np.bool_]) -> Array:
+    """Mean of e^-A over cells at whose ends ln A has the values (n, k + 1), shape (n, k); only rough where a cell does
+    not count, as most do not that |x| has passed, on which A is steep."""
     survival = np.exp(-np.exp(np.minimum(log, MOST_LOG)))
     low, high = survival[:, :-1], survival[:, 1:]
     mean = 0.5 * (low + high)
-    steep = np.abs(high - low) > FLAT
+    steep = counts & (np.abs(high - low) > FLAT)
     # the integral of e^-A over ln A is -E_1(A), which two cells beside each other share at the edge between them
     wanted = np.zeros(log.shape, bool)
     wanted[:, :-1] = steep
     wanted[:, 1:] |= steep
-    integral = np.zeros(log.shape)
+    integral = np.empty(log.shape)
     integral[wanted] = exp1(np.exp(np.clip(log[wanted], LEAST_LOG, MOST_LOG)))
-    np.divide(np.diff(integral), log[:, :-1] - log[:, 1:], out=mean, where=steep)
+    rise = integral[:, 1:][steep] - integral[:, :-1][steep]
+    mean[steep] = rise / (log[:, :-1][steep] - log[:, 1:][steep])
     return mean
