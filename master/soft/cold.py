@@ -258,36 +258,36 @@ class ColdSlider:
             return self._reset(move, slip, begin)
         self._note(move, slip, begin, slipped.force, slipped.fraction_broken)
         self._base += slipped.shift
-        self._base_error += slipped.error
+        self._base_error += slipped.position_error
         return slipped.loaded
 
     def _slipped(self, move: Move, slip: SlipBegin) -> Slipped | None:
         """What a slip leaves in which broken contacts stay out; None where no contact holds on. Once all slips to come
         are as this one, to an error that is added, its move is repeated as a reset's is.
 
-        Errors (lengths): slip.error of the load where it begins, slip.begin_error of the travel there, by which some
-        contacts are misjudged, of a force `error`. Both shift its end, by `moved`; F goes on with `error`."""
+        Errors, lengths: slip.error of the load where it begins, slip.begin_error of the travel there. As F' = -K breaks
+        take 1 + K of force a length, of contacts stretched a mean threshold; misjudged ones bear at most `far` each."""
         unit, spring = self.contacts.unit, self.spring
         slide, (curve, y) = self._slide(move, slip)
         if slide.holds_none(y):
             return None
         holding, force = slide.holding_after(y), float(curve.force(y))
         far = min(y, self.contacts.life.largest_stretch)  # no contact that holds is stretched more
-        error = (1.0 + spring) * slip.begin_error * far / unit
-        moved = float(curve.travel_errors(y, 0.0, slip.error + error))
+        force_error = (1.0 + spring) * slip.begin_error * far / unit
+        end_shift = float(curve.travel_errors(y, 0.0, slip.error + force_error))
         # the slider moves as far as the drive from slip to slip
         slips = float(np.abs(np.diff(self.path, prepend=0.0)).sum()) / (slip.travel + y)
         most = min(slip.error, self.contacts.tolerance * unit / (spring * slips))
         after = np.array([y, force, holding * unit])
         if repeated := self._cycle.closed_by(move.loaded, slip, after, OF_REPEATING * most):
             shift = slide.at(y) - move.loaded.places[-1]
-            # both of the travel up to the slip and of that in it
-            moved += 2.0 * self._cycle.remaining
-            slipped = Slipped(force, 1.0 - holding, moved, repeated, shift)
+            # the travel up to the slip is off by as much as that in it
+            position_error = end_shift + 2.0 * self._cycle.remaining
+            slipped = Slipped(force, 1.0 - holding, position_error, repeated, shift)
             return self._repeated.setdefault((move, slip.travel), slipped)
         # errors of the history do not affect contacts that broke
-        history = slide.after_slip(y, (error + float(curve.error_at(y))) * holding)
-        return Slipped(force, 1.0 - holding, moved, history)
+        history = slide.after_slip(y, (force_error + float(curve.error_at(y))) * holding)
+        return Slipped(force, 1.0 - holding, end_shift, history)
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, broken: float) -> None:
         """Record a slip, of a move that begins at `begin`, with F after it along the motion, and what part broke."""

@@ -22,14 +22,14 @@ class Slipped:
 
     force : along the motion, after it (a length)
     fraction_broken : of the contacts, in it
-    error : of the slider's position by it (a length)
+    position_error : of the slider by it (a length)
     loaded : the history of the next move
     shift : by how much this history begins elsewhere than the one before (a length); 0 where it goes on
     """
 
     force: float
     fraction_broken: float
-    error: float
+    position_error: float
     loaded: LoadingHistory
     shift: float = 0.0
 

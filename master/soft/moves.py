@@ -255,11 +255,11 @@ class Move:
         """Plan edges, and set the march that goes on from the time `continued_from`, its panels up to `cut_at` being
         those of `march`; from there to `continued_from`, in a slip, no contact is born."""
         contacts, start = self.contacts, self.loaded.start
-        life, end = contacts.life, continued_from - self.loaded.end
+        life, travel = contacts.life, continued_from - self.loaded.end
         # no finer than the rounding of positions, to which survivals fall within a resolution length
         rounding = np.spacing(continued_from + self._ahead) / life.resolution_length
         tolerance = max(contacts.of_panels, rounding)
-        motion = Motion.along(np.array([*self.loaded.places, self.at(end + self._ahead)]))
+        motion = Motion.along(np.array([*self.loaded.places, self.at(travel + self._ahead)]))
         formed = contacts.reforming
         births = Births(life, formed, motion, accuracy=OF_SUMS * tolerance, until=contacts.until)
         if march is None:
