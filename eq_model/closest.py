@@ -31,15 +31,15 @@ def closest(
     fresh = chain.from_iterable(contacts.thresholds.rvs(1024, generator) for _ in count())
     force, breaks, here = np.empty(positions.size), 0, 0.0
     for j, goal in enumerate(positions):
-        holds = False
-        while not holds:
+        holds_to_goal = False
+        while not holds_to_goal:
             i = int(np.argmin(gap))
-            holds = here + gap[i] > goal
-            step = goal - here if holds else gap[i]
+            holds_to_goal = here + gap[i] > goal
+            step = goal - here if holds_to_goal else gap[i]
             x += step
             gap -= step
             here += step
-            if not holds:
+            if not holds_to_goal:
                 x[i], gap[i] = 0.0, next(fresh)
                 breaks += 1
         here, force[j] = goal, x.mean()

@@ -27,7 +27,7 @@ from toolkit.scene.scale import Scale, guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers, judge
 from toolkit.verdict.budget import Budget
-from toolkit.verdict.ensemble import follow_by_contacts
+from toolkit.verdict.ensemble import follow_by_contacts, sliders
 from toolkit.verdict.files import plain
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow, follow_other_delay
@@ -792,6 +792,22 @@ def test_contacts_of_the_area_break_by_heat_as_they_are_followed() -> None:
         asked = replace(machine, mass=1e-3 if rule == "mass" else None)
         told = follow_finite(asked, held, 2000, replace(slips, rule=rule), 0.65, 1e4)
         assert told.kind == "unknown" and "the ensemble takes no contacts" in told.message
+
+
+def test_contacts_of_a_slider_that_creeps_in_heat_are_not_followed_on_a_soft_spring(
+    monkeypatch: Any,
+) -> None:
+    """300 of them break 25,000 times each while the spring of a machine is loaded; the rates at rest let expect 6."""
+    eyring = origins.Thermal("eyring", width=0.03, attempt_frequency=1e10)
+    machine, warm = replace(SOFT, spring=2e-6), Contacts(WIDE.thresholds, thermal=eyring)
+    creeps = replace(infinite("smooth", 0), before=0.32, after=0.32)
+    for rule in ("reset", "instant"):
+        told = follow_finite(machine, warm, 1e5, replace(creeps, rule=rule), 0.3206, seconds=5.0)
+        assert told.kind == "unknown" and "breaks are more than are followed" in told.message
+    # their pilot is given up, too, where the time is over: each of its sliders takes more than 10 ms
+    monkeypatch.setattr("toolkit.verdict.ensemble.SHORT", 0.01)
+    with pytest.raises(InputError, match="1,000 contacts take more than 0 s: raise wall_time"):
+        sliders(machine, warm, "reset", np.array([0.0, 1.3e5]), 10_000, seconds=0.0)
 
 
 def test_many_barriers_have_their_own_quantiles() -> None:

@@ -33,9 +33,7 @@ class Ages(NamedTuple):
     heat: Any  # NoHeat or heat.Heat
     beta: float  # 0: thresholds do not grow
     time: float  # τ_0
-    fresh_ratio: (
-        float  # threshold at age 0 over the drawn one, which is that of contacts of the start
-    )
+    fresh_ratio: float  # threshold at age 0 over the drawn one, that of contacts of the start
     fresh: Array  # threshold at age 0
     born: Array  # time of birth
     zero: Whole  # X at which the contact is relaxed
@@ -48,11 +46,8 @@ def ages_of(contacts: Contacts, n: int, heat: Any) -> Ages:
     numbered = law is not None or not isinstance(heat, NoHeat)
     n = n if numbered else 0
     if law is not None:
-        beta, time, fresh_ratio = (
-            law.beta,
-            law.time_unit,
-            1.0 / float(law.factor(law.start_pinned_for)),
-        )
+        beta, time = law.beta, law.time_unit
+        fresh_ratio = 1.0 / float(law.factor(law.start_pinned_for))
     return Ages(
         numbered=numbered,
         heat=heat,

@@ -81,8 +81,15 @@ def sliders(
     if number > FEW:
         # points beyond the usual ones take as long however many contacts there are
         few_points = np.unique(np.append(path[:: -(-path.size // POINTS)], path[-1]))
-        eq_model.Ensemble(contacts, path, n_contacts=FEW, **asked)  # makes the kernels and tables
-        pilot = eq_model.simulate(contacts, few_points, n_contacts=FEW, **asked)
+        # makes the kernels and tables, too, whose time does not count
+        following = eq_model.Ensemble(contacts, few_points, n_contacts=FEW, **asked)
+        if contacts.thermal is not None:  # how often contacts break is not known before
+            over = time.monotonic() + max(seconds, SHORT)
+            following.interrupted = lambda: time.monotonic() > over
+        followed = sum(1 for _ in following)
+        if followed < SLIDERS:
+            raise InputError(f"{FEW:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
+        pilot = following.result()
         remaining = max(seconds - pilot.run_time, 0.0)
         needed, most = pilot.run_time * number / FEW, int(FEW * remaining / pilot.run_time)
         if needed > remaining and most <= FEW:
