@@ -46,9 +46,9 @@ class Machine:
         return given | {"slip": rule}
 
     def points(self, length: float) -> int:
-        """How many points of a drive's path show its trace: where a mass swings several of each swing, as fewer show
-        slower swings, which are not there; the usual ones of a path of more swings than a picture holds, which die
-        away within a line of it."""
+        """At how many points of a drive's path of this length the trace is drawn. Where a mass swings each swing has
+        PER_SWING of them, as fewer would draw slower swings that do not exist. A path that needs more than MOST_POINTS
+        has the usual ones, which tell slips and no single swings."""
         swing = 2.0 * self.velocity * half_a_swing(self)
         needed = PER_SWING * length / (swing or np.inf)
         return round(max(needed, POINTS)) if needed <= MOST_POINTS else POINTS
