@@ -12,11 +12,12 @@ from plain_in_time import Pulled, pulled
 from scipy import stats
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
+from scipy.special import exp1
 
 import master
 import origins
 from master.motion import Motion
-from master.soft.in_time import cells_kernel
+from master.soft.in_time import cells_kernel, threshold_cells_kernel
 from master.soft.in_time import steps as steps_in_time
 from master.soft.in_time.answer import extrapolation
 from master.soft.in_time.answer.extrapolation import extrapolated
@@ -410,6 +411,41 @@ def test_the_cell_of_the_least_threshold_that_holds_is_continued_along_its_barri
     ]
     assert abs(found[0] - shares @ means) < 1e-8
     assert abs(force[0] - stretch * found[0]) < 1e-15
+
+
+def survival_of_one(log: np.ndarray, weight: np.ndarray) -> float:
+    """The sum over cells of their weight times the mean of e^-A, ln A being straight between these ends of cells; where
+    e^-A hardly changes the mean of both ends."""
+    low, high = log[:-1], log[1:]
+    of_low, of_high = np.exp(-np.exp(low)), np.exp(-np.exp(high))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means = (exp1(np.exp(high)) - exp1(np.exp(low))) / (low - high)
+    flat = np.abs(of_high - of_low) <= threshold_cells_kernel.FLAT
+    return float(weight @ np.where(flat, 0.5 * (of_low + of_high), means))
+
+
+@pytest.mark.parametrize("stiffness", ["independent", "linked"])
+@pytest.mark.parametrize("temperature", [0.001, 0.01, 0.1, 10.0])
+def test_the_compiled_sum_over_cells_is_the_plain_one(stiffness: str, temperature: float) -> None:
+    """Groups from those that heat has hardly touched to those of which none hold; |x| below, in and beyond cells."""
+    contacts = Contacts(WIDE, thermal=HEAT, stiffness=stiffness)
+    edges = np.linspace(0.2, 2.2, 101)
+    beyond, rng = WIDE.sf(edges), np.random.default_rng(1)
+    cells = ThresholdCells(contacts, edges, beyond)
+    least = np.concatenate([rng.uniform(0.21, 2.15, 90), edges[20:30], [0.0, 0.1]])
+    barrier = edges**2 / (2.0 * temperature)
+    top = rng.uniform(-30.0, min(float(barrier.max()), 600.0) + 5.0, least.size)
+    logs = top[:, None] - barrier
+    unmet, stretch = WIDE.sf(least), rng.uniform(-1.0, 1.0, least.size)
+    found = cells.survival_and_force(np.exp(logs), stretch, least, unmet)
+    for i, x in enumerate(np.maximum(least, edges[0])):
+        ends = np.append(x, edges[edges > x])
+        weight = -np.diff(np.append(unmet[i], beyond[edges > x]))
+        weight[0] = min(unmet[i], float(WIDE.sf(x))) - float(WIDE.sf(ends[1]))
+        log = top[i] - ends**2 / (2.0 * temperature)
+        stiff = np.asarray(contacts.relative_stiffness(0.5 * (ends[1:] + ends[:-1])))
+        told = survival_of_one(log, weight), stretch[i] * survival_of_one(log, weight * stiff)
+        np.testing.assert_allclose(found[:, i], told, rtol=1e-12, atol=2e-14)
 
 
 def test_cells_of_thresholds_lose_those_that_a_jump_meets_and_those_that_heat_breaks() -> None:

@@ -40,6 +40,8 @@ class IntegratedRate:
         one of them gives A at every other. Contacts born together, neighbours here, move together on all legs but the
         last, so that the relaxed time of these legs is computed once for each birth.
         """
+        if self._duration.shape[1] == 1:
+            return self._log_relaxed_time_on(np.arange(born.size), np.ones(1))
         births = np.stack([born, self._duration[:, :-1].sum(axis=1)])  # stretch, and time since
         is_first = np.any(np.diff(births, prepend=np.nan) != 0.0, axis=0)
         birth_of_each = np.cumsum(is_first) - 1

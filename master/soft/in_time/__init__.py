@@ -49,8 +49,9 @@ slip leads to), `contacts.py`, `groups.py`, `breaks.py`, `unresolved.py`, the fo
 and how well), and `creep.py`, by which a slider that creeps on a soft spring goes on to the end of the path without
 steps (`Slider._crept_to_end`).
 Then the memories: `memory.py` (what a memory is, and thresholds that stay), `threshold_cells.py` (integrals of rates at
-the ends of cells), `changing.py` for thresholds that change, with `cells.py` and the compiled `cells_kernel.py` where
-they age; and `idle_heat.py`, for heat too weak for steps to see. A plain twin: `tests/plain_in_time.py`.
+the ends of cells, with the compiled sums of `threshold_cells_kernel.py`), `changing.py` for thresholds that change,
+with `cells.py` and the compiled `cells_kernel.py` where they age; and `idle_heat.py`, for heat too weak for steps to
+see. A plain twin: `tests/plain_in_time.py`.
 
 Tests: tests/test_plain_in_time.py for parts by themselves, each memory and the plain twin, in seconds;
 test_soft_laws.py and test_any_spring.py for slips. A delay: test_births_follow_from_the_breaks_one_delay_before, the

@@ -10,21 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import exp1
 
 from master.motion import Legs
 from master.survival.integrated_rate import IntegratedRate
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# The logarithms of the least and of the largest A that are told apart from 0 and infinity: e^-A is 1, or 0, to
-# round-off.
-LEAST_LOG, MOST_LOG = -700.0, 6.5
 # Width of a cell, in the square of the largest threshold, below which it is that of an exact threshold.
 EXACT_CELL = 1e-9
-# Difference of e^-A between the ends of a cell below which its mean is that of the ends, with an error of the third
-# power.
-FLAT = 1e-4
 
 
 class Leg(NamedTuple):
@@ -50,7 +43,12 @@ class ThresholdCells:
     """
 
     def __init__(self, contacts: Contacts, edges: Array, beyond: Array) -> None:
+        from master.soft.in_time import threshold_cells_kernel
+
         self._contacts, self.edges, self.beyond = contacts, edges, beyond
+        self._kernel = threshold_cells_kernel
+        # linear in the threshold
+        self._stiffness = contacts.relative_stiffness(edges)
         self._hot = contacts.thermal is not None
         self.width = edges.size * self._hot
 
@@ -71,22 +69,20 @@ class ThresholdCells:
     ) -> Array:
         """Survival and force of the fraction `unmet`, whose thresholds lie beyond `least`, from A at the edges: where
         thresholds stay, `least` is the largest |x| so far; where they grow, the place of the largest hazard so far."""
-        edges, every = self.edges, np.arange(least.size)
-        weight = np.maximum(np.minimum(unmet[:, None], self.beyond[:-1]) - self.beyond[1:], 0.0)
+        edges, kernel, every = self.edges, self._kernel, np.arange(least.size)
         # of the cell in which the least threshold lies only the part beyond it counts; two edges follow, for _log_at
         cut = np.clip(np.searchsorted(edges, least, "right") - 1, 0, edges.size - 3)
         low = np.clip(least, edges[cut], edges[cut + 1])
         if self._hot:
-            log = np.log(np.maximum(integrals, np.exp(LEAST_LOG)))
-            log[every, cut] = self._log_at(low, cut, log[every, cut + 1], log[every, cut + 2])
-            weight = weight * mean_survival(log, weight > 0.0)
-        holding = weight.sum(axis=1)
-        if self._contacts.stiffness == "independent":
-            return np.stack([holding, stretch * holding])
-        ends = np.tile(edges, (least.size, 1))
-        ends[every, cut] = low
-        middle = 0.5 * (ends[:, 1:] + ends[:, :-1])
-        stiffness = (weight * self._contacts.relative_stiffness(middle)).sum(axis=1)
+            next_two = (np.maximum(integrals[every, cut + k], kernel.LEAST) for k in (1, 2))
+            log = self._log_at(low, cut, *map(np.log, next_two))
+        else:
+            integrals = np.zeros((least.size, edges.size))
+            log = np.full(least.size, kernel.LEAST_LOG)
+        stiffness_there = self._contacts.relative_stiffness(low)
+        integrals = np.ascontiguousarray(integrals)
+        given = integrals, cut, log, stiffness_there, unmet, self.beyond, self._stiffness
+        holding, stiffness = kernel.survival_and_stiffness(*given)
         return np.stack([holding, stretch * stiffness])
 
     def _log_at(self, low: Array, cut: npt.NDArray[np.intp], near: Array, far: Array) -> Array:
@@ -105,21 +101,3 @@ class ThresholdCells:
         width = squares[cut + 2] - squares[cut + 1]
         width = np.where(width > EXACT_CELL * squares[-1], width, np.inf)
         return near + (squares[cut + 1] - low**2) / width * np.maximum(near - far, 0.0)
-
-
-def mean_survival(log: Array, counts: npt.NDArray[np.bool_]) -> Array:
-    """Mean of e^-A over cells at whose ends ln A has the values (n, k + 1), shape (n, k); only rough where a cell does
-    not count, as most do not that |x| has passed, on which A is steep."""
-    survival = np.exp(-np.exp(np.minimum(log, MOST_LOG)))
-    low, high = survival[:, :-1], survival[:, 1:]
-    mean = 0.5 * (low + high)
-    steep = counts & (np.abs(high - low) > FLAT)
-    # the integral of e^-A over ln A is -E_1(A), which two cells beside each other share at the edge between them
-    wanted = np.zeros(log.shape, bool)
-    wanted[:, :-1] = steep
-    wanted[:, 1:] |= steep
-    integral = np.empty(log.shape)
-    integral[wanted] = exp1(np.exp(np.clip(log[wanted], LEAST_LOG, MOST_LOG)))
-    rise = integral[:, 1:][steep] - integral[:, :-1][steep]
-    mean[steep] = rise / (log[:, :-1][steep] - log[:, 1:][steep])
-    return mean
