@@ -112,7 +112,7 @@ def test_the_older_answer_of_a_first_slip_is_off() -> None:
 
 
 def test_force_error_is_the_promise_it_is_said_to_be() -> None:
-    numbers = range(FIRST, FIRST + CASES)
+    numbers = range(FIRST, min(FIRST + CASES, ALL))
     rows = []
     for number in numbers:
         rows += answered(question(scenes()[str(number)]))
