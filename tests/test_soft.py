@@ -194,7 +194,7 @@ def test_a_move_that_is_planned_on_keeps_the_width_of_its_panels():
     cold = ColdContacts(origins.Contacts(origins.gaussian(1.0, 0.2)), 0.3, 1e-8, np.inf)
     move = Move(cold, 1, LoadingHistory(cold.start))
     curve = move.curve_to(25.0)
-    late = curve.width[curve.begin > 3.0]
+    late = curve.width[curve.from_travel > 3.0]
     assert late.size > 40 and np.ptp(late) <= 1e-12
 
 
@@ -342,12 +342,12 @@ def test_the_histories_of_the_example_in_moves_py():
         loaded = move.stopped(y, 0.0) if kind is Move else move.after_slip(y, 0.0)
         histories.append(loaded)
     assert loaded.places == pytest.approx((0.0, 1.0, 0.7, 0.2))
-    assert [one.cut for one in histories] == pytest.approx([1.0, 1.3, 1.3])
-    assert [one.end for one in histories] == pytest.approx([1.0, 1.3, 1.8])
+    assert [one.cut_at for one in histories] == pytest.approx([1.0, 1.3, 1.3])
+    assert [one.move_begins_at for one in histories] == pytest.approx([1.0, 1.3, 1.8])
     # those that broke in the slip are born together as it ends
     assert (loaded.kinks[-1].time, loaded.kinks[-1].size) == pytest.approx((1.8, 1.0))
     behind = Move(cold, -1, loaded)
-    assert behind.at(0.0) == pytest.approx(0.2) and behind.curve_to(0.1).end >= 0.1
+    assert behind.at(0.0) == pytest.approx(0.2) and behind.curve_to(0.1).to_travel >= 0.1
 
 
 @pytest.mark.parametrize(

@@ -175,7 +175,7 @@ class ColdSlider:
             except StoppedError:
                 if move.solved:
                     curve = move.solved_curve()
-                    last = min(curve.slip_begins(y), curve.end)
+                    last = min(curve.slip_begins(y), curve.to_travel)
                     load = float(curve.force(last)) + spring * last
                     self._keep(curve, asked[: np.searchsorted(asked, load)], y, last, direction)
                 raise
@@ -247,8 +247,8 @@ class ColdSlider:
         return slide, slide.end_of_slip(0.0, slip.load - self.spring * slip.travel, slip)
 
     def _reform_after(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
-        """Slip in which broken contacts stay out until the slider stops. The next move's plan lets
-        them be born, by `March.postpone_births`: between `cut` and `end` of the history that is returned none is."""
+        """Slip in which broken contacts stay out until the slider stops. The next move's plan lets them be born, by
+        `March.postpone_births`: between `cut_at` and `move_begins_at` of the history that is returned none is."""
         key = move, slip.travel
         if key in self._leave_none:
             return self._reset(move, slip, begin)

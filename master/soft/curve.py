@@ -38,7 +38,8 @@ AHEAD = 2.0
 class LoadCurve:
     """Force along the motion, F times its direction +1 or -1, over the travel: a polynomial on each panel.
 
-    begin, width : arrays of shape (n,), of panels one after the other from 0
+    from_travel, width : arrays of shape (n,), of panels one after the other from the travel 0; `begin` and `end`
+        are times, everywhere else
     series : array of shape (n, DEGREE + 1), Legendre coefficients of the force (lengths)
     error : array of shape (n,), estimate from above of the error of the force on each panel (lengths)
     own_error : array of shape (n,), the part of `error` that changes on the panel itself (lengths)
@@ -46,7 +47,7 @@ class LoadCurve:
     spring : K/(N_c <k>)
     """
 
-    begin: Array
+    from_travel: Array
     width: Array
     series: Array
     error: Array
@@ -55,9 +56,9 @@ class LoadCurve:
     spring: float
 
     @property
-    def end(self) -> float:
+    def to_travel(self) -> float:
         """The travel up to which the load is known."""
-        return float(self.begin[-1] + self.width[-1])
+        return float(self.from_travel[-1] + self.width[-1])
 
     def force(self, y: float | Array) -> Array:
         """Force along the motion at travels y, just before a drop; same shape as y."""
@@ -81,11 +82,11 @@ class LoadCurve:
 
     def panel(self, y: float | Array) -> npt.NDArray[np.intp]:
         """Index of the panel on which travels lie; an edge belongs to the panel that it ends."""
-        return np.clip(np.searchsorted(self.begin, y) - 1, 0, self.begin.size - 1)
+        return np.clip(np.searchsorted(self.from_travel, y) - 1, 0, self.from_travel.size - 1)
 
     def _values(self, series: Array, y: float | Array) -> Array:
         panel = self.panel(y)
-        z = np.clip(2.0 * (y - self.begin[panel]) / self.width[panel] - 1.0, -1.0, 1.0)
+        z = np.clip(2.0 * (y - self.from_travel[panel]) / self.width[panel] - 1.0, -1.0, 1.0)
         return np.asarray(legendre.legval(z, np.moveaxis(series[panel], -1, 0), tensor=False))
 
     @cached_property
@@ -123,7 +124,7 @@ class LoadCurve:
     def travel_to_load(self, level: float, after: float) -> float:
         """The first travel >= after at which the load is at `level`; inf if none."""
         load = self.series.copy()
-        load[:, 0] += self.spring * (self.begin + 0.5 * self.width)
+        load[:, 0] += self.spring * (self.from_travel + 0.5 * self.width)
         load[:, 1] += self.spring * 0.5 * self.width
         return self._first_above(load, level, after)
 
@@ -132,13 +133,17 @@ class LoadCurve:
     ) -> float:
         """The first travel >= after at which polynomials on panels are above a level, one for all or one for each
         panel; inf if none, or none on panels that begin before the travel `before`."""
-        level = np.broadcast_to(level, self.begin.shape)
+        level = np.broadcast_to(level, self.from_travel.shape)
         most = series[:, 0] + np.abs(series[:, 1:]).sum(axis=1)
-        ends = np.append(self.begin[1:], self.end)
+        ends = np.append(self.from_travel[1:], self.to_travel)
         # far from a move's beginning a narrow panel may be rounded to no width
-        somewhere = (most > level) & (ends > np.maximum(after, self.begin)) & (self.begin < before)
+        somewhere = (
+            (most > level)
+            & (ends > np.maximum(after, self.from_travel))
+            & (self.from_travel < before)
+        )
         for panel in np.flatnonzero(somewhere):
-            first, end = float(self.begin[panel]), float(ends[panel])
+            first, end = float(self.from_travel[panel]), float(ends[panel])
             excess = series[panel].copy()
             excess[0] -= level[panel]
             roots = legendre.legroots(legendre.legtrim(excess, ROUNDED * np.abs(excess).max()))
@@ -171,7 +176,9 @@ class LoadCurve:
 
     def travel_at(self, load: Array, low: float, high: float) -> Array:
         """Travels from low to high, where the load rises, with given loads; same shape as load."""
-        places = np.array([low, *self.begin[(self.begin > low) & (self.begin < high)], high])
+        places = np.array(
+            [low, *self.from_travel[(self.from_travel > low) & (self.from_travel < high)], high]
+        )
         loads = np.maximum.accumulate(self.force(places) + self.spring * places)
         cell = np.clip(np.searchsorted(loads, load) - 1, 0, places.size - 2)
         wanted = np.clip(load, loads[0], loads[-1])
@@ -205,13 +212,13 @@ class SteadyForce:
     def extend(self, curve: LoadCurve, y: float, largest: float) -> LoadCurve:
         """The curve with one more panel of this force, up to the travel y at least, and as far as a spring is stretched
         by the `largest` force of its contacts; positions on it are rounded."""
-        width = AHEAD * max(y - curve.end, largest / curve.spring, largest)
+        width = AHEAD * max(y - curve.to_travel, largest / curve.spring, largest)
         series = np.zeros((1, curve.series.shape[1]))
         series[0, 0] = self.force
         error = curve.error[-1] + self.error
         return replace(
             curve,
-            begin=np.append(curve.begin, curve.end),
+            from_travel=np.append(curve.from_travel, curve.to_travel),
             width=np.append(curve.width, width),
             series=np.concatenate([curve.series, series]),
             error=np.append(curve.error, error),
@@ -241,7 +248,7 @@ class SlipBegin(NamedTuple):
         """Error of the travel due to that of F' (a length); 0 where F' jumps, or contacts break together."""
         curve, y = self.curve, self.travel
         panel = int(curve.panel(y))
-        begin, width = curve.begin[panel], curve.width[panel]
+        begin, width = curve.from_travel[panel], curve.width[panel]
         # Bernstein's and Markov's inequalities: the slope of a polynomial's error, of this degree
         inside = max((y - begin) * (begin + width - y), (0.5 * width / polynomials.DEGREE) ** 2)
         steep = self.error * polynomials.DEGREE / np.sqrt(inside)

@@ -4,17 +4,19 @@ At T = 0 nothing depends on time, so t of the march is the distance that the sli
 where the slider is:
 
     t   how far it has travelled, there and back, since its history began: the clock of the march, of kinks and lumps
-    y   its travel on this move, t - `loaded.end`: the clock of a LoadCurve
+    y   its travel on this move, t - `loaded.move_begins_at`: the clock of a LoadCurve
     X   its position since the history began, `loaded.places[-1] + direction * y` (`Move.at`)
 
 A history begins with the path, and anew where a slip leaves all contacts new: X of the path is more by `_base` of
 cold.py. An example: a slider goes to X = 1, and back to 0.7, where it slips under "reform-after" to 0.2. Its moves have
 
-    move          direction  loaded.places     loaded.cut  loaded.end  t at its end
-    there            +1      (0,)                  0           0            1
-    back             -1      (0, 1)                1           1            1.3
-    in the slip      -1      (0, 1, 0.7)           1.3         1.3          1.8      without births
-    behind it        -1      (0, 1, 0.7, 0.2)      1.3         1.8                   births of the slip all at t = 1.8
+    move          direction  .places           .cut_at  .move_begins_at  t at its end
+    there            +1      (0,)                0             0              1
+    back             -1      (0, 1)              1             1              1.3
+    in the slip      -1      (0, 1, 0.7)         1.3           1.3            1.8      without births
+    behind it        -1      (0, 1, 0.7, 0.2)    1.3           1.8                     births of the slip all at t = 1.8
+
+The middle columns are of `loaded`, the history before the move.
 """
 
 from dataclasses import dataclass
@@ -67,7 +69,8 @@ class LoadingHistory:
 
     start : stretches at its beginning
     march : None before the first move
-    cut, end : t up to which the march holds, and at which the move begins: in between, in a slip, no contact is born
+    cut_at, move_begins_at : t up to which the march holds, and at which the move begins: in between, in a slip, no
+        contact is born
     places : X where the slider began, stopped or turned, and where it is (lengths)
     kinks : times at which breaks jump or bend
     error : of the force, due to errors of this history (a length)
@@ -75,8 +78,8 @@ class LoadingHistory:
 
     start: Start
     march: March | None = None
-    cut: float = 0.0
-    end: float = 0.0
+    cut_at: float = 0.0
+    move_begins_at: float = 0.0
     places: tuple[float, ...] = (0.0,)
     kinks: tuple[Kink, ...] = ()
     error: float = 0.0
@@ -109,7 +112,7 @@ class Move:
         self.contacts, self.direction, self.loaded = contacts, direction, loaded
         self._kinks, self._ahead = loaded.kinks, PLANNED * contacts.unit
         self._guess = self._widest = WIDE * contacts.life.resolution_length
-        self._plan(loaded.march, loaded.cut, loaded.end)
+        self._plan(loaded.march, loaded.cut_at, loaded.move_begins_at)
         self._first = self._march.solved.count
         self._steady: SteadyForce | None = None
         self._found: tuple[float, SlipBegin] | None = None
@@ -126,21 +129,21 @@ class Move:
         while True:
             curve = self.curve_to(travel)
             y = curve.slip_begins(after)
-            last = min(y, curve.end)
+            last = min(y, curve.to_travel)
             load = float(curve.force(last)) + curve.spring * last
             if load >= target:
                 return SlipBegin(curve, last, np.inf)
             if np.isfinite(y):
                 self._found = after, SlipBegin(curve, y, load)
                 return self._found[1]
-            travel = curve.end + self.contacts.life.resolution_length
+            travel = curve.to_travel + self.contacts.life.resolution_length
 
     def end_of_slip(
         self, after: float, load: float, begin: SlipBegin, goes_on: bool = False
     ) -> SlipEnd:
         """The curve, and the travel at the end of the slip that begins at the travel `after` with this load; `goes_on`:
         the slider never turns later, so that of contacts that have decohered only the force matters."""
-        falling = min(BEHIND_BEGIN * begin.begin_error, OF_TRAVEL * begin.curve.end)
+        falling = min(BEHIND_BEGIN * begin.begin_error, OF_TRAVEL * begin.curve.to_travel)
         travel, searched, rises = after, after + falling, np.inf
         while True:
             curve = self.curve_to(travel)
@@ -149,15 +152,15 @@ class Move:
             y = curve.travel_to_load(load, max(rises, searched)) if np.isfinite(rises) else np.inf
             if np.isfinite(y):
                 return SlipEnd(curve, y)
-            searched = max(searched, curve.end)
-            travel = curve.end + self.contacts.life.resolution_length
+            searched = max(searched, curve.to_travel)
+            travel = curve.to_travel + self.contacts.life.resolution_length
             if goes_on and self._steady is None:
                 self._steady = self._decohered_at(load)
 
     def curve_to(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
         while self._march.solved.count == self._first or (
-            self._steady is None and self._march.solved.end < self.loaded.end + y
+            self._steady is None and self._march.solved.end < self.loaded.move_begins_at + y
         ):
             self._march.births.work += WORK_OF_LUMP * len(self._march.lumps)
             if self._march.births.work > MOST_WORK:
@@ -179,13 +182,17 @@ class Move:
         """The load on the panels solved so far; where breaks are steady, up to the travel y at least."""
         loaded, march, largest = self.loaded, self._march, self.contacts.life.largest_stretch
         solved, own_panels = march.solved, slice(self._first, None)
-        begin, width = solved.begin[own_panels] - loaded.end, solved.width[own_panels]
+        begin, width = solved.begin[own_panels] - loaded.move_begins_at, solved.width[own_panels]
         force, missed = solved.force[own_panels], solved.error[own_panels]
-        times = [one.birth for one in march.lumps if one.birth > loaded.end and one.weight > DROPS]
+        times = [
+            one.birth
+            for one in march.lumps
+            if one.birth > loaded.move_begins_at and one.weight > DROPS
+        ]
         rounding = ROUNDING * (self.contacts.unit + begin) + march.unseen_error * largest
         unknown = loaded.error + self.contacts.unknown
         error = unknown + np.maximum.accumulate(missed) * largest + rounding
-        drops = np.array(times) - loaded.end
+        drops = np.array(times) - loaded.move_begins_at
         series = self.direction * force @ polynomials.TO_LEGENDRE.T
         own = missed * largest + OWN_ROUNDING * self.contacts.unit
         curve = LoadCurve(begin, width, series, error, own, drops, self.contacts.spring)
@@ -200,7 +207,7 @@ class Move:
         march, largest = self._march, self.contacts.life.largest_stretch
         life = ONE_LIFE * march.present.straight(float(self.direction)).longest
         memory = max(life, 2.0 * largest)
-        undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].birth)
+        undisturbed = march.solved.end - max(self.loaded.move_begins_at, march.lumps[-1].birth)
         if undisturbed < memory:
             return None
         rates = march.solved.rates_from(march.solved.end - memory)
@@ -218,7 +225,7 @@ class Move:
         """
         march, contacts = self._march, self.contacts
         memory = TWO_LIVES * contacts.life.largest_stretch
-        undisturbed = march.solved.end - max(self.loaded.end, march.lumps[-1].birth)
+        undisturbed = march.solved.end - max(self.loaded.move_begins_at, march.lumps[-1].birth)
         if undisturbed < DECOHERES * memory:
             return None
         first = panel_at(march.solved.begin, march.solved.end - memory)
@@ -226,7 +233,7 @@ class Move:
         half_range = BEYOND * 0.5 * float(np.ptp(force))
         largest = 0.5 * float(force.max() + force.min()) + half_range
         # F stays below `largest`, so that the load, F + K y, is below that of the slip's begin for so far
-        ahead = (load - largest) / contacts.spring - (march.solved.end - self.loaded.end)
+        ahead = (load - largest) / contacts.spring - (march.solved.end - self.loaded.move_begins_at)
         if ahead <= 0.0 or not np.isfinite(contacts.decoherence_length):
             return None
         remaining = HIDDEN * half_range * np.exp(-ahead / contacts.decoherence_length)
@@ -237,7 +244,11 @@ class Move:
 
     def travel_of_state(self, y: float) -> float:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
-        return y if self._steady is None else min(y, self._march.solved.end - self.loaded.end)
+        return (
+            y
+            if self._steady is None
+            else min(y, self._march.solved.end - self.loaded.move_begins_at)
+        )
 
     def _advance(self) -> bool:
         """Solve some more panels; False at the end of the plan."""
@@ -247,7 +258,7 @@ class Move:
     def stopped(self, y: float, error: float) -> LoadingHistory:
         """The history after the travel y; `error` is that of the force due to it."""
         y = max(y, STILL * self.contacts.life.resolution_length)
-        end, places = self.loaded.end + y, (*self.loaded.places, self.at(y))
+        end, places = self.loaded.move_begins_at + y, (*self.loaded.places, self.at(y))
         kinks = (*(kink for kink in self._kinks if kink.time < end), Kink(end, SMOOTHER))
         return LoadingHistory(self.loaded.start, self._march, end, end, places, kinks, error)
 
@@ -255,7 +266,7 @@ class Move:
         """Plan edges, and set the march that goes on from the time `continued_from`, its panels up to `cut_at` being
         those of `march`; from there to `continued_from`, in a slip, no contact is born."""
         contacts, start = self.contacts, self.loaded.start
-        life, travel = contacts.life, continued_from - self.loaded.end
+        life, travel = contacts.life, continued_from - self.loaded.move_begins_at
         # no finer than the rounding of positions, to which survivals fall within a resolution length
         rounding = np.spacing(continued_from + self._ahead) / life.resolution_length
         tolerance = max(contacts.of_panels, rounding)

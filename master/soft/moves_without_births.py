@@ -49,8 +49,10 @@ class MoveWithoutBirths(Move):
         """Pass a travel on which the load cannot come back to that of the slip: F rises at most with the stiffness of
         the contacts that hold, of which ever fewer do. Its panel holds that bound; False where the travel is short."""
         march, contacts = self._march, self.contacts
-        begin = max(march.solved.end, self.loaded.end)
-        missing = self._end_load - self._force - contacts.spring * (begin - self.loaded.end)
+        begin = max(march.solved.end, self.loaded.move_begins_at)
+        missing = (
+            self._end_load - self._force - contacts.spring * (begin - self.loaded.move_begins_at)
+        )
         stiffness = self._holding * contacts.largest_stiffness
         travel = PASSED * missing / (stiffness + contacts.spring)
         travel = min(travel, float(march.edges[-1]) - begin)
@@ -77,7 +79,7 @@ class MoveWithoutBirths(Move):
         if self._pass_without_balance():
             return True
         march, life, tolerance = self._march, self.contacts.life, self._march.tolerance
-        begin = max(march.solved.end, self.loaded.end)
+        begin = max(march.solved.end, self.loaded.move_begins_at)
         later = march.edges[march.edges > begin + STILL * life.resolution_length]
         if not later.size:
             return False
@@ -113,11 +115,13 @@ class MoveWithoutBirths(Move):
         if self.holds_none(y):
             return 0.0
         return float(
-            self._march.enter_and_sum_at(np.full((1, TARGETS.size), self.loaded.end + y))[0, 0, 0]
+            self._march.enter_and_sum_at(
+                np.full((1, TARGETS.size), self.loaded.move_begins_at + y)
+            )[0, 0, 0]
         )
 
     def after_slip(self, y: float, error: float) -> LoadingHistory:
         """The history when the slip ends after the travel y, and broken contacts re-form; the error is that after."""
         history = self.stopped(y, error)
-        kinks = (*self.loaded.kinks, Kink(history.end, 1.0))
-        return replace(history, cut=self.loaded.end, kinks=kinks)
+        kinks = (*self.loaded.kinks, Kink(history.move_begins_at, 1.0))
+        return replace(history, cut_at=self.loaded.move_begins_at, kinks=kinks)

@@ -100,7 +100,7 @@ class Following(Body):
         # F' may jump where panels meet: places just inside both are compared
         fractions = np.clip(np.linspace(0.0, 1.0, POINTS), JUST_INSIDE, 1.0)
         widths = np.minimum(curve.width[panels], FURTHEST * self.unit)
-        places = curve.begin[panels, None] + widths[:, None] * fractions
+        places = curve.from_travel[panels, None] + widths[:, None] * fractions
         slow = slow_motion(curve, places.ravel(), rate, self.mass, self.damping)
         # where F' jumps, so does the speed: the slider rings
         jumps = np.abs(np.diff(slow.speed, prepend=slow.speed[0])).reshape(places.shape)
@@ -148,7 +148,7 @@ class Following(Body):
     def _taken(self, y: float, rate: float) -> tuple[float, float]:
         """Energy that damping and contacts take on the way to the travel y."""
         curve, low, high = self.move.curve, min(self.y, y), max(self.y, y)
-        edges = curve.begin[(curve.begin > low) & (curve.begin < high)]
+        edges = curve.from_travel[(curve.from_travel > low) & (curve.from_travel < high)]
         ends = np.concatenate([[low], edges, [high]])
         nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
         half = 0.5 * np.diff(ends)[:, None]
@@ -164,7 +164,7 @@ class Following(Body):
         curve, k, limit = self.move.curve, self.spring, self._speed
         low = max(min(self.y, stop) - BEHIND * self.unit, 0.0)
         first = float(curve.travel_at(np.array([self._pull(self.t)]), low, stop)[0])
-        edges = curve.begin[(curve.begin > first) & (curve.begin < stop)]
+        edges = curve.from_travel[(curve.from_travel > first) & (curve.from_travel < stop)]
         ends = np.concatenate([[first], edges, [stop]])
         cells = ends[:-1, None] + np.diff(ends)[:, None] * np.linspace(0.0, 1.0, WATCHED)
         places = np.unique(cells.ravel())

@@ -91,7 +91,7 @@ class Reaction(Move):
         n_solved = len(self._panels)
         powers = curve.series[n_solved:] @ POWERS
         for begin, width, row in zip(
-            curve.begin[n_solved:], curve.width[n_solved:], powers, strict=True
+            curve.from_travel[n_solved:], curve.width[n_solved:], powers, strict=True
         ):
             self._begins.append(float(begin))
             self._panels.append(Panel(float(begin), float(width), tuple(row.tolist())))
@@ -99,20 +99,20 @@ class Reaction(Move):
     def _with_steady_end(self, curve: LoadCurve) -> LoadCurve:
         """The curve, with one endless panel of the last force behind, where breaks have been steady for a life."""
         memory = LIFE * self.contacts.life.largest_stretch
-        if curve.end < memory or (curve.drops > curve.end - memory).any():
+        if curve.to_travel < memory or (curve.drops > curve.to_travel - memory).any():
             return curve
-        first = int(np.searchsorted(curve.begin, curve.end - memory, "right")) - 1
+        first = int(np.searchsorted(curve.from_travel, curve.to_travel - memory, "right")) - 1
         rates = self._rates(self._first + max(first, 0))
         force = curve.series[max(first, 0) :]
         change = np.abs(force[:, 1:]).sum(axis=1).max() + np.ptp(force[:, 0])
         if change > self._alike or np.ptp(rates) > self._alike / self.contacts.unit * rates.mean():
             return curve
-        self.steady_from = curve.end
+        self.steady_from = curve.to_travel
         series = np.zeros((1, curve.series.shape[1]))
         series[0, 0] = curve.series[-1, 0]
         return replace(
             curve,
-            begin=np.append(curve.begin, curve.end),
+            from_travel=np.append(curve.from_travel, curve.to_travel),
             width=np.append(curve.width, ENDLESS * self.contacts.unit),
             series=np.concatenate([curve.series, series]),
             error=np.append(curve.error, curve.error[-1] + change),
@@ -130,11 +130,11 @@ class Reaction(Move):
 
     def panel_at(self, y: float, last: float = np.inf) -> Panel:
         """The panel on which y lies, an edge on the one that it ends; none that begins at `last` or later."""
-        rounding = ROUNDING * (self.loaded.end + y)
-        while y > self.curve.end + rounding:
+        rounding = ROUNDING * (self.loaded.move_begins_at + y)
+        while y > self.curve.to_travel + rounding:
             # step by step, to see where breaks have become steady
             beyond = AND_FURTHER * self.contacts.life.resolution_length
-            self._extend(min(y, FURTHER * self.curve.end + beyond))
+            self._extend(min(y, FURTHER * self.curve.to_travel + beyond))
         at = bisect_left(self._begins, min(y, last)) - 1
         return self._panels[max(at, 0)]
 
@@ -162,20 +162,22 @@ class Reaction(Move):
                             else float(brentq(off, low, high, rtol=OF_ELASTIC_END))
                         )
                     low = high
-            y = self.curve.end
+            y = self.curve.to_travel
             self.panel_at(y + self.contacts.life.resolution_length)
 
     def breaks(self, y: float) -> float:
         """Breaks per contact since the move's beginning."""
         steady = min(y, self.steady_from)
         self.panel_at(steady)
-        march, at = self._march, self.loaded.end + steady
+        march, at = self._march, self.loaded.move_begins_at + steady
         begins = march.solved.begin[self._first :]
         index = self._first + max(int(np.searchsorted(begins, at)) - 1, 0)
         fraction = np.clip((at - march.solved.begin[index]) / march.solved.width[index], 0.0, 1.0)
         done = float(march.solved.breaks[self._first : index, -1].sum())
         done += float(polynomials.values(np.array([fraction]))[0] @ march.solved.breaks[index])
-        done += sum(one.weight for one in march.lumps[1:] if self.loaded.end < one.birth < at)
+        done += sum(
+            one.weight for one in march.lumps[1:] if self.loaded.move_begins_at < one.birth < at
+        )
         if y > steady:
             done += (y - steady) * float(self._rates(march.solved.count - 1).mean())
         return done
@@ -194,7 +196,9 @@ class Reaction(Move):
         births = replace(self._march.births, life=_StoredLife(self._march.life), until=np.inf)
         march = self._march.cut(self._march.solved.end, births)
         march.present = Present(births)
-        at = np.maximum(self.loaded.end + y, self.loaded.end + BEGUN * self.contacts.unit)
+        at = np.maximum(
+            self.loaded.move_begins_at + y, self.loaded.move_begins_at + BEGUN * self.contacts.unit
+        )
         different, back = np.unique(at, return_inverse=True)
         return np.asarray(march.enter_and_sum_at(different[:, None])[1, :, 0][back])
 
