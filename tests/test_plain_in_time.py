@@ -924,6 +924,22 @@ def test_breaks_that_are_lost_name_themselves(monkeypatch: pytest.MonkeyPatch) -
     assert not found.success and "number is not conserved: after t = " in found.message
 
 
+@pytest.mark.parametrize("name", ["holding", "force"])
+def test_a_step_that_is_not_what_its_trial_told_names_itself(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """A trial tells a millionth too much: of the number that holds, or of the force, by which the step is chosen."""
+    true = ContactsInSteps.trial
+
+    def wrong(self: ContactsInSteps, *step: Any, **how: Any) -> Any:
+        told = true(self, *step, **how)
+        return told._replace(**{name: getattr(told, name) + 1e-6})
+
+    monkeypatch.setattr(ContactsInSteps, "trial", wrong)
+    found = master.solve(CASES["delay"], [1.0], 1e-3, velocity=VELOCITY, spring=SPRING)
+    assert not found.success and "a step is not what its trial told: after t = " in found.message
+
+
 def test_a_slip_that_leaves_no_contact_keeps_all_out_for_their_delay() -> None:
     """While the drive goes on by less than the delay those alone hold that were out as the slip began."""
     contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(0.3))

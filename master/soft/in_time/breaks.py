@@ -44,9 +44,9 @@ class BreaksInSteps:
     pending : times at which the rate of births will change abruptly, and the fraction that is born at once there: above
         0 where breaks jumped a delay before, 0 where their rate did
 
-    _to_repeat, _repeated : jumps, in order, that births are still to repeat, and the last one that they have repeated.
-        Between two of them births are those of the breaks between both. Which these are is told by the jumps, as times
-        do not tell it to their last digit: a delay may be as short as that.
+    _to_repeat, _repeated : jumps, in order, that births are still to repeat; and the last one that they have repeated,
+        None before. Between two of them births are those of the breaks between both. Which these are is told by the
+        jumps, as times do not tell it to their last digit: a delay may be as short as that.
     """
 
     def __init__(self, delay: float, now: float) -> None:
@@ -54,7 +54,8 @@ class BreaksInSteps:
         # ends of steps with the breaks up to there, in sections along which breaks are smooth
         self._sections = [[StepEnd(now, 0.0, 0.0)]]
         self.pending: dict[float, float] = {}
-        self._to_repeat, self._repeated = list[Jump](), Jump(-1, -np.inf, -np.inf)
+        self._to_repeat = list[Jump]()
+        self._repeated: Jump | None = None
 
     @property
     def total(self) -> float:
@@ -72,24 +73,45 @@ class BreaksInSteps:
         section.append(StepEnd(now, breaks, sizes_so_far))
 
     def births_up_to(self, *, begin: float, end: float) -> BirthsUpTo:
-        """Births up to the end of a step from `begin`, the end of the last step, to `end`, times on the path. Their
-        names are asked for, as no type tells them apart. They may be less than those told so far, where the last step
-        was longer than the delay and led to a slip: it took the rate of breaks as constant, and that rises. While
-        contacts hold no birth is taken back."""
+        """Births up to the end of a step from `begin`, the end of the last step, to `end`: J(end) = B(end - delay).
+        Both are times on the path, whose names are asked for, as no type tells them apart.
+
+        An example: the delay is 0.25, and breaks jump at t = 1 from 0.3 to 0.5, in a slip. So births jump at t = 1.25,
+        when `take_due` is called. Steps may end beside it by rounding, here 1e-9:
+
+            end                           end - delay  broken_at  births
+            1.05                          0.8          0.8        those of breaks up to t = 0.8, before the slip
+            1.25 + 1e-9, not taken yet    1 + 1e-9     1          0.3, those of all breaks before the slip
+            1.25 - 1e-9, taken            1 - 1e-9     1          0.5, those of the breaks in the slip, too
+            1.5                           1.25         1.25       those of breaks up to t = 1.25, behind the slip
+
+        They may be less than those told so far, where the last step was longer than the delay and led to a slip: it
+        took the rate of breaks as constant, and that rises. While contacts hold no birth is taken back.
+        """
         if not self.delay:
             return BirthsUpTo(1.0, 0.0)
-        last, coming = self._repeated, self._to_repeat[:1]
-        broken_at = min([max(end - self.delay, last.at), *(jump.at for jump in coming)])
-        if broken_at <= self._counted_since and last.section < 0:
-            return BirthsUpTo(0.0, 0.0)
+        broken_at = self._broken_at(end)
+        if broken_at <= self._counted_since and self._repeated is None:
+            return BirthsUpTo(0.0, 0.0)  # none has broken a delay before
         if broken_at > begin:
             # within this step, on which B goes straight from `total`, that at its begin, to that at its end, which is
             # not known yet: B(broken_at) = (1 - fraction) total + fraction B(end)
             fraction = (broken_at - begin) / (end - begin)
             return BirthsUpTo(fraction, (1.0 - fraction) * self.total)
-        later = self._sections[last.section + 1 :]
-        section = next(section for section in later if section[-1].time >= broken_at)
-        return BirthsUpTo(0.0, _breaks_at(section, broken_at))
+        return BirthsUpTo(0.0, _breaks_at(self._section_of(broken_at), broken_at))
+
+    def _broken_at(self, end: float) -> float:
+        """When those broke that are born last up to the time `end`: one delay before. Rounding puts that across no
+        jump: it is not before a jump that births have repeated, nor after one that they are still to repeat."""
+        earliest = self._repeated.at if self._repeated else -np.inf
+        latest = self._to_repeat[0].at if self._to_repeat else np.inf
+        return min(max(end - self.delay, earliest), latest)
+
+    def _section_of(self, broken_at: float) -> list[StepEnd]:
+        """The section of breaks at this time; of two that meet there the later one, if births have repeated the jump
+        between them, else the earlier one."""
+        first = self._repeated.section + 1 if self._repeated else 0
+        return next(section for section in self._sections[first:] if section[-1].time >= broken_at)
 
     def begin_section(self) -> None:
         """The rate of breaks, or their sum, may jump at this instant: no polynomial leads across. Called by
@@ -118,7 +140,12 @@ class BreaksInSteps:
         self.pending[due_at] = self.pending.get(due_at, 0.0) + after - before
 
     def take_due(self, now: float) -> float:
-        """The fraction that is born at once now, which is pending no longer."""
+        """The fraction that is born at once now, which is pending no longer.
+
+        A section ends at each pending time, so that `now` is the earliest of them, to the last digit: what is due now
+        has `due_at <= now`, and nothing is overdue. Several jumps may be due together, of slips at one time. From here
+        on births are those of the breaks behind these jumps.
+        """
         while self._to_repeat and self._to_repeat[0].due_at <= now:
             self._repeated = self._to_repeat.pop(0)
         return sum(self.pending.pop(at) for at in list(self.pending) if at <= now)

@@ -19,7 +19,7 @@ from master.numerics.averages import StretchNodes, stretch_nodes
 from master.outcome import FaultError, StoppedError, stop_after
 from master.renewal.births import reforming_law
 from master.soft.in_time.breaks import BirthsUpTo, BreaksInSteps
-from master.soft.in_time.groups import Groups
+from master.soft.in_time.groups import Groups, divided_by_survival, survivals_at_birth
 from master.soft.in_time.memory import Memory
 from master.soft.in_time.unresolved import (
     OF_BIRTHS,
@@ -44,8 +44,6 @@ COMPARED = 3
 # Rounding of the number of contacts, for each that formed: far above that of sums of thousands of steps, far below
 # what a contact lost or counted twice in one of them changes.
 UNACCOUNTED = 1e-9
-# Share of the contacts born in a cohort below which it does not matter in which step they are born: far below errors.
-NEGLIGIBLE = 1e-11
 
 
 class Trial(NamedTuple):
@@ -104,8 +102,8 @@ class ContactsInSteps:
         most = FORMED_NODES + MORE_FORMED_NODES * halvings
         reformed = stretch_nodes(reforming_law(contacts), memory.largest_stretch, most)
         # the groups of a cohort, by the stretches at its birth
-        self._at_birth = _divided_by_survival(memory, reformed)
-        self._survival_at_birth = _survivals_at_birth(memory, reformed.stretch)
+        self._at_birth = divided_by_survival(memory, reformed)
+        self._survival_at_birth = survivals_at_birth(memory, reformed.stretch)
         # part of all births that is in cohorts: at stretches that no contact bears contacts break as they form
         self._part_in_cohorts = float(reformed.weight[self._survival_at_birth > 0.0].sum())
         count = reformed.stretch.size
@@ -113,7 +111,7 @@ class ContactsInSteps:
         # weights in the last two cohorts per contact born in a step: half of its births belong to the cohort at its
         # begin, half to that at its end
         self._per_birth = 0.5 * np.tile(self._at_birth.weight, 2)
-        at_start, at_birth = _divided_by_survival(memory, start), self._at_birth
+        at_start, at_birth = divided_by_survival(memory, start), self._at_birth
         record, fresh = memory.start(start.stretch), memory.fresh(at_birth.stretch, 0.0)
         self._replace_all(at_start, record)
         pairs = zip((*at_start, record), (*at_birth, fresh), strict=True)
@@ -129,7 +127,7 @@ class ContactsInSteps:
         thresholds of fresh ones that bear them."""
         stretches = along._replace(stretch=sign * along.stretch)
         record = self.memory.start(stretches.stretch)
-        self._replace_all(_divided_by_survival(self.memory, stretches), record)
+        self._replace_all(divided_by_survival(self.memory, stretches), record)
 
     def _replace_all(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
@@ -192,16 +190,19 @@ class ContactsInSteps:
         weight[self._last_two] += new
         self._births_in_cohorts += float(new @ np.tile(self._survival_at_birth, 2))
         self.past_breaks.add(trial.end, trial.breaks, size)
-        self._check_number(trial.births, float(sums[0] @ weight))
         self.position, self.now = self.position + trial.travel, trial.end
         self.force, self.holding = trial.force, trial.holding
+        holding, force = (sums @ weight).tolist()
+        self._check_number(trial.births, holding)
+        self._check_trial(trial, holding, force)
         of_cohorts = slice(self._of_start, None)
         unknown = unknown_force_of_births(
             weight[of_cohorts], sums[:, of_cohorts], self._at_birth.stretch.size
         )
         self.unresolved.note(OF_BIRTHS, unknown, self.now)
-        groups = trial.groups._replace(weight=weight)
-        self.groups = self._without_negligible(self._without_dead(groups, sums[0]))
+        groups = self._without_dead(trial.groups._replace(weight=weight), sums[0])
+        count = self._at_birth.stretch.size
+        self.groups = groups.without_negligible_cohorts(self._of_start, count)
         self._births = trial.births
 
     def _check_number(self, births: float, holding: float) -> None:
@@ -215,6 +216,20 @@ class ContactsInSteps:
                 f"number is not conserved: after t = {self.now:.6g}, X = {self.position:.6g} a share {holding:.6g} of "
                 f"the contacts holds, {expected:.6g} have formed and not broken, and of {formed:.6g} births "
                 f"{self._births_in_cohorts:.6g} are in cohorts, a fault of the program"
+            )
+
+    def _check_trial(self, trial: Trial, holding: float, force: float) -> None:
+        """FaultError unless the step has led to what its trial told, by which it was chosen: to the number that holds
+        and the force of all groups with the weights that they have now."""
+        most = UNACCOUNTED * (1.0 + trial.births)
+        if (
+            abs(holding - trial.holding) > most
+            or abs(force - trial.force) > most * self.memory.largest_stretch
+        ):
+            raise FaultError(
+                f"a step is not what its trial told: after t = {self.now:.6g}, X = {self.position:.6g} a share "
+                f"{holding:.6g} of the contacts holds and F = {force:.6g}, in place of {trial.holding:.6g} and "
+                f"{trial.force:.6g}, a fault of the program"
             )
 
     def _without_dead(self, groups: Groups, survival: Array) -> Groups:
@@ -234,21 +249,6 @@ class ContactsInSteps:
             )
         self._of_start = int(np.count_nonzero(alive[: self._of_start]))
         return groups.pick(alive)
-
-    def _without_negligible(self, groups: Groups) -> Groups:
-        """The groups with cohorts of next to no births added to the next younger ones, where these have next to none,
-        too: one stays between cohorts of many births, as unknown_force_of_births compares neighbours. While a slider
-        sticks, each step makes one. The last two are left: births of the next step come to the last one."""
-        start, count = self._of_start, self._at_birth.stretch.size
-        cohorts = groups.weight[start:].reshape(-1, count).copy()
-        tiny = np.abs(cohorts[:-1]).sum(axis=1) < NEGLIGIBLE
-        negligible = np.flatnonzero(tiny[:-1] & tiny[1:])
-        for cohort in negligible:
-            cohorts[cohort + 1] += cohorts[cohort]
-        stays = np.ones(len(cohorts), dtype=bool)
-        stays[negligible] = False
-        added = groups._replace(weight=np.append(groups.weight[:start], cohorts))
-        return added.pick(np.append(np.ones(start, dtype=bool), np.repeat(stays, count)))
 
     def slide_steadily(self, travel: float, error: float) -> None:
         """Slide on at this instant while each break is followed by a birth and stretches stay distributed as they are;
@@ -286,15 +286,3 @@ class ContactsInSteps:
             self._births += fraction
             self._births_in_cohorts += float(new.weight @ self._survival_at_birth)
             self._check_number(self._births, self.holding)
-
-
-def _divided_by_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:
-    """The nodes with weights divided by the survival at birth, 0 where none hold: what Groups take as weights."""
-    stretch, survival = nodes.stretch, _survivals_at_birth(memory, nodes.stretch)
-    weight = np.divide(nodes.weight, survival, out=np.zeros(survival.size), where=survival > 0.0)
-    return StretchNodes(stretch, weight)
-
-
-def _survivals_at_birth(memory: Memory, stretch: Array) -> Array:
-    """The share of contacts that hold of those that form at these stretches (n,): whose thresholds are above."""
-    return memory.survival_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]

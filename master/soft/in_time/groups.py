@@ -10,6 +10,9 @@ from master.soft.in_time.memory import Memory
 from master.soft.in_time.threshold_cells import Leg
 from origins.thresholds.law import Array
 
+# Share of the contacts born in a cohort below which it does not matter in which step they are born: far below errors.
+NEGLIGIBLE = 1e-11
+
 
 class Groups(NamedTuple):
     """Contacts that began or were born together at one stretch; arrays of shape (n,), (n, width).
@@ -46,3 +49,32 @@ class Groups(NamedTuple):
     def pick(self, which: slice | npt.NDArray[np.bool_]) -> "Groups":
         """Some of them."""
         return Groups(*(part[which] for part in self))
+
+    def without_negligible_cohorts(self, first: int, count: int) -> "Groups":
+        """These, with cohorts of next to no births added to the next younger ones, where these have next to none, too:
+        one stays between cohorts of many births, as `unknown_force_of_births` compares neighbours. While a slider
+        sticks, each step makes one. The last two are left: births of the next step come to the last one.
+
+        first, count : index of the first group that is of a cohort, and the number of groups of each
+        """
+        cohorts = self.weight[first:].reshape(-1, count).copy()
+        tiny = np.abs(cohorts[:-1]).sum(axis=1) < NEGLIGIBLE
+        negligible = np.flatnonzero(tiny[:-1] & tiny[1:])
+        for cohort in negligible:
+            cohorts[cohort + 1] += cohorts[cohort]
+        stays = np.ones(len(cohorts), dtype=bool)
+        stays[negligible] = False
+        added = self._replace(weight=np.append(self.weight[:first], cohorts))
+        return added.pick(np.append(np.ones(first, dtype=bool), np.repeat(stays, count)))
+
+
+def divided_by_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:
+    """The nodes with weights divided by the survival at birth, 0 where none hold: what Groups take as weights."""
+    stretch, survival = nodes.stretch, survivals_at_birth(memory, nodes.stretch)
+    weight = np.divide(nodes.weight, survival, out=np.zeros(survival.size), where=survival > 0.0)
+    return StretchNodes(stretch, weight)
+
+
+def survivals_at_birth(memory: Memory, stretch: Array) -> Array:
+    """The share of contacts that hold of those that form at these stretches (n,): whose thresholds are above."""
+    return memory.survival_and_force(memory.start(stretch), stretch, np.abs(stretch))[0]
