@@ -17,6 +17,7 @@ import toolkit
 from origins.errors import InputError
 from toolkit.judge.describe import Description, describe, onset_in_words, table_of
 from toolkit.results.numbers import in_words, numbers_of
+from toolkit.results.report import report
 from toolkit.scene.interfaces import Number, remarks
 from toolkit.scene.scale import (
     of_machine,
@@ -62,6 +63,9 @@ def test_newtons_and_pascals_of_a_result_and_of_its_interface() -> None:
         "unit": "N",
     }
     assert numbers["last_force_over_load"].value == pytest.approx(mu, rel=1e-6)
+    (line,) = [line for line in report(found) if line.startswith("master")]
+    shared = f"({found.master.force_error:.1e} of <x_s>)"
+    assert f"error {written(kept['last_force']['error'], 'N', digits=2)} {shared}" in line
     # a spring of as many N/m as the scale says is one of N_c<k>
     assert found.newtons(1.0) == pytest.approx(found.scale.spring, rel=1e-15)
 

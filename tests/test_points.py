@@ -61,6 +61,10 @@ def test_a_point_is_the_scene_with_its_values(capsys: Any) -> None:
         "last_force"
     ].tolist()
     assert head[-1] == "message" and {row[-1] for row in rows} == {"as asked"}
+    regimes = found["regime"].tolist()
+    (line,) = [line for line in out if line.startswith("regime")]
+    assert all(f"{one} at {regimes.count(one)}" in line for one in regimes)
+    assert any('drive.slip = "reset", and other rules may have others' in line for line in out)
     told = json.loads(Path("mine-output/summary.json").read_text())["sweep"]
     assert told["points"] == 6 and told["along"] == list(OVER)
 
@@ -92,6 +96,7 @@ def test_si_units_of_a_surface_and_the_ensemble() -> None:
     ):
         assert [float(row[head]) for row in rows] == pytest.approx(list(own[name]), rel=1e-14)
         assert not any(name in head for head in rows[0])
+        assert [row["drive.spring [N/m]"] for row in rows] == ["100000.0", "1000000.0"] * 2
         html = result._repr_html_()
         assert f"<th>{head}</th>" in html and f"<td>{own[name][-1]:.4g}</td>" in html
     assert found.units["kinetic_force_newtons"] == "N" and (found["eq_last_force"] > 0.0).all()
@@ -123,7 +128,7 @@ def test_finished_points_survive_an_interrupt(monkeypatch: Any, capsys: Any) -> 
     file = write(**{"thresholds": WIDE, **swept()})
     status, _, err = said(capsys, "run", file)
     assert status == 130 and err[-1].endswith(
-        "its finished points are kept in mine-output/checkpoint"
+        "its finished points are kept in mine-output/checkpoint, from which the same command goes on"
     )
     (kept,) = Path("mine-output/checkpoint").glob("*")
     kept.write_text(kept.read_text() + '["cut sho')

@@ -1,6 +1,5 @@
 """The picture of a sweep: F_k, K* where it was asked for, and the swings of a spring's force."""
 
-import re
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from toolkit.pictures.axes import (
     spring_name,
     style_of,
 )
-from toolkit.results.points import SweepRecord, force_factors, key_units
+from toolkit.results.points import SweepRecord, force_factors, key_units, without_unit
 from toolkit.results.records import Result
 from toolkit.scene.scale import PREFIXED, SHARED, written
 
@@ -63,6 +62,8 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
             style |= dict.fromkeys(("markevery", "errorevery"), max(rows.size // _MARKED, 1))
             axes.errorbar(x[rows], value[rows], error[rows], **style)
             number += 1
+    # points without a value, as those without slips, are on the axis, too
+    axes.update_datalim(np.column_stack([x, x]), updatey=False)
     if x.min() > 0.0 and x.max() > _LOG_FROM * x.min():
         axes.set_xscale("log")
     name_axis(axes.xaxis, _SYMBOLS.get(first, first), unit or units.get(first, ""))
@@ -122,8 +123,12 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
         "force_after_slip": "after it",
         "eq_force_before_slip": "before a slip, ensemble",
     }
-    there = {name: said for name, said in named.items() if name in sweep.columns}
-    return {name: said for name, said in there.items() if np.isfinite(sweep[name]).any()}
+    found = {name: np.isfinite(sweep[name]) for name in named if name in sweep.columns}
+    return {
+        name: named[name] + ("" if known.all() else " (no mark: no slip)")
+        for name, known in found.items()
+        if known.any()
+    }
 
 
 def _with_error(result: Result, name: str) -> tuple[Array, Array]:
@@ -195,10 +200,8 @@ def with_spring(sweep: object) -> bool:
 
 def _numbers(values: Any) -> tuple[Any, str]:
     """The numbers of a swept key and the unit of texts such as "50 N/m"; texts that are none count from 1."""
-    if values.dtype.kind != "U":
-        return values.astype(float), ""
-    read = [re.fullmatch(r"\s*([-+\d.eE]+) (.+)", one) for one in values]
-    if all(read) and len({one[2] for one in read if one}) == 1:
-        return np.array([float(one[1]) for one in read if one]), str(read[0][2] if read[0] else "")
+    numbers, unit = without_unit(values)
+    if numbers.dtype.kind != "U":
+        return numbers.astype(float), unit
     order = list(dict.fromkeys(values.tolist()))
     return np.array([order.index(one) + 1.0 for one in values.tolist()]), " / ".join(order)

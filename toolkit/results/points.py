@@ -1,6 +1,7 @@
 """The record of a sweep: a table with a row for each point, and its files."""
 
 import csv
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -82,6 +83,22 @@ def key_units(along: Iterable[str], scale: Scale) -> dict[str, str]:
     return {key: units.get(key.rpartition(".")[2], "") for key in along}
 
 
+def without_unit(values: Array) -> tuple[Array, str]:
+    """The numbers of texts such as "50 N/m" and their unit; the values themselves and "" where they are no such texts,
+    or have several units."""
+    if values.dtype.kind != "U":
+        return values, ""
+    read = [
+        re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?) (.+)", one)
+        for one in map(str, values.ravel())
+    ]
+    units = {one[2] for one in read if one}
+    if not all(read) or len(units) != 1:
+        return values, ""
+    numbers = [float(one[1]) for one in read if one]
+    return np.array(numbers).reshape(values.shape), units.pop()
+
+
 def force_factors(record: SweepRecord, scale: Scale) -> Array:
     """What forces and springs over N_c<k> are in the unit of the scale at each point, whose surface or area may be its
     own."""
@@ -103,6 +120,9 @@ def by_head(result: Any) -> dict[str, Array]:
     keys = [key for key in record.along if record[key].dtype.kind != "U"]
     units = key_units(keys, scale) | {name: unit for name, unit in units.items() if unit}
     columns = {name: own.ravel() for name, own in record.columns.items()}
+    for key in record.along:
+        columns[key], its_own = without_unit(columns[key])
+        units |= {key: its_own} if its_own else {}
     if scale.force_unit in ("N", "Pa"):
         factors = force_factors(record, scale)
         # of smooth sliding errors are in <x_s>

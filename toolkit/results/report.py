@@ -1,5 +1,6 @@
 """What a run prints of its result: a line for each solver with its error and its run time."""
 
+from collections import Counter
 from typing import Any
 
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
@@ -19,11 +20,15 @@ def report(result: Any) -> list[str]:
     if apart := contradiction(result):
         lines.append(f"verdict {apart}")
     if result.interface is not None:
-        lines.append(f"surface {in_a_line(result.interface)}")
+        along = () if sweep is None else sweep.along
+        swept = any(key.startswith("contacts.thresholds") for key in along)
+        without = "without the sweep: " if swept else ""
+        lines.append(f"surface {without}{in_a_line(result.interface)}")
         lines += in_words(result)
     if solved is not None:
-        error, took = f"error {solved.force_error:.1e} of <x_s>", f"{solved.run_time:.4f} s"
-        lines.append(f"master  {error}  run time {took}  {solved.path.size} points")
+        error = result.scale.error(solved.force_error, result.mean_threshold)
+        took = f"{solved.run_time:.4f} s"
+        lines.append(f"master  error {error}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None:
         period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
         periodic = is_precise(solved) and solved.slips.period is not None
@@ -42,18 +47,25 @@ def report(result: Any) -> list[str]:
     if sweep is not None and not sweep.smooth:
         at = f"{sweep.size} points along {' and '.join(sweep.along)}"
         lines.append(f"sweep   {at}, {sweep.run_time:.4g} s of work; their table is sweep.csv")
+        if "regime" in sweep.columns:
+            known = Counter(sweep["regime"].tolist())
+            each = [f"{verdict or 'not known'} at {n}" for verdict, n in known.most_common()]
+            lines.append(f"regime  {', '.join(each)} of the points")
     elif sweep is not None:
-        error = f"error {sweep.force_error.max():.1e} of <x_s>"
+        error = f"error {result.scale.error(sweep.force_error.max(), result.mean_threshold)}"
         if sweep.critical_spring_error is not None:
             error += f", K* error {sweep.critical_spring_error.max():.1e}"
         points = f"{sweep.force.size} points along {' and '.join(sweep.along)}"
         lines.append(f"sweep   {error}  run time {sweep.run_time:.4f} s  {points}")
     if eq is not None:
-        error = eq.force_standard_error.max() / result.mean_threshold
-        steps = eq.step_error.max() / result.mean_threshold
-        besides = f"; of the time steps of ageing {steps:.1e}" if steps else ""
+        errors = eq.force_standard_error.max(), eq.step_error.max()
+        error, steps = (
+            result.scale.error(each / result.mean_threshold, result.mean_threshold)
+            for each in errors
+        )
+        besides = f"; of the time steps of ageing {steps}" if errors[1] else ""
         lines.append(
-            f"eq      error {error:.1e} of <x_s> (largest standard error{besides})  run time {eq.run_time:.4f} s, "
+            f"eq      error {error} (largest standard error{besides})  run time {eq.run_time:.4f} s, "
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
     if is_coupled(eq):

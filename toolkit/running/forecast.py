@@ -55,8 +55,8 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
         try:
             with no_longer_than(1.0):
                 solved = solve_master(scene, scene.master.tolerance)
-            error, took = f"{solved.force_error:.1e} of <x_s>", f"{solved.run_time:.2g} s"
-            out.append(f"master  error {error} in {took}")
+            error = scene.scale.error(solved.force_error, scene.contacts.mean_threshold)
+            out.append(f"master  error {error} in {solved.run_time:.2g} s")
         except TimeIsUp:
             out.append(f"master  {scene.master.tolerance:.0e} takes longer than a second")
     if scene.sweep is not None:
@@ -74,7 +74,8 @@ def forecast_lines(scene: Scene, folder: str, comm: Any = None) -> list[str]:
     out += [f"contacts        {found.contacts:,}{so_far}", f"breaks          {found.breaks:.2g}"]
     out.append(f"run time        {took}")
     if not math.isnan(found.error):
-        out.append(f"standard error  {found.error:.2g} of <x_s>, the largest over the path")
+        error = scene.scale.error(found.error, scene.contacts.mean_threshold)
+        out.append(f"standard error  {error}, the largest over the path")
     if found.run_time > (scene.eq.wall_time or math.inf):
         out.append(f"wall time       {scene.eq.wall_time:g} s stops it before")
     return [*out, f"good to a factor of two, as {found.pilot:,} contacts tell; nothing was written"]

@@ -134,7 +134,9 @@ def _keeping(home: Path | None, rank: int) -> Iterator[Callable[[str, Answer, fl
 
             yield keep
     except BaseException as stop:
-        stop.add_note(f"its finished points are kept in {home}")
+        stop.add_note(
+            f"its finished points are kept in {home}, from which the same command goes on"
+        )
         raise
 
 

@@ -156,7 +156,14 @@ def _solve_points(
     shown: Any = closing(Progress("sweep", "points")) if show_progress else nullcontext()
     with shown as bar, within(scene.deadline(), scene, "[sweep]"):
         record = solve_points(scene, comm, home, bar.count if bar else progress)
-    return _result(scene, remarks(scene.contacts.thresholds), sweep=record)
+    notes, table = remarks(scene.contacts.thresholds), scene.drive_table
+    by_rule = "regime" in record.columns and not {"drive.slip", "drive.mass"} & {*record.along}
+    if by_rule and table is not None and table.mass is None:
+        notes.append(
+            f'the regimes are those of drive.slip = "{table.slip or "reset"}", and other rules may have others: sweep '
+            'over "drive.slip" = ["reset", "reform-after", "instant"], too'
+        )
+    return _result(scene, notes, sweep=record)
 
 
 def _result(scene: Scene, notes: Iterable[str], **answers: Any) -> Result:

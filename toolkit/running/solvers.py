@@ -95,6 +95,7 @@ def within(
             said = f"the command's own limit of time is over before {what} is solved; {hint}"
             raise InputError(said) from over
         hint = f"is over before {what} is solved; give more, or ask for less"
+        hint = "; ".join([hint, *getattr(over, "__notes__", [])])
         refuse("wall_time", scene.wall_time, hint)
 
 

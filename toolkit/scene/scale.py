@@ -49,6 +49,21 @@ class Scale:
         """Of velocities: "m/s" for a surface."""
         return f"{self.length_unit}/{self.time_unit}"
 
+    @property
+    def in_si(self) -> bool:
+        """Whether forces are in newtons or pascals."""
+        return self.force_unit in ("N", "Pa")
+
+    def error(self, error: float, mean_threshold: float) -> str:
+        """An error of a force, given in mean thresholds as tolerances are, in words: in newtons or pascals first where
+        they are known."""
+        shared = f"{error:.1e} of <x_s>"
+        if not (self.in_si and np.isfinite(error)):
+            return shared
+        return (
+            f"{written(error * mean_threshold * self.force, self.force_unit, digits=2)} ({shared})"
+        )
+
 
 def scale_of(contacts: Contacts, area: float | None, units: str = SI) -> Scale:
     """The units of these contacts on a nominal `area` in m² (None: not known); `units` as a scene has it."""
