@@ -21,7 +21,9 @@ from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, stre
 from tests.scenes import ROUGH, refused, said, write
 from toolkit.processes.signals import Terminated, TimeIsUp
 from toolkit.rate_state.judge import Judged
+from toolkit.rate_state.report import WORK
 from toolkit.rate_state.words import page
+from toolkit.running import solvers
 from toolkit.running.progress import Progress
 from toolkit.scene.scale import Scale
 from toolkit.scene.scene import load_scene
@@ -580,6 +582,36 @@ def test_the_end_of_the_time_is_told_by_the_runs_own_parts(
     assert status == 2 and told in err[0]
     found = json.loads(Path("mine-output/rate-state.json").read_text())
     assert "7 of 9 rests were not followed" in found["message"]
+
+
+def test_without_a_wall_time_what_is_known_after_two_minutes_of_work_is_the_answer(
+    capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A page, its files and status 1; before the first steps are solved the time goes on."""
+    monkeypatch.chdir(tmp_path)
+    contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
+    contacts["strengthening"] = {"beta": BETA, "time": 1e-3}
+    file = write(master=None, contacts=contacts, drive={"velocity": 1.0})
+    time_left = list[float]()
+
+    def within(deadline: float, scene: Any, what: str, remaining: Any) -> Any:
+        time_left.append(remaining())
+        return solvers.within(deadline, scene, what, remaining)
+
+    def doing(_: Progress, what: str) -> None:
+        if what == "rest 1 of 9":
+            raise TimeIsUp
+
+    monkeypatch.setattr(Progress, "doing", doing)
+    monkeypatch.setattr("toolkit.rate_state.report.within", within)
+    status, out, err = said(capsys, "rate-state", file)
+    assert (status, err) == (1, []) and out[-1] == "written to mine-output"
+    assert time_left == [WORK]
+    (line,) = [line for line in out if line.startswith("not as asked: ")]
+    assert "9 of 9 rests were not followed; 120 s of work were over; it ended in its rest" in line
+    assert line.endswith("--set wall_time=1800.0 gives it half an hour")
+    found = json.loads(Path("mine-output/rate-state.json").read_text())
+    assert not found["success"] and found["b"]["value"] > 0.0
 
 
 def test_an_answer_without_its_smaller_steps_is_no_success() -> None:

@@ -4,6 +4,7 @@ import re
 import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from dataclasses import replace
 from itertools import pairwise
 
 from origins.errors import InputError
@@ -17,6 +18,10 @@ from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
 from toolkit.running.solvers import within
 from toolkit.scene.scene import Scene
+from toolkit.verdict.budget import Budget
+
+# s in which the command can work, where the scene gives no wall_time; what is known then is its answer
+WORK = 120.0
 
 
 def _where(begun: Sequence[tuple[float, str]]) -> str:
@@ -28,18 +33,33 @@ def _where(begun: Sequence[tuple[float, str]]) -> str:
     return f"it ended in its {begun[-1][1]}{each}"
 
 
+def _cut(judged: Judged, where: str) -> Judged:
+    """What is known after WORK, which says so."""
+    hint = f"{WORK:.0f} s of work were over{where}; --set wall_time=1800.0 gives it half an hour"
+    return replace(judged, found=replace(judged.found, message=f"{judged.found.message}; {hint}"))
+
+
 def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judged:
     """Rate and state of the scene, with its files in `folder`, which is checked before the work. Once the first steps
-    are solved, an interrupt, or the end of `wall_time`, leaves there what is known. Raises InputError."""
+    are solved, an interrupt, or the end of `wall_time`, leaves there what is known; without a wall time what is known
+    after WORK is returned. Raises InputError."""
     check_folder(folder)
     so_far, begun = list[Callable[[], Judged]](), list[tuple[float, str]]()
+    own = Budget(WORK, strict=False)
+
+    def remaining() -> float:
+        """How many s are left of WORK, and as many again until something is known."""
+        return own.remaining() if so_far else WORK
+
+    more = remaining if scene.wall_time is None else None
+    deadline = scene.deadline() or time.monotonic() + own.remaining()
 
     def save(found: Judged) -> None:
         tables = page(found), plain(found), answers(found)
         save_judgement(folder, "rate-state", lambda: draw_rate_state(found), *tables, formats)
 
     try:
-        with closing(Progress("rate-state")) as bar, within(scene.deadline(), scene, "all of it"):
+        with closing(Progress("rate-state")) as bar, within(deadline, scene, "all of it", more):
 
             def doing(what: str) -> None:
                 begun.append((time.monotonic(), what))
@@ -53,6 +73,10 @@ def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judg
             if where:
                 raise InputError(f"{stop}{where}, before which nothing is known") from stop
             raise
+        if late and scene.wall_time is None:
+            found = _cut(so_far[0](), where)
+            save(found)
+            return found
         save(so_far[0]())
         said = f"what is known so far is written to {folder}"
         if isinstance(stop, InputError):
