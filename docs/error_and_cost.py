@@ -28,7 +28,9 @@ COSTS = "| scene | start-up | run | memory | builds | imports, % of files | leav
 def precision_of(scene: str) -> dict[str, Any] | str:
     """What precision.json holds, or the line with which the scene is refused."""
     with tempfile.TemporaryDirectory() as folder:
-        words = [*COMMAND, "precision", scene, "--out", f"{folder}/out"]
+        # errors of a surface, too, in mean thresholds
+        given = ["--set", 'units="N_c<k>"', "--out", f"{folder}/out"]
+        words = [*COMMAND, "precision", scene, *given]
         env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
         done = subprocess.run(words, capture_output=True, text=True, env=env, check=False)
         file = Path(folder, "out", "precision.json")

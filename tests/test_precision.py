@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scenes import refused, said, write
+from scenes import ROUGH, refused, said, write
 
 import eq_model
 import master
@@ -98,6 +98,28 @@ def test_precision_of_a_law_on_a_path_that_turns_has_the_other_solver_as_witness
     assert errors[1e-2] == pytest.approx(np.abs(rough - fine).max() / contacts.mean_threshold)
     assert errors[1e-10] is None  # the reference's own bits
     assert 0.0 < errors[1e-2] < 1e-2 and errors[1e-6] < 1e-6
+
+
+def test_precision_of_a_surface_is_in_newtons(capsys: Any, monkeypatch: Any) -> None:
+    """Of an area; with units = "N_c<k>", and of tolerances, in mean thresholds."""
+    few = {"master": (1e-2, 1e-6), "explicit": (25.0,), "ensemble": (100.0,), "closest": (100.0,)}
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", few)
+    tables: dict[str, Any] = {"thresholds": ROUGH, "drive": {"to": 2e-8, "points": 9}}
+    tables["drive"]["area"] = 1e-6
+    newtons = measured(capsys, **tables)
+    head = Path("mine-output/precision.csv").read_text().splitlines()[0]
+    assert head == "method,setting,error [N],claimed_error [N],run_time [s],runs"
+    shared = measured(capsys, units="N_c<k>", **tables)
+    assert (newtons["error_unit"], shared["error_unit"]) == ("N", "<x_s>")
+    scene = load_scene("mine.toml", changes={"units": "SI"})
+    factor = scene.scale.force * scene.contacts.mean_threshold
+    for name in ("error", "claimed_error", "setting"):
+        pairs = zip(newtons["points"], shared["points"], strict=True)
+        known = [(one[name], other[name]) for one, other in pairs if other[name]]
+        times = 1.0 if name == "setting" else factor
+        assert known and all(one == pytest.approx(times * other) for one, other in known)
+    assert newtons["reference_error"] == pytest.approx(factor * shared["reference_error"])
+    assert any(" in N, from " in note for note in newtons["notes"])
 
 
 def test_precision_tells_where_the_witness_contradicts_the_reference(

@@ -1386,6 +1386,7 @@ def test_the_trace_says_that_it_swings_or_is_cut() -> None:
     path = {"drive": np.array([0.0, 1.0]), "force": np.array([0.0, 1.0])}
     slips = replace(infinite("stick-slip", 5), rule="mass", after=-0.6, slip_time=0.142, **path)
     cut = replace(infinite("undecided", 2), cut=True, **path)
+    slips, ringing = replace(slips, damping=1.0), slips
     for own, told in (
         (slips, "stick-slip (below 0 the slider swings after a slip, 0.142 units of time long)"),
         (cut, "not decided, the path is cut"),
@@ -1393,6 +1394,14 @@ def test_the_trace_says_that_it_swings_or_is_cut() -> None:
         found = told_of(own, None, Contacts(gaussian(1.0, 0.3)))
         (label,) = draw_verdict(found).axes[0].get_legend_handles_labels()[1]
         assert label.endswith(f": {told}")
+    # swings, each along 2π of the drive, that go on between points too far apart for them are no line
+    for points, dots in ((600, True), (2000, False)):
+        drive = np.linspace(0.0, 1000.0, points)
+        own = replace(ringing, drive=drive, force=drive)
+        axes = draw_verdict(told_of(own, None, Contacts(gaussian(1.0, 0.3)))).axes[0]
+        (line,) = axes.get_lines()[:1]
+        assert (line.get_linestyle() == "None") is dots
+        assert ("too many to be drawn" in str(line.get_label())) is dots
 
 
 def test_other_readings_are_drawn_by_their_contact_model() -> None:

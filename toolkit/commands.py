@@ -258,7 +258,7 @@ def precision(arguments: argparse.Namespace) -> int:
     with within(scene.deadline(), scene, "[precision]"):
         found = ladders.precision(scene, say_it)
     draw = partial(draw_precision, found)
-    rows = precision_rows(found["points"])
+    rows = precision_rows(found)
     save_judgement(folder, "precision", draw, [*lines, *found["notes"]], found, rows, formats)
     print("\n".join([*found["notes"], f"written to {folder}"]))
     worst = (found["witness"] or {}).get("worst_deviation")

@@ -39,10 +39,10 @@ def _save_figure(figure: Any, path: Path) -> None:
     figure.savefig(path, dpi=150, format=path.suffix[1:])
 
 
-def precision_rows(points: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+def precision_rows(found: Mapping[str, Any]) -> dict[str, list[Any]]:
     """The columns of precision.csv: the points of `precision`, with units."""
-    units = {"error": "<x_s>", "claimed_error": "<x_s>", "run_time": "s"}
-    return _columns(points, units)
+    units = dict.fromkeys(("error", "claimed_error"), found["error_unit"]) | {"run_time": "s"}
+    return _columns(found["points"], units)
 
 
 def comparison_rows(scenes: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:

@@ -9,14 +9,13 @@ import numpy as np
 
 from origins.thresholds.law import Array
 
-LEAST = 1e-17  # mean thresholds, below round-off: an error of 0 has no place on a logarithmic axis
 _STYLES = {"master": ("o", "#1f4e79"), "explicit": ("s", "#5dade2")}
 _STYLES |= {"ensemble": ("^", "#c0392b"), "closest": ("v", "#e59866")}
 _STEPS = 20  # for each decade of the error, of the places where methods are compared
 
 
 class Front(NamedTuple):
-    """Run times in s, rising, and errors in mean thresholds, falling, of the runs that no cheaper one beats."""
+    """Run times in s, rising, and errors, falling, of the runs that no cheaper one beats."""
 
     run_time: Array
     error: Array
@@ -27,7 +26,7 @@ def front(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> Fro
     own = [point for point in points if point["method"] == method]
     kept, best = list[tuple[float, float]](), np.inf
     for point in sorted(own, key=lambda point: point["run_time"]):
-        error = max(point["error"] or 0.0, floor, LEAST)
+        error = max(point["error"] or 0.0, floor)
         if error < best:
             kept.append((point["run_time"], error))
             best = error
@@ -40,7 +39,7 @@ def slope(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> flo
     Left out are errors below the floor, which the reference cannot tell, and runs below twice the time of the cheapest
     one, which mostly get ready. None where the run times that remain do not span a factor of 3."""
     found = front(points, method, floor)
-    some = found.error > max(floor, LEAST)
+    some = found.error > floor
     some &= found.run_time > 2.0 * found.run_time.min(initial=np.inf)
     run_time, error = found.run_time[some], found.error[some]
     if run_time.size < 2 or run_time[-1] < 3.0 * run_time[0]:
@@ -75,8 +74,10 @@ def cheapest(points: Sequence[Mapping[str, Any]], floor: float) -> list[dict[str
     return spans
 
 
-def as_words(slopes: Mapping[str, float | None], spans: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The slopes and the crossings in words."""
+def as_words(
+    slopes: Mapping[str, float | None], spans: Sequence[Mapping[str, Any]], unit: str = "<x_s>"
+) -> list[str]:
+    """The slopes and the crossings in words, errors in this unit, which is told where it is not <x_s>."""
     powers = [
         f"{method} as time^{power:.2g}" for method, power in slopes.items() if power is not None
     ]
@@ -92,18 +93,32 @@ def as_words(slopes: Mapping[str, float | None], spans: Sequence[Mapping[str, An
             )
             cheapest_ones.append(f"{span['method']} {where}")
         smallest = f"; no run was below {spans[-1]['above']:.0e}"
+        smallest += f" {unit}" * (unit != "<x_s>")
         lines.append(f"cheapest: {', '.join(cheapest_ones)}{smallest}")
     return lines
 
 
+def of_threads(found: list[dict[str, Any]]) -> list[str]:
+    """The run times on several threads in words."""
+    if not found:
+        return []
+    times = [f"{one['run_time']:.2g} s on {one['threads']}" for one in found]
+    alike = all(one["same_bits"] for one in found)
+    bits = "the same bits on all" if alike else "not the same bits: please report it"
+    return [f"threads: ensemble of {found[0]['contacts']:,} contacts, {', '.join(times)}; {bits}"]
+
+
 def draw_picture(found: dict[str, Any]) -> Any:
-    """True error in units of <x_s> against run time in s, hollow marks for the errors that are claimed; a line joins
+    """True error in its unit against run time in s, hollow marks for the errors that are claimed; a line joins
     the runs that no cheaper one beats."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 6), layout="constrained")
     axes = figure.subplots()
-    floor = max(found["reference_error"], LEAST)
+    floor, unit = (
+        found["reference_error"],
+        found["error_unit"].replace("<x_s>", r"$\langle x_s\rangle$"),
+    )
     for method, (marker, colour) in _STYLES.items():
         points = [point for point in found["points"] if point["method"] == method]
         if not points:
@@ -124,9 +139,9 @@ def draw_picture(found: dict[str, Any]) -> Any:
         floor, color="0.4", lw=0.8, label="the reference's own error, with runs at or below it"
     )
     if found["witness"] is not None:
-        least = max(found["witness"]["standard_error"], LEAST)
+        least = max(found["witness"]["standard_error"], 1e-9 * floor)  # 0 has no place
         axes.axhline(least, color="0.4", lw=0.8, ls=":", label="no independent road tells below")
-    axes.set_ylabel(r"largest error of $F$ over the path, in $\langle x_s\rangle$")
+    axes.set_ylabel(f"largest error of $F$ over the path, in {unit}")
     title = textwrap.fill(f"{found['title']}: against {found['reference']}", 90)
     axes.set_title(title.replace("$", r"\$"), fontsize="medium")
     axes.grid(alpha=0.3)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.judge.frontier import as_words, cheapest, slope
+from toolkit.judge.frontier import as_words, cheapest, of_threads, slope
 from toolkit.judge.reference import (
     Answer,
     Reference,
@@ -20,6 +20,7 @@ from toolkit.judge.reference import (
     finest,
     largest_error,
     of_witness,
+    with_error_in,
     witness_of,
 )
 from toolkit.judge.rigid import on_rigid_slider
@@ -56,14 +57,16 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     Returns what precision.json holds: name, title, `reference` in words with its `reference_error`, `notes`, `slopes`
     and `cheapest` (see toolkit.judge.frontier), `warm_up` of each method in s (imports and compilation), `witness`, the
     ensemble beside a reference by the master equation, and `points`, each with its `method`, `setting`, largest `error`
-    over the path (None of the reference itself), `claimed_error` (None where nothing is claimed), both in mean
-    thresholds, and `run_time` in s, the median of `runs`; `threads`, the same ensemble on 1, 2, ... of them, each with
-    its `run_time` on the clock in s and whether its force has the `same_bits`.
+    over the path (None of the reference itself), `claimed_error` (None where nothing is claimed), and `run_time` in s,
+    the median of `runs`; `threads`, the same ensemble on 1, 2, ... of them, each with its `run_time` on the clock in s
+    and whether its force has the `same_bits`. Errors are in `error_unit`: newtons or pascals of a surface whose units
+    are SI, else mean thresholds.
 
     A sweep is left out; where there is no path, the force of a rigid slider is measured, and a note says so.
     Raises InputError where neither the master equation nor the ensemble has an answer.
     """
-    notes, warm_up, unit = list[str](), dict[str, float](), scene.contacts.mean_threshold
+    notes, warm_up, mean = list[str](), dict[str, float](), scene.contacts.mean_threshold
+    unit = scene.scale.of_errors(mean)
     scene = _with_path(scene, notes)
     methods, exact = _methods(scene, notes), exact_force(scene)
     runs = {"master": _climb("master", methods.pop("master"), notes, warm_up)}
@@ -73,12 +76,13 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
         why = [note for note in notes if note.startswith(("master", "ensemble"))]
         raise InputError(f"precision: {'; '.join(why)}")
     reference = exact or finest(scene, runs["master"], runs.get("ensemble", []))
+    reference = with_error_in(unit.size, reference, mean)
     points: list[dict[str, Any]] = []
 
     def tell(method: str) -> None:
         for run in runs[method]:
-            claimed = None if run.answer.claimed is None else run.answer.claimed / unit
-            error = largest_error(run.answer, reference, unit)
+            claimed = None if run.answer.claimed is None else run.answer.claimed / unit.size
+            error = largest_error(run.answer, reference, unit.size)
             point = {"method": method, "setting": run.setting, "error": error}
             point |= {"claimed_error": claimed, "run_time": run.run_time, "runs": run.runs}
             points.append(point)
@@ -89,7 +93,12 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
                 )
             )
 
-    say("errors in mean thresholds <x_s>, time in CPU-s of one thread")
+    told = (
+        "mean thresholds <x_s>"
+        if unit.size == mean
+        else f"{unit.name} (of master, at a tolerance in <x_s>)"
+    )
+    say(f"errors in {told}, time in CPU-s of one thread")
     say(_line(["method", "at", "error", "claimed", "time", "runs"]))
     tell("master")
     for method, work in methods.items():
@@ -101,15 +110,15 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     threads = _on_threads(methods["ensemble"], sampled) if sampled else []
     witness = None
     if exact is None and solved and sampled and not reference.soft:
-        witness = witness_of(sampled[-1], solved, unit)
+        witness = witness_of(sampled[-1], solved, mean, unit.size)
     own = [p for p in points if p["method"] == "master" and p["error"] is not None]
     bounded = sum(point["error"] <= point["claimed_error"] + reference.error for point in own)
     measured = {point["method"] for point in points}
     said = [
-        f"true error: largest over {reference.counted.sum()} positions, in units of <x_s>, from {reference.words}, "
+        f"true error: largest over {reference.counted.sum()} positions, in {unit.name}, from {reference.words}, "
         f"good to {reference.error:.0e}, below which it tells no error",
-        *([] if exact else of_witness(witness, solved, sampled)),
-        *_of_threads(threads),
+        *([] if exact else of_witness(witness, solved, sampled, unit.name)),
+        *of_threads(threads),
         "run time: CPU time of one thread, median of the warm runs; imports and compilation are told apart: "
         + ", ".join(f"{method} {seconds:.2g} s" for method, seconds in warm_up.items()),
     ]
@@ -124,6 +133,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
         "reference": reference.words,
         "name": scene.name,
         "title": scene.title or scene.name,
+        "error_unit": unit.name,
         "reference_error": reference.error,
         "witness": witness,
         "points": points,
@@ -131,7 +141,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
         "cheapest": spans,
         "threads": threads,
         "warm_up": warm_up,
-        "notes": [*as_words(slopes, spans), *said, *notes],
+        "notes": [*as_words(slopes, spans, unit.name), *said, *notes],
     }
 
 
@@ -170,16 +180,6 @@ def _on_threads(work: Callable[..., Answer], runs: list[Run]) -> list[dict[str, 
         row = {"threads": threads, "contacts": int(setting), "run_time": run.run_time}
         found.append(row | {"same_bits": bool(same)})
     return found
-
-
-def _of_threads(found: list[dict[str, Any]]) -> list[str]:
-    """The run times on several threads in words."""
-    if not found:
-        return []
-    times = [f"{one['run_time']:.2g} s on {one['threads']}" for one in found]
-    alike = all(one["same_bits"] for one in found)
-    bits = "the same bits on all" if alike else "not the same bits: please report it"
-    return [f"threads: ensemble of {found[0]['contacts']:,} contacts, {', '.join(times)}; {bits}"]
 
 
 def _line(cells: Any) -> str:

@@ -12,6 +12,9 @@ from toolkit.judge.slips import Counts, alike, slips_so_far
 from toolkit.results.beside import apart
 from toolkit.scene.scene import Scene
 
+# mean thresholds, below round-off: an error of 0 has no place on a logarithmic axis
+LEAST = 1e-17
+
 
 class Answer(NamedTuple):
     """A method's force at the points of the path that it reaches, and the error that it claims, both in lengths; None
@@ -34,8 +37,8 @@ class Run(NamedTuple):
 
 
 class Reference(NamedTuple):
-    """The force that the others are held against, its own error in mean thresholds, what it is in words, and at which
-    points of the path it is compared; on a spring with the `slips` so far at each."""
+    """The force that the others are held against, its own error in mean thresholds (or another unit, `with_error_in`),
+    what it is in words, and at which points of the path it is compared; on a spring with the `slips` so far at each."""
 
     force: Array
     error: float
@@ -94,6 +97,11 @@ def finest(scene: Scene, solved: list[Run], sampled: list[Run]) -> Reference:
     return Reference(best.answer.force, float(found.force_error), words, counted, slips)
 
 
+def with_error_in(unit: float, reference: Reference, mean_threshold: float) -> Reference:
+    """The reference with its error in another `unit` of forces (a length) than the mean threshold."""
+    return reference._replace(error=max(reference.error, LEAST) * mean_threshold / unit)
+
+
 def compared(answer: Answer, reference: Reference) -> Any:
     """At which points, of those that both reach, an answer can be compared with the reference."""
     both = min(answer.force.size, reference.force.size)
@@ -104,8 +112,8 @@ def compared(answer: Answer, reference: Reference) -> Any:
 
 
 def largest_error(answer: Answer, reference: Reference, unit: float) -> float | None:
-    """The largest difference in mean thresholds where both are known, as the paper's closure of ageing may end before
-    the path does; None for the reference's own bits, of which it tells nothing."""
+    """The largest difference in a `unit` of forces (a length) where both are known, as the paper's closure of ageing
+    may end before the path does; None for the reference's own bits, of which it tells nothing."""
     if np.array_equal(answer.force, reference.force):
         return None
     counted = compared(answer, reference)
@@ -113,16 +121,21 @@ def largest_error(answer: Answer, reference: Reference, unit: float) -> float | 
     return float(off.max(initial=0.0)) / unit
 
 
-def witness_of(sampled: Run, solved: list[Run], unit: float) -> dict[str, Any]:
-    """The ensemble's largest run beside the master equation's finest: `contacts`, its largest `standard_error` in mean
-    thresholds, and the `worst_deviation` of both in standard errors, None where too few contacts broke to compare."""
+def witness_of(
+    sampled: Run, solved: list[Run], mean_threshold: float, unit: float
+) -> dict[str, Any]:
+    """The ensemble's largest run beside the master equation's finest: `contacts`, its largest `standard_error` in a
+    `unit` of forces (a length), and the `worst_deviation` of both in standard errors, None where too few contacts broke
+    to compare."""
     best, found = best_of(solved), sampled.answer.found
     error = float(found.force_standard_error.max()) / unit
-    worst = apart(best.answer.found, found, unit).worst
+    worst = apart(best.answer.found, found, mean_threshold).worst
     return {"contacts": found.contacts, "standard_error": error, "worst_deviation": worst}
 
 
-def of_witness(witness: dict[str, Any] | None, solved: list[Run], sampled: list[Run]) -> list[str]:
+def of_witness(
+    witness: dict[str, Any] | None, solved: list[Run], sampled: list[Run], unit: str
+) -> list[str]:
     """In words what an independent road says of a reference that is the finest run of one of the two solvers. On a
     spring there is no witness: contacts that are finitely many slip late by more than the scatter tells."""
     if not solved:
@@ -142,5 +155,5 @@ def of_witness(witness: dict[str, Any] | None, solved: list[Run], sampled: list[
         )
     return [
         f"independent of the master equation is the ensemble of {contacts:,} contacts, {beside}; it tells no error "
-        f"below its standard error, {witness['standard_error']:.1e}"
+        f"below its standard error, {witness['standard_error']:.1e} {unit}"
     ]

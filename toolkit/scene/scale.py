@@ -1,6 +1,7 @@
 """From lengths, in which both solvers give forces, to the units of the user: newtons, pascals, or N_c<k>."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +22,13 @@ SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be
 _COEFFICIENTS, _LENGTHS, _LONGEST = (1e-6, 10.0), (1e-15, 1e-2), 0.1
 # contacts of which forces scatter by half of themselves; kg, far above sliders of laboratories
 _FEWEST, _HEAVIEST = 10.0, 1e6
+
+
+class Unit(NamedTuple):
+    """A unit of forces: its `size` as F/(N_c <k>), a length, and its name."""
+
+    size: float
+    name: str
 
 
 @dataclass(frozen=True)
@@ -53,6 +61,12 @@ class Scale:
     def in_si(self) -> bool:
         """Whether forces are in newtons or pascals."""
         return self.force_unit in ("N", "Pa")
+
+    def of_errors(self, mean_threshold: float) -> "Unit":
+        """In which unit errors of forces are told: newtons or pascals, else mean thresholds."""
+        if self.in_si:
+            return Unit(1.0 / self.force, self.force_unit)
+        return Unit(mean_threshold, "<x_s>")
 
     def error(self, error: float, mean_threshold: float) -> str:
         """An error of a force, given in mean thresholds as tolerances are, in words: in newtons or pascals first where

@@ -17,7 +17,7 @@ from toolkit.pictures.axes import (
 )
 from toolkit.scene.scale import SHARED, of_contacts, spoken
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.closely import in_its_own_time
+from toolkit.verdict.closely import hides_swings, in_its_own_time
 from toolkit.verdict.kinds import named
 from toolkit.verdict.machine import Behaviour, Finite, Machine
 from toolkit.verdict.of_area import apart
@@ -101,8 +101,7 @@ def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
             label += f" ({swings}, {spoken(lasts, scale.time_unit)} long)"
         if not behaviour.success or behaviour.error >= _UNKNOWN:
             label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
-        label = in_lines(label, letters)
-        axes.plot(behaviour.drive, behaviour.force * scale.force, label=label, **style)
+        _draw_line(axes, verdict, behaviour, in_lines(label, letters), style)
     followed = [finite for finite in apart(verdict).values() if finite.drive.size]
     for number, alike in enumerate(_alike(followed), start=len(drawn)):
         finite, rules = alike[0], named([one.rule for one in alike])
@@ -110,7 +109,7 @@ def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
         # thin, and above the others, which it may follow for long, as one of these another
         style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
         style["ls"] = DASHES[(number - len(drawn)) % len(DASHES)]
-        axes.plot(finite.drive, finite.force * scale.force, label=label, **style)
+        _draw_line(axes, verdict, finite, label, style)
     axes.margins(x=0.01, y=0.05)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 0.0), high)
@@ -118,6 +117,18 @@ def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
     name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
     name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
     legend_above(axes, letters=letters)
+
+
+def _draw_line(
+    axes: Any, verdict: Verdict, one: Behaviour | Finite, label: str, style: dict[str, Any]
+) -> None:
+    """A trace as a line, or as dots where a line would draw swings that do not exist."""
+    machine = verdict.own.machine
+    taken = next((own.damping for own in verdict.own.behaviours if own.damping), None)
+    if one.rule == "mass" and machine is not None and hides_swings(one.drive, machine, taken):
+        label += "; dots, as its swings are too many to be drawn"
+        style = style | {"ls": "", "marker": ".", "ms": 2.5}
+    axes.plot(one.drive, one.force * verdict.own.scale.force, label=label, **style)
 
 
 def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour) -> None:
