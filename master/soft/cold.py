@@ -32,6 +32,8 @@ LONGEST_LIFE = 500.0
 OF_REPEATING = 0.1
 # Round-off of the largest force, or of the mean threshold, up to which its polynomials' coefficients are: a part of it.
 ROUNDED = 1e-15
+# Slips that leave some contacts holding, and moves, that are kept to be repeated: each keeps its panels.
+MOST_OF_LATE = 8
 # Thresholds at which the first breaks are looked at.
 QUANTILES = 2000
 Onset = tuple[Move, float]  # of a slip: the move that leads to it, and the travel on it
@@ -41,12 +43,7 @@ class ColdSlider:
     """A soft slider at T = 0 pulled by a drive along its path (paper, Eq. Q16x2); see ColdContacts."""
 
     def __init__(
-        self,
-        contacts: Contacts,
-        drive: Drive,
-        tolerance: float,
-        until: float,
-        unknown: float = 0.0,
+        self, contacts: Contacts, drive: Drive, tolerance: float, until: float, unknown: float = 0.0
     ) -> None:
         """Balance the spring with the force of the start, at X = 0; for `unknown` see ColdContacts."""
         self.slip, self.path, self.spring = drive.slip, drive.path, float(drive.spring or 0.0)
@@ -66,15 +63,14 @@ class ColdSlider:
         relaxed = contacts.start.span == cold.reforming.span == (0.0, 0.0)
         self._loaded = LoadingHistory(cold.reforming if relaxed else contacts.start)
         # resets repeat the same move, in each direction: it is solved once
-        self._move_from = lru_cache(4)(partial(Move, cold))
+        self._move_from = lru_cache(MOST_OF_LATE)(partial(Move, cold))
         # of slips: the fraction of the contacts that breaks before a reset, nan where that takes too much work; and
         # those of "reform-after" that leave no contact holding, which are resets
         self._broken, self._leave_none = dict[Onset, float](), set[Onset]()
-        # slips that leave some contacts holding, once they repeat
-        self._cycle, self._repeated = LimitCycle(), dict[Onset, Slipped]()
-        self.fractions_broken = list[
-            float
-        ]()  # the same of each slip; nan where contacts form again at once
+        # slips that leave some contacts holding: whether each tends to be as the one before, and those of late
+        self._cycle, self._of_late = LimitCycle(), dict[Onset, Slipped]()
+        # the same of each slip; nan where contacts form again at once
+        self.fractions_broken = list[float]()
         if self.slip == "instant" and cold.life.atoms.size and drive.forward:
             self._refuse_endless_slips(contacts)
         if cold.life.largest_stretch > LONGEST_LIFE * cold.unit and drive.forward:
@@ -164,7 +160,7 @@ class ColdSlider:
 
     def _move(self, direction: int, drives: Array) -> None:
         """Follow the drive in one direction over these X_T, with all slips on the way."""
-        y, spring = 0.0, self.spring
+        y, spring, self._cycle = 0.0, self.spring, LimitCycle()
         while True:
             move = self._move_from(direction, self._loaded)
             begin = direction * (self._base + move.at(0.0))
@@ -218,7 +214,9 @@ class ColdSlider:
         return at, off
 
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
-        """Slip: all contacts re-form, and the slider moves to where the spring balances them."""
+        """Slip: all contacts re-form, and the slider moves to where the spring balances them. What comes next does not
+        depend on slips before."""
+        self._cycle = LimitCycle()
         force = move.direction * self._force_after_reset
         self._note(move, slip, begin, force, self._fraction_broken(move, slip))
         self._base = move.direction * (begin + (slip.load - force) / self.spring)
@@ -252,10 +250,13 @@ class ColdSlider:
         key = move, slip.travel
         if key in self._leave_none:
             return self._reset(move, slip, begin)
-        if (slipped := self._repeated.get(key) or self._slipped(move, slip)) is None:
+        if (slipped := self._of_late.get(key) or self._slipped(move, slip)) is None:
             # all contacts form again where it ends, as in a reset
             self._leave_none.add(key)
             return self._reset(move, slip, begin)
+        self._of_late[key] = slipped
+        if len(self._of_late) > MOST_OF_LATE:
+            self._of_late.pop(next(iter(self._of_late)))
         self._note(move, slip, begin, slipped.force, slipped.fraction_broken)
         self._base += slipped.shift
         self._base_error += slipped.position_error
@@ -283,8 +284,7 @@ class ColdSlider:
             shift = slide.at(y) - move.loaded.places[-1]
             # the travel up to the slip is off by as much as that in it
             position_error = end_shift + 2.0 * self._cycle.remaining
-            slipped = Slipped(force, 1.0 - holding, position_error, repeated, shift)
-            return self._repeated.setdefault((move, slip.travel), slipped)
+            return Slipped(force, 1.0 - holding, position_error, repeated, shift)
         # errors of the history do not affect contacts that broke
         history = slide.after_slip(y, (force_error + float(curve.error_at(y))) * holding)
         return Slipped(force, 1.0 - holding, end_shift, history)

@@ -1,0 +1,38 @@
+"""Slips of "reform-after" that leave some contacts holding, beside a plain twin."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from plain_reform_after import groups, pulled
+
+import master
+import origins
+
+
+@pytest.mark.parametrize(
+    ("parts", "spring", "stiffness", "count"),
+    [
+        ([(1.0, 1.0, 0.2)], 0.5, "independent", 8),
+        ([(1.0, 1.0, 0.05)], 1.4, "independent", 5),
+        ([(1.0, 1.0, 0.2)], 0.4, "linked", 7),
+        # slips of the weaker group and of all contacts in turns: the former were once repeated as if there were no
+        # others, as each is as the one before
+        ([(0.6, 1.0, 0.15), (0.4, 2.4, 0.12)], 0.3, "independent", 10),
+        ([(0.5, 1.0, 0.14), (0.5, 2.2, 0.25)], 0.1, "independent", 10),
+    ],
+)
+def test_slips_are_those_of_the_plain_twin(parts, spring, stiffness, count) -> None:
+    """To the errors that are told."""
+    exact = pulled(groups(parts, linked=stiffness == "linked"), spring, count)
+    shares = [share for share, _, _ in parts]
+    law = origins.mixture([origins.gaussian(mean, std) for _, mean, std in parts], shares)
+    path = np.linspace(0.0, 0.5 * (exact[-1, 0] + exact[-2, 0]), 50)
+    contacts = origins.Contacts(law, stiffness=stiffness)
+    found = master.solve(contacts, path, 1e-6, spring=spring, slip="reform-after")
+    assert found.success, found.message
+    drive, before, after, _ = exact[:-1].T
+    assert found.slips.drive.size == count - 1
+    assert np.abs(found.slips.drive - drive).max() <= found.slips.drive_error <= 1e-6
+    for told, twin in ((found.slips.force_before, before), (found.slips.force_after, after)):
+        assert np.abs(told - twin).max() <= found.force_error <= 1e-6
