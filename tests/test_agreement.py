@@ -81,8 +81,9 @@ CASES = {
     "hold, soft": Case(Contacts(WIDE, thermal=SOFT), HELD, {"time": WHEN}, 1e-5, 1000),
     "strengthening": Case(strengthening(0.1, START), drive={"velocity": 0.1}),
     "strengthening, turning": Case(strengthening(0.1), TURN, {"velocity": 0.1}, 1e-5, 1000),
-    "strengthening, eyring, delay": Case(
-        strengthening(0.1, thermal=EYRING, delay=Delay(0.3)),
+    # its kernel is that of cold contacts whose thresholds grow, too; with eyring's rates below it has one of its own
+    "strengthening, soft, delay": Case(
+        strengthening(0.1, thermal=SOFT, delay=Delay(0.3)),
         drive={"velocity": 0.5},
         tolerance=1e-5,
         number=1000,
