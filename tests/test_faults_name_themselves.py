@@ -12,6 +12,7 @@ from master import rigid
 from master.motion import Motion
 from master.outcome import FaultError
 from master.renewal.march import March
+from master.renewal.past import Past
 from master.renewal.solved import SolvedPanels
 from master.soft.followed import ErrorPart, Followed
 from master.soft.slips import slips_of
@@ -115,6 +116,15 @@ def test_births_out_of_order(monkeypatch: pytest.MonkeyPatch, law, drive) -> Non
     found = master.solve(contacts, [1.5, 0.5], wall_time=60.0, **drive)
     assert not found.success and found.force_error == np.inf
     assert "births are out of order: on the panel that begins at t = 0" in found.message
+
+
+def test_a_leg_that_is_not_entered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Behind the turn births of the first leg still count as of the present one, whose survival is another."""
+    true = Past.enter
+    monkeypatch.setattr(Past, "enter", lambda self, leg, solved: true(self, 0, solved))
+    found = master.solve(Contacts(origins.gaussian(1.0, 0.1)), [1.5, 0.5])
+    assert not found.success and found.force_error == np.inf
+    assert "sums are asked for on leg 1 while leg 0 is entered, a fault" in found.message
 
 
 @pytest.mark.parametrize(

@@ -4,15 +4,16 @@ State: solved panels of time, on each of which the breaks B are a polynomial, an
 are the breaks, one delay later. One step, of `March`:
 
 1. `PanelWidth` proposes the width of the next panels, and how many.
-2. `March.enter_and_sum` adds up, at the nodes of these panels, number and force of all contacts whose births are known:
+2. `Past.enter` turns to the leg of these panels, if it is a new one: what was born before is then on earlier legs.
+3. `March._sums_on_leg` adds up, at the nodes of these panels, number and force of all contacts whose births are known:
    `Present`, those born on the present leg, whose survival depends on the lag since birth alone; `Past`, all others,
    where survivals take long at a few of the nodes only (`FewTimes`); and those that are out.
-3. `solve_batch` finds the breaks at the nodes for which number and own births add up to 1, and from them the force.
+4. `solve_batch` finds the breaks at the nodes for which number and own births add up to 1, and from them the force.
    Between the nodes the sum differs from 1: that is the error of the panel.
-4. Panels within the tolerance are kept; the first that is not ends the batch, and the next ones are narrower.
+5. Panels within the tolerance are kept; the first that is not ends the batch, and the next ones are narrower.
 
 A delay enters where breaks become births: `SolvedPanels.births_begin` and `middle_of_births`, hence `Past`; where those
-that are out are counted: `still_out`, for `Present.panel_sums` and `March.enter_and_sum`; in the births of lumps
+that are out are counted: `still_out`, for `Present.panel_sums` and `March._sums_on_leg`; in the births of lumps
 (`March._break_lumps`), in how far back contacts count (`March._longest_cycle`), and in the edges (`edges.py`).
 
 At an edge, where the breaks may jump, contacts that reach an exact threshold together become a lump

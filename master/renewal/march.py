@@ -182,7 +182,8 @@ class March:
         speed, same_width = float(self.motion.speeds[leg]), self._count_same_width(width, leg)
         of_panel = self.present.panel_sums(speed, width, same_width + count)
         targets_leg = begin_leg + width * (np.arange(count)[:, None] + TARGETS)
-        from_others = self.enter_and_sum(leg, targets_leg, same_width)
+        self._past.enter(leg, self.solved)  # if it is not yet
+        from_others = self._sums_on_leg(leg, targets_leg, same_width)
         breaks_same_width = self.solved.breaks[self.solved.count - same_width :]
         return solve_batch(of_panel, from_others, breaks_same_width, self.longest_stretch)
 
@@ -190,7 +191,7 @@ class March:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
         survival depends on the lag alone. Panels from so long ago that none holds are left out.
 
-        Fewer would cost time only, as `enter_and_sum` integrates the others. One more would be wrong: on another width
+        Fewer would cost time only, as `_sums_on_leg` integrates the others. One more would be wrong: on another width
         PanelSums do not hold, which may not show; and of a leg before Past has the births: they would count twice."""
         # one width before, as a panel's last breaks come one after its first; and one more, amply for rounding
         oldest = self._oldest_that_counts(self.solved.end, leg) - 2.0 * width
@@ -198,35 +199,32 @@ class March:
         return self.solved.count_same_width(width, max(oldest, leg_start_path - SAME_BEGIN * width))
 
     def enter_and_sum_at(self, t: Array) -> Array:
-        """As `enter_and_sum`, at times t in rows, all on one leg; (2, *t.shape)."""
+        """As `_sums_on_leg`, at times t in rows, all on one leg, which is entered for good; (2, *t.shape)."""
         leg = self.motion.leg_of_all(t)
-        return self.enter_and_sum(leg, t - self.motion.times[leg])
+        self._past.enter(leg, self.solved)
+        return self._sums_on_leg(leg, t - self.motion.times[leg])
 
-    def enter_and_sum(self, leg: int, grid_leg: Array, same_width: int = 0) -> Array:
-        """Number and force of all contacts whose births are known, at later times on a leg; (2, *grid_leg.shape).
-
-        It enters the leg for good (Past.enter), and counts errors: an earlier leg is never asked for afterwards.
+    def _sums_on_leg(self, leg: int, grid_leg: Array, same_width: int = 0) -> Array:
+        """Number and force at later times on the leg that is entered (Past.enter); (2, *grid_leg.shape). Sums of three
+        kinds of contacts: lumps and those of earlier legs (Past), those born on this leg, and those that are out.
 
         grid_leg : times in rows
         same_width : the last panels, so many, are left out: they have the width of the panels to be solved, and
             solve_batch adds them by PanelSums
-
-        Three sums: of lumps and earlier legs (Past), of births on this leg, and of contacts that are out.
         """
-        solved = self.solved
-        first_panel_on_leg = self._past.enter(leg, solved)  # Past has the births before it
         # on the first leg a start that is as births at t = 0 is in their table
         in_table = leg == 0 and self._start_is_birth
         lumps = self.lumps[1:] if in_table else self.lumps
-        both = self._past.at(grid_leg, lumps)
+        both = self._past.at(leg, grid_leg, lumps)
         if in_table:
             both += self.present.look_up(float(self.motion.speeds[leg]), grid_leg)
         t_leg = grid_leg.ravel()
         t_path = float(self.motion.times[leg]) + t_leg
         oldest = self._oldest_that_counts(float(t_path.min()), leg)
+        solved = self.solved
         first_that_counts = panel_at(solved.begin, oldest)
         end = solved.count - same_width
-        born_on_leg = solved.pick(slice(max(first_that_counts, first_panel_on_leg), end))
+        born_on_leg = solved.pick(slice(max(first_that_counts, self._past.first_panel), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
         # breaks of all of them may be out, on whatever leg
         if self.births.delay > 0.0 and first_that_counts < end:
@@ -258,14 +256,15 @@ class March:
         leg = int(self.motion.leg(t))
         edge_leg = t - self.motion.times[leg]
         beside = 0.5 * min(self.solved.width[-1], end - t)
-        # At a jump `enter_and_sum` gives the limit from the left to a row of times that ends there, and that from the
+        # At a jump `_sums_on_leg` gives the limit from the left to a row of times that ends there, and that from the
         # right to one that begins there, both within a panel.
         until_edge, from_edge = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
         # Where the edge ends the leg the later times are asked for on it all the same: on the next leg Past would enter
         # that too early. Only the number at the edge is read, which is right. One row each, as they are on two legs.
         leg_goes_on = t < self.motion.times[leg + 1]
         asked = [[until_edge, from_edge]] if leg_goes_on else [[until_edge], [from_edge]]
-        number = np.concatenate([self.enter_and_sum(leg, np.array(rows))[0] for rows in asked])
+        self._past.enter(leg, self.solved)
+        number = np.concatenate([self._sums_on_leg(leg, np.array(rows))[0] for rows in asked])
         return float(number[0, -1]), float(number[1, 0])
 
     def cut(self, t: float, births: Births) -> "March":

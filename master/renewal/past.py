@@ -17,9 +17,9 @@ In the march a time without such an ending (t, begin, end, edges) is on the path
 Past.enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
 the second.
 
-The march calls two: `Past.enter` says which leg is the present one, and `Past.at` gives the sums on it. Where the leg
-is another than before, `enter` first leaves out legs by what held when `at` was last asked (`_leave_out`), and makes
-the sums of the others anew.
+The march calls two. `Past.enter` makes a leg the present one, for good; it alone changes which contacts are counted:
+legs are left out by what held when `at` was last asked (`_leave_out`), and the sums of the others are made anew.
+`Past.at` gives the sums on that leg, as often as is asked; it notes errors and what holds.
 """
 
 from collections.abc import Sequence
@@ -52,14 +52,14 @@ LEFT_OUT, LEAST_LEFT_OUT = 1e-3, 1e-18
 class Past:
     """All contacts that were not born on the present leg, as that leg sees them.
 
+    leg : the present leg; -1 before the first
+    first_panel : the first panel whose births are on it
     worst_sum : estimate from above of the error of the number by the sums over births, the largest so far
     left_out : share of all contacts that held when their leg was left out, the sum over all legs so far
     survival_error : the largest error of a survival so far, as the life returned it
 
-    _leg : the present leg; -1 before the first
     _motion_leg, _leg_start_path : the motion on the clock of that leg, and when it begins on that of the path
     _accuracy, _left_out_below : of a sum over births; and the share that holds up to which a leg is left out
-    _first_panel : the first panel whose births are on it
     _earlier_legs : sums over births on earlier legs, None where there are none; for contacts that age `_strands` in its
         place
     _holding_at_latest : by earlier leg, the share of all contacts that was born on it and held at the latest of the
@@ -76,7 +76,7 @@ class Past:
         closed = births.life.pair_work == 1 and not births.life.has_strands
         self._accuracy = births.accuracy * (1.0 if closed else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
-        self._leg, self._first_panel = -1, 0
+        self.leg, self.first_panel = -1, 0
         self.left_out = self.worst_sum = 0.0
         self.survival_error = births.life.error
         self._legs_left_out, self._holding_at_latest = set[int](), dict[int, float]()
@@ -95,34 +95,39 @@ class Past:
         self.survival_error, self.worst_sum = other.survival_error, other.worst_sum
         self.left_out = other.left_out
 
-    def enter(self, leg: int, solved: SolvedPanels) -> int:
-        """Make this leg the present one, if it is not yet; returns the first panel whose births are on it.
+    def enter(self, leg: int, solved: SolvedPanels) -> None:
+        """Make this leg the present one, if it is not yet.
 
         It is so for good: contacts are followed from leg to leg, so that FaultError is raised for an earlier leg.
 
-        solved : all panels so far; births on those before that one do not change while the slider is on this leg
+        solved : all panels so far; births on legs before do not change while the slider is on this one
         """
-        if leg != self._leg:
-            self._leave_out()
-            if leg < self._leg:
-                raise FaultError(
-                    f"leg {leg} is asked for after leg {self._leg}, a fault of the program: Past goes forward only"
-                )
-            self._leg = leg
-            self._set_clock(leg)
-            self._first_panel = self._count_before(solved)
-            panels_before = solved.pick(slice(self._first_panel))
-            if self._strands is not None:
-                self._follow_strands(self._strands, panels_before)
-            else:
-                self._sum_over_legs(panels_before)
-        return self._first_panel
+        if leg == self.leg:
+            return
+        if leg < self.leg:
+            raise FaultError(
+                f"leg {leg} is asked for after leg {self.leg}, a fault of the program: Past goes forward only"
+            )
+        self._leave_out()
+        self.leg = leg
+        self._set_clock(leg)
+        self.first_panel = self._count_before(solved)
+        panels_before = solved.pick(slice(self.first_panel))
+        if self._strands is not None:
+            self._follow_strands(self._strands, panels_before)
+        else:
+            self._sum_over_legs(panels_before)
 
-    def at(self, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
+    def at(self, leg: int, grid_leg: Array, lumps: Sequence[Lump]) -> Array:
         """Number and force, on the present leg, of births on the legs before, and of all lumps; (2, rows, columns).
 
+        leg : the present leg, which was entered; FaultError for another one
         grid_leg : times in rows, each within one panel of the leg
         """
+        if leg != self.leg:
+            raise FaultError(
+                f"sums are asked for on leg {leg} while leg {self.leg} is entered, a fault of the program"
+            )
         found = self._from_few_times(grid_leg, lumps)
         if found is None:
             found = self._summed(grid_leg, lumps)
@@ -149,12 +154,12 @@ class Past:
 
     def _count_before(self, solved: SolvedPanels) -> int:
         """How many panels there are whose births are on legs before the present one."""
-        return int(np.searchsorted(self._legs_of_births(solved), self._leg))
+        return int(np.searchsorted(self._legs_of_births(solved), self.leg))
 
     def _follow_strands(self, strands: "Strands", panels: SolvedPanels) -> None:
         """Follow contacts that age up to the beginning of the present leg; `panels` : those of all births before it."""
         legs, begin_own_leg = self._legs_and_begin(panels)
-        self.left_out += strands.follow(self._motion_leg, self._leg, panels, begin_own_leg, legs)
+        self.left_out += strands.follow(self._motion_leg, self.leg, panels, begin_own_leg, legs)
 
     def _sum_over_legs(self, panels: SolvedPanels) -> None:
         """Make the sums over births on these panels, those before the present leg, but for legs left out."""
@@ -164,7 +169,7 @@ class Past:
         if counted.size:
             births_leg = panels.births(self._motion_leg.times[legs] + begin_own_leg)
             self._earlier_legs = EarlierLegs(
-                self._births, self._motion_leg, self._leg, counted, births_leg, self._accuracy
+                self._births, self._motion_leg, self.leg, counted, births_leg, self._accuracy
             )
 
     def _legs_and_begin(self, panels: SolvedPanels) -> tuple[npt.NDArray[np.intp], Array]:
@@ -173,21 +178,24 @@ class Past:
         return legs, panels.births_begin(self._births.motion.times[legs], self._births.delay)
 
     def _legs_of_births(self, panels: SolvedPanels) -> npt.NDArray[np.intp]:
-        """The leg of each panel's births, one delay after its breaks.
+        """The leg of each panel's births, which come one delay after its breaks.
 
-        (1) No panel has births on two legs: `needed` in edges.py ends a panel one delay before each knot. So the middle
-        of its births tells the leg.
-        (2) The middle of the narrowest panels is rounded to where their births begin. Where that is a knot, it belongs
-        to the leg that ends there, and the births to the one that begins. So the leg is not before that of the begin.
+        A panel ends one delay before each turn (`needed` in edges.py), so that all of its births are on one leg, and
+        any of them tells it; that in the middle is the farthest from both ends, and from their rounding.
+
+        The narrowest panels are as wide as times are rounded, though, and the middle is then their begin. If that is a
+        turn, `Motion.leg` says that it belongs to the leg that ends there, but the births come after it. So of the
+        begin is asked which leg begins there or before, and the later one of both is taken.
         """
         motion_path, delay = self._births.motion, self._births.delay
-        of_begin = np.searchsorted(motion_path.times, panels.begin + delay, "right") - 1
-        return np.maximum(motion_path.leg(panels.middle_of_births(delay)), of_begin)
+        leg_of_middle = motion_path.leg(panels.middle_of_births(delay))
+        leg_of_begin = np.searchsorted(motion_path.times, panels.begin + delay, "right") - 1
+        return np.maximum(leg_of_middle, leg_of_begin)
 
     def _from_few_times(self, grid_leg: Array, lumps: Sequence[Lump]) -> Sums | None:
         """As `_summed`, interpolated between few of the times; None where that is not tried, or not accurate. Errors of
         the interpolation are smooth, so that no panel shows them: its own estimate alone does."""
-        abs_speed = abs(float(self._motion_leg.speeds[self._leg]))
+        abs_speed = abs(float(self._motion_leg.speeds[self.leg]))
         if self._earlier_legs is None or not self._few.are_tried(grid_leg, abs_speed):
             return None
         summed = self._summed(grid_leg[:, FewTimes.ASKED], lumps)
@@ -214,7 +222,7 @@ class Past:
     def _inside_panels(self, grid_leg: Array) -> Array:
         """The times of a grid, later than the leg's beginning, which belongs to the leg before. Where the births of a
         hold may meet an exact threshold as a panel ends, all at once, they lie a little inside it."""
-        if self._births.life.atoms.size and not self._motion_leg.speeds[: self._leg].all():
+        if self._births.life.atoms.size and not self._motion_leg.speeds[: self.leg].all():
             first, last = grid_leg.min(axis=1, keepdims=True), grid_leg.max(axis=1, keepdims=True)
             inside = INSIDE * (last - first)
             grid_leg = np.clip(grid_leg, first + inside, last - inside)
