@@ -11,6 +11,10 @@ from master.outcome import FaultError
 from origins import Drive
 from origins.thresholds.law import Array
 
+# By how much rounding may put an edge of panels beside the end of a leg: parts of the time to the next edge, and of the
+# time on the path. Edges that are nearer than 1e-12 of the time are one (master/renewal/edges.py).
+SAME_PLACE, ROUNDED_TIME = 1e-6, 1e-11
+
 
 class Legs(NamedTuple):
     """The straight legs between the births of contacts and a later instant; those before a birth have no duration.
@@ -68,6 +72,22 @@ class Motion:
     def leg(self, t: Array | float) -> npt.NDArray[np.intp]:
         """Index of the leg on which t lies; a knot belongs to the leg that it ends."""
         return np.clip(np.searchsorted(self.times, t) - 1, 0, self.speeds.size - 1)
+
+    def legs_between(self, edges: Array, slack: float) -> npt.NDArray[np.intp]:
+        """Index of the leg between each two of these sorted times. FaultError where that is on two legs, by more than
+        the time `slack` and rounding: what breaks there would be counted as if the slider had not turned."""
+        legs = self.leg(0.5 * (edges[:-1] + edges[1:]))
+        rounding = slack + SAME_PLACE * np.diff(edges) + ROUNDED_TIME * np.abs(edges[1:])
+        early, late = self.times[legs] - edges[:-1], edges[1:] - self.times[legs + 1]
+        beyond = np.flatnonzero(np.maximum(early, late) > rounding)
+        if beyond.size:
+            one = int(beyond[0])
+            raise FaultError(
+                f"panels are on two legs: no edge is between t = {edges[one]:.9g} and {edges[one + 1]:.9g}, but leg "
+                f"{legs[one]} (from 0) is from {self.times[legs[one]]:.9g} to {self.times[legs[one] + 1]:.9g}, a fault "
+                "of the program"
+            )
+        return legs
 
     def leg_of_all(self, t: Array) -> int:
         """Index of the leg on which all t lie; the smallest t may be the leg's first knot."""

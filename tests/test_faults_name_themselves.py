@@ -127,6 +127,43 @@ def test_a_leg_that_is_not_entered(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "sums are asked for on leg 1 while leg 0 is entered, a fault" in found.message
 
 
+def test_a_turn_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Panels go on across the turn at the travel 1.5, as if the slider had not turned."""
+    true = rigid.edges
+
+    def without_the_turn(*given):
+        plan = true(*given)
+        return plan._replace(times=plan.times[plan.times != 1.5])
+
+    monkeypatch.setattr(rigid, "edges", without_the_turn)
+    found = master.solve(Contacts(origins.gaussian(1.0, 0.1)), [1.5, 0.5])
+    assert not found.success and found.force_error == np.inf
+    told = "panels are on two legs: no edge is between t = 0 and 2.5, but leg 0 (from 0) is from 0 to 1.5, a fault"
+    assert told in found.message
+
+
+@pytest.mark.parametrize(
+    ("off", "told"),
+    [(-1, r"begin at -0\.\d+ on the clock of their leg"), (1, r"end at 0\.\d+ of leg 1")],
+)
+def test_births_on_a_wrong_leg(monkeypatch: pytest.MonkeyPatch, off: int, told: str) -> None:
+    """A panel too few, or one too many, has its births on the legs before the one after the turn: without a check an
+    answer that was off by 0.18 called itself good to 7e-12."""
+    true = Past._count_before
+
+    def wrong(self, solved):
+        count = true(self, solved)
+        return count + off if count > 0 else 0
+
+    monkeypatch.setattr(Past, "_count_before", wrong)
+    contacts = Contacts(origins.gaussian(1.0, 0.2), delay=Delay(1.5))
+    found = master.solve(contacts, [3.0, 4.0, 5.0, 2.0], tolerance=1e-6)
+    assert not found.success and found.force_error == np.inf
+    assert re.search(
+        "births are on a wrong leg: on the panel that begins at .* they " + told, found.message
+    )
+
+
 @pytest.mark.parametrize(
     ("most", "error", "fault"),
     [

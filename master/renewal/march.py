@@ -110,7 +110,9 @@ class March:
 
     def batches(self) -> Iterator[None]:
         """Solve all panels, yielding after each batch of them."""
-        legs = self.motion.leg(0.5 * (self.edges[:-1] + self.edges[1:]))
+        fastest = int(np.abs(self.motion.speeds).argmax())
+        slack = SAME_BEGIN * self.motion.duration(self.guess, fastest)
+        legs = self.motion.legs_between(self.edges, slack)
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
             leg_start_path = float(self.motion.times[leg])
@@ -221,9 +223,8 @@ class March:
         t_leg = grid_leg.ravel()
         t_path = float(self.motion.times[leg]) + t_leg
         oldest = self._oldest_that_counts(float(t_path.min()), leg)
-        solved = self.solved
+        solved, end = self.solved, self.solved.count - same_width
         first_that_counts = panel_at(solved.begin, oldest)
-        end = solved.count - same_width
         born_on_leg = solved.pick(slice(max(first_that_counts, self._past.first_panel), end))
         both += self.births_on_leg(t_leg, leg, born_on_leg).reshape(both.shape)
         # breaks of all of them may be out, on whatever leg

@@ -173,9 +173,24 @@ class Past:
             )
 
     def _legs_and_begin(self, panels: SolvedPanels) -> tuple[npt.NDArray[np.intp], Array]:
-        """The leg of each panel's births, and when these begin, counted from the beginning of that leg."""
-        legs = self._legs_of_births(panels)
-        return legs, panels.births_begin(self._births.motion.times[legs], self._births.delay)
+        """The leg of each panel's births, and when these begin, counted from the beginning of that leg.
+
+        FaultError where they are not on it, or it is not before the present one: their contacts would count twice or
+        not at all.
+        """
+        motion_path, legs = self._births.motion, self._legs_of_births(panels)
+        begin_own_leg = panels.births_begin(motion_path.times[legs], self._births.delay)
+        end_own_leg = begin_own_leg + panels.width
+        duration = np.diff(motion_path.times)[legs]
+        wrong = np.flatnonzero((legs >= self.leg) | (end_own_leg > duration + panels.beside_leg))
+        if wrong.size:
+            leg, end = legs[wrong[0]], end_own_leg[wrong[0]]
+            raise FaultError(
+                f"births are on a wrong leg: on the panel that begins at t = {panels.begin[wrong[0]]:.9g} of the path "
+                f"they end at {end:.9g} of leg {leg} (from 0), which lasts {duration[wrong[0]]:.9g}, while the slider "
+                f"is on leg {self.leg}, a fault of the program"
+            )
+        return legs, begin_own_leg
 
     def _legs_of_births(self, panels: SolvedPanels) -> npt.NDArray[np.intp]:
         """The leg of each panel's births, which come one delay after its breaks.

@@ -14,6 +14,9 @@ from origins.thresholds.law import Array
 # Parts of a panel's width, and of the time, by which rounding may put the next one beside its end: the controller takes
 # an edge for reached at some 1e-8 of a width before it.
 SAME_PLACE, ROUNDED_TIME = 1e-6, 1e-12
+# Part of the time on the path by which rounding, and edges that are taken as one (edges.py), may put births beside the
+# end of their leg.
+BESIDE_LEG = 1e-11
 
 
 def _none() -> Array:
@@ -95,11 +98,25 @@ class SolvedPanels:
         births are. `leg_begins`: that, a time on the path; one for all panels, or an array with that of each.
 
         The begin of the breaks on that clock is the stored one, with all digits, where they are on the same leg; else a
-        difference of times on the path, below 0. The delay is added to both.
+        difference of times on the path, below 0. The delay is added to both. FaultError where births come before their
+        leg: their contacts would count as born where the slider is on it.
         """
         broken_on_same_leg = self.begin >= leg_begins
         breaks_begin = np.where(broken_on_same_leg, self.begin_own_leg, self.begin - leg_begins)
-        return breaks_begin + delay
+        births_begin = breaks_begin + delay
+        early = np.flatnonzero(births_begin < -self.beside_leg)
+        if early.size:
+            panel = early[0]
+            raise FaultError(
+                f"births are on a wrong leg: on the panel that begins at t = {self.begin[panel]:.9g} of the path they "
+                f"begin at {births_begin[panel]:.9g} on the clock of their leg, a fault of the program"
+            )
+        return births_begin
+
+    @property
+    def beside_leg(self) -> float:
+        """Time by which rounding may put births beside the end of their leg."""
+        return SAME_PLACE * float(self.width.max(initial=0.0)) + BESIDE_LEG * self.end
 
     def births(self, begin: Array) -> BirthPanels:
         """Their births, which begin at these times. FaultError where those of a panel begin before those of the panel
