@@ -406,6 +406,10 @@ def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
     small, other = (found[name]["critical_spring_newtons"] for name in ("small", "large"))
     assert other == pytest.approx(1e3 * small, rel=1e-12)
     law = toolkit.load_scene(files[0]).contacts.interface
+    newtons = law.friction_coefficient * law.pressure * 1e-6
+    assert found["small"]["kinetic_force_newtons"] == pytest.approx(newtons, rel=1e-6)
+    assert "F_k (N)" in lines[0]
+    assert "kinetic_force_newtons [N]" in Path("both/compare.csv").read_text().splitlines()[0]
     each = 1e-6 * law.contact_density * law.mean_stiffness
     assert small == pytest.approx(each * found["small"]["critical_spring"], rel=1e-12)
     bare = write("bare", thresholds=ROUGH, drive={"to": 1e-7, "points": 3})
@@ -413,9 +417,10 @@ def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
     # the same law twice: what leaves its order undecided is the first line, the table's head is after it
     assert lines[0].startswith("order undecided between bare and small") and "GN/m³" in lines[0]
     page = "\n".join(lines)
-    assert "K* (N/m³)" in page and "give each drive.area" in page
+    assert "K* (N/m³)" in page and "F_k (Pa)" in page and "give each drive.area" in page
     own = {one["name"]: one for one in read("third/compare.json")["scenes"]}
     assert "critical_spring_newtons" not in own["bare"]
+    assert own["bare"]["kinetic_stress"] == pytest.approx(1e6 * newtons, rel=1e-6)
     per_area = own["bare"]["critical_spring_per_area"]
     assert per_area == pytest.approx(1e6 * small, rel=1e-12)
 

@@ -29,6 +29,8 @@ SHOWN = ("onset_power", *PROPENSITY, "kinetic_force", "friction_coefficient")
 # the names in a file of K* in each unit
 SPRINGS = {"N/m": "critical_spring_newtons", "N/m³": "critical_spring_per_area"}
 SPRINGS |= {SHARED: "critical_spring"}
+# those of F_k, by the units of K* that go with them
+FORCES = {"N/m": "kinetic_force_newtons", "N/m³": "kinetic_stress"}
 
 
 @dataclass(frozen=True)
@@ -214,6 +216,10 @@ def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Re
     for area in (scene.area, None):
         scale = scale_of(contacts, area)
         springs[scale.spring_unit] = scale.spring
+        if (kinetic := FORCES.get(scale.spring_unit)) is not None:
+            factor, own = scale.force * unit, numbers["kinetic_force"]
+            error = None if own.error is None else own.error * factor
+            numbers[kinetic] = Number(own.value * factor, error, scale.force_unit)
     if smoothed := of_smoothing(contacts.thresholds):
         numbers["critical_spring"] = Number(np.nan, None, "")
     critical = numbers["critical_spring"]

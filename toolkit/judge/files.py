@@ -51,6 +51,7 @@ def comparison_rows(scenes: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]
     units = {"critical_spring": "N_c<k>", "mean_threshold": "unit", "run_time": "s"}
     units |= {"kinetic_force": "<x_s>", "decoherence_length": "<x_s>"}
     units |= {"critical_spring_newtons": "N/m", "critical_spring_per_area": "N/m³"}
+    units |= {"kinetic_force_newtons": "N", "kinetic_stress": "Pa"}
     units |= {f"{name}_error": unit for name, unit in units.items()}
     plain = [
         {name: value for name, value in scene.items() if not isinstance(value, list | tuple | dict)}

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolkit.judge.compare import SHOWN, SPRINGS, Verdict, common_unit
+from toolkit.judge.compare import FORCES, SHOWN, SPRINGS, Verdict, common_unit
 from toolkit.judge.describe import RESAMPLES, onset_in_words
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.scale import SHARED, guarded
@@ -22,8 +22,10 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
     readings; then notes, and run times."""
     heads, unit, names = _HEADS.split(","), common_unit(verdicts), list(SHOWN)
     if unit != SHARED:
-        heads.insert(heads.index("EQ at the peak"), f"K* ({unit})")
-        names.append(SPRINGS[unit])
+        force = "N" if unit == "N/m" else "Pa"
+        at = heads.index("EQ at the peak")
+        heads[at:at] = [f"K* ({unit})", f"F_k ({force})"]
+        names += [SPRINGS[unit], FORCES[unit]]
     rows, notes, times = [["", "scene", *heads]], dict[str, list[str]](), list[str]()
     for rank, verdict in enumerate(verdicts, start=1):
         own, ranges = [*verdict.conditions, *verdict.cautions], list[str]()
