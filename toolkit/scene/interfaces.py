@@ -13,7 +13,7 @@ from origins.roughness.stated import InSI
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
-from toolkit.scene.scale import length_unit_of, of_contacts, of_stretch, of_units
+from toolkit.scene.scale import length_unit_of, of_contacts, of_stretch, of_units, written
 from toolkit.scene.scene import Scene
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
@@ -82,7 +82,7 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
     return (
         f"{value['contact_density']:.3g} contacts/m², <k> = {value['mean_stiffness']:.3g} N/m, area of contact "
         f"{value['area_fraction']:.2%}; F_k/load = {value['friction_coefficient']:.3g}, "
-        f"{value['kinetic_stress']:.3g} Pa under {value['pressure']:.3g} Pa"
+        f"{written(value['kinetic_stress'], 'Pa')} under {written(value['pressure'], 'Pa')}"
     )
 
 
