@@ -102,6 +102,21 @@ def test_si_units_of_a_surface_and_the_ensemble() -> None:
     assert found.units["kinetic_force_newtons"] == "N" and (found["eq_last_force"] > 0.0).all()
 
 
+def test_the_number_of_contacts_decides_of_a_sweep_too() -> None:
+    """Smooth sliding of infinitely many contacts is told as that where the area holds too few, and sliders of few
+    contacts that slip beside it make the point one that is not as asked."""
+    drive = {"spring": "1 N/m", "area": 1e-9, "to": 4e-7, "points": 41}
+    springs = {"drive.spring": {"from": 3e3, "to": 1e7, "points": 2, "unit": "N/m"}}
+    eq = {"contacts": 2000, "replicas": 2, "seed": 1}
+    alone: Any = toolkit.run(scene(ROUGH, drive=drive, sweep=springs)).sweep
+    both: Any = toolkit.run(scene(ROUGH, drive=drive, eq=eq, sweep=springs)).sweep
+    told = ["smooth for infinitely many contacts only", "smooth"]
+    assert alone["regime"].tolist() == both["regime"].tolist() == told and alone.success
+    assert both["eq_slips_a_slider"][0] > 0.0 == both["eq_slips_a_slider"][1]
+    assert not both.success and both["message"][1] == ""
+    assert both["message"][0].startswith('disagree: infinitely many contacts are "smooth"')
+
+
 def test_a_point_that_is_refused_keeps_its_row(capsys: Any) -> None:
     file = write(thresholds=WIDE, drive=DRIVE, sweep={"contacts.thresholds.std": [0.1, -1.0]})
     status, _, err = said(capsys, "run", file)

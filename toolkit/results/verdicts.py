@@ -15,13 +15,17 @@ FOLLOWED, LEAST_DISTANCE = 1e10, 100.0
 
 
 def contradiction(result: Result) -> str:
-    """How the ensemble contradicts the master equation's verdict, in words that begin with "disagree"; "" where it does
-    not, or where one of them is missing.
+    """As `disagreement`, of both solvers of a run."""
+    return disagreement(result.master, result.eq)
+
+
+def disagreement(solved: Any, eq: Any) -> str:
+    """How the ensemble `eq` contradicts the verdict of the master equation's answer, in words that begin with
+    "disagree"; "" where it does not, or where one of them is missing.
 
     Smooth sliding is contradicted by any slip of the ensemble. Stick-slip is where no slider slips on a path on which
     the master equation has two slips or more: a single one may come later than the path's end, as N contacts slip late.
     """
-    solved, eq = result.master, result.eq
     if solved is None or solved.regime is None or eq is None or not is_coupled(eq):
         return ""
     number, slipped = len(eq.forces), np.unique(eq.slips.replica).size
@@ -58,15 +62,23 @@ def with_units(scene: Scene, regime: Any) -> str:
     return f"K = {spring}, K* = {critical}; {reason}"
 
 
+def of_infinitely_many(scene: Scene, regime: Any) -> bool:
+    """Whether sliding is smooth for infinitely many contacts only, as the nominal area holds too few: N K³, K in
+    N_c<k>, is below some 50 (docs/sliders.md)."""
+    scale, spring = scene.scale, scene.drive.spring or 0.0
+    few = scale.contacts is not None and scale.contacts * spring**3 < 50.0
+    return few and scale.spring_unit != SHARED and regime.verdict == "smooth"
+
+
 def _of_so_many(scene: Scene, regime: Any) -> str:
     """What to add to the reason of a soft slider's regime: that the nominal area holds too few contacts for smooth
-    sliding (docs/sliders.md: N K^3 below some 50), or that the spring may be meant in N/m."""
+    sliding, or that the spring may be meant in N/m."""
     spring, scale = scene.drive.spring or 0.0, scene.scale
     critical, smooth = regime.critical_spring, regime.verdict == "smooth"
     if scene.contacts.interface is None and smooth and spring > 10.0 * max(critical, 1.0):
         return "; spring is in units of N_c<k>; in N/m of a surface, or with [contacts.interface]"
     number = scale.contacts
-    if scale.spring_unit == SHARED or number is None or not smooth or number * spring**3 >= 50.0:
+    if number is None or not of_infinitely_many(scene, regime):
         return ""
     said = f"; smooth only for infinitely many contacts: the area holds {number:.3g}"
     return said if scene.contacts.held_in_time else said + _how_to_follow(scene, number)

@@ -7,6 +7,7 @@ import numpy as np
 
 from origins.errors import InputError
 from toolkit.results.kinds import is_coupled, is_precise
+from toolkit.results.verdicts import disagreement, of_infinitely_many
 from toolkit.running.solvers import follow, make_ensemble, solve_master
 from toolkit.scene.scene import Scene, Source, checked
 
@@ -28,10 +29,15 @@ def solve_point(
             Source(name, text, tables, Path(folder)), bool({"master", "eq"} & set(tables))
         )
         columns = {**_sliding(scene, springs)}
+        solved = eq = None
         if scene.master is not None:
-            columns |= _by_master(scene)
+            solved, found = _by_master(scene)
+            columns |= found
         if scene.eq is not None:
-            columns |= _by_ensemble(scene)
+            eq, found = _by_ensemble(scene)
+            columns |= found
+        if apart := disagreement(solved, eq):
+            columns["message"] = Column(apart)
     except InputError as error:
         return {"message": Column(str(error))}
     columns["message"] = columns.pop("message", Column(""))  # the last
@@ -74,8 +80,8 @@ def _sliding(scene: Scene, springs: bool) -> dict[str, Column]:
     return found | {"message": Column("; ".join(missed))}
 
 
-def _by_master(scene: Scene) -> dict[str, Column]:
-    """The force along the drive, and of a slider on a spring its regime and its slips."""
+def _by_master(scene: Scene) -> tuple[Any, dict[str, Column]]:
+    """The answer, and the force along the drive, and of a slider on a spring its regime and its slips."""
     tolerance: Any = scene.master
     solved = solve_master(scene, tolerance.tolerance)
     unit, mean = scene.scale.length_unit, scene.contacts.mean_threshold
@@ -84,7 +90,10 @@ def _by_master(scene: Scene) -> dict[str, Column]:
     found["force_error"] = Column(solved.force_error * mean, unit)
     if solved.regime is not None:
         slips: Any = solved.slips
-        found["regime"] = Column(solved.regime.verdict)
+        only = of_infinitely_many(scene, solved.regime)
+        found["regime"] = Column(
+            f"{solved.regime.verdict}{' for infinitely many contacts only' * only}"
+        )
         answered = is_precise(solved)
         found["slips"] = Column(slips.drive.size if answered else np.nan)
         period = solved.period if answered else None
@@ -93,12 +102,12 @@ def _by_master(scene: Scene) -> dict[str, Column]:
             usable = answered and slips.drive.size
             last = float(getattr(slips, name)[slips.main[-1]]) if usable else np.nan
             found[f"{name}_slip"] = Column(last, unit)
-    return found if solved.success else found | {"message": Column(solved.message)}
+    return solved, found if solved.success else found | {"message": Column(solved.message)}
 
 
-def _by_ensemble(scene: Scene) -> dict[str, Column]:
-    """The ensemble's force at the end of the drive with its standard error; of sliders on a spring their slips, and by
-    how much the spring's force swings over the last quarter of the path's points."""
+def _by_ensemble(scene: Scene) -> tuple[Any, dict[str, Column]]:
+    """The answer, and the ensemble's force at the end of the drive with its standard error; of sliders on a spring
+    their slips, and by how much the spring's force swings over the last quarter of the path's points."""
     asked: Any = scene.eq
     found: Any = follow(make_ensemble(scene, asked, None))
     unit = scene.scale.length_unit
@@ -115,4 +124,4 @@ def _by_ensemble(scene: Scene) -> dict[str, Column]:
         columns["eq_force_before_slip"] = Column(
             float(before.mean()) if len(before) else np.nan, unit
         )
-    return columns if found.success else columns | {"message": Column(found.message)}
+    return found, columns if found.success else columns | {"message": Column(found.message)}
