@@ -17,8 +17,10 @@ def brief(record: Any) -> str:
 
 
 def _short(value: object) -> str:
-    """One field in a few words: of a long array its shape and range, of a mapping its keys, of other values their
-    repr."""
+    """One field in a few words: of a long array its shape and range, also in a tuple, of a mapping its keys, of other
+    values their repr."""
+    if type(value) is tuple:
+        return f"({', '.join(map(_short, value))})"
     if isinstance(value, list):
         return f"<{len(value)}>" if value else "<none>"
     if isinstance(value, np.ndarray) and value.size > _FEW:

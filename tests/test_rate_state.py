@@ -620,6 +620,7 @@ def test_an_answer_without_its_smaller_steps_is_no_success() -> None:
     early = list[Any]()
     found = master.rate_state(contacts, decades=0, known=lambda so_far: early.append(so_far()))
     assert found.success and np.isfinite(found.critical_spring_solved_error)
+    assert "law_steps=(<" in repr(found) and len(repr(found)) < 2500  # of 1,310 points each
     (first,) = early
     assert not first.success and first.message.startswith("interrupted")
     assert first.a.value == pytest.approx(found.a.value, abs=1e-3 * abs(found.b.value))

@@ -53,6 +53,8 @@ class SpeedScan:
     a_minus_b: Array
     slip_distance: Array
 
+    __repr__ = brief
+
     @classmethod
     def of(cls, speeds: Array, own: Reading) -> Self:
         """NaN but at the middle one of the speeds, whose reading this is."""
