@@ -15,6 +15,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import signal
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ import master
 import origins
 from toolkit.command import main
 from toolkit.judge.closed_form import closed_form
-from toolkit.stability.case import SIGMAS, Answer, Question, Row, Truth
+from toolkit.stability.case import SIGMAS, Answer, Case, Question, Row, Truth
 from toolkit.stability.cohorts import by_cohorts
 from toolkit.stability.coverage import as_lines, coverage
 from toolkit.stability.diffusing import aged_lives
@@ -274,6 +275,28 @@ def test_drawn_cases_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert sum("tighter" not in road for road, _ in roads) >= 7
     assert not [kind for road, kind in roads if road.endswith("tighter tolerance")]
     assert "errors within 3 standard errors; 99.7 ± " in page
+
+
+def test_an_interrupted_coverage_holds_what_is_known(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A signal comes with the third case: the answers to two are written, and said to be no more."""
+
+    def until_the_signal(seed: int, number: int) -> Case:
+        if number == 2:
+            signal.raise_signal(signal.SIGINT)
+        return drawn(seed, number)
+
+    monkeypatch.setattr("toolkit.stability.coverage.drawn", until_the_signal)
+    folder = tmp_path / "out"
+    assert main(["precision", "--coverage", "--out", str(folder)]) == 130
+    kept = json.loads((folder / "coverage.json").read_text())
+    known = len(kept["rows"])
+    assert kept["interrupted"] and kept["held"] == kept["master_cases"] == 2
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last == f"mesofriction: interrupted; the {known} answers so far are written to {folder}"
+    lines = (folder / "coverage.txt").read_text().splitlines()
+    assert lines[-1] == f"interrupted after {known} answers"
 
 
 def test_what_rounded_positions_do_not_allow_is_missed_at_once() -> None:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,12 @@ def swept(**more: Any) -> dict[str, Any]:
 def columns(record: Any) -> str:
     """All columns with all digits, as text, in which nan equals nan."""
     return json.dumps([column.tolist() for column in record.columns.values()])
+
+
+@cache
+def alone() -> str:
+    """Those of the sweep in one process."""
+    return columns(toolkit.run(swept()).sweep)
 
 
 def test_a_point_is_the_scene_with_its_values(capsys: Any) -> None:
@@ -153,7 +160,7 @@ def test_finished_points_survive_an_interrupt(monkeypatch: Any, capsys: Any) -> 
 
 
 def test_processes_give_the_same_numbers(monkeypatch: Any) -> None:
-    here = columns(toolkit.run(swept()).sweep)
+    here = alone()
     monkeypatch.setattr(points, "WORTH", 0.0)
     monkeypatch.setattr(points, "cores_of", lambda comm: 2)
     assert columns(toolkit.run(swept()).sweep) == here
@@ -222,9 +229,8 @@ def test_ranks_share_the_points_and_find_the_same(mpirun: Any) -> None:
     done = mpirun(2, RANKS)
     assert done.returncode == 0, done.stderr
     told = [json.loads(line) for line in done.stdout.splitlines()]
-    alone = columns(toolkit.run("mine.toml").sweep)
     assert len(told) == 2 and sorted(own[0] for own in told) == [3, 3]
-    assert all(json.dumps(own[1]) == alone for own in told)
+    assert all(json.dumps(own[1]) == alone() for own in told)
 
 
 RANKS = """

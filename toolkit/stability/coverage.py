@@ -64,20 +64,18 @@ class Coverage:
         )
 
 
-def ask(cases: int, seed: int, count: Callable[[int, int], None]) -> list[Row]:
-    """The rows of so many drawn cases; `count` is told how many are done, and of how many.
+def ask(cases: int, seed: int, found: list[Row], count: Callable[[int, int], None]) -> None:
+    """Add the rows of so many drawn cases to `found`; `count` is told how many are done, and of how many.
 
     The master equation is held over the path, the ensemble at one of its points, so that each of its rows is an error
     by itself. Where few contacts have broken the ensemble has none.
     """
-    found = list[Row]()
     for number in range(cases):
         case = drawn(seed, number)
         found += answered(case)
         if "spring" not in case.drive:  # whose contacts depend on each other
             found += answered(_ensemble(case, seed + number))
         count(number + 1, cases)
-    return found
 
 
 def _ensemble(case: Case, seed: int) -> Question:

@@ -66,15 +66,28 @@ def report_coverage(
     cases: int, seed: int, folder: str, say: Say, formats: Sequence[str] = ()
 ) -> Coverage:
     """How often error bars hold the true error, over so many drawn cases; what there is to tell is given to `say`.
-    Writes coverage.txt, .csv, .json and .png as above. Raises InputError."""
+    Writes coverage.txt, .csv, .json and .png as above, of an interrupted run of those known, too. Raises InputError."""
     check_folder(folder)
-    with closing(Progress("coverage", "cases")) as bar:
-        rows = ask(cases, seed, bar.count)
-    lines, found = as_lines(rows), coverage(rows)
+    rows = list[Row]()
+
+    def write(lines: list[str], more: Mapping[str, Any]) -> None:
+        numbers = {"cases": cases, "seed": seed, **more, **plain_coverage(coverage(rows))}
+        _save(folder, "coverage", draw_table(rows, "Drawn cases"), lines, rows, numbers, formats)
+
+    try:
+        with closing(Progress("coverage", "cases")) as bar:
+            ask(cases, seed, rows, bar.count)
+    except (KeyboardInterrupt, Terminated) as stop:
+        if rows:
+            write(
+                [*as_lines(rows), f"interrupted after {len(rows)} answers"], {"interrupted": True}
+            )
+            stop.add_note(f"the {len(rows)} answers so far are written to {folder}")
+        raise
+    lines = as_lines(rows)
     say("\n".join(lines))
-    numbers = {"cases": cases, "seed": seed, **plain_coverage(found)}
-    _save(folder, "coverage", draw_table(rows, "Drawn cases"), lines, rows, numbers, formats)
-    return found
+    write(lines, {})
+    return coverage(rows)
 
 
 def _save(
