@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -938,6 +939,36 @@ def test_a_step_that_is_not_what_its_trial_told_names_itself(
     monkeypatch.setattr(ContactsInSteps, "trial", wrong)
     found = master.solve(CASES["delay"], [1.0], 1e-3, velocity=VELOCITY, spring=SPRING)
     assert not found.success and "a step is not what its trial told: after t = " in found.message
+
+
+SLIPS: dict[str, Any] = {"spring": 0.3, "slip": "reform-after", "velocity": 1.0}
+
+
+def test_a_step_beyond_a_jump_of_births_names_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sections go on where births are due: after a slip all contacts stayed out, and F was told to 7e-4."""
+    assert master.solve(CASES["delay"], [4.0], 3e-3, **SLIPS).success
+    begin, slide = Slider._begin_section, Slider._slide
+    monkeypatch.setattr(Slider, "_begin_section", lambda self, leg, end: begin(self, leg, 4.0))
+    monkeypatch.setattr(Slider, "_slide", lambda self, end: slide(self, 4.0))
+    found = master.solve(CASES["delay"], [4.0], 3e-3, **SLIPS)
+    assert not found.success and re.search(
+        r"a step goes to t = .*, beyond t = 0.25, where births jump or bend, a fault", found.message
+    )
+
+
+def test_a_repeated_stick_that_does_not_begin_with_new_contacts_names_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without its first section, along which nothing is born yet: slips came too often, by a delay each."""
+    true = Slider._remember_if_new
+
+    def without_the_first(self: Slider, since: int | None) -> None:
+        true(self, None if since is None else since + 1)
+
+    monkeypatch.setattr(Slider, "_remember_if_new", without_the_first)
+    contacts = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e-3), delay=Delay(0.25))
+    found = master.solve(contacts, [16.0], 3e-3, **{**SLIPS, "slip": "reset"})
+    assert not found.success and "but new contacts have F = 0, a fault" in found.message
 
 
 def test_a_slip_that_leaves_no_contact_keeps_all_out_for_their_delay() -> None:

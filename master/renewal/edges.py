@@ -159,23 +159,28 @@ class _Kinks:
                 found.append(Kink(time - delay, SMOOTHER * SMOOTHER, needed=True))
         return found
 
-    def broken(self, birth: float, size: float, law: Start) -> Iterator[Kink]:
-        """Kinks when contacts meet bends, if their births at the time `birth` have a jump or bend of this size.
-        At a jump of P_c breaks are one order smoother; at an exact threshold they are as sharp, times the share of the
-        contacts that have it."""
+    def broken(self, birth: float, size: float, law: Start) -> list[Kink]:
+        """Kinks when contacts meet bends, if their births at the time `birth` have a jump or bend of this size; those
+        after `continued_from`."""
         moved = abs(self._continued_at - float(self.motion.at(np.array(birth))))
         if birth < self.continued_from and moved > self._farthest + max(map(abs, law.span)):
-            return
-        # the ends of a narrow law are like a jump
+            return []  # none holds any more
+        # the ends of a narrow law of stretches are like a jump of it
         is_narrow = np.ptp(law.span) < NARROW * self.life.largest_stretch
-        has_atoms = self.life.atoms.size > 0
+        found = list[Kink]()
         for stretch in np.union1d(law.breakpoints, law.span if is_narrow else []).tolist():
             for time, bend in passings(self.motion, birth, stretch, self._bends):
                 if time > self.continued_from + self.close(time):
-                    # 0 at other bends and for nan. It is asked some 400 times of the bins of a histogram, which have
-                    # no atoms: a survival each time would be most of the cost of their edges
-                    exact = self.life.atom_fraction(bend, stretch) if has_atoms else 0.0
-                    yield Kink(time, size * (exact or SMOOTHER))
+                    found.append(Kink(time, size * self._sharpness(bend, stretch)))
+        return found
+
+    def _sharpness(self, bend: float, stretch: float) -> float:
+        """How sharp breaks are where contacts meet a bend, or pass their largest |x| (`bend` is nan), in the kink of
+        their births. They are one order smoother, also at a jump of P_c; but as sharp at an exact threshold, times the
+        share of the contacts, born at this stretch, that have it."""
+        if not self.life.atoms.size:
+            return SMOOTHER  # without a survival for each of the bins of a histogram, of which there are hundreds
+        return self.life.atom_fraction(bend, stretch) or SMOOTHER
 
     def following(self, first: Sequence[Kink], least: float) -> Iterator[Kink]:
         """All kinks, in the order of time, of a size above the least: the first ones, and those that follow.

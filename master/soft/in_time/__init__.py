@@ -1,5 +1,36 @@
 """Soft sliders in steps of time: heat, ageing, thresholds that grow, delay; re-forming backward and turns.
 
+A drive at X_T(t) pulls the slider at X by a spring; contacts pull it back by F, which depends on the motion so far. At
+each time forces balance, and the number of contacts is conserved:
+
+    K (X_T - X) = F,        [share that holds] + [share that is out] = 1.
+
+Files, to be read in this order; of each the equation that it is about. The first five carry the method.
+
+    groups.py        contacts born together at a stretch      F = sum over groups of weight * [force of one]
+    breaks.py        births follow from breaks                J(t) = B(t - delay)
+    contacts.py      where a step leads all contacts          kept + survival (J - J_0) + B - J = 1, and so B, J, F
+    steps.py         a step at whose end forces balance       I = K (X_T - X) - F = 0 for its part in time τ
+    slider.py        step by step, and slip after slip        from one section of the drive to the next
+    slip_begins.py   no longer step takes more time           dτ/ds = 0
+    slip_ends.py     the next balance in no time              K (X_T - X) = F at one X_T
+    decohered.py     what long slips lead to                  stretches are distributed by S(x)/<x_s>
+    creep.py         on to the path's end without steps       K (X_T - X) = F_k(V)
+    refining.py      all of this with steps 1, 1/2, 1/4 ...   until the error is within the tolerance
+    answer/          the limit of steps 0, and its error      F = F_2 + (F_2 - F_1)/3 of the last two
+    unresolved.py    errors that finer steps do not show
+
+How many of a group still hold is the part of its memory, one of these:
+
+    memory.py            thresholds that stay, without heat         S(largest |x|), S the survival function of x_s
+    threshold_cells.py   the same with heat                         mean over x_s of e^-A, A = integral of h dt
+    changing.py          thresholds that grow; those that age       e^-H, H the largest hazard so far; sum over cells
+    cells.py             the density of thresholds that age         du/dt = d/dy [(D U' + d|x|/dt) u + D du/dy] - h u
+    idle_heat.py         heat that is too weak for steps to see
+
+`cells_kernel.py` and `threshold_cells_kernel.py` are what numba compiles of these. A plain twin of all, in one page, is
+`tests/plain_in_time.py`: who reads that first knows what is computed here.
+
 State (`ContactsInSteps`): X, the time, and contacts in groups that were born together at one stretch. A group is a
 stretch x, its largest |x| so far, a weight (the share of all contacts born in it), and a record, the numbers by which a
 `Memory` tells which share of it still holds: none where contacts break only at thresholds that stay, integrals of their
@@ -21,37 +52,28 @@ A slip begins where a longer step would end earlier: the spring then pulls more 
 contacts form again on the way ("instant"), after it ("reform-after"), or whether all are replaced ("reset")
 (`slip_ends.py`). With a delay "instant" is "reform-after": a slip takes no time, so that no delay ends in it. Steps go
 from one to the next section of the drive's motion, which end where it turns, changes speed or holds, where births jump
-a delay after such an instant, and at slips (`Slider`). What follows on a slip that leaves all contacts new
-is solved once on a leg of the drive.
+a delay after such an instant, and at slips (`Slider`). After each slip that leaves all contacts new the slider does the
+same again, as long as the drive keeps its speed: that is solved once (`Slider._repeat_while_new`).
 
 Order of calls: `solve_soft` (soft/solution.py); `refined`, which for each halving makes a Memory and the contacts, and
-calls `Slider.run`; there, at each begin of a section, `Slider._begin_section`, which lets all begin anew that remember
-steps; then for each step `SlipBegins.up_to_slip`, which asks for many trials, and `ContactsInSteps.take` of the one
-that is chosen. Only `take` and what a slip does change the contacts. In a slip contacts are changed first, and X, or
-the slip's list, follows from their force.
+calls `Slider.run`; there, at each begin of a section, `Slider._begin_section`, behind which nothing is drawn through
+steps before it; then for each step `SlipBegins.up_to_slip`, which asks for many trials, and `ContactsInSteps.take` of
+the one that is chosen. Only `take` and what a slip does change the contacts. In a slip contacts are changed first; X,
+or the slip's list, follows from their force.
 
 Clocks: all times here are on the path, from t = 0 on, `ContactsInSteps.now` and ends of trials, too (legs of a rigid
 slider have clocks of their own, those of a soft one have not). Sizes (`Node.sizes_so_far`) and steps of time
 (`StepCount`) are counted from the begin of a section; breaks and births from t = 0 or the last slip that replaced all
 contacts.
 
-Signs: `Trial.travel`, X, F and stretches have that of X. Along the slider's motion (`Steps.sign`), which is that of the
-drive or, where it creeps the other way, of the spring's pull, are counted sizes, `Steps.travelled`, imbalances, and all
-of `SlipSoFar`.
+Signs: X, F, stretches and `Trial.travel` are above 0 along X. Sizes, `Steps.travelled`, imbalances and all of
+`SlipSoFar` are above 0 along the slider's motion, whose sign is `Steps.sign`: that of the drive, or that of the
+spring's pull where the slider creeps the other way.
 
 Refinement (`refined`): the whole path is solved with steps, and the meshes of records, halved each time. Errors fall as
 the square of the steps: three solutions with as many slips give the limit, and an error from their changes, to which
 those of the memory, rounding and what steps cannot resolve (`Unresolved`) are added (`extrapolated`). Where that is
 above the tolerance the message names the largest of these parts (`Followed.why_above`).
-
-In reading order: `refining.py`, `slider.py`, `steps.py`, `slip_begins.py`, `slip_ends.py`, `decohered.py` (where a long
-slip leads to), `contacts.py`, `groups.py`, `breaks.py`, `unresolved.py`, the folder `answer` (what three sliders tell,
-and how well), and `creep.py`, by which a slider that creeps on a soft spring goes on to the end of the path without
-steps (`Slider._crept_to_end`).
-Then the memories: `memory.py` (what a memory is, and thresholds that stay), `threshold_cells.py` (integrals of rates at
-the ends of cells, with the compiled sums of `threshold_cells_kernel.py`), `changing.py` for thresholds that change,
-with `cells.py` and the compiled `cells_kernel.py` where they age; and `idle_heat.py`, for heat too weak for steps to
-see. A plain twin: `tests/plain_in_time.py`.
 
 Tests: tests/test_plain_in_time.py for parts by themselves, each memory and the plain twin, in seconds;
 test_soft_laws.py and test_any_spring.py for slips. A delay: test_births_follow_from_the_breaks_one_delay_before, the

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from master.outcome import FaultError
+
 # Nodes of the polynomials through past breaks, of a higher order than the steps, which are of second order.
 NODES = 4
 # A step that is this small beside the one before adds no node: polynomials through both ends would magnify rounding.
@@ -138,6 +140,15 @@ class BreaksInSteps:
         due_at = at + self.delay
         self._to_repeat.append(Jump(len(self._sections) - 1, at, due_at))
         self.pending[due_at] = self.pending.get(due_at, 0.0) + after - before
+
+    def check_none_is_passed(self, end: float) -> None:
+        """FaultError where a step to the time `end` goes beyond one that is pending, at which its section ends: births
+        would stay what they were there, and contacts out for good."""
+        due = min(self.pending, default=np.inf)
+        if end > due:
+            raise FaultError(
+                f"a step goes to t = {end:.9g}, beyond t = {due:.9g}, where births jump or bend, a fault of the program"
+            )
 
     def take_due(self, now: float) -> float:
         """The fraction that is born at once now, which is pending no longer.

@@ -149,9 +149,9 @@ class ContactsInSteps:
             kept + survival (J - J_0) + B - J = 1,        J = per_break B + rest,
 
         with `kept` the share of all that hold at its begin and end, and `survival` that of those born in it; so that,
-        with broken_again = 1 - survival,
+        with broken_of_new = 1 - survival,
 
-            B (1 - broken_again per_break) = 1 - kept + survival J_0 + broken_again rest.
+            B (1 - broken_of_new per_break) = 1 - kept + survival J_0 + broken_of_new rest.
 
         In a step that takes no time no delay ends, so that nothing is born; nor in one so fast that contacts break as
         they form, which otherwise would be without end.
@@ -172,7 +172,7 @@ class ContactsInSteps:
             rest = max(rest, self._births) if self.holding and not per_break else rest
         broken_of_new = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - kept + survival * self._births + broken_of_new * rest
-        # 1 - broken_again per_break, in a form that keeps its digits where hardly any of those born hold
+        # 1 - broken_of_new per_break, in a form that keeps its digits where hardly any of those born hold
         breaks /= (1.0 - per_break) + survival * per_break
         new = per_break * breaks + rest - self._births
         force, holding = force_of_kept + force_of_new * new, kept + survival * new

@@ -131,10 +131,11 @@ def halvings_needed(contacts: Contacts, drive: Drive, tolerance: float) -> int:
 
 
 def refuse_long_slides(contacts: Contacts, drive: Drive) -> None:
-    """InputError where a slider under "instant" goes with its drive for longer than the coarsest steps may take.
+    """InputError where a slider under "instant" slides with its drive for longer than the coarsest steps may take.
 
-    Only the way of a slip takes no steps. Heat lets F fall less at higher speeds, so that there is one long slip at
-    most, before X_T = F/K; from relaxed contacts F is at most <x_s^2>/<x_s>, by Lorden's inequality of renewal theory.
+    Each travel of the drive by one step is a step; only the way that the slider goes in a slip takes none. With heat F
+    falls less at higher speeds, so that it slips far once at most, before X_T = F/K. From relaxed contacts F is at most
+    <x_s^2>/<x_s>, by Lorden's inequality of renewal theory: behind X_T = <x_s^2>/(<x_s> K) all of the path takes steps.
     """
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.stiffness == "independent"
     if drive.slip != "instant" or not (relaxed and contacts.laws == ("thermal",) and drive.forward):
@@ -153,11 +154,12 @@ def refuse_long_slides(contacts: Contacts, drive: Drive) -> None:
 
 
 def refuse_long_delays(contacts: Contacts, drive: Drive) -> None:
-    """InputError where slips have no end that can be followed: contacts that broke within a delay of a slip come back
-    one after another, hold the slider, and let it slip again, for as long as the delay.
+    """InputError where slips follow each other too fast: contacts that broke shortly before a slip come back one after
+    another behind it, hold the slider, and let it slip again, for as long as the delay.
 
-    From relaxed contacts the first slip comes before X_T = <x_s^2>/(<x_s> K), see above, if F' = 1 - X P_c(X), without
-    second breaks, falls below -K.
+    From relaxed contacts F(X) begins as the force of those that have not broken, X S(X), plus that of those born since,
+    so that F' is 1 - X P_c(X) as long as none breaks twice. If that falls below -K, the first slip comes before
+    X_T = <x_s^2>/(<x_s> K), as in `refuse_long_slides`.
     """
     law, spring, unit = contacts.thresholds, float(drive.spring or 0.0), contacts.mean_threshold
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.stiffness == "independent"

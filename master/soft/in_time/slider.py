@@ -6,7 +6,7 @@ import numpy as np
 
 from master.motion import Motion
 from master.outcome import FaultError, StoppedError
-from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
+from master.soft.in_time.contacts import MOST_STEPS, UNACCOUNTED, ContactsInSteps
 from master.soft.in_time.creep import Creep
 from master.soft.in_time.decohered import Decohered
 from master.soft.in_time.slip_begins import SlipBegins
@@ -41,10 +41,10 @@ class Slider:
     motion, spring : of the drive, None where it does not move; and K/(N_c <k>)
     sections : nodes of each smooth section
     needed : halvings without which the tolerance is not met
-    least_drop : change of F (a length) below which a slip is not listed, but counted as an error of F: after a slip the
-        few contacts that come back first hold a soft spring for a moment and slip, as often as steps happen to fall
-    creep : how it goes on once its speed changes slowly; None where that is not known
-    creeps_from : the time from which on it does; None: not at all
+    least_drop : change of F (a length) below which a slip is not listed, but counted as an error of F. After a slip the
+        first contacts that come back hold a soft spring for a moment, and slip: how often depends on where steps end
+    creep : how the slider goes on without steps once its speed changes slowly; None where that is not known
+    creeps_from : the time from which on it goes on so; None where it never does
     decohered : what a long slip under "instant" leads to; None where that is not known
     slips : in order
     """
@@ -66,11 +66,11 @@ class Slider:
         self._halvings_to_come = max(needed - contacts.halvings, 0)
         self._rule, self.spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
-        # share of the contacts of which it is unknown whether they are out as a slip begins; and by what F may be off
-        # for that (a length), the largest of all slips
-        self._unknown_waiting = self._off_by_waiting = 0.0
+        # share of the contacts of which it is unknown whether they are out as a slip begins; and the error of F by that
+        # (a length), the largest of all slips
+        self._unknown_out = self._error_of_delay = 0.0
         self.sections = list[list[Node]]()
-        # the sections of this leg along which new contacts came to a slip that left all contacts new
+        # the sections of this leg from where all contacts were new to a slip that left all contacts new again
         self._stick_and_slip = list[list[Node]]()
         self.slips = list[Slip]()
 
@@ -104,8 +104,11 @@ class Slider:
                     break
 
     def _begin_section(self, leg: int, end: float) -> None:
-        """Begin a section, along which all is smooth up to `end` or to a slip: what is read back or foreseen across its
-        begin would be wrong. So all that remember steps begin anew together, at the time at which contacts are now."""
+        """Begin a section, along which all is smooth up to `end` or to a slip.
+
+        At its begin the motion, breaks or births jump or bend: no polynomial may lead across, nor may the next step be
+        guessed from the last one. So all who keep steps for that begin a new list here, at the present time.
+        """
         self.sections.append([self._node(0.0)])
         self._steps.begin_section(leg, end)  # steps of time are counted from now
         self._search.begin_section()  # no slip is foreseen yet
@@ -128,10 +131,11 @@ class Slider:
                         "leads against the motion, a fault of the program"
                     )
                 taken = max(taken, 0.0)
+                contacts.past_breaks.check_none_is_passed(trial.end)
                 contacts.take(trial, taken)
                 nodes.append(self._node(nodes[-1].sizes_so_far + taken))
         if slips and contacts.delay:
-            self._weigh_waiting(nodes)
+            self._bound_error_of_delay(nodes)
         return slips
 
     def _crept_to_end(self, nodes: list[Node]) -> bool:
@@ -150,39 +154,39 @@ class Slider:
         contacts.now, contacts.force, contacts.position = end.time, end.force, end.position
         return True
 
-    def _weigh_waiting(self, nodes: list[Node]) -> None:
-        """Find by what F may be off as a slip begins, at the last of these nodes, as steps longer than the delay do not
-        tell which contacts are out.
+    def _bound_error_of_delay(self, nodes: list[Node]) -> None:
+        """Bound the error of F as a slip begins, at the last of these nodes, where steps are longer than the delay.
 
-        Such a step takes the rate of breaks as constant. But breaks come ever faster towards a slip: of the births up
-        to its begin a fraction counts as formed too early, as the cubics of past breaks say. Those contacts have been
-        stretched by the travel since the last step that ended a delay before, at most.
+        Such a step takes the rate of breaks as constant, while breaks come ever faster towards a slip: a fraction of
+        the births up to its begin is counted too early. The cubics through all breaks up to there tell how many have
+        really been born. The others are still out, and pull nothing; counted as born they pull by the travel since the
+        last step that ended a delay before, at most.
         """
         contacts = self.contacts
         past, now = contacts.past_breaks, contacts.now
         counted = contacts.holding - 1.0 + past.total
         fraction = abs(counted - past.births_up_to(begin=now, end=now).rest)
         before = next((node for node in reversed(nodes) if node.time <= now - past.delay), nodes[0])
-        self._unknown_waiting = fraction
+        self._unknown_out = fraction
         error = fraction * abs(contacts.position - before.position)
-        self._off_by_waiting = max(self._off_by_waiting, error)
+        self._error_of_delay = max(self._error_of_delay, error)
 
-    def _weigh_waiting_after_slip(self) -> None:
-        """Find the same after a slip without births.
+    def _bound_error_of_delay_after_slip(self) -> None:
+        """Bound the error of F by the same contacts after a slip without births.
 
-        Contacts that hold after the slip pull, and might be those. Where none does, those that come back before the
-        others alone may pull the slider, with the force that the spring gains within a delay at most.
+        If they held as it began, those that still hold pull by a mean threshold at most. Where no contact holds, those
+        that come back before the others may pull the slider alone, with the force that the spring gains in a delay.
         """
         contacts, motion, delay = self.contacts, self.motion, self.contacts.delay
         assert motion is not None
-        error = self._unknown_waiting * contacts.unit
+        error = self._unknown_out * contacts.unit
         if not contacts.holding:
             distance = float(np.ptp(motion.at(np.array([contacts.now, contacts.now + delay]))))
             error = min(error, self.spring * distance)
-        self._off_by_waiting = max(self._off_by_waiting, error)
+        self._error_of_delay = max(self._error_of_delay, error)
 
     def _remember_if_new(self, new_since: int | None) -> None:
-        """Remember the sections since all contacts were new, where the slip at their end has left all of them new."""
+        """Keep the sections since all contacts were new, where the slip at their end has left all of them new again."""
         if new_since is not None and self.contacts.are_new:
             self._stick_and_slip = self.sections[new_since:]
 
@@ -192,6 +196,11 @@ class Slider:
         if not (cycle and contacts.are_new):
             return
         begin, slip = cycle[0][0], cycle[-1][-1]
+        if abs(begin.force - contacts.force) > UNACCOUNTED * contacts.unit:
+            raise FaultError(
+                f"what is repeated from t = {contacts.now:.6g} on began with F = {begin.force:.6g}, but new contacts "
+                f"have F = {contacts.force:.6g}, a fault of the program"
+            )
         steps = sum(len(section) - 1 for section in cycle)
         while slip.time + contacts.now - begin.time < end:
             here = self._node(0.0)
@@ -203,7 +212,7 @@ class Slider:
             self._list_slip(slip.force)
 
     def _stop_if_too_many_steps(self, end: float) -> None:
-        """StoppedError where as many steps for each slip as the last one took would be too many up to this time."""
+        """StoppedError where slips up to a time would take too many steps, if each takes as many as the last one."""
         contacts, two = self.contacts, self.slips[-2:]
         least = LARGE * max((slip.force_before for slip in self.slips), default=0.0)
         large = [slip for slip in two if slip.force_before - slip.force_after > least]
@@ -243,7 +252,7 @@ class Slider:
             contacts.position = drive_position - contacts.force / self.spring
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)
-            self._weigh_waiting_after_slip()
+            self._bound_error_of_delay_after_slip()
         else:
             slip_with_births(contacts, self._steps, self._size, self._decohered)
         self._list_slip(force)
@@ -256,6 +265,6 @@ class Slider:
             contacts.unresolved.note(OF_SMALL_SLIPS, drop, contacts.now)
         else:
             self.slips.append(Slip(contacts.now, load, before, contacts.force))
-        # each slip puts the next one off by as much again
-        error = contacts.memory.safety * self._off_by_waiting * len(self.slips)
+        # the error of one slip delays the next, so that errors add up
+        error = contacts.memory.safety * self._error_of_delay * len(self.slips)
         contacts.unresolved.note(OF_DELAY, error, contacts.now)

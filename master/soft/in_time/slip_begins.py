@@ -68,8 +68,8 @@ ONSET = OnsetControl()
 class SlipBegins:
     """The search for a slip along the steps of smooth sections.
 
-    It keeps the guess with which the search for each balanced step begins. The slope is that of the last step tried.
-    The fraction is what the next step is foreseen to take in time, in `_last_before_exact` what the last one took.
+    It keeps the guess with which the search for each balanced step begins. The slope is that of the last step tried;
+    the fraction of the size that is time is foretold by the last two steps, in `_last_before_exact` by the last one.
 
     shrink : factor on the next step's size: 1 far from slips
     """
@@ -95,11 +95,12 @@ class SlipBegins:
         return root
 
     def _solve_along_motion(self, size: float) -> Root:
-        """The same; where the slider runs against the motion, steps are counted the other way from here on. Up to where
-        the section cuts it, such a step may have a size below 0, and no slip is to be looked for on it.
+        """Solve for the balanced step of this size as `_solve` does; where the slider runs against the motion on it,
+        turn `Steps.sign` round and solve again. Else such a step, cut at the section's end, may have a size below 0,
+        and no slip can be looked for on it.
 
-        A secant may lead to a balance far back, where contacts have broken on the way, and from the other side to the
-        near one, of the first direction: that is looked for once more, from there."""
+        The first balance may have been one far back, beyond contacts that break on the way. The second search then ends
+        at a near one, which lies along the first sign again: hence up to two turns."""
         steps = self._steps
         root = self._solve(size)
         for _ in range(2):

@@ -34,12 +34,12 @@ class StepControl(NamedTuple):
     drive_weight : steps of time in which the slider, stuck to the drive, travels by one step. Below 1 as the slider's
         travel matters more, above 0 as something must count while contacts creep under a slider that hardly moves.
     per_e_fold_of_hold, per_e_fold_of_move : steps of time in which the time since the begin of a section grows by a
-        factor e. While the drive holds they are all there is; while it moves they stand beside the steps of its
-        travel, and need resolve the first changes only.
-    e_folds : of the contacts that hold which break on a step of the size 1 where steps are to resolve breaks; as of
-        fresh contacts that heat breaks at rest, see `Steps.begin_section`.
-    beyond_drive : part of a step up to which the slider may go farther than its drive, see `Steps.longest`
-    back : travel against `Steps.sign`, in the steps of time beside it, from which on it is counted the other way
+        factor e. While the drive holds there are no other steps of time; while it moves they are added to uniform ones,
+        and have to resolve only the first changes.
+    e_folds : ln of the factor by which the number that holds may fall on a step of the size 1: of fresh contacts that
+        heat breaks at rest (`Steps.begin_section`), or of all near a slip (`SlipBegins._resolving_factor`).
+    beyond_drive : least size, in steps, that `Steps.longest` allows, as the slider may go farther than its drive
+    back : a step is solved again with the other sign if it leads against `Steps.sign` by this part of its steps of time
     time_fractions : of a step's size, from the latest on, where a balance before exact thresholds break is looked for
     """
 
@@ -94,8 +94,9 @@ class Guess(NamedTuple):
 class TriedStep(NamedTuple):
     """A step of a chosen size, so much of it time, the rest travel.
 
-    time_part : how much of its size are steps of time. Below 0 the step takes no time, and the imbalance goes on as a
-        straight line: of a balanced step this says that there is no balance from now on, and how far back it would be.
+    time_part : how much of its size are steps of time. No step takes less than none: below 0 the one without time is
+        tried, and from its imbalance a straight line leads on below 0. So each search finds a root, and one below 0
+        says that forces balance at no later time.
     trial : where it leads to
     imbalance : of the forces at its end, see Steps.imbalance (a length)
     """
@@ -162,9 +163,8 @@ class StepCount:
 class Steps:
     """Steps of contacts on one leg of the drive's motion X_T(t), as long as births are smooth.
 
-    `begin_section` comes first, at each begin of a smooth section; `step` gives the balanced step of a size, and
-    changes nothing: taking it is up to the caller. What is learned in one search for the next is in the slope it
-    returns, and SlipBegins keeps it.
+    `begin_section` comes first, at each begin of a smooth section. `step` gives the balanced step of a size and changes
+    nothing: the caller takes it. It also gives the slope of the imbalance, from which SlipBegins searches next.
 
     contacts, spring : whose steps they are, and K/(N_c <k>)
     length : the travel of a step of the size 1 that takes no time (a length)
