@@ -103,7 +103,7 @@ class Move:
     _first : index of the first panel on this move
     _ahead : travel from the end of the panels on, up to which edges are planned
     _kinks : those of the history and of the plan
-    _guess, _widest : the first guess of a panel's width; and the widest one that a slip without births tries
+    _guess : the first guess of a panel's width (a length)
     _steady : the force, once it no longer changes
     _found : the last slip that was found, and the travel after which it is the first: resets repeat one move
     """
@@ -111,7 +111,7 @@ class Move:
     def __init__(self, contacts: ColdContacts, direction: int, loaded: LoadingHistory) -> None:
         self.contacts, self.direction, self.loaded = contacts, direction, loaded
         self._kinks, self._ahead = loaded.kinks, PLANNED * contacts.unit
-        self._guess = self._widest = WIDE * contacts.life.resolution_length
+        self._guess = WIDE * contacts.life.resolution_length
         self._plan(loaded.march, loaded.cut_at, loaded.move_begins_at)
         self._first = self._march.solved.count
         self._steady: SteadyForce | None = None

@@ -7,6 +7,7 @@ import numpy as np
 from master.numerics import polynomials
 from master.renewal.edges import Kink
 from master.renewal.present import TARGETS, Batch
+from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import SlipBegin, SteadyForce
 from master.soft.moves import STILL, LoadingHistory, Move, SlipEnd
 from master.survival.life import NO_SURVIVAL
@@ -21,14 +22,21 @@ PASSED, WORTH_PASSING = 0.9, 2.0
 
 
 class MoveWithoutBirths(Move):
-    """Contacts during a slip in which broken contacts stay out until the slider stops."""
+    """Contacts during a slip in which broken contacts stay out until the slider stops.
 
-    # share of the contacts that hold where the last panel ends, and the force along the motion there (a length)
-    _holding, _force = 1.0, np.inf
-    # load at which the slip ends (a length)
-    _end_load = np.inf
-    # panels that are tried together, as most of the work is the same for one and for many
-    _together = 1
+    _widest : width of the widest panel that is tried next (a length)
+    _together : panels that are tried together, as most of the work is the same for one and for many
+    _holding, _force : share of the contacts that hold where the last panel ends, and the force along the motion there
+        (a length)
+    _end_load : load at which the slip ends (a length)
+    """
+
+    def __init__(self, contacts: ColdContacts, direction: int, loaded: LoadingHistory) -> None:
+        """Before the first panel."""
+        super().__init__(contacts, direction, loaded)
+        self._widest, self._together = self._guess, 1
+        self._holding, self._force = 1.0, np.inf
+        self._end_load = np.inf
 
     def _steady_force(self) -> SteadyForce | None:
         """The force 0, once no contact holds any more."""
