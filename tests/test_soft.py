@@ -17,7 +17,7 @@ import eq_model
 import master
 import origins
 from master.numerics.polynomials import DEGREE
-from master.soft import limit_cycle
+from master.soft import cold_contacts, limit_cycle
 from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.moves import LoadingHistory, Move
@@ -150,7 +150,7 @@ def test_an_error_of_the_force_shifts_the_begin_of_a_slip_as_told():
         series = np.append(force.coef, np.zeros(DEGREE - 2))[None]
         of_force, none = np.array([size]), np.empty(0)
         curve = LoadCurve(
-            np.array([begin]), np.array([width]), series, of_force, of_force, none, spring
+            np.array([begin]), np.array([width]), series, of_force, of_force, none, spring, 1.0
         )
         told = SlipBegin(curve, y, 1.0).begin_error
         # the slope of the load falls by 8 along a travel of 1
@@ -169,7 +169,8 @@ def test_travels_of_loads_are_found_up_to_the_begin_of_a_slip():
         series = force.convert(kind=Legendre, domain=[begin, begin + width]).coef
         series = np.append(series, np.zeros(DEGREE + 1 - series.size))[None]
         error = np.zeros(1)
-        return LoadCurve(np.array([begin]), np.array([width]), series, error, error, none, spring)
+        panel = np.array([begin]), np.array([width])
+        return LoadCurve(*panel, series, error, error, none, spring, 1.0)
 
     y = np.linspace(0.0, 2.0, 81)
     cubic = curve_of(Polynomial([-1.0, 1.0]) ** 3, 0.0, 2.0)
@@ -514,6 +515,25 @@ def test_wall_time_ends_the_making_of_tables(monkeypatch) -> None:
     contacts = origins.Contacts(origins.gaussian(1.0, 0.1), reforming=births)
     monkeypatch.setattr("time.monotonic", lambda: float(next(looks)))
     assert not master.solve(contacts, [1.0], 1e-6, wall_time=1.5).path.size
+
+
+@pytest.mark.parametrize(("law", "spring"), [(origins.gaussian(1.0, 0.2), 0.5), (NARROW, 1.4)])
+def test_the_error_of_ten_thousand_slips_is_known(law, spring, monkeypatch):
+    """It was told as 9e-6 and 1.2e-5. Panels a thousand times coarser show errors that their own claim bounds; errors
+    over hundreds of slips are those of test_reform_after.py."""
+    path = np.linspace(0.0, 1.2e4 * (1.0 + spring) / spring, 400)[1:]
+    fine = solved(origins.Contacts(law), path, spring, "reform-after", 1e-6)
+    assert fine.success and fine.slips.drive.size > 9_500, fine.message
+    # a tenth of the tolerance
+    assert fine.force_error <= 1e-7
+    monkeypatch.setattr(cold_contacts, "OF_PANELS", 1e-1)
+    monkeypatch.setattr(cold_contacts, "FEW_SLIPS", np.inf)
+    coarse = solved(origins.Contacts(law), path, spring, "reform-after", 1e-6)
+    assert coarse.nodes < fine.nodes and coarse.slips.drive.size == fine.slips.drive.size
+    off = np.abs(coarse.slips.drive - fine.slips.drive).max()
+    assert fine.slips.drive_error < off <= coarse.slips.drive_error
+    off = np.abs(coarse.force - fine.force).max()
+    assert fine.force_error < off <= coarse.force_error
 
 
 @pytest.mark.parametrize(

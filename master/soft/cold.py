@@ -48,7 +48,9 @@ class ColdSlider:
         """Balance the spring with the force of the start, at X = 0; for `unknown` see ColdContacts."""
         self.slip, self.path, self.spring = drive.slip, drive.path, float(drive.spring or 0.0)
         self._forward = drive.forward
-        self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until)
+        self._distance = float(np.abs(np.diff(self.path, prepend=0.0)).sum())
+        adding_up = 0.0 if self.slip == "instant" else self._distance
+        self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until, adding_up)
         cold.unknown = unknown
         self._start_force = cold.force_of(contacts.start)
         self._force_after_reset = cold.force_of(cold.reforming)
@@ -265,29 +267,27 @@ class ColdSlider:
     def _slipped(self, move: Move, slip: SlipBegin) -> Slipped | None:
         """What a slip leaves in which broken contacts stay out; None where no contact holds on. Once all slips to come
         are as this one, to an error that is added, its move is repeated as a reset's is.
-
-        Errors, lengths: slip.error of the load where it begins, slip.begin_error of the travel there. As F' = -K breaks
-        take 1 + K of force a length, of contacts stretched a mean threshold; misjudged ones bear at most `far` each."""
-        unit, spring = self.contacts.unit, self.spring
+        Errors: slip.error of the load where it begins, slip.misjudged_travel of the travel there (lengths), on which a
+        share `misjudged` of the contacts formed, or did not. Both shift the slip's end; F goes on with `error`."""
+        contacts, unit, spring = self.contacts, self.contacts.unit, self.spring
         slide, (curve, y) = self._slide(move, slip)
         if slide.holds_none(y):
             return None
         holding, force = slide.holding_after(y), float(curve.force(y))
-        far = min(y, self.contacts.life.largest_stretch)  # no contact that holds is stretched more
-        force_error = (1.0 + spring) * slip.begin_error * far / unit
-        end_shift = float(curve.travel_errors(y, 0.0, slip.error + force_error))
-        # the slider moves as far as the drive from slip to slip
-        slips = float(np.abs(np.diff(self.path, prepend=0.0)).sum()) / (slip.travel + y)
-        most = min(slip.error, self.contacts.tolerance * unit / (spring * slips))
+        misjudged = move.breaks_per_travel(slip.travel) * slip.misjudged_travel
+        force_of_new = contacts.force_of(contacts.reforming, move.direction * y)
+        end_shift = float(curve.travel_errors(y, 0.0, slip.error + misjudged * abs(force_of_new)))
+        slips = self._distance / (slip.travel + y)  # it moves as far as the drive from slip to slip
+        most = min(slip.error, contacts.tolerance * unit / (spring * slips))
         after = np.array([y, force, holding * unit])
         if repeated := self._cycle.closed_by(move.loaded, slip, after, OF_REPEATING * most):
             shift = slide.at(y) - move.loaded.places[-1]
             # the travel up to the slip is off by as much as that in it
             position_error = end_shift + 2.0 * self._cycle.remaining
             return Slipped(force, 1.0 - holding, position_error, repeated, shift)
-        # errors of the history do not affect contacts that broke
-        history = slide.after_slip(y, (force_error + float(curve.error_at(y))) * holding)
-        return Slipped(force, 1.0 - holding, end_shift, history)
+        far = min(y, contacts.life.largest_stretch)  # no contact that holds is stretched more
+        error = (misjudged * far + float(curve.error_at(y))) * holding  # those that broke have none
+        return Slipped(force, 1.0 - holding, end_shift, slide.after_slip(y, error))
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, broken: float) -> None:
         """Record a slip, of a move that begins at `begin`, with F after it along the motion, and what part broke."""

@@ -19,6 +19,8 @@ OF_PANELS, MOST_OF_PANELS, LEAST_OF_PANELS = 1e-4, 1e-6, 1e-13
 # Breaks are steady where their rates agree to this share over the longest life, or to this part of the tolerance and of
 # K; rates of steady breaks differ by up to 5e-12, the rounding of slopes (measured on panels of half a mean threshold).
 STEADY_RATES, OF_STEADY = 1e-10, 1e-2
+# Number of slips, whose errors add up, beyond which each is found finer in proportion.
+FEW_SLIPS = 100.0
 
 
 class ColdContacts:
@@ -29,19 +31,37 @@ class ColdContacts:
     tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
     largest_stiffness : of a contact, in <k>
+    break_length : the force of contacts born together changes no faster than by the largest one over this length
     unknown : bound on what laws that are left out change in the force at a given X (a length)
     nodes : instants at which number conservation was solved
     """
 
-    def __init__(self, contacts: Contacts, spring: float, tolerance: float, until: float) -> None:
+    def __init__(
+        self,
+        contacts: Contacts,
+        spring: float,
+        tolerance: float,
+        until: float,
+        drive_distance: float = 0.0,
+    ) -> None:
+        """`drive_distance`: that on which errors of slips add up (a length)."""
         self._contacts = contacts
         self.life, self.unit = ColdLife(contacts), contacts.mean_threshold
         self.start = contacts.start
         self.reforming = reforming_law(contacts)
         self.largest_stiffness = float(contacts.relative_stiffness(self.life.largest_stretch))
+        # from slip to slip of all contacts these and the spring are loaded by about a mean threshold
+        slips = drive_distance * spring / ((1.0 + spring) * self.unit)
+        finer = min(1.0, FEW_SLIPS / max(slips, 1.0))
+        of_panels = OF_PANELS * finer * min(tolerance, MOST_OF_PANELS, spring)
         # a panel's error is a share of the contacts, each of which bears the largest stretch at most
-        of_panels = OF_PANELS * min(tolerance, MOST_OF_PANELS, spring)
         self.of_panels = max(of_panels * self.unit / self.life.largest_stretch, LEAST_OF_PANELS)
+        # of contacts born at 0, K(x) = x sf(x), so that |K'| is at most 1 + x p(x)
+        edges = self.life.panels
+        broken, width = -np.diff(contacts.thresholds.sf(edges)), np.diff(edges)
+        density = np.divide(broken, width, out=np.zeros(width.size), where=width > 0.0)
+        steepest = 1.0 + float((edges[1:] * density).max(initial=0.0))
+        self.break_length = self.life.largest_stretch / steepest
         self.steady_rates = max(STEADY_RATES, OF_STEADY * min(tolerance, spring))
         self.spring, self.tolerance, self.until = spring, tolerance, until
         self.unknown, self.nodes = 0.0, 0
@@ -61,8 +81,10 @@ class ColdContacts:
         length, error = decoherence_length(self._cycle)
         return length + error
 
-    def force_of(self, start: Start) -> float:
-        """F/(N_c <k>) of contacts with these stretches (a length)."""
-        still = np.zeros((1, 3))
-        history = Motion.along(np.array([0.0, self.unit])).history(still, still)
+    def force_of(self, start: Start, travel: float = 0.0) -> float:
+        """F/(N_c <k>) of contacts with these stretches (a length), after a travel of either sign on which none forms
+        again."""
+        motion = Motion.along(np.array([0.0, travel + np.copysign(self.unit, travel)]))
+        birth = np.zeros((1, 3))
+        history = motion.history(birth + abs(travel), birth)
         return float(self.life.survival_and_force(start, history).force[0, 0])

@@ -45,6 +45,7 @@ class LoadCurve:
     own_error : array of shape (n,), the part of `error` that changes on the panel itself (lengths)
     drops : array of shape (m,), travels, sorted, at which finite shares of the contacts break at once
     spring : K/(N_c <k>)
+    break_length : the force of contacts born together changes no faster than by the largest one over this length
     """
 
     from_travel: Array
@@ -54,6 +55,7 @@ class LoadCurve:
     own_error: Array
     drops: Array
     spring: float
+    break_length: float
 
     @property
     def to_travel(self) -> float:
@@ -245,13 +247,24 @@ class SlipBegin(NamedTuple):
 
     @property
     def begin_error(self) -> float:
-        """Error of the travel due to that of F' (a length); 0 where F' jumps, or contacts break together."""
+        """Error of the travel due to that of F' (a length); 0 where F' jumps, or contacts break together. All of the
+        error of F may change on the panel."""
+        return self._begin_error(self.error)
+
+    @property
+    def misjudged_travel(self) -> float:
+        """The same, less where births before the panel are to blame: their force changes by their breaks alone."""
+        return self._begin_error(float(self.curve.own_error[int(self.curve.panel(self.travel))]))
+
+    def _begin_error(self, own: float) -> float:
+        """Error of the travel, if this part of the error of F changes on the panel as polynomials do."""
         curve, y = self.curve, self.travel
         panel = int(curve.panel(y))
         begin, width = curve.from_travel[panel], curve.width[panel]
         # Bernstein's and Markov's inequalities: the slope of a polynomial's error, of this degree
         inside = max((y - begin) * (begin + width - y), (0.5 * width / polynomials.DEGREE) ** 2)
-        steep = self.error * polynomials.DEGREE / np.sqrt(inside)
+        before = max(self.error - own, 0.0) / curve.break_length
+        steep = own * polynomials.DEGREE / np.sqrt(inside) + before
         jumps = (curve.drops == y).any() or curve.load_slope(y) > SURELY_ABOVE * steep
         # an error of the force, however steep, leaves the largest load within this way
         curvature = curve.curvature(y)

@@ -195,7 +195,8 @@ class Move:
         drops = np.array(times) - loaded.move_begins_at
         series = self.direction * force @ polynomials.TO_LEGENDRE.T
         own = missed * largest + OWN_ROUNDING * self.contacts.unit
-        curve = LoadCurve(begin, width, series, error, own, drops, self.contacts.spring)
+        spring, break_length = self.contacts.spring, self.contacts.break_length
+        curve = LoadCurve(begin, width, series, error, own, drops, spring, break_length)
         return curve if self._steady is None else self._steady.extend(curve, y, largest)
 
     def _steady_force(self) -> SteadyForce | None:
@@ -241,6 +242,10 @@ class Move:
             return None
         kinetic, error = contacts.steady_force
         return SteadyForce(kinetic, error + remaining)
+
+    def breaks_per_travel(self, y: float) -> float:
+        """The largest rate of breaks on the panel of the travel y (per length)."""
+        return float(self._march.solved.rates_from(self.loaded.move_begins_at + y)[0].max())
 
     def travel_of_state(self, y: float) -> float:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
