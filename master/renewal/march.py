@@ -130,21 +130,20 @@ class March:
             proposal = widths.propose(edge_leg - now_leg)
             batch = self._solve_batch(leg, now_leg, proposal.width, proposal.panels)
 
-            # Beyond the allowed work, and where halving would only resolve rounding, panels are kept with their error:
-            # all of the batch, since those behind a rejected one, solved again at this width, would come out the same.
-            keep_all = self.births.work > MOST_WORK or widths.too_narrow(now_leg)
+            # Panels before the first that is off by more than the tolerance are kept; from there on they are solved
+            # again, narrower. All of the batch are kept with their errors where halving would only resolve rounding, as
+            # at a jump of the breaks, and beyond the allowed work: solved again at this width they would be the same.
+            too_narrow = widths.too_narrow(now_leg)
+            keep_all = too_narrow or self.births.work > MOST_WORK
             now_path = leg_start_path + now_leg
-            kept = batch.error.size
             rejected = np.flatnonzero(batch.error > tolerance)
-            if rejected.size:
+            if rejected.size and too_narrow:
                 first_rejected = int(rejected[0])
+                at_path = now_path + first_rejected * proposal.width
+                at_edge = now_leg == segment_begin_leg and not first_rejected
                 error = float(batch.error[first_rejected])
-                if widths.too_narrow(now_leg):
-                    at_path = now_path + first_rejected * proposal.width
-                    at_edge = now_leg == segment_begin_leg and not first_rejected
-                    self.jumps.append(Jump(at_path, leg, error, behind_edge=at_edge))
-                if not keep_all:
-                    kept = first_rejected
+                self.jumps.append(Jump(at_path, leg, error, behind_edge=at_edge))
+            kept = batch.error.size if keep_all or not rejected.size else int(rejected[0])
             self.solved.append(
                 batch, kept, begin=now_path, begin_own_leg=now_leg, width=proposal.width
             )
@@ -191,10 +190,8 @@ class March:
 
     def _count_same_width(self, width: float, leg: int) -> int:
         """How many of the last panels have this width and breaks on this leg, so that PanelSums hold for them: there
-        survival depends on the lag alone. Panels from so long ago that none holds are left out.
-
-        Fewer would cost time only, as `_sums_on_leg` integrates the others. One more would be wrong: on another width
-        PanelSums do not hold, which may not show; and of a leg before Past has the births: they would count twice."""
+        survival depends on the lag alone. Panels from so long ago that none holds are left out. Fewer would cost time
+        only; one more would be wrong, which may not show: its width is another, or Past counts its births, too."""
         # one width before, as a panel's last breaks come one after its first; and one more, amply for rounding
         oldest = self._oldest_that_counts(self.solved.end, leg) - 2.0 * width
         leg_start_path = float(self.motion.times[leg])
@@ -207,12 +204,17 @@ class March:
         return self._sums_on_leg(leg, t - self.motion.times[leg])
 
     def _sums_on_leg(self, leg: int, grid_leg: Array, same_width: int = 0) -> Array:
-        """Number and force at later times on the leg that is entered (Past.enter); (2, *grid_leg.shape). Sums of three
-        kinds of contacts: lumps and those of earlier legs (Past), those born on this leg, and those that are out.
+        """Number and force at later times on the leg that is entered (Past.enter); (2, *grid_leg.shape).
+
+        Panels on the time axis, and who adds the contacts that are born of their breaks:
+
+            | births on earlier legs | on this leg, other widths | this leg, same width | to be solved |
+              Past, and all lumps      Present.sums                PanelSums              PanelSums
+
+        Here are the first two, and those that are out, of any panel; `solve_batch` adds the other two.
 
         grid_leg : times in rows
-        same_width : the last panels, so many, are left out: they have the width of the panels to be solved, and
-            solve_batch adds them by PanelSums
+        same_width : number of the last panels that have the width of those to be solved
         """
         # on the first leg a start that is as births at t = 0 is in their table
         in_table = leg == 0 and self._start_is_birth
@@ -257,16 +259,14 @@ class March:
         leg = int(self.motion.leg(t))
         edge_leg = t - self.motion.times[leg]
         beside = 0.5 * min(self.solved.width[-1], end - t)
+        # Where the edge ends the leg the later times are asked for on it all the same: on the next leg Past would enter
+        # that too early. Only the number at the edge is read, where both legs have the same stretches.
+        self._past.enter(leg, self.solved)
         # At a jump `_sums_on_leg` gives the limit from the left to a row of times that ends there, and that from the
         # right to one that begins there, both within a panel.
-        until_edge, from_edge = [edge_leg - beside, edge_leg], [edge_leg, edge_leg + beside]
-        # Where the edge ends the leg the later times are asked for on it all the same: on the next leg Past would enter
-        # that too early. Only the number at the edge is read, which is right. One row each, as they are on two legs.
-        leg_goes_on = t < self.motion.times[leg + 1]
-        asked = [[until_edge, from_edge]] if leg_goes_on else [[until_edge], [from_edge]]
-        self._past.enter(leg, self.solved)
-        number = np.concatenate([self._sums_on_leg(leg, np.array(rows))[0] for rows in asked])
-        return float(number[0, -1]), float(number[1, 0])
+        until = self._sums_on_leg(leg, np.array([[edge_leg - beside, edge_leg]]))[0]
+        after = self._sums_on_leg(leg, np.array([[edge_leg, edge_leg + beside]]))[0]
+        return float(until[0, -1]), float(after[0, 0])
 
     def cut(self, t: float, births: Births) -> "March":
         """For master/soft: a march that has the contacts of this one at the time t, and none of its plans: set its
@@ -287,10 +287,10 @@ class March:
         return other
 
     def postpone_births(self, begin: float, end: float) -> None:
-        """The same: add panels without births from begin to end, where broken contacts are born together."""
-        number, _ = self.enter_and_sum_at(np.full((1, TARGETS.size), end))
+        """For master/soft, too: all that are broken up to the end are born there together, as a lump. Of the two panels
+        from begin to end, without births, the last is short: `_numbers_at_edge` looks back over half of it."""
+        number, _ = self.enter_and_sum_at(np.array([[end]]))
         leg_start_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])
-        # `_numbers_at_edge` looks back from the end over half of the last panel, which therefore has to be short
         nearly = end - min(SHORT_LAST * self.guess, end - begin)
         batch = Batch.of_one_panel_without_contacts()
         for first, width in ((begin, nearly - begin), (nearly, end - nearly)):

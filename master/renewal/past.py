@@ -196,7 +196,9 @@ class Past:
         """The leg of each panel's births, which come one delay after its breaks.
 
         A panel ends one delay before each turn (`needed` in edges.py), so that all of its births are on one leg, and
-        any of them tells it; that in the middle is the farthest from both ends, and from their rounding.
+        any of them tells it; that in the middle is the farthest from both ends, and from their rounding. An example:
+        the drive turns at t = 2, and the delay is 0.3. Breaks from 1.6 to 1.7 are born from 1.9 to 2 on leg 0, as
+        their middle, 1.95, tells; those from 1.7 to 1.8 on leg 1.
 
         The narrowest panels are as wide as times are rounded, though, and the middle is then their begin. If that is a
         turn, `Motion.leg` says that it belongs to the leg that ends there, but the births come after it. So of the

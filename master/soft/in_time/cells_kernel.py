@@ -65,7 +65,9 @@ def step(
     done = np.empty((2 * cells + 10, 7, LANES))
     done[:5] = 0.0
     done[-5:] = 0.0
-    # rates of a cell, at both stages, per weight of the cells j - 2 to j + 2
+    # Rates of a cell, at both stages, per weight of the cells j - 2 to j + 2; and the row i = 2j + stage of the
+    # equations, in row[c] its column i - 5 + c. The weight of cell j - 2 + k at stage b is in c = 2k + 1 + b - stage;
+    # one of the eleven stays 0, the first of a stage 0 and the last of a stage 1.
     rates, row = np.empty((2, 5, LANES)), np.zeros((11, LANES))
     for j in range(cells):
         # at the lower face of the cell, and at the upper one

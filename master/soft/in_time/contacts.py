@@ -169,6 +169,9 @@ class ContactsInSteps:
         nothing_forms = (end == self.now) if self.delay else (survival <= 0.0)
         if not (without_births or nothing_forms):
             per_break, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
+            # No birth is taken back, although an earlier step may have told too many (see births_up_to). Where none
+            # holds after a slip they are taken back all the same, until contacts form: held back, they would form at
+            # once on each short step, and the slider would go on by one threshold a step.
             rest = max(rest, self._births) if self.holding and not per_break else rest
         broken_of_new = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - kept + survival * self._births + broken_of_new * rest

@@ -205,7 +205,8 @@ class SlipBegins:
         return float(np.clip(CONTROL.e_folds / loss, ONSET.least_shrink, 1.0))
 
     def _at_fold(self, size: float, longest_size: float) -> Root:
-        """The step that takes the most time: that up to a fold or a kink of τ, where -τ is the least."""
+        """The step that takes the most time: that up to a fold or a kink of τ, where -τ is the least. Each call begins
+        with the slope that the last one left: that changes τ by the accuracy of a balance alone, see `_solve`."""
         found = minimize_scalar(
             lambda at: -self._solve(at).step.time_part,
             bounds=(0.0, longest_size),

@@ -88,10 +88,11 @@ def slip_with_births(
     if not first:
         contacts.take(contacts.trial(NO_SLIP_OF_STEP * step, contacts.now), 0.0)
         return
-    # a travel on the next step at which the slider still moves on
+    # a travel on the next step at which the slider still moves on: the slip ends between it and the step's end
     low = first
-    # whether the slider is already past the balance at which the slip began, as it is where a step goes beyond `first`:
-    # before, a step on which forces balance may only lead back to that
+    # Whether the slider is already past the balance at which the slip began, as it is where a step goes beyond `first`.
+    # An example: the slip begins at X = 0, pulls are above 0 from X = 0.002 on, and the step is 0.001. The first step
+    # ends where the pull is still below 0; taken for a balance, that would end the slip where it began.
     away = abs(first) < abs(step)
     begin = contacts.position
     while True:

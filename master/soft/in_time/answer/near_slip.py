@@ -4,9 +4,11 @@ import numpy as np
 
 from master.soft.in_time.slider import Slider
 
-# A slip is undecided where it is foreseen within this many times the change of X from the last halving. K X_T as a
-# function of X is a parabola with its top at the slip: on the way y to it the load rises by slope y/2, with the slope
-# at the end of the drive. A change d of X is one of the load by slope d, and more than that rise where y < 2 d.
+# A slip is undecided where it is foreseen within this many times the change of X from the last halving. Let the drive
+# end at a distance y before the slip, where the load K X_T, which the contacts balance, has the slope m over X. Up to
+# the slip it is a parabola of X with its top there, whose slope falls from m to 0: it rises by m y/2 yet. If X is off
+# by d, the load at a given X is off by m d; that is more than the rise that is left, so that the slip may have come,
+# where y < 2 d.
 NEAR = 2.0
 # Factor above that slope of X_T(X) at which all contacts stick from which on breaks hold the slider back: above the
 # rounding of short steps.
