@@ -194,6 +194,15 @@ def test_births_never_take_back_what_a_long_step_has_told() -> None:
     assert after.births == told > 0.3 + state.past_breaks.births_up_to(begin=1.72, end=1.72).rest
 
 
+def test_a_step_back_leads_to_the_mirror_image_of_one_forward() -> None:
+    """Also of contacts whose thresholds grow from 0: how many are lost as they form depends on |dX/dt|."""
+    contacts = Contacts(FromNothing())
+    state = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
+    forward, back = (state.trial(travel, 0.5) for travel in (0.4, -0.4))
+    assert forward.births > 1e-2 and back.births == pytest.approx(forward.births, rel=1e-12)
+    assert back.force == pytest.approx(-forward.force, rel=1e-12)
+
+
 def test_breaks_that_come_ever_faster_are_read_back_between_steps() -> None:
     """B goes as a root towards the fold at t = 1, the time as the square of the sizes; also where a search for it has
     left a step of next to no size."""
