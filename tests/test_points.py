@@ -122,6 +122,11 @@ def test_the_number_of_contacts_decides_of_a_sweep_too() -> None:
     assert both["eq_slips_a_slider"][0] > 0.0 == both["eq_slips_a_slider"][1]
     assert not both.success and both["message"][1] == ""
     assert both["message"][0].startswith('disagree: infinitely many contacts are "smooth"')
+    assert "the area holds" in alone["regime_reason"][0]
+    soft = {"drive.spring": {"from": 1.0, "to": 1e7, "points": 2, "unit": "N/m"}}
+    brief: Any = toolkit.run(scene(ROUGH, drive=drive, sweep=soft)).sweep
+    assert brief["regime"].tolist() == ["undecided", "smooth"]
+    assert "drive as far" in brief["regime_reason"][0]
 
 
 def test_a_point_that_is_refused_keeps_its_row(capsys: Any) -> None:

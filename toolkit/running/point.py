@@ -81,7 +81,7 @@ def _sliding(scene: Scene, springs: bool) -> dict[str, Column]:
 
 
 def _by_master(scene: Scene) -> tuple[Any, dict[str, Column]]:
-    """The answer, and the force along the drive, and of a slider on a spring its regime and its slips."""
+    """The answer, and the force along the drive, and of a slider on a spring its regime with why, and its slips."""
     tolerance: Any = scene.master
     solved = solve_master(scene, tolerance.tolerance)
     unit, mean = scene.scale.length_unit, scene.contacts.mean_threshold
@@ -94,6 +94,7 @@ def _by_master(scene: Scene) -> tuple[Any, dict[str, Column]]:
         found["regime"] = Column(
             f"{solved.regime.verdict}{' for infinitely many contacts only' * only}"
         )
+        found["regime_reason"] = Column(solved.regime.reason)
         answered = is_precise(solved)
         found["slips"] = Column(slips.drive.size if answered else np.nan)
         period = solved.period if answered else None
