@@ -40,9 +40,9 @@ class Lanes(NamedTuple):
     birth: Whole  # the slider's position at which the contact is relaxed
     broken: Whole  # the instant at which it breaks, beyond the end if it holds; then that at which the next one forms
     breaks_on: Whole  # the leg at that instant
-    place: Whole  # the slider at that instant
+    place: Whole  # the slider at that instant; scratch before
     waiting: Whole  # some lanes, that wait for the next pass of a loop
-    square: Whole  # scratch: of positions of bins, then of what is added to the sum of squares
+    square: Whole  # scratch: of positions of bins, then of what is added to sums
     last_birth: Whole  # the slider's position at which the lane's contact before was relaxed
     stiffness: Array  # of that one, over the mean one
     log_amount: Array  # ln of the integral of the rate over the way to the break
