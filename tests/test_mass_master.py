@@ -115,6 +115,33 @@ def test_the_slider_of_a_machine_on_its_soft_spring_slides_at_kinetic_friction(
     assert np.abs(found.force - borne).max() <= 2.0 * tolerance
 
 
+@pytest.mark.parametrize("ratio", [0.1, 1.0])
+def test_contacts_far_stiffer_than_the_machine_are_followed_through_the_slip(ratio: float) -> None:
+    """0.1 kg on 50 N/m over contacts of 2.5e9 N/m, as those of MD samples: the first step behind F_s is 7,000 times the
+    time of a swing on the contacts. The force then falls by (F_s - F_k) (1 + e), e = exp[-πζ/(1 - ζ²)^(1/2)]."""
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.35))
+    spring, mass, speed = 2e-8, 4e-11, 4500.0
+    damping = 2.0 * ratio * (spring * mass) ** 0.5
+    kinetic = master.steady_state(contacts, velocity=speed).force
+    static = kinetic * master.propensity(contacts, velocity=speed).static_to_kinetic
+    found = master.solve(
+        contacts,
+        [static / spring, 3.0 * static / spring],
+        1e-4,
+        spring=spring,
+        mass=mass,
+        damping=damping,
+        velocity=speed,
+        wall_time=60.0,
+    )
+    assert found.success, found.message
+    swing = np.exp(-np.pi * ratio / (1.0 - ratio**2) ** 0.5) if ratio < 1.0 else 0.0
+    lowest = kinetic - (static - kinetic) * swing + damping * speed * (ratio == 1.0)
+    np.testing.assert_allclose(found.slips.force_before, [static], atol=1e-5)
+    np.testing.assert_allclose(found.slips.force_after, [lowest], atol=1e-4)
+    assert found.force[-1] == pytest.approx(kinetic + damping * speed, abs=1e-4)
+
+
 def test_on_a_soft_spring_light_damping_takes_little_of_the_drop_in_both_solvers() -> None:
     """With γ = 1e-2 (K M)^(1/2), ζ = 0.005, the drop is (F_s - F_k) (1 + e^(-πζ)): by 0.8 % below 2 (F_s - F_k)."""
     spring, mass = 1e-3, 1e-2

@@ -16,6 +16,7 @@ from toolkit.verdict.machine import (
     Behaviour,
     Machine,
     RigidSlider,
+    critical_damping,
     first_of,
     half_a_swing,
     last_of,
@@ -36,10 +37,10 @@ TOLERANCE_WITH_DELAY = 1e-2
 LENGTHS = (LOADINGS, 20.0, 60.0)
 # the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
 FIRST_WITH_DELAY = 9.0
-# of critical damping, taken where none is given and the slider rings for too long
-DAMPED = 0.1
-# tolerance of F_s and K*, where they decide how far a slider is pulled
+# tolerance of F_s and K*, where they decide how far a slider is pulled, and of one that rings for too long
 ROUGHLY = 1e-3
+# parts of critical damping tried where none is given and the slider rings for too long: tolerance; time of the first
+DAMPED, FIRST_DAMPED = {0.1: TOLERANCE, 1.0: ROUGHLY}, 0.4
 # of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider;
 # and s of it at most under a slip rule, which ordinary laws take a second for, and laws with many peaks minutes
 FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
@@ -63,11 +64,12 @@ def follow(
     wall_time: float,
     rings: bool = False,
     in_time: float = TOLERANCE_IN_TIME,
+    at_once: float = TOLERANCE,
 ) -> Behaviour:
     """Pull the slider until it has slipped five times or slides steadily.
 
     wall_time : s; rings : whether an undamped slider is known to ring for too long, and is followed with some damping
-    in_time : tolerance of the force where a law of the contacts depends on time, in mean thresholds
+    in_time, at_once : tolerances (mean thresholds) where a law of the contacts depends on time, and where none does
     A combination that the solver does not take is "undecided", and its message says why. Where the master equation does
     not decide within its part of the time, the ensemble is followed, or what a slider does that has forgotten its start
     is told; and an undamped slider is followed again with some damping.
@@ -78,7 +80,7 @@ def follow(
     cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
     undamped = machine.mass is not None and not machine.damping
     if undamped and rings:
-        return _damped(machine, contacts, rule, rigid, wall_time, in_time)
+        return _damped(machine, contacts, rigid, wall_time, in_time)
     # without damping they ring on: while a slider is fast, contacts that form again break at once
     by_contacts = may_follow(machine, cold, rule, rigid) and not undamped
     first = FIRST if rule == "mass" else FIRST_OF_RULES
@@ -88,7 +90,7 @@ def follow(
         until = min(until, time.monotonic() + ENOUGH_OF_RULES)
     one_length = rule != "mass" and may_follow(machine, contacts, rule, rigid)
     lengths = LENGTHS[:1] if one_length else LENGTHS
-    tolerance = in_time if contacts.in_time else TOLERANCE
+    tolerance = in_time if contacts.in_time else at_once
     if rule == "mass" and contacts.waiting_time:
         tolerance = max(tolerance, TOLERANCE_WITH_DELAY)
         lengths = (FIRST_WITH_DELAY, *lengths[1:])
@@ -106,7 +108,7 @@ def follow(
     if forgets:
         return _after_forgetting(machine, contacts, rigid, found)
     if undamped:
-        damped = _damped(machine, contacts, rule, rigid, end - time.monotonic(), in_time)
+        damped = _damped(machine, contacts, rigid, end - time.monotonic(), in_time)
         return damped if damped.kind != "undecided" else found
     return found
 
@@ -128,17 +130,17 @@ def _settled(found: Behaviour, rigid: RigidSlider, contacts: Contacts) -> Behavi
 
 
 def _damped(
-    machine: Machine,
-    contacts: Contacts,
-    rule: str,
-    rigid: RigidSlider,
-    wall_time: float,
-    in_time: float,
+    machine: Machine, contacts: Contacts, rigid: RigidSlider, wall_time: float, in_time: float
 ) -> Behaviour:
-    """What an undamped slider with mass does with DAMPED of its critical damping."""
-    critical = 2.0 * float(np.sqrt(machine.spring * (machine.mass or 0.0)))
-    damped = replace(machine, damping=DAMPED * critical)
-    found = follow(damped, contacts, rule, rigid, wall_time, in_time=in_time)
+    """What an undamped slider with mass does with the first part DAMPED of its critical damping that decides: a tenth,
+    and, where it rings for too long on stiff contacts, all of it, roughly."""
+    end, damped = time.monotonic() + wall_time, machine
+    for part, tolerance in DAMPED.items():
+        damped = replace(machine, damping=part * critical_damping(machine))
+        seconds = (end - time.monotonic()) * (FIRST_DAMPED if part < 1.0 else 1.0)
+        found = follow(damped, contacts, "mass", rigid, seconds, in_time=in_time, at_once=tolerance)
+        if found.kind != "undecided":
+            break
     return replace(found, damping=damped.damping)
 
 
@@ -266,12 +268,9 @@ def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
         why = solved.message
         if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
             why = f"neither force nor slips are known in time: {MORE_TIME}"
-        why = why.partition("; take eq_model")[0]
-        unknown = not_followed(rule, why)
-        left_out = solved.heat_left_out
-        return replace(
-            unknown, error=solved.force_error, run_time=solved.run_time, heat_left_out=left_out
-        )
+        unknown = not_followed(rule, why.partition("; take eq_model")[0])
+        unknown = replace(unknown, heat_left_out=solved.heat_left_out)
+        return replace(unknown, error=solved.force_error, run_time=solved.run_time)
     slips, verdict = solved.slips, solved.regime.verdict
     kind = {"decaying transient": "smooth"}.get(verdict, verdict)
     last = float(solved.force[-1]) if solved.force.size else float("nan")

@@ -12,7 +12,6 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.ensemble import SLIDERS
 from toolkit.verdict.finite import ABOVE, SMALL
-from toolkit.verdict.follow import DAMPED
 from toolkit.verdict.kinds import (
     GENERAL,
     NOTHING,
@@ -28,7 +27,7 @@ from toolkit.verdict.kinds import (
     out_of_time,
     sorted_texts,
 )
-from toolkit.verdict.machine import Finite
+from toolkit.verdict.machine import Finite, critical_damping
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
 from toolkit.verdict.table import drop_of, in_units, regained_by
 from toolkit.verdict.uncertainty import range_of_force, uncertainties_of
@@ -151,13 +150,14 @@ def _of_a_mass(verdict: Verdict) -> Iterator[Line]:
     """The damping that was taken, and the swing after a slip."""
     own = verdict.own
     for behaviour in own.behaviours:
-        if behaviour.damping is not None:
+        if behaviour.damping is not None and own.machine is not None:
+            part = behaviour.damping / critical_damping(own.machine)
             # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
             unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
             yield Line(
                 UNSIZED,
                 f"the damping: none is given, and without one the slider rings for too long; all is told of one of "
-                f"{DAMPED:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping",
+                f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping",
             )
         if (regained := regained_by(verdict, behaviour)) is not None:
             drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit

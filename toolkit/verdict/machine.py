@@ -59,6 +59,11 @@ def half_a_swing(machine: Machine) -> float:
     return float(np.pi * np.sqrt((machine.mass or 0.0) / machine.spring))
 
 
+def critical_damping(machine: Machine) -> float:
+    """2 (K M)^(1/2), above which mass and spring do not swing; 0 without a mass."""
+    return float(2.0 * np.sqrt(machine.spring * (machine.mass or 0.0)))
+
+
 def settling_distance(machine: Machine, unit: float) -> float:
     """The drive's way in which the swing of a mass that slides on at F_k dies away: SETTLING time constants of
     M X'' + γ X' + K X = 0, inf without damping; 0 where a swing of a speed like the drive's changes the spring's

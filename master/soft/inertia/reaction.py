@@ -131,7 +131,8 @@ class Reaction(Move):
     def panel_at(self, y: float, last: float = np.inf) -> Panel:
         """The panel on which y lies, an edge on the one that it ends; none that begins at `last` or later."""
         rounding = ROUNDING * (self.loaded.move_begins_at + y)
-        while y > self.curve.to_travel + rounding:
+        # behind steady breaks F stays as it is, however far a stage of the integrator that will be rejected lies ahead
+        while y > self.curve.to_travel + rounding and self.steady_from == np.inf:
             # step by step, to see where breaks have become steady
             beyond = AND_FURTHER * self.contacts.life.resolution_length
             self._extend(min(y, FURTHER * self.curve.to_travel + beyond))
