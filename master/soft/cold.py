@@ -15,6 +15,7 @@ from master.soft.limit_cycle import LimitCycle, Slipped
 from master.soft.moves import LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
+from master.soft.turns import behind_turn
 from origins import Contacts
 from origins.drive import SLIP_FRACTION, Drive
 from origins.errors import refuse
@@ -178,13 +179,12 @@ class ColdSlider:
                     self._keep(curve, asked[: np.searchsorted(asked, load)], y, last, direction)
                 raise
             curve, count = slip.curve, int(np.searchsorted(asked, slip.load))
-            at, off = self._keep(curve, asked[:count], y, slip.travel, direction)
+            at = self._keep(curve, asked[:count], y, slip.travel, direction)
             if not np.isfinite(slip.load):
-                # F' jumps to 1 at a turn: the error of its place is one of the force
-                jump = abs(1.0 + spring - float(curve.load_slope(at[-1])))
                 stop = move.travel_of_state(at[-1])
                 self._base += direction * (at[-1] - stop)
-                self._loaded = move.stopped(stop, float(curve.error_at(at[-1]) + jump * off[-1]))
+                error, self._base_error = behind_turn(move, curve, at[-1], self._base_error)
+                self._loaded = move.stopped(stop, error)
                 if self.contacts.unknown and self._may_have_slipped(move, slip, asked[-1]):
                     self.missed_slip = max(self.missed_slip, abs(float(curve.force(at[-1]))))
                 return
@@ -204,16 +204,16 @@ class ColdSlider:
 
     def _keep(
         self, curve: LoadCurve, asked: Array, low: float, high: float, direction: int
-    ) -> tuple[Array, Array]:
-        """Keep the force at the loads that are asked for, met between the travels `low` and `high`: the travels there,
-        and their errors (lengths)."""
+    ) -> Array:
+        """Keep the force at the loads that are asked for, met between the travels `low` and `high`: the travels there
+        (lengths)."""
         if not asked.size:
-            return asked, asked
+            return asked
         at = curve.travel_at(asked, low, high)
         self.force.append(direction * curve.force(at))
         off = curve.travel_errors(at, self._base_error)
         self.error = max(self.error, self.spring * float(off.max()))
-        return at, off
+        return at
 
     def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip: all contacts re-form, and the slider moves to where the spring balances them. What comes next does not

@@ -31,6 +31,8 @@ class ColdContacts:
     tolerance : of the force, in mean thresholds; of_panels : that of the number of breaks on a panel
     until : reading of time.monotonic() at which to stop
     largest_stiffness : of a contact, in <k>
+    steady_stiffness : mean over contacts on a slider that has moved far, in <k>: where stiffness is linked to
+        thresholds, above 1, as they are met in proportion to these
     break_length : the force of contacts born together changes no faster than by the largest one over this length
     unknown : bound on what laws that are left out change in the force at a given X (a length)
     nodes : instants at which number conservation was solved
@@ -56,6 +58,8 @@ class ColdContacts:
         of_panels = OF_PANELS * finer * min(tolerance, MOST_OF_PANELS, spring)
         # a panel's error is a share of the contacts, each of which bears the largest stretch at most
         self.of_panels = max(of_panels * self.unit / self.life.largest_stretch, LEAST_OF_PANELS)
+        law, linked = contacts.thresholds, contacts.stiffness == "linked"
+        self.steady_stiffness = float(law.moment(2) / law.mean() ** 2) if linked else 1.0
         # of contacts born at 0, K(x) = x sf(x), so that |K'| is at most 1 + x p(x)
         edges = self.life.panels
         broken, width = -np.diff(contacts.thresholds.sf(edges)), np.diff(edges)

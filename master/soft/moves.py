@@ -99,8 +99,8 @@ class Move:
 
     It is solved piece by piece. Edges are planned up to some travel, and panels solved up to there; then twice as far.
 
-    _march, _batches : the march of all panels since the history began, and its batches that are still to come
-    _first : index of the first panel on this move
+    march, _batches : the march of all panels since the history began, and its batches that are still to come
+    first : index of the first panel on this move
     _ahead : travel from the end of the panels on, up to which edges are planned
     _kinks : those of the history and of the plan
     _guess : the first guess of a panel's width (a length)
@@ -113,7 +113,7 @@ class Move:
         self._kinks, self._ahead = loaded.kinks, PLANNED * contacts.unit
         self._guess = WIDE * contacts.life.resolution_length
         self._plan(loaded.march, loaded.cut_at, loaded.move_begins_at)
-        self._first = self._march.solved.count
+        self.first = self.march.solved.count
         self._steady: SteadyForce | None = None
         self._found: tuple[float, SlipBegin] | None = None
 
@@ -159,29 +159,29 @@ class Move:
 
     def curve_to(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
-        while self._march.solved.count == self._first or (
-            self._steady is None and self._march.solved.end < self.loaded.move_begins_at + y
+        while self.march.solved.count == self.first or (
+            self._steady is None and self.march.solved.end < self.loaded.move_begins_at + y
         ):
-            self._march.births.work += WORK_OF_LUMP * len(self._march.lumps)
-            if self._march.births.work > MOST_WORK:
+            self.march.births.work += WORK_OF_LUMP * len(self.march.lumps)
+            if self.march.births.work > MOST_WORK:
                 raise StoppedError("stopped as slips ask for too much work")
-            before = self._march.solved.count
+            before = self.march.solved.count
             if not self._advance():
                 self._ahead *= 2.0
-                self._plan(self._march, self._march.solved.end, self._march.solved.end)
-            self.contacts.nodes += (self._march.solved.count - before) * polynomials.DEGREE
+                self._plan(self.march, self.march.solved.end, self.march.solved.end)
+            self.contacts.nodes += (self.march.solved.count - before) * polynomials.DEGREE
             self._steady = self._steady_force()
         return self.solved_curve(y)
 
     @property
     def solved(self) -> bool:
         """Whether any panel of the move is solved."""
-        return self._march.solved.count > self._first
+        return self.march.solved.count > self.first
 
     def solved_curve(self, y: float = 0.0) -> LoadCurve:
         """The load on the panels solved so far; where breaks are steady, up to the travel y at least."""
-        loaded, march, largest = self.loaded, self._march, self.contacts.life.largest_stretch
-        solved, own_panels = march.solved, slice(self._first, None)
+        loaded, march, largest = self.loaded, self.march, self.contacts.life.largest_stretch
+        solved, own_panels = march.solved, slice(self.first, None)
         begin, width = solved.begin[own_panels] - loaded.move_begins_at, solved.width[own_panels]
         force, missed = solved.force[own_panels], solved.error[own_panels]
         times = [
@@ -205,7 +205,7 @@ class Move:
         Each rate of breaks is a mean of those before, to the longest life (renewal equation), when
         no contact that held at the move's begin is left: where rates agree, so do all that follow.
         """
-        march, largest = self._march, self.contacts.life.largest_stretch
+        march, largest = self.march, self.contacts.life.largest_stretch
         life = ONE_LIFE * march.present.straight(float(self.direction)).longest
         memory = max(life, 2.0 * largest)
         undisturbed = march.solved.end - max(self.loaded.move_begins_at, march.lumps[-1].birth)
@@ -224,7 +224,7 @@ class Move:
         Once none of the contacts of the move's begin, and of those born before, is left, F is a mean of its values
         over the longest life (renewal equation) and stays within them, and F - F_k falls as e^(-y/X*).
         """
-        march, contacts = self._march, self.contacts
+        march, contacts = self.march, self.contacts
         memory = TWO_LIVES * contacts.life.largest_stretch
         undisturbed = march.solved.end - max(self.loaded.move_begins_at, march.lumps[-1].birth)
         if undisturbed < DECOHERES * memory:
@@ -245,14 +245,14 @@ class Move:
 
     def breaks_per_travel(self, y: float) -> float:
         """The largest rate of breaks on the panel of the travel y (per length)."""
-        return float(self._march.solved.rates_from(self.loaded.move_begins_at + y)[0].max())
+        return float(self.march.solved.rates_from(self.loaded.move_begins_at + y)[0].max())
 
     def travel_of_state(self, y: float) -> float:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
         return (
             y
             if self._steady is None
-            else min(y, self._march.solved.end - self.loaded.move_begins_at)
+            else min(y, self.march.solved.end - self.loaded.move_begins_at)
         )
 
     def _advance(self) -> bool:
@@ -265,7 +265,7 @@ class Move:
         y = max(y, STILL * self.contacts.life.resolution_length)
         end, places = self.loaded.move_begins_at + y, (*self.loaded.places, self.at(y))
         kinks = (*(kink for kink in self._kinks if kink.time < end), Kink(end, SMOOTHER))
-        return LoadingHistory(self.loaded.start, self._march, end, end, places, kinks, error)
+        return LoadingHistory(self.loaded.start, self.march, end, end, places, kinks, error)
 
     def _plan(self, march: March | None, cut_at: float, continued_from: float) -> None:
         """Plan edges, and set the march that goes on from the time `continued_from`, its panels up to `cut_at` being
@@ -289,4 +289,4 @@ class Move:
         if plan.too_many_jumps:
             raise StoppedError("stopped as exact thresholds break too often to be followed")
         self._kinks, march.edges = tuple(plan.kinks), plan.times
-        self._march, self._batches = march, march.batches()
+        self.march, self._batches = march, march.batches()

@@ -56,7 +56,7 @@ class MoveWithoutBirths(Move):
     def _pass_without_balance(self) -> bool:
         """Pass a travel on which the load cannot come back to that of the slip: F rises at most with the stiffness of
         the contacts that hold, of which ever fewer do. Its panel holds that bound; False where the travel is short."""
-        march, contacts = self._march, self.contacts
+        march, contacts = self.march, self.contacts
         begin = max(march.solved.end, self.loaded.move_begins_at)
         missing = (
             self._end_load - self._force - contacts.spring * (begin - self.loaded.move_begins_at)
@@ -75,10 +75,10 @@ class MoveWithoutBirths(Move):
 
     def _append(self, begin: float, width: float, batch: Batch, count: int) -> None:
         """Keep so many panels of a run, of this width, the first of which begins there."""
-        motion = self._march.motion
+        motion = self.march.motion
         leg_begin = float(motion.times[motion.leg(begin + 0.5 * width)])
         begin_own_leg = begin - leg_begin
-        self._march.solved.append(
+        self.march.solved.append(
             batch, count, begin=begin, begin_own_leg=begin_own_leg, width=width
         )
 
@@ -86,7 +86,7 @@ class MoveWithoutBirths(Move):
         """See Move: some panels on which nothing is born, as wide as polynomials allow."""
         if self._pass_without_balance():
             return True
-        march, life, tolerance = self._march, self.contacts.life, self._march.tolerance
+        march, life, tolerance = self.march, self.contacts.life, self.march.tolerance
         begin = max(march.solved.end, self.loaded.move_begins_at)
         later = march.edges[march.edges > begin + STILL * life.resolution_length]
         if not later.size:
@@ -123,9 +123,9 @@ class MoveWithoutBirths(Move):
         if self.holds_none(y):
             return 0.0
         return float(
-            self._march.enter_and_sum_at(
-                np.full((1, TARGETS.size), self.loaded.move_begins_at + y)
-            )[0, 0, 0]
+            self.march.enter_and_sum_at(np.full((1, TARGETS.size), self.loaded.move_begins_at + y))[
+                0, 0, 0
+            ]
         )
 
     def after_slip(self, y: float, error: float) -> LoadingHistory:

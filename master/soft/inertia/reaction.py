@@ -102,7 +102,7 @@ class Reaction(Move):
         if curve.to_travel < memory or (curve.drops > curve.to_travel - memory).any():
             return curve
         first = int(np.searchsorted(curve.from_travel, curve.to_travel - memory, "right")) - 1
-        rates = self._rates(self._first + max(first, 0))
+        rates = self._rates(self.first + max(first, 0))
         force = curve.series[max(first, 0) :]
         change = np.abs(force[:, 1:]).sum(axis=1).max() + np.ptp(force[:, 0])
         if change > self._alike or np.ptp(rates) > self._alike / self.contacts.unit * rates.mean():
@@ -125,7 +125,7 @@ class Reaction(Move):
 
     def _rates(self, first: int) -> Array:
         """Breaks per contact and length on the panels from one on."""
-        solved = self._march.solved
+        solved = self.march.solved
         return np.asarray(solved.breaks[first:, -1] / solved.width[first:])
 
     def panel_at(self, y: float, last: float = np.inf) -> Panel:
@@ -170,11 +170,11 @@ class Reaction(Move):
         """Breaks per contact since the move's beginning."""
         steady = min(y, self.steady_from)
         self.panel_at(steady)
-        march, at = self._march, self.loaded.move_begins_at + steady
-        begins = march.solved.begin[self._first :]
-        index = self._first + max(int(np.searchsorted(begins, at)) - 1, 0)
+        march, at = self.march, self.loaded.move_begins_at + steady
+        begins = march.solved.begin[self.first :]
+        index = self.first + max(int(np.searchsorted(begins, at)) - 1, 0)
         fraction = np.clip((at - march.solved.begin[index]) / march.solved.width[index], 0.0, 1.0)
-        done = float(march.solved.breaks[self._first : index, -1].sum())
+        done = float(march.solved.breaks[self.first : index, -1].sum())
         done += float(polynomials.values(np.array([fraction]))[0] @ march.solved.breaks[index])
         done += sum(
             one.weight for one in march.lumps[1:] if self.loaded.move_begins_at < one.birth < at
@@ -194,8 +194,8 @@ class Reaction(Move):
             return np.zeros(0)
         self.panel_at(float(y.max()))
         # what was reached before the time was over has its energies, too
-        births = replace(self._march.births, life=_StoredLife(self._march.life), until=np.inf)
-        march = self._march.cut(self._march.solved.end, births)
+        births = replace(self.march.births, life=_StoredLife(self.march.life), until=np.inf)
+        march = self.march.cut(self.march.solved.end, births)
         march.present = Present(births)
         at = np.maximum(
             self.loaded.move_begins_at + y, self.loaded.move_begins_at + BEGUN * self.contacts.unit
