@@ -159,7 +159,10 @@ class History:
     Every row lies within one smooth piece, which ends where a contact's largest |x| meets an exact threshold, or where
     another leg begins. A row may begin or end just there, where rounding tells no side: `middle_of` tells it for all
     of the row. The caller has to see to that: a row that crosses such a point gives a wrong survival, which nothing
-    here notices.
+    here notices. So at a jump a row that ends there has the limit from the left, and one that begins there that from
+    the right. In master/renewal the side is told by the middle in five places: of births and of times here, of lags in
+    `Straight.look_up`, of times in `sums_of_lumps`, and of pieces' places for legs in `EarlierLegs`; and
+    `Past._inside_panels` moves times off a jump that a hold would meet.
 
     t, s : instants and births, which broadcast to shape (rows, columns)
     now, high, low : arrays of shape (rows, columns), the displacement at t, its largest (at least 0)

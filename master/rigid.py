@@ -273,17 +273,17 @@ def breaks_until(march: March, t: Array) -> Array:
 def _read(march: March, values: Array, t: Array) -> Array:
     """Values at times t, shape (n,), from those at the panels' beginnings and nodes. A time at which one panel
     ends and the next begins is read on the next: at a jump that is the value after it, at a turn the later leg."""
-    begin, begin_own_leg, width = march.solved.begin, march.solved.begin_own_leg, march.solved.width
-    knots = march.motion.times
+    begin, width, knots = march.solved.begin, march.solved.width, march.motion.times
+    breaks_begin_own_leg = march.solved.breaks_begin_own_leg
     # at a jump, a time that rounding puts just before it is read after it; elsewhere values are continuous
-    rounded = ROUNDED * begin + SAME_TIME * (begin_own_leg + width.min(initial=np.inf))
+    rounded = ROUNDED * begin + SAME_TIME * (breaks_begin_own_leg + width.min(initial=np.inf))
     read_from = begin - np.where(_begin_at_jumps(march, rounded), rounded, 0.0)
     panel = np.clip(np.searchsorted(read_from, t, "right") - 1, 0, begin.size - 1)
     # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
     leg_begins = knots[
-        np.searchsorted(knots, (begin - begin_own_leg + 0.5 * width)[panel], "right") - 1
+        np.searchsorted(knots, (begin - breaks_begin_own_leg + 0.5 * width)[panel], "right") - 1
     ]
-    place = np.clip((t - leg_begins - begin_own_leg[panel]) / width[panel], 0.0, 1.0)
+    place = np.clip((t - leg_begins - breaks_begin_own_leg[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", polynomials.values(place), values[panel]))
 
 

@@ -12,9 +12,22 @@ are the breaks, one delay later. One step, of `March`:
    Between the nodes the sum differs from 1: that is the error of the panel.
 5. Panels within the tolerance are kept; the first that is not ends the batch, and the next ones are narrower.
 
-A delay enters where breaks become births: `SolvedPanels.births_begin` and `middle_of_births`, hence `Past`; where those
-that are out are counted: `still_out`, for `Present.panel_sums` and `March._sums_on_leg`; in the births of lumps
-(`March._break_lumps`), in how far back contacts count (`March._longest_cycle`), and in the edges (`edges.py`).
+An example of 3: the slider turns at t = 2, the delay is 0.3, and a panel from 2.6 to 2.8 is to be solved.
+
+    panels with breaks from   | born from  | births are on            | who adds number and force
+    1.6 to 1.7                | 1.9 to 2.0 | an earlier leg           | `Past`
+    1.7 to 2.0, 2.0 to 2.2    | 2.0 to 2.5 | this leg                 | `Present.sums` and `still_out`
+    2.2 to 2.4, 2.4 to 2.6    | 2.5 to 2.9 | this leg, width as below | `Present.panel_sums`
+    2.6 to 2.8, to be solved  | 2.9 to 3.1 | this leg                 | `Present.panel_sums`: all are out
+
+`Past.first_panel` is the first whose births are on this leg (here 1.7), `March._count_same_width` counts the third row,
+and what broke more than a longest life and a delay ago counts for nobody (`March._oldest_that_counts`).
+
+A delay enters where breaks become births: `SolvedPanels.births_begin` and `middle_of_births`, hence `Past`, whose
+`_legs_of_births` adds it itself; where those that are out are counted: `still_out`, for `Present.panel_sums` and
+`March._sums_on_leg`; in `Present.panel_sums` the births of a panel lie one delay after it; in the births of lumps
+(`March._break_lumps`), in how far back contacts count (`March._longest_cycle`, `rigid.breaks_until`), and in the edges
+(`edges.py`).
 
 At an edge, where the breaks may jump, contacts that reach an exact threshold together become a lump
 (`March._break_lumps`).

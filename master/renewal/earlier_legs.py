@@ -7,6 +7,9 @@ are approximated by polynomials through a few nodes (`_fitted`); pieces on which
 (`_rough`); the others are summed (`_integrated`). Where thresholds grow, E is largest and bends at other s: even pieces
 are narrow enough to see where, and halving finds the bend.
 
+`_bends` is more than a way to save halvings: pieces of which no contact holds are left out (`_some_may_hold`), told by
+a few births inside. Where a bend is missing, births that hold would be left out with their piece; that is a fault.
+
 All times are counted from the beginning of the present leg (see past.py), those of births too.
 """
 
@@ -19,6 +22,7 @@ import numpy.typing as npt
 from master.motion import Motion
 from master.numerics import polynomials
 from master.numerics.polynomials import Pieces
+from master.outcome import FaultError
 from master.renewal.births import MOST_WORK, BirthPanels, Births, Sums
 from origins.thresholds.law import Array
 
@@ -30,6 +34,9 @@ FIRST_NODES = 5
 SEEN_WITHIN, MOST_CUTS = 4.0, 50
 # Rounding of a time of birth, relative: that of some sums and differences of times.
 ROUNDED_TIME = 1e-14
+# Births that stand for all on a piece, as parts of it: those inside tell of a piece on which all hold, or none, whether
+# that is so; the ends and the middle leave none out where some hold.
+INSIDE, ENDS_AND_MIDDLE = np.array([0.02, 0.5, 0.98]), np.array([0.0, 0.5, 1.0])
 
 
 class Fitted(NamedTuple):
@@ -109,13 +116,15 @@ class EarlierLegs:
         """The pieces to be halved; none after too much work. The accuracy is asked of each piece, see ErrorBudget, and
         errors are taken times the number of legs, so that all legs together stay within that of one."""
         off = fitted.left_out * self._births_leg.most_between(pieces) * self._legs.size
-        # below this width both ends of a piece are equal by rounding
-        durations = np.diff(self._motion_leg.times)[
-            self._motion_leg.leg(0.5 * (pieces.low + pieces.high))
-        ]
-        narrowest = polynomials.CLOSE * durations + ROUNDED_TIME * np.abs(pieces.low)
         goes_on = self._births.work <= MOST_WORK and clock.monotonic() <= self._births.until
-        return (off > self._accuracy) & (pieces.high - pieces.low > narrowest) & goes_on
+        wide = pieces.high - pieces.low > self._narrowest(pieces)
+        return (off > self._accuracy) & wide & goes_on
+
+    def _narrowest(self, pieces: Pieces) -> Array:
+        """The width below which both ends of a piece are equal by rounding, shape (pieces,)."""
+        leg = self._motion_leg.leg(0.5 * (pieces.low + pieces.high))
+        durations = np.diff(self._motion_leg.times)[leg]
+        return np.asarray(polynomials.CLOSE * durations + ROUNDED_TIME * np.abs(pieces.low))
 
     def _integrated(
         self, pieces: Pieces, fitted: Fitted, which: npt.NDArray[np.bool_]
@@ -148,14 +157,35 @@ class EarlierLegs:
             even = self._even_cuts(first, last)
             cuts.append(np.broadcast_to(even, (t_leg.size, *even.shape[1:])))
         edges = np.concatenate(cuts, axis=2).reshape(t_leg.size * legs.size, -1)
-        owner, begin, end = Pieces.between(edges)
-        target = owner // legs.size
-        # Births that stand for all on a piece, as shares of it: with one stretch pieces end where contacts have met the
-        # end of P_c, so that all on a piece hold, or none; with several some of them may.
-        places = np.array([0.5]) if law.is_single else np.array([0.0, 0.5, 1.0])
-        place = begin[:, None] + (end - begin)[:, None] * places
-        may_hold = self._births.may_hold(law, motion_leg.history(t_leg[target, None], place))
-        return Pieces(target, begin, end).pick(may_hold)
+        all_edges = Pieces.between(edges)
+        pieces = Pieces(all_edges.owner // legs.size, all_edges.low, all_edges.high)
+        return pieces.pick(self._some_may_hold(pieces, t_leg))
+
+    def _some_may_hold(self, pieces: Pieces, t_leg: Array) -> npt.NDArray[np.bool_]:
+        """Whether any contacts born on a piece hold at its target, told by births at three places, shape (pieces,).
+
+        With one stretch at birth pieces end where contacts have met the end of P_c, so that all on a piece hold, or
+        none. FaultError where some do: a bend is missing, and births that hold would be left out unseen."""
+        law, width = self._births.law, pieces.high - pieces.low
+        places = INSIDE if law.is_single else ENDS_AND_MIDDLE
+        birth_leg = pieces.low[:, None] + width[:, None] * places
+        if not law.is_single:
+            moves = self._motion_leg.history(t_leg[pieces.owner, None], birth_leg)
+            return self._births.may_hold(law, moves)
+        now_leg = np.repeat(t_leg[pieces.owner], places.size)
+        moves = self._motion_leg.history(now_leg[:, None], birth_leg.reshape(-1, 1))
+        holds = self._births.may_hold(law, moves).reshape(-1, places.size)
+        wide = width > 2.0 * self._narrowest(pieces) / places[0]
+        # times behind the leg's end, where the slider has turned, are asked for and not read (March._numbers_at_edge)
+        on_leg = t_leg[pieces.owner] <= self._motion_leg.times[self._leg + 1]
+        cut_by_a_bend = wide & on_leg & holds.any(axis=1) & ~holds.all(axis=1)
+        if cut_by_a_bend.any():
+            first = int(np.argmax(cut_by_a_bend))
+            raise FaultError(
+                f"of the births between {pieces.low[first]:.6g} and {pieces.high[first]:.6g} after leg {self._leg} "
+                "begins some hold, where all do or none: a bend of the survival is missing there"
+            )
+        return np.asarray(holds.any(axis=1))
 
     def _even_cuts(self, first: Array, last: Array) -> Array:
         """Times that cut the births of each leg, from its last one back to where none holds, shape (1, legs, cuts)."""
@@ -170,6 +200,12 @@ class EarlierLegs:
     def _bends(self, t_leg: Array, born: float) -> Array:
         """Times of birth, at the one stretch `born`, for which the survival at `t_leg` bends or its force does, shape
         (targets, legs, bends); some lie outside the leg.
+
+        An example: X goes from 0 to 1 and back at speed 1, P_c ends at 0.6, born = 0. Births on the way up are at o = s
+        from 0 to 1. Seen from X = 0.5 at t = 1.5: low = 0.5, high = 1, so that high - 0.6 = 0.4, low + 0.6 = 1.1,
+        middle = 0.75. Those born before s = 0.4 are out, as X was more than 0.6 above o; from 0.4 to 0.75 the largest
+        |x| is 1 - o, and from 0.75 to 1, o - 0.5, at most 0.5; 1.1 lies outside. There is one more bend at s = 0.5,
+        where x = 0.
 
         Let low and high be the ends of the move since then, and o = X(s) - born the place where the contact is relaxed.
         Its stretch is x = now - o, and its largest |x| so far is that at the end which is farther from o:

@@ -53,11 +53,11 @@ def sums_of_lumps(
         if not row.size:
             continue
         births.add_work(row.size)
-        t_leg, its_own_leg = grid_leg[row], birth_leg[lump]  # (pairs, columns), (pairs, 1)
-        history = motion_leg.history(np.maximum(t_leg, its_own_leg), its_own_leg)
+        t_leg, its_birth_leg = grid_leg[row], birth_leg[lump]  # (pairs, columns), (pairs, 1)
+        history = motion_leg.history(np.maximum(t_leg, its_birth_leg), its_birth_leg)
         found = births.life.survival_and_force(law, history)
         survival_error = max(survival_error, found.error)
-        still_unborn = amid[lump, row, None] & (t_leg < its_own_leg)
+        still_unborn = amid[lump, row, None] & (t_leg < its_birth_leg)
         survivors = np.where(still_unborn, [[[1.0]], [[0.0]]], found.both)  # (2, pairs, columns)
         for total, added in zip(both, weight[lump, None] * survivors, strict=True):
             np.add.at(total, row, added)  # several lumps may be on one row, of which += keeps one

@@ -2,9 +2,10 @@
 
 With B(t) the breaks per contact since t = 0, at every t
 
-    1 = G_0(t) + integral over s of E(t, s) dB(s),      F(t) = M_0(t) + integral of K(t, s) dB(s),
+    1 = G_0(t) + integral over s of N(t, s) dB(s),      F(t) = M_0(t) + integral of K(t, s + delay) dB(s),
 
-where E also counts contacts that are out, which carry no force (see births). G_0 and M_0 are sums over lumps: the
+where contacts that broke at s count as N = 1 until s + delay, while they are out, and as E(t, s + delay) after, when
+they are born again; K is 0 while they are out (births.py). G_0 and M_0 are sums over lumps: the
 contacts that hold at t = 0, and sets of contacts that break at one instant because they reach one exact threshold
 together, and are born again together one delay later. On a panel B is a polynomial; its values at the Radau nodes
 follow from conservation there, given all panels before. A panel that does not resolve B is narrowed.
@@ -109,7 +110,7 @@ class March:
         return self
 
     def batches(self) -> Iterator[None]:
-        """Solve all panels, yielding after each batch of them."""
+        """Solve all panels, yielding after each good batch of them."""
         fastest = int(np.abs(self.motion.speeds).argmax())
         slack = SAME_BEGIN * self.motion.duration(self.guess, fastest)
         legs = self.motion.legs_between(self.edges, slack)
@@ -145,7 +146,7 @@ class March:
                 self.jumps.append(Jump(at_path, leg, error, behind_edge=at_edge))
             kept = batch.error.size if keep_all or not rejected.size else int(rejected[0])
             self.solved.append(
-                batch, kept, begin=now_path, begin_own_leg=now_leg, width=proposal.width
+                batch, kept, begin=now_path, breaks_begin_own_leg=now_leg, width=proposal.width
             )
 
             now_leg = now_leg + kept * proposal.width if kept < proposal.to_edge else edge_leg
@@ -262,8 +263,7 @@ class March:
         # Where the edge ends the leg the later times are asked for on it all the same: on the next leg Past would enter
         # that too early. Only the number at the edge is read, where both legs have the same stretches.
         self._past.enter(leg, self.solved)
-        # At a jump `_sums_on_leg` gives the limit from the left to a row of times that ends there, and that from the
-        # right to one that begins there, both within a panel.
+        # a row of times is on the side of a jump on which its middle is (motion.History)
         until = self._sums_on_leg(leg, np.array([[edge_leg - beside, edge_leg]]))[0]
         after = self._sums_on_leg(leg, np.array([[edge_leg, edge_leg + beside]]))[0]
         return float(until[0, -1]), float(after[0, 0])
@@ -295,6 +295,6 @@ class March:
         batch = Batch.of_one_panel_without_contacts()
         for first, width in ((begin, nearly - begin), (nearly, end - nearly)):
             if width > 0.0:
-                begin_own_leg = first - leg_start_path
-                self.solved.append(batch, 1, begin=first, begin_own_leg=begin_own_leg, width=width)
+                on_leg = first - leg_start_path
+                self.solved.append(batch, 1, begin=first, breaks_begin_own_leg=on_leg, width=width)
         self.lumps.append(Lump(end, 1.0 - float(number[0, 0]), self.births.law))

@@ -9,8 +9,14 @@ panels ends in its clock (`leg`, `to_leg` are indices):
 
 - `_path`: since the beginning of the path, the clock of the march: births.motion, SolvedPanels.begin, Lump.birth;
 - `_leg`: since the beginning of the present leg, to keep digits: here sums are taken;
-- `_own_leg`: since the beginning of the leg on which a contact is born (SolvedPanels.births_begin), as are all
-  times of strands of ageing contacts.
+- `_own_leg`: since the beginning of the leg on which that happens which the name tells, breaks or births. Contacts
+  that break less than a delay before a turn are born on another leg than they broke on.
+
+An example: the drive turns at t = 2, the delay is 0.3, and a panel has the breaks from 1.8 to 1.9. On leg 1 it is
+
+    breaks_begin = 1.8,  breaks_begin_own_leg = 1.8 (leg 0),  births_begin_own_leg = 1.8 + 0.3 - 2 = 0.1 (leg 1),
+
+and seen from leg 2, which begins at 5, its births are at births_begin_leg = 2.1 - 5 = -2.9.
 
 In the march a time without such an ending (t, begin, end, edges) is on the path.
 
@@ -40,7 +46,7 @@ if TYPE_CHECKING:
     from master.renewal.strand_births import Strands
 
 # Factor on the accuracy where a survival is a sum or followed by strands: so exact a sum over births would take long
-# (an eighth longer with heat of 0.1 <x_s>² on two turns).
+# (with heat of 0.1 <x_s>² on two turns an eighth longer without this factor, and more with more turns).
 # Where the survival is closed, as that of growing thresholds without heat, sums so coarse would make the number rough,
 # and panels would be halved until all work is used up.
 COARSER = 30.0
@@ -59,7 +65,8 @@ class Past:
     survival_error : the largest error of a survival so far, as the life returned it
 
     _motion_leg, _leg_start_path : the motion on the clock of that leg, and when it begins on that of the path
-    _accuracy, _left_out_below : of a sum over births; and the share that holds up to which a leg is left out
+    _accuracy, _left_out_below : asked of each piece of a sum over births (EarlierLegs), or of a sum (FewTimes); and
+        the share that holds up to which a leg is left out
     _earlier_legs : sums over births on earlier legs, None where there are none; for contacts that age `_strands` in its
         place
     _holding_at_latest : by earlier leg, the share of all contacts that was born on it and held at the latest of the
@@ -158,16 +165,18 @@ class Past:
 
     def _follow_strands(self, strands: "Strands", panels: SolvedPanels) -> None:
         """Follow contacts that age up to the beginning of the present leg; `panels` : those of all births before it."""
-        legs, begin_own_leg = self._legs_and_begin(panels)
-        self.left_out += strands.follow(self._motion_leg, self.leg, panels, begin_own_leg, legs)
+        legs, births_begin_own_leg = self._legs_and_begin(panels)
+        self.left_out += strands.follow(
+            self._motion_leg, self.leg, panels, births_begin_own_leg, legs
+        )
 
     def _sum_over_legs(self, panels: SolvedPanels) -> None:
         """Make the sums over births on these panels, those before the present leg, but for legs left out."""
-        legs, begin_own_leg = self._legs_and_begin(panels)
+        legs, births_begin_own_leg = self._legs_and_begin(panels)
         counted = np.array(sorted(set(legs.tolist()) - self._legs_left_out), dtype=int)
         self._earlier_legs = None
         if counted.size:
-            births_leg = panels.births(self._motion_leg.times[legs] + begin_own_leg)
+            births_leg = panels.births(self._motion_leg.times[legs] + births_begin_own_leg)
             self._earlier_legs = EarlierLegs(
                 self._births, self._motion_leg, self.leg, counted, births_leg, self._accuracy
             )
@@ -179,8 +188,8 @@ class Past:
         not at all.
         """
         motion_path, legs = self._births.motion, self._legs_of_births(panels)
-        begin_own_leg = panels.births_begin(motion_path.times[legs], self._births.delay)
-        end_own_leg = begin_own_leg + panels.width
+        births_begin_own_leg = panels.births_begin(motion_path.times[legs], self._births.delay)
+        end_own_leg = births_begin_own_leg + panels.width
         duration = np.diff(motion_path.times)[legs]
         wrong = np.flatnonzero((legs >= self.leg) | (end_own_leg > duration + panels.beside_leg))
         if wrong.size:
@@ -190,7 +199,7 @@ class Past:
                 f"they end at {end:.9g} of leg {leg} (from 0), which lasts {duration[wrong[0]]:.9g}, while the slider "
                 f"is on leg {self.leg}, a fault of the program"
             )
-        return legs, begin_own_leg
+        return legs, births_begin_own_leg
 
     def _legs_of_births(self, panels: SolvedPanels) -> npt.NDArray[np.intp]:
         """The leg of each panel's births, which come one delay after its breaks.

@@ -75,7 +75,7 @@ class Present:
             longest = most / abs(speed) if speed else np.inf
             if not (life.timeless and speed):
                 longest = min(longest, float(np.diff(motion.times)[motion.speeds == speed].max()))
-            # nor is it finer than the error of a survival that is looked up
+            # nor is it coarser than the error of a survival that is looked up, which would be lost else
             finest = self.error if life.pair_work == 1 else np.inf
             accuracy = max(FINEST_TABLE, min(FOR_TABLE * births.accuracy, finest))
             self._table[speed] = Straight(life, births.law, speed, longest, accuracy, births.until)
@@ -94,17 +94,25 @@ class Present:
         have = cached.values.shape[0] if cached else 0
         if cached and have >= min(panels, most):
             return cached
+        # all at once where that is hardly more than asked for; else twice as many as before, so that a leg on which
+        # panels come one after the other asks for few enlargements
         panels = most if most <= 2 * panels else max(panels, 2 * have)
         t = (width * (np.arange(panels)[:, None] + TARGETS)).ravel()
+        # `nodes.target` is sorted: the parts of one time stand together
         nodes, values = self._integrals(speed, t, np.array([delay, delay + width]))
-        sums = np.zeros((t.size, 2, polynomials.DEGREE + 1))
-        parts = values.swapaxes(0, 1) @ polynomials.legendre_values(nodes.place)
+        parts = values.swapaxes(0, 1) @ polynomials.legendre_values(
+            nodes.place
+        )  # (parts, 2, degrees)
         first = np.flatnonzero(np.diff(nodes.target, prepend=-1))
+        sums = np.zeros((t.size, 2, polynomials.DEGREE + 1))
         sums[nodes.target[first]] = np.add.reduceat(parts, first)
+        # from births as a Legendre series to breaks at 0 and the nodes: (2, t.size, DEGREE + 1)
         found = sums.swapaxes(0, 1) @ polynomials.SLOPES
         if delay > 0.0:  # contacts that are out count as well
             found[0] += still_out(t, delay, 0.0, width)
-        both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(0, 1)
+        both = found.reshape(2, panels, TARGETS.size, -1).swapaxes(
+            0, 1
+        )  # (panels, 2, targets, ...)
         # singular on a panel far wider than a life: the residual then shows that this is not resolved
         solve = np.linalg.pinv(np.nan_to_num(both[0, 0, 1 : polynomials.DEGREE + 1, 1:]))
         self._cache[speed, width] = PanelSums(
@@ -139,6 +147,14 @@ def solve_batch(
 
     from_others : shape (2, panels, TARGETS.size), number and force without the contributions of panels of this width
     same_width : breaks on the panels of this width that directly precede the first; stretch : the longest |x|
+
+    Let V[d] be `of_panel.values` at a distance of d panels, y the breaks on a panel, a to c three panels of this width
+    before, and d and e those to be solved, which counts at most `before` = 3 panels back. Then
+
+        1 - from_others of d = V[3] y_a + V[2] y_b + V[1] y_c + V[0] y_d
+        1 - from_others of e =            V[3] y_b + V[2] y_c + V[1] y_d + V[0] y_e
+
+    at the nodes of d and e: one after the other, y_d first. `panels` holds the rows y_a to y_e.
     """
     count, size, targets = from_others.shape[1], polynomials.DEGREE + 1, TARGETS.size
     # how many panels before a panel count for it, at most: of farther ones none holds, or they are not of this width
@@ -147,9 +163,9 @@ def solve_batch(
     panels = np.zeros((before + count, size))
     kept = min(len(same_width), before)
     panels[before - kept : before] = same_width[len(same_width) - kept :]
-    # the farthest panels first, the order in which `panels` holds them
+    # V[before] to V[1] side by side, the order in which `panels` holds their breaks: (2 * targets, before * size)
     of_same_width = of_panel.values[before:0:-1].swapaxes(0, 1).reshape(2 * targets, -1)
-    # of each panel to be solved, number at all TARGETS, then force
+    # of each panel to be solved, number at all TARGETS, then force: (count, 2 * targets)
     sums = from_others.swapaxes(0, 1).reshape(count, -1)
     for panel in range(count):
         sums[panel] += of_same_width @ panels[panel : panel + before].ravel()

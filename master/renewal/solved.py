@@ -31,8 +31,8 @@ def _no_rows() -> Array:
 class SolvedPanels:
     """Panels in the order of time, without gaps; arrays with one entry or row a panel.
 
-    begin, begin_own_leg : the panel's beginning, a time on the path; and counted from that of its leg, to keep all
-        digits
+    begin, breaks_begin_own_leg : the panel's beginning, a time on the path; and counted from that of its leg, on which
+        its breaks are, to keep all digits
     width : a time
     breaks : since the panel's beginning, a share of the contacts, at the place 0 and the nodes
     force, error : as in Batch
@@ -40,7 +40,7 @@ class SolvedPanels:
     """
 
     begin: Array = field(default_factory=_none)
-    begin_own_leg: Array = field(default_factory=_none)
+    breaks_begin_own_leg: Array = field(default_factory=_none)
     width: Array = field(default_factory=_none)
     breaks: Array = field(default_factory=_no_rows)
     force: Array = field(default_factory=_no_rows)
@@ -58,11 +58,11 @@ class SolvedPanels:
         return float(self.begin[-1] + self.width[-1]) if self.count else 0.0
 
     def append(
-        self, batch: Batch, good: int, *, begin: float, begin_own_leg: float, width: float
+        self, batch: Batch, good: int, *, begin: float, breaks_begin_own_leg: float, width: float
     ) -> None:
         """Add the first `good` panels of a batch that begins at `begin` on the clock of the path, which is
-        `begin_own_leg` on that of its leg; on the first leg both are the same. Their names are asked for, as no type
-        tells them apart.
+        `breaks_begin_own_leg` on that of its leg; on the first leg both are the same. Their names are asked for, as no
+        type tells them apart.
 
         Raises FaultError where that is not the end of the panels so far: each of them conserves the number by itself,
         and no residual would tell of breaks that are left out in between, or counted twice.
@@ -76,14 +76,23 @@ class SolvedPanels:
             )
         steps = width * np.arange(good)
         self.begin = np.append(self.begin, begin + steps)
-        self.begin_own_leg = np.append(self.begin_own_leg, begin_own_leg + steps)
+        self.breaks_begin_own_leg = np.append(
+            self.breaks_begin_own_leg, breaks_begin_own_leg + steps
+        )
         self.width = np.append(self.width, np.full(good, width))
         self.breaks = np.concatenate([self.breaks, batch.breaks[:good]])
         self.force = np.concatenate([self.force, batch.force[:good]])
         self.error = np.append(self.error, batch.error[:good])
 
     def _stored(self) -> list[Array]:
-        return [self.begin, self.begin_own_leg, self.width, self.breaks, self.force, self.error]
+        return [
+            self.begin,
+            self.breaks_begin_own_leg,
+            self.width,
+            self.breaks,
+            self.force,
+            self.error,
+        ]
 
     def pick(self, which: slice | npt.NDArray[np.bool_]) -> "SolvedPanels":
         """Some of the panels."""
@@ -102,7 +111,9 @@ class SolvedPanels:
         leg: their contacts would count as born where the slider is on it.
         """
         broken_on_same_leg = self.begin >= leg_begins
-        breaks_begin = np.where(broken_on_same_leg, self.begin_own_leg, self.begin - leg_begins)
+        breaks_begin = np.where(
+            broken_on_same_leg, self.breaks_begin_own_leg, self.begin - leg_begins
+        )
         births_begin = breaks_begin + delay
         early = np.flatnonzero(births_begin < -self.beside_leg)
         if early.size:

@@ -51,7 +51,7 @@ class Straight:
 
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
-    typical : a lag, to a factor of 4, after which half of the contacts have broken
+    typical : a lag, to a factor of 4, after which half of the contacts have broken; only where there is a table
     scale : a length, of the stretches at a break
     survival_error : of the fraction that holds, as the life gave it for the table; known when this is made
     error : of a look-up: survival_error, and the table's own

@@ -42,20 +42,21 @@ class Strands:
         motion_leg: Motion,
         to_leg: int,
         panels: SolvedPanels,
-        begin_own_leg: Array,
+        births_begin_own_leg: Array,
         legs: Rows,
     ) -> float:
         """Make strands of the births on the legs that have ended since it was called last, and follow all strands to
         the leg `to_leg`, which begins at t = 0 of this motion; returns the share of all contacts that are left out from
-        now on. `begin_own_leg`: when the births of each panel begin, on the leg `legs`."""
+        now on. `births_begin_own_leg`: when the births of each panel begin, on the leg `legs`."""
         least, left_out = self._left_out_below, 0.0
         ended, self._leg = range(self._leg, to_leg), to_leg
         for leg in ended:
             on_it = legs == leg
             number = float(np.abs(panels.breaks[on_it]).max(axis=1).sum())
             if number > least:
-                births_own_leg = panels.pick(on_it).births(begin_own_leg[on_it])
+                births_own_leg = panels.pick(on_it).births(births_begin_own_leg[on_it])
                 self._of_legs.append(StrandBirths(self._births, leg, births_own_leg))
+                # single strands of which less than `least` holds are left out as they are followed (dropped_below)
                 left_out += least * self._of_legs[-1].births
             else:
                 left_out += number
@@ -126,6 +127,7 @@ class StrandBirths:
             self._seen += 1
             if not self.holding > left_out_below:
                 return False
+            # ages `_passages` in place, to the leg's end: `holding` is then that at this end
             times, followed = next(self._legs)
             survivors = followed.reshape(*followed.shape[:-1], -1, SIZE)
             self.missed = max(self.missed, float(_missed(survivors[:, 0], self._weight).sum()))

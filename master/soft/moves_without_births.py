@@ -77,9 +77,9 @@ class MoveWithoutBirths(Move):
         """Keep so many panels of a run, of this width, the first of which begins there."""
         motion = self.march.motion
         leg_begin = float(motion.times[motion.leg(begin + 0.5 * width)])
-        begin_own_leg = begin - leg_begin
+        breaks_begin_own_leg = begin - leg_begin
         self.march.solved.append(
-            batch, count, begin=begin, begin_own_leg=begin_own_leg, width=width
+            batch, count, begin=begin, breaks_begin_own_leg=breaks_begin_own_leg, width=width
         )
 
     def _advance(self) -> bool:
