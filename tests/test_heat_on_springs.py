@@ -1,6 +1,8 @@
 """Contacts that break by heat on a spring, in the ensemble: against quadrature, steps of time, a stiff spring, no heat,
 and the master equation."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -266,3 +268,21 @@ def test_another_unit_of_length_changes_nothing_but_the_scale(scale):
     assert one.breaks > 300 and one.slips.drive.size > 2
     assert other.slips.force_before / scale == pytest.approx(one.slips.force_before, abs=0.05)
     assert other.forces.mean() / scale == pytest.approx(one.forces.mean(), rel=0.1)
+
+
+def test_a_path_of_too_many_steps_says_how_little_heat_does() -> None:
+    """Barriers of 4e5 k_BT, as of a scan at 300 K: the refusal tells what heat changes in the force before a slip at
+    most, and without it the path is solved."""
+    heat = origins.Thermal("stiff", temperature=1.23e-6, attempt_frequency=6.2e7)
+    hot = origins.Contacts(stats.expon(), thermal=heat)
+    cold, pulled = hot.replace(thermal=None), {"spring": 0.022, "slip": "reset"}
+    path = np.linspace(0.0, 3e4, 30)[1:]
+    with pytest.raises(origins.InputError) as refusal:
+        master.solve(hot, path, 1e-2, **pulled)
+    said = re.search(r"contacts.thermal, which .* by at most (\S+) mean", str(refusal.value))
+    assert said is not None, str(refusal.value)
+    assert master.solve(cold, path, 1e-2, **pulled).success
+    # of a rigid slider, whose heat needs no steps
+    x = np.linspace(0.0, 5.0, 26)
+    forces = [master.solve(each, x, 1e-6).force for each in (hot, cold)]
+    assert 1e-4 < np.abs(forces[0] - forces[1]).max() <= float(said[1]) < 0.01

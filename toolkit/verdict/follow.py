@@ -40,7 +40,7 @@ FIRST_WITH_DELAY = 9.0
 # tolerance of F_s and K*, where they decide how far a slider is pulled, and of one that rings for too long
 ROUGHLY = 1e-3
 # parts of critical damping tried where none is given and the slider rings for too long: tolerance; time of the first
-DAMPED, FIRST_DAMPED = {0.1: TOLERANCE, 1.0: ROUGHLY}, 0.4
+DAMPED, FIRST_DAMPED = {0.1: TOLERANCE, 1.0: ROUGHLY}, 0.25
 # of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider;
 # and s of it at most under a slip rule, which ordinary laws take a second for, and laws with many peaks minutes
 FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0

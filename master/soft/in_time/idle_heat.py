@@ -96,6 +96,16 @@ def without_weak_heat(contacts: Contacts, drive: Drive, duration: float) -> Idle
     return idle._replace(contacts=contacts.replace(thermal=None), message=note)
 
 
+def or_without_heat(contacts: Contacts, duration: float) -> str:
+    """Words for who may leave heat out, and by how much the force before a slip is off then; "" where that is WEAK or
+    more. It is no bound along a path of many slips, where it adds up, so that heat is not left out unasked."""
+    effect = largest_effect(contacts, duration, EARLY_OF_CONTACTS)
+    if not effect < WEAK:
+        return ""
+    changes = f"changes the force of new contacts, and so that before a slip, by at most {effect:.1e} mean thresholds"
+    return f", or leave out contacts.thermal, which {changes}"
+
+
 def unresolved_heat(contacts: Contacts, memory: Memory, drive: Drive, duration: float) -> float:
     """The error of the force (mean thresholds) due to heat that the memory's cells do not resolve, 0 where they do."""
     if memory.resolves_heat:

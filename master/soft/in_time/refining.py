@@ -12,6 +12,7 @@ from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.contacts import COMPARED, MOST_STEPS, MOST_WORK, ContactsInSteps
 from master.soft.in_time.creep import creep_of, creeps, may_creep
 from master.soft.in_time.decohered import decohered
+from master.soft.in_time.idle_heat import or_without_heat
 from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
 from master.soft.in_time.slider import Slider
 from master.soft.in_time.steps import CONTROL
@@ -100,7 +101,8 @@ def refined(
         except StoppedError as why:
             if best is None:
                 if time.monotonic() <= until and not isinstance(why, FaultError):
-                    refuse("path[-1]", drive.path[-1], f"{why}; end the path sooner")
+                    hint = f"end the path sooner{or_without_heat(contacts, float(asked[-1]))}"
+                    refuse("path[-1]", drive.path[-1], f"{why}; {hint}")
                 asked = asked[asked <= cohorts.now]
                 best = extrapolated([slider], contacts, drive, balance, asked)
             return best._replace(stopped_because=str(why))
