@@ -387,6 +387,15 @@ def test_a_path_that_ends_just_after_a_slip_tells_of_the_slip() -> None:
         assert abs(solved.force[-1] - SOFTEST * after) <= 4.0 * SOFTEST
 
 
+def test_steps_are_short_only_where_heat_breaks_many_contacts() -> None:
+    """A wrong size of step costs time and shows in no error: 273 ends of steps, or 2409 with the factor on a step's
+    size (SlipBegins._resolving_factor) upside down. The number of steps does not depend on the machine."""
+    heat = Thermal("soft", temperature=1e-2, attempt_frequency=1e3)
+    contacts, path = Contacts(gaussian(1.0, 0.1), thermal=heat), np.linspace(0.0, 20.0, 5)
+    found = master.solve(contacts, path, tolerance=1e-3, spring=0.05, slip="reform-after")
+    assert found.success and found.nodes < 400
+
+
 def test_heat_that_does_nothing_is_left_out_and_told() -> None:
     """Barriers of 1e7 k_BT: contacts break within 1e-6 of their thresholds, which steps in time do not resolve."""
     cold = master.solve(Contacts(WIDE), FAR, 1e-8, spring=SOFTEST)

@@ -52,14 +52,17 @@ A slip begins where a longer step would end earlier: the spring then pulls more 
 contacts form again on the way ("instant"), after it ("reform-after"), or whether all are replaced ("reset")
 (`slip_ends.py`). With a delay "instant" is "reform-after": a slip takes no time, so that no delay ends in it. Steps go
 from one to the next section of the drive's motion, which end where it turns, changes speed or holds, where births jump
-a delay after such an instant, and at slips (`Slider`). After each slip that leaves all contacts new the slider does the
-same again, as long as the drive keeps its speed: that is solved once (`Slider._repeat_while_new`).
+one delay after such an instant, or bend two delays after it, and at slips (`Slider`). After each slip that leaves all
+contacts new the slider does the same again, as long as the drive keeps its speed: that is solved once
+(`Slider._repeat_while_new`).
 
 Order of calls: `solve_soft` (soft/solution.py); `refined`, which for each halving makes a Memory and the contacts, and
 calls `Slider.run`; there, at each begin of a section, `Slider._begin_section`, behind which nothing is drawn through
 steps before it; then for each step `SlipBegins.up_to_slip`, which asks for many trials, and `ContactsInSteps.take` of
-the one that is chosen. Only `take` and what a slip does change the contacts. In a slip contacts are changed first; X,
-or the slip's list, follows from their force.
+the one that is chosen. What changes the contacts: `take`; a slip (slip_ends.py); births that are due at once, as a
+slip's are one delay later (`form_due`); `repeat`, as many slips are done at once; and `Slider._crept_to_end`, which
+moves X, F and the time to the path's end and leaves the groups as they are, as no step follows. In a slip contacts are
+changed first; X, or the slip's list, follows from their force.
 
 Clocks: all times here are on the path, from t = 0 on, `ContactsInSteps.now` and ends of trials, too (legs of a rigid
 slider have clocks of their own, those of a soft one have not). Sizes (`Node.sizes_so_far`) and steps of time
@@ -70,10 +73,11 @@ Signs: X, F, stretches and `Trial.travel` are above 0 along X. Sizes, `Steps.tra
 `SlipSoFar` are above 0 along the slider's motion, whose sign is `Steps.sign`: that of the drive, or that of the
 spring's pull where the slider creeps the other way.
 
-Refinement (`refined`): the whole path is solved with steps, and the meshes of records, halved each time. Errors fall as
-the square of the steps: three solutions with as many slips give the limit, and an error from their changes, to which
-those of the memory, rounding and what steps cannot resolve (`Unresolved`) are added (`extrapolated`). Where that is
-above the tolerance the message names the largest of these parts (`Followed.why_above`).
+Refinement (`refined`): the whole path is solved with steps halved each time. Meshes of records get finer with them,
+each in its own measure (`cell_edges`: twice the cells at each of the first four halvings, then at every second one).
+Errors fall as the square of the steps: three solutions with as many slips give the limit, and an error from their
+changes, to which those of the memory, rounding and what steps cannot resolve (`Unresolved`) are added (`extrapolated`).
+Where that is above the tolerance the message names the largest of these parts (`Followed.why_above`).
 
 Tests: tests/test_plain_in_time.py for parts by themselves, each memory and the plain twin, in seconds;
 test_soft_laws.py and test_any_spring.py for slips. A delay: test_births_follow_from_the_breaks_one_delay_before, the

@@ -55,10 +55,19 @@ def step(
     value, slope : arrays (4, cells + 1), the density and its slope at the lower face of each cell j from
         the weights of the cells j - 2 to j + 1; 0 at the upper face of the last cell, as nothing comes through it
 
-    The unknowns, both stages of each cell in turn, obey equations whose row i has elements in the columns i - 5 to
-    i + 5. Each row is made, and cleared below the diagonal by the five rows above it, by Gauss's elimination without
-    pivoting; then the last unknown is known, and so on up. All is done for LANES strands at once, lane by lane in the
-    innermost loops, of which a processor does several together.
+    Plainly, for one strand, with L[b] the matrix (cells, cells) of stage b:
+
+        rows = np.eye(2 * cells)                                     # unknown 2j + a: cell j at stage a
+        for a in range(2):
+            for b in range(2):
+                rows[a::2, b::2] += RADAU[a, b] * L[b]
+        end = np.linalg.solve(rows, np.repeat(weights, 2))[1::2]     # the second stage is the end
+
+    The test test_one_step_of_the_cells_solves_its_equations makes L and does so. Here rows are made one by one and
+    never stored whole: the unknowns, both stages of each cell in turn, obey equations whose row i has elements in
+    the columns i - 5 to i + 5. Each row is made, and cleared below the diagonal by the five rows above it, by
+    Gauss's elimination without pivoting; then the last unknown is known, and so on up. All is done for LANES
+    strands at once, lane by lane in the innermost loops, of which a processor does several together.
     """
     cells = weights.shape[0]
     # of row i at i + 5: 1/diagonal, the elements right of it, and the right side; five rows of 0 above and below

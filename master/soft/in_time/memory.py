@@ -89,8 +89,11 @@ class Memory:
         raise NotImplementedError
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
-        """Survival and force, the mean of k x/<k> over all (lengths), shape (2, n), of all thresholds: of contacts
-        born stretched this is the survival at birth times theirs, by which the weights of Groups are divided.
+        """Survival and force, the mean of k x/<k> over all (lengths), shape (2, n), of all thresholds.
+
+        Of contacts born stretched at r, a memory of thresholds tells both with those counted in whose thresholds are
+        below |r|, and which never formed: survival at birth is S(|r|), times theirs. Others, of contacts that age, say,
+        tell theirs alone: survival at birth is 1. Either way the weights of Groups are divided by that at birth.
 
         largest : the largest |x| so far
         """

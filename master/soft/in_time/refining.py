@@ -39,7 +39,7 @@ LEAST_OF_AGEING, FALL_OF_AGEING = 3e-3, 25.0
 
 
 def memory_of(contacts: Contacts, halvings: int, fastest: float) -> Memory:
-    """The memory of contacts on a drive of at most this speed; its meshes are halved as often as the steps. Raises
+    """The memory of contacts on a drive of at most this speed; its meshes are made for steps halved so often. Raises
     InputError for a law by which thresholds change that has none."""
     changing = contacts.changing
     if changing is not None:

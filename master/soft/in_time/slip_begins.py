@@ -123,7 +123,19 @@ class SlipBegins:
 
     def up_to_slip(self, size: float) -> tuple[Trial, bool]:
         """The balanced step of this size, or a shorter one that resolves breaks, or that up to a slip that begins
-        within it; and whether one does."""
+        within it; and whether one does.
+
+        An example: thresholds 1 ± 0.1 with soft heat of 0.001, K = 0.3, a slip at t = 3.507. Steps of the size 1 lead
+        from 2.890 to 3.060, 3.225, 3.375 and 3.484: they take less and less time, as contacts break. The next one of
+        that size has no balance. Of shorter ones the one that takes the most time ends at 3.508: the slip begins there.
+        Of the slider with two halvings, steps have the size 1/4: 3.463, 3.484, 3.499, 3.507, and the slip at 3.5074.
+        The next size is that of the slider times `shrink`, which stays 1 here.
+
+        With the heat a hundred times as strong, more than half of the contacts may break on a step. If a tenth is kept
+        on one of the size 1, 2.3 e-folds break, and steps of 0.5/2.3 = 0.22 resolve that (`_resolving_factor`). If the
+        one of the size 1 looks like a slip, that is not believed; those of 1/2 and 1/4 are tried, and the last is
+        believed, as 1/4 < 1.5 * 0.22. From then on steps have the size 0.22 where so many break.
+        """
         steps, own_size = self._steps, 0.5**self._steps.contacts.halvings
         while True:
             asked = self._solve_along_motion(size)

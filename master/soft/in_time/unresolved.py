@@ -52,8 +52,8 @@ def unknown_force_of_births(weight: Array, survival_and_force: Array, count: int
     """Bound on the force (a length) of contacts born in steps of which it is unknown how many hold: half of what the
     forces of first and last births differ by, for the geometric mean of the births in both cohorts.
 
-    weight, held : of the groups of all cohorts, `count` each, in the order of birth; shape (n,), and survival and force
-        as a memory tells them, (2, n)
+    weight, survival_and_force : of the groups of all cohorts, `count` each, in the order of birth; shape (n,), and
+        (2, n) as a memory tells them
 
     Half of the births count as the first, half as the last. If the force changes one way from first to last, the
     mean over the step lies between the two, and so is off by half of their difference at most.
