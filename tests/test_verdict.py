@@ -324,6 +324,28 @@ def test_slips_on_the_way_to_sliding_are_not_called_stick_slip() -> None:
     assert longer.slips.drive.size > 8 and longer.slips.drive.max() < 30.0
 
 
+@pytest.mark.parametrize("rule", ["reset", "reform-after"])
+def test_one_slip_to_no_force_is_followed_until_it_is_known_whether_it_goes_on(
+    rule: str, monkeypatch: Any
+) -> None:
+    """Above K* the spring is pulled far beyond 40 mean thresholds after a slip to no force: that was told as smooth, as
+    the path ended. Held against other sliders on a longer way; where there is no time for more the slip is told."""
+    spring, told = 1e-3, replace(infinite("smooth", 0), rule=rule, after=1.0)
+    machine, contacts = Machine(spring, None, 0.0, 1.0), Contacts(stats.expon())
+    found = follow_finite(machine, contacts, 9e4, told, 1.0, 60.0)
+    own = eq_model.simulate(
+        contacts, [0.0, 8e3], spring=spring, slip=rule, n_contacts=90_000, n_replicas=4, seed=5
+    )
+    assert own.slips.drop.size >= 24
+    assert found.kind == "stick-slip" and found.slips >= 3.0 and found.after == 0.0
+    before = own.slips.mean("force_before", 3)[0]
+    assert abs(found.before - before) < 0.02 and abs(spring * found.period - before) < 0.02
+    monkeypatch.setattr("toolkit.verdict.finite.SEVERAL", 1e4)
+    cut = follow_finite(machine, contacts, 9e4, told, 1.0, 60.0)
+    assert (cut.kind, cut.slips, cut.after) == ("unknown", 1.0, 0.0)
+    assert "more than are followed here" in cut.message
+
+
 def test_few_contacts_that_re_form_at_once_bear_more_than_infinitely_many() -> None:
     """Exponential thresholds on a soft spring: the drive goes on until they have slid, and the force is that of a far
     longer way of other sliders."""

@@ -44,6 +44,8 @@ SLID = 10.0
 # of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
 # more than so many mean thresholds (that of a thousand contacts scatters by some 0.1 of them)
 LATE, RINGS = 10, 0.3
+# times the drive's way on which the spring regains what a slip took, after which, without another, slips are over
+WITHOUT = 1.5
 NOT_SLID = "their path ended before they slid or slipped"
 
 
@@ -229,6 +231,29 @@ def _too_early(found: Any, few: Any, unit: float) -> float:
 def has_slid(found: Any, mean: float) -> bool:
     """Whether each slider of an ensemble has moved by so many thresholds that its contacts have formed anew."""
     return bool((found.positions[:, -1] - found.positions[:, 0]).min() >= SLID * mean)
+
+
+def regained_at(slips: Any, spring: float, times: float) -> float:
+    """The drive's place at which this spring has regained `times` what each slip took."""
+    return float((slips.drive + times * slips.drop / spring).max())
+
+
+def may_go_on(found: Any, spring: float, settling: float, few: int) -> bool:
+    """Whether sliders that slip, some of them more than `few` times, may do so again beyond their path: this spring has
+    not regained what a slip took, and the slider not slid along `settling` since. One slip may begin a stick-slip."""
+    if not found.slips.drive.size or found.slips.number.max() < few:
+        return False
+    return regained_at(found.slips, spring, WITHOUT) + settling > float(found.path[-1])
+
+
+def breaks_until(end: float, seen: Any, mean: float) -> float:
+    """How many breaks all sliders have up to this place of the drive, from those `seen`: as often along the way where
+    all have slipped, as a loading is like the one before it; else each contact at every `mean` threshold, as some
+    slide."""
+    began, seen_to = seen.path[[0, -1]]
+    if np.unique(seen.slips.replica).size == SLIDERS:
+        return float(seen.breaks * (end - began) / (seen_to - began))
+    return float(seen.breaks + seen.contacts * (end - seen_to) / mean)
 
 
 def trace_of(found: Any, replica: int, velocity: float) -> tuple[Array, Array]:

@@ -18,7 +18,10 @@ from toolkit.verdict.ensemble import (
     LONG_DELAY,
     NOT_SLID,
     SLIDERS,
+    breaks_until,
     has_slid,
+    may_go_on,
+    regained_at,
     sliders,
     trace_of,
     with_late_slips,
@@ -49,6 +52,8 @@ SCATTERED = 0.3
 SMALL = 0.02
 # part of BEYOND after which the force is taken as that of steady sliding
 SETTLED = 0.5
+# times the drive's way on which the spring regains what a slip took: so far several more are seen where they go on
+SEVERAL = 3.5
 # part of what a drive adds to the spring's pull on a slider that sticks: a force that rises by more still rises
 STILL = 0.5
 # standard errors, by the scatter of the sliders, above which a rise is no chance
@@ -117,6 +122,7 @@ def follow_finite(
 def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Finite:
     """As `follow_finite`, with contacts that re-form at once pulled `above` the force of infinitely many, and `sliding`
     along a part of that at most, both in mean thresholds times N^(-2/3)."""
+    until = time.monotonic() + seconds
     machine, contacts, infinite, static = (
         asked.machine,
         asked.contacts,
@@ -202,6 +208,20 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         found = sliders(machine, contacts, rule, path, followed, seconds)
     except InputError as refused:
         return Finite(rule, present, "unknown", message=str(refused))
+    # a slip to no force leaves a soft spring to be pulled far beyond BEYOND before the next
+    settling, few = SETTLED * BEYOND * mean, infinite.slips if flowing else 0
+    if not slips and not settles and may_go_on(found, machine.spring, settling, few):
+        seen, end = found, regained_at(found.slips, machine.spring, SEVERAL) + BEYOND * mean
+        steady = end - path[0] - settling
+        path = np.append(path[0], np.linspace(path[0] + steady, end, many))
+        breaks = breaks_until(end, seen, mean)
+        try:
+            if breaks > MORE * most:
+                raise InputError(f"some {breaks:.1g} breaks are more than are followed here")
+            found = sliders(machine, contacts, rule, path, followed, until - time.monotonic())
+        except InputError as refused:
+            told = Finite(rule, seen.contacts // SLIDERS, "unknown", message=str(refused))
+            return with_late_slips(told, seen.slips)
     drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     if settles:
@@ -219,7 +239,10 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
     if not slips:
-        if not (found.slips.drive > path[0] + steady).any():
+        go_on = may_go_on(found, machine.spring, settling, few)
+        if settles:
+            go_on = bool((found.slips.drive > path[0] + steady).any())
+        if not go_on:
             more[:] = 0  # chance has given them some more, and they are over
         elif (more > 0).any() and are_fading(found.slips):
             few, last = (

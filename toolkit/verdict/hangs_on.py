@@ -204,7 +204,11 @@ def _unknown(verdict: Verdict, many: Finite) -> tuple[str, str]:
     """Why so many contacts were not followed, and under which rule; RULE stands for it. Where fewer of them tell in
     place of infinitely many it says so."""
     own = next(one for one in verdict.own.behaviours if one.rule == many.rule)
-    if own.contacts is None:
+    if many.slips:
+        seen = "one slip" if many.slips == 1.0 else f"{many.slips:.2g} slips a slider, the last"
+        fall = fall_of(many, verdict.own.scale)
+        said = f"{of_contacts(many.contacts)}, if {RULE}: not known: {seen} of {fall} seen, and not followed further"
+    elif own.contacts is None:
         said = f"the number of contacts was not looked at if {RULE}"
     else:
         said = f"{own.contacts:,} contacts stand for the {many.contacts:,} of the area if {RULE}"
