@@ -17,13 +17,14 @@ import toolkit
 from toolkit.judge.compare import compare
 from toolkit.judge.lines import table
 from toolkit.judge.picture import draw_comparison
-from toolkit.pictures.axes import OKABE_ITO, name_axis, style_of
+from toolkit.pictures.axes import INK, MARKERS, OKABE_ITO, name_axis, style_of
 from toolkit.pictures.points import plot_points_spring
 from toolkit.pictures.run import (
     draw_run,
     plot_force,
     plot_holding,
     plot_position,
+    plot_velocity,
 )
 from toolkit.pictures.thresholds import plot_density, plot_samples
 from toolkit.results.beside import deviation
@@ -264,6 +265,23 @@ def test_legs_of_very_different_durations_are_equally_wide() -> None:
     np.testing.assert_allclose(at, [0.0, 1 / 3, 2 / 3, 1.0], atol=1e-9)
 
 
+@pytest.mark.parametrize(("points", "mark"), [(60, "."), (1201, "None")])
+def test_a_mass_that_swings_between_the_points_of_the_path_is_drawn_as_dots(
+    points: int, mark: str
+) -> None:
+    """A line through points farther apart than its swings would show slower ones. No contact forms again here."""
+    drive = {"to": 120.0, "points": points, "spring": 0.01, "mass": 0.0023, "velocity": 1.0}
+    contacts = {"thresholds": WIDE, "delay": {"time": 1e3}}
+    result = toolkit.run(
+        scene(contacts=contacts, drive=drive | {"damping": 1e-5}, master=None, eq=EQ)
+    )
+    for draw in (plot_force, plot_velocity, plot_position):
+        axes = draw(Figure().subplots(), result)
+        of_slider = [line for line in axes.get_lines() if line.get_color() == INK["eq"]]
+        swings = [line for line in of_slider if len(line.get_xdata()) >= points]
+        assert swings and {line.get_marker() for line in swings} == {mark}
+
+
 def test_a_heavy_slider_has_panels_in_time_with_slips_from_their_own_data() -> None:
     eq = {"contacts": 400, "replicas": 2, "seed": 1}
     delay = {"time": 1.0}
@@ -284,7 +302,8 @@ def test_a_heavy_slider_has_panels_in_time_with_slips_from_their_own_data() -> N
         ):
             assert x[y == before] == pytest.approx(start)
             assert x[y == after] == pytest.approx(start + lasts)
-    tops = [line.get_ydata() for line in speed.lines if line.get_marker() not in ("None", "")]
+    # its speed at the end swings from point to point of the path, which are dots
+    tops = [line.get_ydata() for line in speed.lines if line.get_marker() in MARKERS]
     np.testing.assert_array_equal(np.concatenate(tops), own.top_speed)
 
 

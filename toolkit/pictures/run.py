@@ -29,7 +29,7 @@ from toolkit.pictures.points import (
     with_swing,
 )
 from toolkit.pictures.thresholds import plot_density
-from toolkit.pictures.traces import along, in_time, moments, slips_of, with_slips
+from toolkit.pictures.traces import along, hides_swings, in_time, moments, slips_of, with_slips
 from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
@@ -80,7 +80,8 @@ def plot_force(axes: Any, result: Result) -> Any:
             slips = slips_of(eq, replica)
             place, force = with_slips(along(result, eq), eq.path, eq.forces[replica], slips)
             label = f"EQ, {number} of {len(eq.forces)} replicas of {eq.contacts // len(eq.forces):,} contacts"
-            axes.plot(place, factor * force, label=None if replica else label, **_OF_EQ)
+            style, why = _line_or_dots(eq, eq.forces[replica], _OF_EQ, replica)
+            axes.plot(place, factor * force, label=None if replica else label + why, **style)
     elif eq is not None:
         some = some_of(eq.path.size, _BARS)
         place, error = along(result, eq)[some], factor * eq.force_standard_error[some]
@@ -106,11 +107,25 @@ def _draw_solved(axes: Any, result: Result) -> None:
     if not is_precise(solved):
         label, place, force = "master equation: not solved", place[:0], force[:0]
     line = "-" if solved.success else "--"
-    style: dict[str, Any] = {"color": INK["master"], "lw": 1.4, "zorder": 3, "label": label}
-    axes.plot(place, result.scale.force * force, line, **style)
+    style: dict[str, Any] = {"color": INK["master"], "lw": 1.4, "zorder": 3, "ls": line}
+    style, why = _line_or_dots(solved, solved.force, style)
+    axes.plot(place, result.scale.force * force, label=label + why, **style)
     if solved.outrun is not None and place.size and solved.outrun < place[-1]:
         label = "contacts outrun $P_c$ (Q15)"
         axes.axvspan(solved.outrun, place[-1], color="0.9", lw=0, label=label)
+
+
+def _line_or_dots(
+    curve: Any, value: Any, style: dict[str, Any], replica: int | None = None, speed: bool = False
+) -> tuple[dict[str, Any], str]:
+    """The style of a curve, and what its label adds: dots where a slider with mass swings between the points of the
+    path, since a line would draw slower swings that do not exist."""
+    heavy = is_heavy(curve) or getattr(curve, "velocity", None) is not None
+    known = heavy and (is_heavy(curve) or is_precise(curve))
+    slips = slips_of(curve, replica)
+    if not known or not hides_swings(curve.path, np.asarray(value), slips, speed):
+        return style, ""
+    return style | {"ls": "", "marker": ".", "ms": 2.5}, "; dots, as it swings between points"
 
 
 def _name_forces(axes: Any, result: Result, name: str) -> None:
@@ -131,12 +146,14 @@ def plot_position(axes: Any, result: Result) -> Any:
     if solved is not None and solved.position is not None and is_precise(solved):
         place, slips = along(result, solved), slips_of(solved)
         drawn = with_slips(place, solved.path, solved.position, slips, position=True)
-        axes.plot(*drawn, color=INK["master"], lw=1.2, label="slider $X$")
+        style, _ = _line_or_dots(solved, solved.position, {"color": INK["master"], "lw": 1.2})
+        axes.plot(*drawn, label="slider $X$", **style)
     if is_coupled(eq):
         for replica in range(min(_REPLICAS, len(eq.forces))):
             slips, own = slips_of(eq, replica), eq.positions[replica]
             drawn = with_slips(along(result, eq), eq.path, own, slips, position=True)
-            axes.plot(*drawn, label=None if replica else "slider $X$, EQ", **_OF_EQ)
+            style, _ = _line_or_dots(eq, own, _OF_EQ, replica)
+            axes.plot(*drawn, label=None if replica else "slider $X$, EQ", **style)
     if soft:
         legend_above(axes)
     write_along(axes, result)
@@ -184,10 +201,14 @@ def plot_velocity(axes: Any, result: Result) -> Any:
     solved, eq = result.master, result.eq
     if eq is not None:
         for replica in range(min(_REPLICAS, len(eq.forces))):
-            axes.plot(along(result, eq), eq.velocities[replica], **_OF_EQ)
+            style, _ = _line_or_dots(eq, eq.velocities[replica], _OF_EQ, replica, speed=True)
+            axes.plot(along(result, eq), eq.velocities[replica], **style)
             _draw_top_speeds(axes, result, eq, eq.forces[replica], replica)
     if solved is not None and solved.velocity is not None and is_precise(solved):
-        axes.plot(along(result, solved), solved.velocity, color=INK["master"], lw=1.2)
+        style, _ = _line_or_dots(
+            solved, solved.velocity, {"color": INK["master"], "lw": 1.2}, speed=True
+        )
+        axes.plot(along(result, solved), solved.velocity, **style)
         _draw_top_speeds(axes, result, solved, solved.force, None)
     write_along(axes, result)
     mark_legs(axes, result)

@@ -9,6 +9,10 @@ from origins.thresholds.law import Array
 from toolkit.results.kinds import is_heavy
 from toolkit.results.records import Result
 
+# Part of a curve's range that is seen; and the share of the points of its swings at which it turns above which a line
+# would draw slower swings that do not exist: of swings with eight points each it is a quarter.
+_SEEN, _TOO_FEW_POINTS = 0.02, 0.3
+
 
 class SlipData(NamedTuple):
     """Slips of one slider, arrays of shape (m,): X_T as each begins; X and F/(N_c<k>) before and after it; how long it
@@ -43,6 +47,24 @@ def slips_of(curve: Any, replica: int | None = None) -> SlipData | None:
     kept: list[Any] = [getattr(slips, name, None) for name in SlipData._fields]
     kept = [None if one is None else np.asarray(one)[own] for one in kept]
     return SlipData(*kept)
+
+
+def hides_swings(drive: Array, value: Array, slips: SlipData | None, speed: bool) -> bool:
+    """Whether the points of a curve of a slider with mass, shape (n,), are too far apart to show how it swings.
+
+    Steps on which a slip begins are left out, as it is drawn from its own data, and those on which little happens: of a
+    `speed` little beside the top speed of slips.
+    """
+    steps, height = np.diff(value), float(np.ptp(value))
+    if speed and slips is not None and slips.top_speed is not None:
+        height = max(height, float(slips.top_speed.max(initial=0.0)))
+    seen = np.abs(steps) > _SEEN * height
+    if slips is not None:
+        places, ends = np.sort(slips.drive), np.sort([drive[:-1], drive[1:]], axis=0)
+        seen &= np.searchsorted(places, ends[1], "right") == np.searchsorted(places, ends[0])
+    pairs = seen[1:] & seen[:-1]
+    turns = pairs & (steps[1:] * steps[:-1] < 0.0)
+    return bool(turns.sum() > _TOO_FEW_POINTS * pairs.sum())
 
 
 def with_slips(
