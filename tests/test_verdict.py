@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import linalg, stats
 
 import eq_model
 import master
@@ -25,9 +25,9 @@ from toolkit.running.solvers import within
 from toolkit.scene.interfaces import of_islands, of_samples, of_smoothing
 from toolkit.scene.scale import Scale, guarded, scale_of, written
 from toolkit.scene.scene import load_scene
-from toolkit.verdict import answers, judge
+from toolkit.verdict import answers, judge, kinds
 from toolkit.verdict.budget import Budget
-from toolkit.verdict.ensemble import follow_by_contacts, sliders
+from toolkit.verdict.ensemble import follow_by_contacts, long_delay, sliders
 from toolkit.verdict.files import plain
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow, follow_other_delay
@@ -1179,9 +1179,13 @@ def test_a_short_delay_is_told_beside_contacts_without_one(capsys: Any, monkeypa
     own = found["readings"][0]
     kinds = {one["rule"]: one["kind"] for one in own["behaviours"]}
     assert kinds["reform-after"] == "stick-slip" and kinds["instant"] == "smooth"
-    mean, fastest = gaussian(1.0, 0.3).mean(), own["static"]["value"] / 1e-3
+    # M X'' + γ X' + K X = 0, a twentieth of critical damping
+    time = np.linspace(0.0, 0.5, 500_001)
+    decay, frequency = 0.5, np.sqrt(100.0 - 0.25)
+    speed = np.exp(-decay * time) * np.sin(frequency * time) * 100.0 / frequency
+    mean, fastest = gaussian(1.0, 0.3).mean(), own["static"]["value"] / 0.01 * speed.max()
     assert f"A delay far below {mean / fastest:.3g} units of time" in page
-    assert f"far above {np.pi / 10.0:.3g} units of time, its duration" in page
+    assert f"far above {time[np.argmax(speed[1:] < 0.0)]:.3g} units of time, its duration" in page
 
 
 def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
@@ -1588,6 +1592,8 @@ def test_the_delay_that_would_turn_the_answer_stands_in_the_second_line() -> Non
     at_once, late = Contacts(gaussian(1.0, 0.3)), Contacts(gaussian(1.0, 0.3), delay=Delay(99.0))
     for own, other, contacts, line in (
         (smooth, slips, at_once, "once a slip is over, which takes some 3.14 units of time, would"),
+        (smooth, slips, at_once, "without mass tells; with its mass the force falls further"),
+        (smooth, replace(slips, rule="mass"), at_once, "again only after 9.42 units of time would"),
         (replace(slips, rule="mass"), smooth, late, "again at once would make it smooth at 0.5"),
         (smooth, smooth, at_once, ""),
         (smooth, None, at_once, ""),
@@ -1612,6 +1618,84 @@ def test_the_other_delay_is_that_of_a_slider_without_mass(
     assert found.kind == kind and solved.regime.verdict in (kind, "decaying transient")
     force = solved.slips.force_before[-1] if kind == "stick-slip" else solved.force[-1]
     assert found.before == pytest.approx(force, abs=1e-5)
+
+
+@pytest.mark.slow
+def test_a_delay_that_outlasts_sliding_over_a_threshold_is_followed_with_the_mass() -> None:
+    """Exponential contacts slide on every spring, under each slip rule; where they wait for three times <x_s>/v, those
+    that slide hold a quarter of the force of those that stick, and the slider slips: no slip rule tells of that."""
+    contacts, machine = Contacts(stats.expon()), Machine(1e-2, 1e-4, 1e-3, 1.0)
+    assert follow_other_delay(machine, contacts, None, 60.0).kind == "smooth"
+    delay = long_delay(machine, contacts.mean_threshold)
+    assert delay == 3.0
+    found = follow_other_delay(machine, contacts, None, 60.0, delay)
+    waiting = contacts.replace(delay=Delay(delay))
+    own = eq_model.simulate(
+        waiting, [0.0, 1e3], n_contacts=20_000, n_replicas=4, seed=5, **machine.keywords("mass")
+    )
+    assert (found.rule, found.kind) == ("mass", "stick-slip")
+    for name, value in (("force_before", found.before), ("force_after", found.after)):
+        assert value == pytest.approx(own.slips.mean(name, 3)[0], abs=0.05)
+
+
+def test_that_no_delay_matters_is_told_only_where_a_long_one_was_followed(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    """Where contacts that re-form after a slip slide, a delay far above a slip and <x_s>/v is followed, too."""
+    contacts, asked = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.3}}, list[float]()
+    drive = {"spring": 1.0, "mass": 1e-2, "damping": 0.1}
+    for kind in ("stick-slip", "smooth", "undecided"):
+        late = replace(infinite(kind, 0), rule="mass")
+
+        def followed(*given: Any, late: Behaviour = late) -> Behaviour:
+            asked.append(given[4] if len(given) > 4 else 0.0)
+            return late if asked[-1] else infinite("smooth", 0)
+
+        monkeypatch.setattr(judge, "follow_other_delay", followed)
+        _, text, _ = judged(capsys, contacts=contacts, drive=drive)
+        turns = "contacts that form again only after 3 units of time would make it stick-slip"
+        assert (turns in text) is (kind == "stick-slip")
+        same = "the contacts' delay: with one of 3 units of time it is smooth, too" in text
+        assert same is (kind == "smooth")
+        assert ("the contacts' delay: none is given" in text) is (kind != "smooth")
+    assert asked == [0.0, pytest.approx(3.0, rel=1e-3)] * 3
+
+
+@pytest.mark.parametrize("part", [0.0, 0.11, 0.999, 1.0, 1.001, 1.12, 5.0])
+def test_a_damped_slip_takes_its_own_time_at_its_own_speed(part: float) -> None:
+    """Against the motion M X'' + γ X' + K X = 0 itself, in steps: half a swing, or until it is as slow as the drive."""
+    machine = Machine(spring=0.04, mass=0.01, damping=2.0 * part * 0.02, velocity=1e-5)
+    own = told_of(replace(infinite("smooth", 0), rule="mass"), None, WIDE).own
+    duration, fastest = kinds.a_slip(
+        replace(own, machine=machine, static=answers.Quantity(0.3, 0.0))
+    )
+    at = np.linspace(0.0, 1.5 * duration, 200_001)
+    matrix = np.array([[0.0, 1.0], [-4.0, -4.0 * part]])
+    moves = linalg.expm(matrix * at[1])
+    state, speed = np.array([-0.3 / 0.04, 0.0]), np.empty(at.size)
+    for step in range(at.size):
+        speed[step] = state[1]
+        state = moves @ state
+    assert fastest == pytest.approx(speed.max(), rel=1e-6)
+    later = np.argmax(speed)
+    ends = at[later + np.argmax(speed[later:] < (0.0 if part < 1.0 else machine.velocity))]
+    assert duration == pytest.approx(ends, rel=1e-4)
+
+
+def test_of_k_star_0_by_few_samples_the_sentence_says_that_others_may_slip() -> None:
+    """Where one standard error reaches from 0 to beyond the spring of the machine, and only there."""
+    found = told_of(replace(infinite("smooth", 0), rule="mass"), None, WIDE)
+    for spring, sampling, told in (
+        (0.0, 1e-3, True),
+        (0.0, 5e-5, False),
+        (0.0, None, False),
+        (2e-3, 1e-3, False),
+    ):
+        critical = answers.Quantity(spring, 1e-9, sampling)
+        own = replace(found.own, critical_spring=critical)
+        said = "; K* = 0 N_c<k> ± 0.0010 N_c<k> by these samples: infinitely many contacts of other samples "
+        said += "may slip on this spring"
+        assert (said in sentence(replace(found, answers=(own,)))) is told
 
 
 def test_below_the_critical_spring_smooth_sliding_has_its_reason_beside_the_table() -> None:

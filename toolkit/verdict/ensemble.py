@@ -49,6 +49,12 @@ WITHOUT = 1.5
 NOT_SLID = "their path ended before they slid or slipped"
 
 
+def long_delay(machine: Machine, mean: float) -> float:
+    """A delay of contacts (a time) far above that of a slip of the mass, and above that in which one that slides on at
+    the drive's speed moves by their `mean` threshold: fewer hold where it slides."""
+    return LONG_DELAY * max(half_a_swing(machine), mean / machine.velocity)
+
+
 def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlider) -> bool:
     """Whether finitely many contacts tell what infinitely many do.
 

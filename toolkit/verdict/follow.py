@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from origins.contacts import Contacts
+from origins.contacts import Contacts, Delay
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise
 from toolkit.verdict.budget import MORE_TIME
@@ -145,23 +145,24 @@ def _damped(
 
 
 def follow_other_delay(
-    machine: Machine, contacts: Contacts, number: float | None, wall_time: float
+    machine: Machine, contacts: Contacts, number: float | None, wall_time: float, delay: float = 0.0
 ) -> Behaviour:
     """What a slider with mass would do with the other extreme of the contacts' delay, without heat: without a delay of
     theirs those that form again only once a slip is over, else those that form again at once. Slip rules tell of both,
-    as long as a slip of the mass takes little of the time until the next one; else, "undecided".
+    as long as a slip of the mass takes little of the time until the next one; else, "undecided". Or with this `delay`.
 
-    number : of contacts on the area; wall_time : s
+    number : of contacts on the area; wall_time : s; delay : with which the mass is followed; 0: none, by a slip rule
     """
     import master
 
-    light = replace(machine, mass=None, damping=0.0)
-    other = contacts.replace(thermal=None, delay=None)
+    other = contacts.replace(thermal=None, delay=Delay(delay) if delay else None)
     steady = master.steady_state(other, velocity=machine.velocity)
     found = master.propensity(other, velocity=machine.velocity, tolerance=ROUGHLY)
     rigid = rigid_slider(other, steady, found, number)
+    if delay:
+        return follow(machine, other, "mass", rigid, wall_time, rings=True)  # or for too long
     rule = "instant" if contacts.waiting_time else "reform-after"
-    behaviour = follow(light, other, rule, rigid, wall_time)
+    behaviour = follow(replace(machine, mass=None, damping=0.0), other, rule, rigid, wall_time)
     slip_distance = machine.velocity * half_a_swing(machine)
     if behaviour.period is not None and slip_distance > SHORT_SLIP * behaviour.period:
         return not_followed(rule, "a slip of this mass takes as long as the time between slips")

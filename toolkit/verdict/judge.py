@@ -22,6 +22,7 @@ from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
 from toolkit.verdict.budget import WALL_TIME, Budget
 from toolkit.verdict.closely import closely
+from toolkit.verdict.ensemble import long_delay
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS, follow_other_delay
 from toolkit.verdict.islands import follow_islands, with_barriers
@@ -53,6 +54,8 @@ PRECISE = 1e-5
 RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
 # s for the scatter of F_k alone, which of islands of 4,000 angles takes 3
 OF_FORCES = 10.0
+# s for a slider with mass and another delay than its own, which is no answer but what it hangs on
+OF_DELAY = 20.0
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long
 LONGER = 12.0
 
@@ -163,8 +166,17 @@ def _turned(own: Answer, budget: Budget) -> Behaviour | None:
         return None
     if own.behaviours[0].kind == "undecided" and not own.behaviours[0].slips:
         return None
+    given = own.behaviours[0].damping
+    machine = own.machine if given is None else replace(own.machine, damping=given)
+    asked = machine, own.contacts, own.scale.contacts
     with suppress(InputError, TimeIsUp):
-        return follow_other_delay(own.machine, own.contacts, own.scale.contacts, budget.remaining())
+        light = follow_other_delay(*asked, budget.remaining())
+        if light.kind != "smooth" or own.contacts.waiting_time:
+            return light
+        # fewer contacts hold a slider that slides than one that sticks, where they wait long: no slip rule tells of it
+        delay = long_delay(machine, own.contacts.mean_threshold)
+        heavy = follow_other_delay(*asked, min(budget.remaining(), OF_DELAY), delay)
+        return heavy if heavy.kind != "undecided" else None
     return None
 
 

@@ -2,14 +2,17 @@
 verdict hangs on, each with how much it may change the answer, by which they are sorted."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
+
+import numpy as np
 
 from origins.contacts import Contacts
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import LONGER
-from toolkit.verdict.machine import RULES, Behaviour, Machine, half_a_swing
+from toolkit.verdict.ensemble import long_delay
+from toolkit.verdict.machine import RULES, Behaviour, Machine, critical_damping
 from toolkit.verdict.table import HOLDING
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
@@ -51,6 +54,50 @@ def by_reason(reasons: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
 
 def named(rules: Sequence[str]) -> str:
     return " or ".join(NAMED[rule] for rule in rules)
+
+
+def top_speed(machine: Machine, force: float) -> float:
+    """The largest speed of a mass that this force of the spring, F/(N_c <k>), lets go where no contact holds."""
+    part = machine.damping / critical_damping(machine)
+    beyond = abs(1.0 - part**2) ** 0.5
+    angle = (np.arccosh(part) if part > 1.0 else np.arccos(part)) / beyond if beyond else 1.0
+    return float(force / np.sqrt(machine.spring * (machine.mass or 0.0)) * np.exp(-part * angle))
+
+
+def slip_duration(machine: Machine, force: float) -> float:
+    """How long such a slip takes: half a damped swing, or beyond critical damping until the mass is as slow as the
+    drive; without a mass 0."""
+    if not machine.mass:
+        return 0.0
+    part = machine.damping / critical_damping(machine)
+    frequency = np.sqrt(machine.spring / machine.mass)
+    beyond = frequency * np.sqrt(abs(1.0 - part**2))
+    if part < 1.0:
+        return float(np.pi / beyond)
+    slower, lasts = part * frequency - beyond, 1.0 / frequency
+    fastest = force / machine.mass / machine.velocity  # speed over that of the drive, for each time
+    for _ in range(50):  # to round-off, as only the logarithm of a time is on the right
+        apart = -np.expm1(-2.0 * beyond * lasts) / (2.0 * beyond) if beyond else lasts
+        lasts = max(np.log(fastest * apart) / slower, 1.0 / frequency)
+    return float(lasts)
+
+
+def a_slip(own: Answer) -> tuple[float, float]:
+    """How long a slip of the own reading's mass takes in which no contact holds, and its top speed: as followed, of
+    contacts that wait; else about, from the force before the slip, or F_s."""
+    first, machine = own.behaviours[0], cast(Machine, own.machine)
+    times = first.slip_time, first.top_speed
+    if (
+        first.rule == "mass"
+        and first.kind == "stick-slip"
+        and own.contacts.waiting_time
+        and all(times)
+    ):
+        return cast(tuple[float, float], times)
+    if first.damping is not None:
+        machine = replace(machine, damping=first.damping)
+    force = abs(first.before) if first.kind == "stick-slip" else own.static.value
+    return slip_duration(machine, force), top_speed(machine, force)
 
 
 def others(verdict: Verdict) -> dict[str, list[str]]:
@@ -97,7 +144,7 @@ def of_extremes(verdict: Verdict) -> str:
     waits = bool(verdict.own.contacts.waiting_time)
     if first.rule != "mass" or first.kind != "undecided" or len(each) < len(RULES) or not waits:
         return ""
-    slip = spoken(half_a_swing(cast(Machine, verdict.own.machine)), verdict.own.scale.time_unit)
+    slip = spoken(a_slip(verdict.own)[0], verdict.own.scale.time_unit)
     long = f"the contacts' delay were far above the time of a slip, {slip}"
     if each["reform-after"] == each["instant"]:
         said = f"{each['instant']} if {long}, and if they had none"
@@ -126,7 +173,12 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
             said = f"another one may change the answer{_of_short_delays(own)}"
             yield Line(TURNS, f"the contacts' delay: {said}")
         elif turned_found and verdict.turned and verdict.turned.kind != "undecided":
-            yield _same_with(verdict, verdict.turned, "without one" if given else "with a long one")
+            other = verdict.turned
+            what = "without one" if given else "as long as contacts form again only after a slip"
+            if other.rule == "mass" and not given:
+                late = long_delay(own.machine, own.contacts.mean_threshold)
+                what = f"with one of {spoken(late, own.scale.time_unit)}"
+            yield _same_with(verdict, other, what)
 
 
 def _same_with(verdict: Verdict, other: Behaviour, what: str) -> Line:
@@ -139,7 +191,8 @@ def _same_with(verdict: Verdict, other: Behaviour, what: str) -> Line:
     force = written(other.before * scale.force, scale.force_unit)
     where = f"{'at' if other.kind == 'smooth' else 'from'} {force}"
     said = (
-        f"{what} it is {other.kind}, too, but {where}, as a slider without mass and damping tells"
+        f"{what} it is {other.kind}, too, but {where}"
+        f"{', as a slider without mass and damping tells' * (other.rule != 'mass')}"
     )
     return Line(change / abs(one.before), f"the contacts' delay: {said}")
 
@@ -163,12 +216,12 @@ def _what_decides(own: Answer) -> str:
 
 def _of_short_delays(own: Answer) -> str:
     """Beside which times the delay of a slider with mass is short or long: that in which it slides by <x_s> at the
-    speed of a slip in which nothing holds, and that of the slip (docs/sliders.md)."""
+    top speed of a slip in which nothing holds, and that of the slip (docs/sliders.md)."""
     machine, mean, unit = own.machine, own.contacts.mean_threshold, own.scale.time_unit
     if machine is None or not machine.mass or own.static.unknown:
         return ""
-    fastest = own.static.value / (machine.spring * machine.mass) ** 0.5
-    short, long = spoken(mean / fastest, unit), spoken(half_a_swing(machine), unit)
+    duration, fastest = a_slip(own)
+    short, long = spoken(mean / fastest, unit), spoken(duration, unit)
     return (
         f". A delay far below {short}, in which a slip goes on by <x_s>, acts as if contacts re-formed at once, one "
         f"far above {long}, its duration, as if after it"

@@ -96,6 +96,22 @@ def subject(many: Finite) -> str:
     return f"{'sliders of ' * (many.contacts == 1)}{of_contacts(many.contacts)}"
 
 
+def verb(kinds: set[str]) -> str:
+    """What sliders do of which so many kinds are told."""
+    if len(kinds) > 1:
+        return "slip or slide otherwise, by the slip rule"
+    verbs = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}
+    return verbs.get(min(kinds), "slip now and then")
+
+
+def plain_fall(finite: Finite, force: float, unit: str) -> str:
+    """The forces before and after a slip of so many contacts, without errors; "" where they slide."""
+    if not np.isfinite(finite.after):
+        return ""
+    high, low = (written(end * force, unit) for end in (finite.before, finite.after))
+    return falls(high, low, (finite.before - finite.after) * force, unit)
+
+
 def behaved(verdict: Verdict, many: Finite) -> str:
     """What so many contacts do, whose they are, and their own forces with errors and scatter."""
     scale, whose = verdict.own.scale, f"with {counted(verdict, many)}"

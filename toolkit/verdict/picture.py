@@ -275,6 +275,8 @@ def _draw_spring(axes: Any, row: int, answer: Answer, style: dict[str, Any]) -> 
     value = answer.critical_spring.value * answer.scale.spring
     if answer.smoothed or answer.critical_spring.lost or not 0.0 < value < np.inf:
         said = "slips on every spring" if value else "slips on no spring"
+        if not value and answer.critical_spring.sampling:
+            said = "slips on no spring by these samples"
         if answer.critical_spring.unknown:
             said = "not found in time"
         if answer.critical_spring.lost:

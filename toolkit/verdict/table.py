@@ -238,6 +238,9 @@ def without_spring(verdict: Verdict) -> str:
         spread = 0.0
     spread = max(spread, (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring)
     said = f"slips on a spring softer than K* = {guarded(own, unit, spread)}"
+    sampling = (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring
+    if sampling >= own:
+        said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
     if len(springs) > 1:
         ends = " to ".join(guarded(value, unit, spread) for value in (min(springs), max(springs)))
         said += f" (from {ends} over {len(springs)} readings)"

@@ -9,7 +9,7 @@ import numpy as np
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
 from toolkit.scene.scale import guarded, with_scatter, written
-from toolkit.verdict.answers import Quantity, Verdict
+from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.budget import LONGER
 
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
@@ -147,3 +147,19 @@ def _less_certain(verdict: Verdict, most: float) -> Iterator[str]:
             elif _relative(one) > most:
                 text = with_scatter(one.value * factor, one.error * factor, unit)
                 yield f"{name} of {answer.name}, which is in the range: {_relative(one):.0e}, {text}"
+
+
+def unsure_of_springs(own: Answer) -> list[str]:
+    """That other samples may turn the answer, where K* may be 0 by them, and above the machine's spring as well."""
+    critical, machine = own.critical_spring, own.machine
+    off = critical.sampling or 0.0
+    if machine is None or critical.unknown or critical.lost or critical.value > off:
+        return []
+    if critical.value + off <= machine.spring:
+        return []
+    value, error = (one * own.scale.spring for one in (critical.value, off))
+    unit = own.scale.spring_unit
+    said = f"{written(value, unit, digits=2)} ± {written(error, unit, digits=2)}"
+    return [
+        f"K* = {said} by these samples: infinitely many contacts of other samples may slip on this spring"
+    ]

@@ -15,8 +15,10 @@ from toolkit.scene.scale import (
 )
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import LONGER
+from toolkit.verdict.ensemble import long_delay
 from toolkit.verdict.hangs_on import dependence, why_smooth
 from toolkit.verdict.kinds import (
+    a_slip,
     delay_decides,
     named,
     not_decided,
@@ -24,8 +26,8 @@ from toolkit.verdict.kinds import (
     others,
     out_of_time,
 )
-from toolkit.verdict.machine import Behaviour, Finite, half_a_swing
-from toolkit.verdict.of_area import apart, behaved, disagreeing, falls, subject
+from toolkit.verdict.machine import Behaviour, critical_damping
+from toolkit.verdict.of_area import apart, behaved, disagreeing, falls, plain_fall, subject, verb
 from toolkit.verdict.table import (
     PRECISE,
     drop_of,
@@ -39,6 +41,7 @@ from toolkit.verdict.uncertainty import (
     numerical_errors,
     other_samples,
     range_of_force,
+    unsure_of_springs,
     widest,
     widest_uncertainty,
 )
@@ -69,7 +72,9 @@ def warnings(verdict: Verdict) -> list[str]:
 def sentence(verdict: Verdict) -> str:
     """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides; and
     how many readings it is not known of."""
-    return "; ".join([_answered(verdict), *_undecided_readings(verdict)])
+    return "; ".join(
+        [_answered(verdict), *unsure_of_springs(verdict.own), *_undecided_readings(verdict)]
+    )
 
 
 def _answered(verdict: Verdict) -> str:
@@ -98,13 +103,22 @@ def turned(verdict: Verdict) -> list[str]:
     seen = any(one.kind == "undecided" and one.slips for one in own.behaviours)
     if other is None or own.machine is None or not (delay_decides(verdict) or seen):
         return []
-    slip = spoken(half_a_swing(own.machine), own.scale.time_unit)
+    slip = spoken(a_slip(own)[0], own.scale.time_unit)
     whose = "at once"
     if not own.contacts.waiting_time:
         whose = f"only once a slip is over, which takes some {slip},"
+    tells = ", as a slider without mass tells"
+    if other.kind == "stick-slip" and own.machine.damping < critical_damping(own.machine):
+        tells += "; with its mass the force falls further in a slip, and swings back"
+    if other.rule == "mass" and not own.contacts.waiting_time:
+        late = long_delay(own.machine, own.contacts.mean_threshold)
+        whose, tells = f"only after {spoken(late, own.scale.time_unit)}", ""
+        if other.damping is not None:
+            tells = (
+                f", with {other.damping / critical_damping(own.machine):.0%} of critical damping"
+            )
     return [
-        f"contacts that form again {whose} would make it {_behaved(verdict, own, other.kind, [other])}, "
-        "as a slider without mass tells"
+        f"contacts that form again {whose} would make it {_behaved(verdict, own, other.kind, [other])}{tells}"
     ]
 
 
@@ -146,13 +160,13 @@ def _disagreement(verdict: Verdict) -> str:
         return ""
     kinds, unit = {finite.kind for _, finite in differ}, verdict.own.scale.force_unit
     finite, force = differ[0][1], verdict.own.scale.force
-    said = _verb(kinds)
+    said = verb(kinds)
     every = len(differ) == len(verdict.own.behaviours)
     where = "" if every else f" if {_rules([one for one, _ in differ])}"
-    falls_of = {_plain_fall(one, force, unit) for _, one in differ}
+    falls_of = {plain_fall(one, force, unit) for _, one in differ}
     if len(falls_of) == len(kinds) == 1 and all(falls_of):  # else the lines below tell them
         said += f", from {falls_of.pop()}"
-    other = _verb(infinite := {one.kind for one, _ in differ})
+    other = verb(infinite := {one.kind for one, _ in differ})
     at = {
         guarded(one.after * force, unit, widest_uncertainty(verdict) * one.after * force)
         for one, _ in differ
@@ -161,22 +175,6 @@ def _disagreement(verdict: Verdict) -> str:
         other += f" at {at.pop()}"
     said = f"{subject(finite)} {said}{where}"
     return f"{said}; disagree: infinitely many would {other}"
-
-
-def _verb(kinds: set[str]) -> str:
-    """What sliders do of which so many kinds are told."""
-    if len(kinds) > 1:
-        return "slip or slide otherwise, by the slip rule"
-    verbs = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}
-    return verbs.get(min(kinds), "slip now and then")
-
-
-def _plain_fall(finite: Finite, force: float, unit: str) -> str:
-    """The forces before and after a slip of so many contacts, without errors; "" where they slide."""
-    if not np.isfinite(finite.after):
-        return ""
-    high, low = (written(end * force, unit) for end in (finite.before, finite.after))
-    return falls(high, low, (finite.before - finite.after) * force, unit)
 
 
 def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
