@@ -17,6 +17,9 @@ from master.renewal.march import March
 from master.renewal.past import Past
 from master.renewal.solved import SolvedPanels
 from master.soft.followed import ErrorPart, Followed
+from master.soft.in_time import breaks
+from master.soft.in_time.breaks import BirthsUpTo, BreaksInSteps
+from master.soft.in_time.groups import Groups
 from master.soft.slips import slips_of
 from master.survival.life import ColdLife
 from origins import Contacts, Delay, Drive
@@ -236,6 +239,69 @@ PLANTED: dict[str, tuple[str, float, str]] = {
     ),
     "steps": ("steps.MOST_SECANTS", 3, "steps, by which F and loads at slips changed as they"),
 }
+
+
+def test_a_stretch_beyond_the_largest_names_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without |x| the largest stretch forgets those against X: F was off by 0.01 behind a turn, to 8e-6 as it said."""
+    true = Groups.moved
+
+    def without_abs(self: Groups, memory, travel: float, duration: float) -> Groups:
+        moved = true(self, memory, travel, duration)
+        return moved._replace(largest=np.maximum(self.largest, moved.stretch))
+
+    monkeypatch.setattr(Groups, "moved", without_abs)
+    found = master.solve(LATE, [1.0, -0.6], 1e-2, velocity=1.0, spring=2.0)
+    assert not found.success and found.force_error == np.inf
+    assert re.search("contacts are stretched by -.*, and were by at most .* a fault", found.message)
+
+
+def test_a_cubic_that_misses_the_steps_names_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its places are twice what they are: breaks were read by straight lines, and only the error was larger."""
+    true = breaks._polynomial
+    monkeypatch.setattr(breaks, "_polynomial", lambda at, values: true([2 * a for a in at], values))
+    found = master.solve(LATE, [1.0], 1e-2, velocity=1.0, spring=2.0)
+    assert not found.success and found.force_error == np.inf
+    assert "the cubic through past steps that is read at t = " in found.message
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+def test_births_that_are_not_the_breaks_one_delay_before_name_themselves(
+    monkeypatch: pytest.MonkeyPatch, factor: float
+) -> None:
+    """A tenth too few, or too many: the number is conserved all the same, with other breaks."""
+    true = BreaksInSteps.births_up_to
+
+    def wrong(self: BreaksInSteps, *, begin: float, end: float) -> BirthsUpTo:
+        of = true(self, begin=begin, end=end)
+        return BirthsUpTo(factor * of.per_break, factor * of.rest)
+
+    monkeypatch.setattr(BreaksInSteps, "births_up_to", wrong)
+    found = master.solve(LATE, [1.5, 2.5], 1e-2, velocity=1.0, spring=2.0)
+    assert not found.success and found.force_error == np.inf
+    assert re.search("births are not the breaks one delay before: up to t = ", found.message)
+
+
+@pytest.mark.parametrize(
+    ("method", "told"),
+    [
+        ("repeat_jump", r"births jump amid a step, from .* as breaks did by 0\.\d+ at t = 3\.07"),
+        ("take_due", r"births do not repeat a jump of breaks: .* behind the slip at t = 3\.07"),
+    ],
+)
+def test_births_that_do_not_repeat_a_slip_name_themselves(
+    monkeypatch: pytest.MonkeyPatch, method: str, told: str
+) -> None:
+    """A jump of breaks is forgotten, or its births are taken for those that break: contacts came back on the steps
+    that followed, by which F was off by 7e-5, as its error said."""
+    true = getattr(BreaksInSteps, method)
+
+    def wrong(self: BreaksInSteps, at: float) -> float | None:
+        return -true(self, at) if method == "take_due" else self.repeat_bend(at + 1.0)
+
+    monkeypatch.setattr(BreaksInSteps, method, wrong)
+    found = master.solve(LATE, [4.2], 1e-2, velocity=1.0, spring=0.3, slip="reform-after")
+    assert not found.success and found.force_error == np.inf
+    assert re.search(told, found.message)
 
 
 @cache

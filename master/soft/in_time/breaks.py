@@ -1,7 +1,8 @@
 """Breaks so far, which are the births to come: a contact that breaks is born again one delay later."""
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,14 @@ from master.outcome import FaultError
 NODES = 4
 # A step that is this small beside the one before adds no node: polynomials through both ends would magnify rounding.
 NEARBY = 1e-3
+# Part of the time by which rounding may put a time on the path beside another; and that of breaks, a share of the
+# contacts.
+ROUNDED_TIME, ROUNDED_BREAKS = 1e-12, 1e-9
+# Ends of steps on either side of a time, between whose breaks births lie that are read back there.
+AROUND = 2
+# Part of what values change by on the nodes of a polynomial, by which rounding may put it beside them: steps may be
+# NEARBY times as long as others.
+BESIDE_NODES = 1e-3
 
 
 class StepEnd(NamedTuple):
@@ -32,11 +41,13 @@ class BirthsUpTo(NamedTuple):
 
 
 class Jump(NamedTuple):
-    """Breaks that jumped: the section of no time in which they did, when, and when births repeat it (times)."""
+    """Breaks that jumped: the section of no time in which they did, when, when births repeat it (times), and the index
+    of the end behind it among all ends of steps."""
 
     section: int
     at: float
     due_at: float
+    behind: int
 
 
 class BreaksInSteps:
@@ -55,6 +66,8 @@ class BreaksInSteps:
         self.delay, self._counted_since = delay, now
         # ends of steps with the breaks up to there, in sections along which breaks are smooth
         self._sections = [[StepEnd(now, 0.0, 0.0)]]
+        # all of these once more, in one list: births are checked by what stands around them
+        self._times, self._breaks = [now], [0.0]
         self.pending: dict[float, float] = {}
         self._to_repeat = list[Jump]()
         self._repeated: Jump | None = None
@@ -73,6 +86,8 @@ class BreaksInSteps:
         ):
             section.pop()
         section.append(StepEnd(now, breaks, sizes_so_far))
+        self._times.append(now)
+        self._breaks.append(breaks)
 
     def births_up_to(self, *, begin: float, end: float) -> BirthsUpTo:
         """Births up to the end of a step from `begin`, the end of the last step, to `end`: J(end) = B(end - delay).
@@ -138,7 +153,7 @@ class BreaksInSteps:
         before, after = self._sections[-1][0].breaks, self._sections[-1][-1].breaks
         self.repeat_bend(at)
         due_at = at + self.delay
-        self._to_repeat.append(Jump(len(self._sections) - 1, at, due_at))
+        self._to_repeat.append(Jump(len(self._sections) - 1, at, due_at, len(self._breaks) - 1))
         self.pending[due_at] = self.pending.get(due_at, 0.0) + after - before
 
     def check_none_is_passed(self, end: float) -> None:
@@ -148,6 +163,45 @@ class BreaksInSteps:
         if end > due:
             raise FaultError(
                 f"a step goes to t = {end:.9g}, beyond t = {due:.9g}, where births jump or bend, a fault of the program"
+            )
+
+    def check_births(self, begin: float, now: float, births: float, born: float) -> None:
+        """FaultError unless `births` up to now, of which so many were `born` in the last step, from `begin` on, are
+        breaks one delay before: no farther from those at the ends of steps around than these are apart. Conservation
+        does not tell, as `trial` fits breaks to any births. Where none was born an earlier step may have told too many
+        (see births_up_to). And where breaks jumped amid that step, a delay before, as its births then do."""
+        if not self.delay:
+            return  # births follow at once, but in a slip of "reform-after"
+        at, rounded = now - self.delay, ROUNDED_TIME * abs(now)
+        first = bisect_left(self._times, at - rounded) - AROUND
+        end = bisect_right(self._times, at + rounded) + AROUND
+        around = self._breaks[max(first, 0) : end]
+        least, most = min(around), max(around)
+        beside = most - least + ROUNDED_BREAKS
+        if births < least - beside or (born > 0.0 and births > most + beside):
+            raise FaultError(
+                f"births are not the breaks one delay before: up to t = {now:.9g} they are {births:.9g}, but around "
+                f"t = {at:.9g} breaks are {least:.9g} to {most:.9g}, a fault of the program"
+            )
+
+        jumped = bisect_right(self._times, begin - self.delay + rounded)
+        for i in range(max(jumped, 1), bisect_left(self._times, at - rounded)):
+            jump = self._breaks[i] - self._breaks[i - 1]
+            if self._times[i] == self._times[i - 1] and jump > ROUNDED_BREAKS:
+                raise FaultError(
+                    f"births jump amid a step, from t = {begin:.9g} to {now:.9g}, as breaks did by {jump:.6g} "
+                    f"at t = {self._times[i]:.9g}, a fault of the program"
+                )
+
+    def check_repeated(self, births: float) -> None:
+        """FaultError where births up to now are less than the breaks behind the jump that they have just repeated, by
+        more than those of the step before it: contacts that broke in it would stay out."""
+        behind = self._repeated.behind if self._repeated else 0
+        before = self._breaks[max(behind - AROUND - 1, 0) : behind]
+        if before and births < self._breaks[behind] - (max(before) - min(before)) - ROUNDED_BREAKS:
+            raise FaultError(
+                f"births do not repeat a jump of breaks: they are {births:.6g}, and breaks behind the slip at "
+                f"t = {self._times[behind]:.9g} were {self._breaks[behind]:.6g}, a fault of the program"
             )
 
     def take_due(self, now: float) -> float:
@@ -168,15 +222,32 @@ def _breaks_at(section: list[StepEnd], time: float) -> float:
     there: births were below 0."""
     after = bisect_left(section, time, key=lambda end: end.time)
     first = max(min(after - NODES // 2, len(section) - NODES), 0)
-    times, breaks, sizes = np.array(section[first : first + NODES]).T
-    later, gaps = times - time, np.diff(sizes)
-    if after > 0 and gaps.min() > 0.0:
+    ends = section[first : first + NODES]
+    later, breaks = [end.time - time for end in ends], [end.breaks for end in ends]
+    begin = after - first - 1
+    gap = ends[begin + 1].sizes_so_far - ends[begin].sizes_so_far if after > 0 else 0.0
+    if after > 0 and min(b.sizes_so_far - a.sizes_so_far for a, b in pairwise(ends)) > 0.0:
         # 0 and 1 at the ends of the step in which the time is
-        at = (sizes - sizes[after - first - 1]) / gaps[after - first - 1]
-        until, broken = (_polynomial(at.tolist(), each.tolist()) for each in (later, breaks))
+        at = [(end.sizes_so_far - ends[begin].sizes_so_far) / gap for end in ends]
+        until, broken = _polynomial(at, later), _polynomial(at, breaks)
+        _check_nodes(until, later, begin, time)
+        _check_nodes(broken, breaks, begin, time)
         if until(0.0) < 0.0 < until(1.0):
             return broken(float(brentq(until, 0.0, 1.0)))
     return float(np.interp(0.0, later, breaks))  # at the end of a step, but for rounding
+
+
+def _check_nodes(
+    polynomial: Callable[[float], float], values: list[float], begin: int, time: float
+) -> None:
+    """FaultError unless the polynomial, at 0 and 1, is what the values are at the ends of the step from the index
+    `begin` on; `time`: at which it will be read."""
+    off = max(abs(polynomial(0.0) - values[begin]), abs(polynomial(1.0) - values[begin + 1]))
+    if off > BESIDE_NODES * (max(values) - min(values)) + ROUNDED_BREAKS:
+        raise FaultError(
+            f"the cubic through past steps that is read at t = {time:.9g} misses the ends of the step there by "
+            f"{off:.3g}, a fault of the program"
+        )
 
 
 def _polynomial(at: list[float], values: list[float]) -> Callable[[float], float]:

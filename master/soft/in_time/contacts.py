@@ -185,6 +185,7 @@ class ContactsInSteps:
         """Take the step, of this size (0 in a slip): its groups, with the births in it, become those of the contacts;
         the trial stays as it is. StoppedError where there are too many steps."""
         sums, weight = trial.survival_and_force, trial.groups.weight.copy()
+        begin = self.now
         self.are_new = False
         self.steps += 1
         self.work += weight.size * (self.memory.width + FIXED_WORK)
@@ -192,26 +193,27 @@ class ContactsInSteps:
         new = (trial.births - self._births) * self._per_birth
         weight[self._last_two] += new
         self._births_in_cohorts += float(new @ np.tile(self._survival_at_birth, 2))
+        trial.groups.check_largest(trial.end)
         self.past_breaks.add(trial.end, trial.breaks, size)
+        self.past_breaks.check_births(begin, trial.end, trial.births, trial.births - self._births)
         self.position, self.now = self.position + trial.travel, trial.end
         self.force, self.holding = trial.force, trial.holding
         holding, force = (sums @ weight).tolist()
         self._check_number(trial.births, holding)
         self._check_trial(trial, holding, force)
         of_cohorts = slice(self._of_start, None)
-        unknown = unknown_force_of_births(
-            weight[of_cohorts], sums[:, of_cohorts], self._at_birth.stretch.size
-        )
+        count = self._at_birth.stretch.size
+        unknown = unknown_force_of_births(weight[of_cohorts], sums[:, of_cohorts], count)
         self.unresolved.note(OF_BIRTHS, unknown, self.now)
         groups = self._without_dead(trial.groups._replace(weight=weight), sums[0])
-        count = self._at_birth.stretch.size
         self.groups = groups.without_negligible_cohorts(self._of_start, count)
         self._births = trial.births
 
     def _check_number(self, births: float, holding: float) -> None:
         """FaultError unless the weights of all cohorts are those births, and as many contacts hold as have formed and
         not broken. Both hold to 5e-16 on thousands of steps (measured on six motions). This sees contacts that are lost
-        or counted twice; no wrong number of births, to which `trial` fits the breaks: test_plain_in_time.py does."""
+        or counted twice; no wrong number of births, to which `trial` fits the breaks: with a delay
+        `BreaksInSteps.check_births` does."""
         formed, expected = births * self._part_in_cohorts, 1.0 + births - self.past_breaks.total
         most = UNACCOUNTED * (1.0 + births)
         if abs(self._births_in_cohorts - formed) > most or abs(holding - expected) > most:
@@ -289,3 +291,5 @@ class ContactsInSteps:
             self._births += fraction
             self._births_in_cohorts += float(new.weight @ self._survival_at_birth)
             self._check_number(self._births, self.holding)
+        if fraction:
+            self.past_breaks.check_repeated(self._births)

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.numerics.averages import StretchNodes
+from master.outcome import FaultError
 from master.soft.in_time.memory import Memory
 from master.soft.in_time.threshold_cells import Leg
 from origins.thresholds.law import Array
@@ -33,6 +34,17 @@ class Groups(NamedTuple):
         largest = np.maximum(self.largest, np.abs(stretch))
         record = memory.advance(self.record, Leg(self.stretch, stretch, largest, duration))
         return Groups(stretch, largest, self.weight, record)
+
+    def check_largest(self, end: float) -> None:
+        """FaultError where a stretch is beyond the largest so far, at the time `end`: thresholds that it has met would
+        hold."""
+        beyond = np.abs(self.stretch) - self.largest
+        group = int(beyond.argmax())
+        if beyond[group] > 0.0:
+            raise FaultError(
+                f"at t = {end:.6g} contacts are stretched by {self.stretch[group]:.6g}, and were by at most "
+                f"{self.largest[group]:.6g} so far, a fault of the program"
+            )
 
     def and_born(
         self, memory: Memory, born: StretchNodes, fraction: float, speed: float
