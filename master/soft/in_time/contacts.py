@@ -153,8 +153,13 @@ class ContactsInSteps:
 
             B (1 - broken_of_new per_break) = 1 - kept + survival J_0 + broken_of_new rest.
 
-        In a step that takes no time no delay ends, so that nothing is born; nor in one so fast that contacts break as
-        they form, which otherwise would be without end.
+        step                       | per_break | rest                       | births in it are those of
+        no delay                   | 1         | 0                          | its own breaks
+        delay longer than the step | 0         | B(end - delay)             | past breaks
+        delay shorter than it      | part p    | (1 - p) B(begin)           | past breaks, and a part p of its own
+        none form, see below       | 0         | J_0                        | none
+
+        None form in a step of no time, as no delay ends in it, nor in one so fast that contacts break as they form.
         """
         stop_after(self._until)  # the search for a step may need hundreds of trials
         duration = end - self.now
