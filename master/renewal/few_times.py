@@ -2,7 +2,7 @@
 
 Where a survival takes long, sums over births on earlier legs take most of a march's time, and change little over a
 panel: a cubic through four of its times gives the others, and two more times measure its error. It is used only where
-that is within the accuracy of such sums, and the error is counted with theirs.
+that is within the accuracy of such sums, and the error is counted with theirs; not in a hold.
 """
 
 import numpy as np

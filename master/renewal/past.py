@@ -4,21 +4,22 @@ They are of two kinds: lumps, the start among them (lumps.py); and births on the
 follows from the slider's displacements (earlier_legs.py), or, where contacts age, they have to be followed from leg to
 leg (strand_births.py). Past adds both up, and forgets legs of whose births hardly any contact holds.
 
-Three clocks meet here, in earlier_legs.py and in lumps.py. The name of a time there, of a motion or of births on
-panels ends in its clock (`leg`, `to_leg` are indices):
+Three clocks meet here, in earlier_legs.py, in lumps.py and in strand_births.py. The name of a time there, of a motion
+or of births on panels ends in its clock (`leg`, `to_leg` are indices):
 
 - `_path`: since the beginning of the path, the clock of the march: births.motion, SolvedPanels.begin, Lump.birth;
 - `_leg`: since the beginning of the present leg, to keep digits: here sums are taken;
 - `_own_leg`: since the beginning of the leg on which that happens which the name tells, breaks or births. Contacts
   that break less than a delay before a turn are born on another leg than they broke on.
 
-An example: the drive turns at t = 2, the delay is 0.3, and a panel has the breaks from 1.8 to 1.9. On leg 1 it is
+An example: the drive turns at t = 2 and t = 5, the delay is 0.3, and a panel has the breaks from 1.8 to 1.9. Then
 
-    breaks_begin = 1.8,  breaks_begin_own_leg = 1.8 (leg 0),  births_begin_own_leg = 1.8 + 0.3 - 2 = 0.1 (leg 1),
+    begin = 1.8 on the path,  breaks_begin_own_leg = 1.8 (leg 0),  births_begin_own_leg = 1.8 + 0.3 - 2 = 0.1 (leg 1),
 
-and seen from leg 2, which begins at 5, its births are at births_begin_leg = 2.1 - 5 = -2.9.
+and as seen from leg 2, which begins at 5, its births begin at 2.1 - 5 = -2.9 (`births_leg` of `_sum_over_legs`).
 
-In the march a time without such an ending (t, begin, end, edges) is on the path.
+In the march, and of stored panels, a time without such an ending (t, begin, end, edges) is on the path. Where a
+function is given times on a clock that its caller chooses, as SolvedPanels.births is, its docstring says so.
 
 Past.enter turns births from the first to the third and then to the second, sums_of_lumps turns lumps from the first to
 the second.

@@ -130,8 +130,9 @@ class SolvedPanels:
         return SAME_PLACE * float(self.width.max(initial=0.0)) + BESIDE_LEG * self.end
 
     def births(self, begin: Array) -> BirthPanels:
-        """Their births, which begin at these times. FaultError where those of a panel begin before those of the panel
-        before it, by more than rounding: on panels out of order no births are found."""
+        """Their births, which begin at these times, on any one clock: that of what is returned. FaultError where those
+        of a panel begin before those of the panel before it, by more than rounding: on panels out of order no births
+        are found."""
         ends = np.append(begin, begin[-1:] + self.width[-1:])
         rounding = SAME_PLACE * self.width + ROUNDED_TIME * np.abs(begin)
         backward = np.flatnonzero(np.diff(ends) < -rounding)
@@ -139,7 +140,8 @@ class SolvedPanels:
             panel = backward[0]
             raise FaultError(
                 f"births are out of order: on the panel that begins at t = {self.begin[panel]:.9g} of the path they "
-                f"begin at {begin[panel]:.9g}, and end at {ends[panel + 1]:.9g}, a fault of the program"
+                f"begin at {begin[panel]:.9g} on the clock asked for, and end at {ends[panel + 1]:.9g}, a fault of "
+                "the program"
             )
         return BirthPanels(ends, self.breaks @ polynomials.SLOPES.T)
 

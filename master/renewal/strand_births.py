@@ -86,7 +86,10 @@ class StrandBirths:
     """
 
     def __init__(self, births: Births, leg: int, births_own_leg: BirthPanels) -> None:
-        """Begin a strand at each node of the births on a leg, aged up to its end."""
+        """Begin a strand at each node of the births on a leg, aged up to its end.
+
+        An example: leg 1 lasts from 2 to 5 on the path. A contact born 0.4 into it is 5 - 2 - 0.4 = 2.6 old at its end.
+        """
         life, motion = births.life, births.motion
         assert isinstance(life, AgeingLife)
         self._seen, self.missed = leg, 0.0
@@ -94,8 +97,9 @@ class StrandBirths:
         count = max(FEWEST_PIECES, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
         edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
         left, right, basis = edges[:-1], edges[1:], polynomials.gauss(SIZE)
-        nodes = left[:, None] + (right - left)[:, None] * basis.nodes
-        ages = np.maximum(motion.times[leg + 1] - motion.times[leg] - nodes.ravel(), 0.0)
+        nodes_own_leg = left[:, None] + (right - left)[:, None] * basis.nodes
+        duration = motion.times[leg + 1] - motion.times[leg]
+        ages = np.maximum(duration - nodes_own_leg.ravel(), 0.0)
         stretches = life.stretches(births.law)
         fresh = life.begin(stretches.nodes)
         fresh.until = births.until
@@ -120,9 +124,13 @@ class StrandBirths:
         """By the stretches at birth, the first passages with splines between instants, and rounding."""
         return self._stretches_error + self._passages.error + ROUNDING
 
-    def seen_from(self, motion: Motion, left_out_below: float) -> bool:
-        """Follow the strands to the leg that begins at t = 0 of this motion; whether more than this share hold."""
-        leg, self._passages.dropped_below = int(motion.leg(np.finfo(float).tiny)), left_out_below
+    def seen_from(self, motion_leg: Motion, left_out_below: float) -> bool:
+        """Follow the strands along the leg that begins at t = 0 of this motion, to its end; whether more than this
+        share hold at its begin."""
+        leg, self._passages.dropped_below = (
+            int(motion_leg.leg(np.finfo(float).tiny)),
+            left_out_below,
+        )
         while self._seen < leg:
             self._seen += 1
             if not self.holding > left_out_below:
@@ -134,9 +142,9 @@ class StrandBirths:
             self._sums = over_root(times, np.einsum("jkpi,pi->jk", survivors, self._weight))
         return True
 
-    def sums(self, t: Array) -> Array:
-        """Number and force at times t, shape (n,), since the leg's beginning; shape (2, n)."""
-        return np.moveaxis(self._sums(t), -1, 0)
+    def sums(self, t_leg: Array) -> Array:
+        """Number and force at times, shape (n,), since the leg's beginning; shape (2, n)."""
+        return np.moveaxis(self._sums(t_leg), -1, 0)
 
 
 def _missed(survival: Array, weight: Array) -> Array:

@@ -10,13 +10,14 @@ faces comes from cubics through the four cells around, of fourth order, and weig
 for many groups of contacts of a memory side by side: a group is a strand here, and a lane of the kernel.
 
 One step in time is implicit, Radau's of two stages (`cells_kernel.step`). Each term of the equation, times the step's
-duration, is an array of a name there:
+duration, is an array; of its names the first is that here, the second that there:
 
-    D U' + d|x|/dt   `flow`, at lower faces; with heat `leaving` and `entering`, which add that h
+    D U' + d|x|/dt   `flow`, at lower faces; there, and here with heat, `leaving` and `entering`, which add that h
                      varies on a cell (the tilt, see `_early`)
     D                `spread`, never so small that the first cell is wider than the layer at |x|
     h                `breaking`, of cells
-    u, du/dy         `face_density`, `face_slope`: what the weights of four cells count for them at a face
+    u, du/dy         `face_density` and `face_slope`, `value` and `slope`: what the weights of four cells count for them
+                     at a face
 
 Tests by themselves: those of test_plain_in_time.py with cells in their names, and the two of thresholds that age after
 these, for motion and heat without ageing, ageing without a level, and strands beside each other.

@@ -145,7 +145,8 @@ class GrowingMemory(Memory):
         return record
 
     def advance(self, record: Array, leg: Leg) -> Array:
-        """See Memory; the rate is that of thresholds in the middle of the move."""
+        """See Memory; the rate is that of thresholds in the middle of the move, the hazard that at its end, by the
+        stretch and the age there."""
         out = record.copy()
         out[:, PINNED_FOR] += leg.duration
         hazard = self._growing.hazard_at(leg.end, out[:, PINNED_FOR])

@@ -6,6 +6,19 @@ over the longest life (renewal equation) and stays within them, and F - F_k fall
 On a soft spring that way is a million thresholds. It need not be followed until breaks are steady, for which narrow
 laws take hundreds of thresholds: where the spring pulls the slider on as long as F stays within these values, and where
 by then nothing is left of F - F_k, stretches are distributed as in steady sliding, by S(x)/<x_s>.
+
+An example: thresholds 1 ± 0.2, K = 0.001, steps of the size 1; the longest life L is 2.2, and the slip 171 long.
+
+    way of the slider   0        2.84          7.70              11.05                171.4
+                        |---------|-------------|-----------------|----------...-------|
+                        begins    none holds    sure: replaced    rest in one move     balance
+    since the last               1.3 L         2.2 L             1.5 L
+                                 `add`         `is_sure`         `ends_by_now`        `_error_of_rest` in slip_ends.py
+
+From 2.84 on no contact holds that held at the begin; on the next 2.2 L the force is seen to stay within its values of
+one L (`swing`), far below the spring's. At 7.70 all contacts are replaced by those of `start`, as this slip would make
+them. In steps of finite size their F is a little off F_k: after 1.5 L it has let go, and the rest of the way is
+algebra.
 """
 
 from functools import cached_property
@@ -25,7 +38,8 @@ from origins.thresholds.law import Thresholds
 NONE_HOLDS = 1e-9
 # Margin between the spring's force and the largest force, in mean thresholds; and what may be left of F - F_k.
 MARGIN, REMAINING = 1e-6, 1e-12
-# Ways, in longest lives, along which F is compared, and that the slider must have gone since none is left.
+# Ways, in longest lives: along which F is compared; and that the slider must have gone since none is left, and must
+# have before it.
 COMPARED_ALONG, UNDISTURBED = 1.1, 2.2
 # The way of a slip behind this, in longest lives: more than those along which F is compared.
 AFTER = 1.5
@@ -78,7 +92,8 @@ class Decohered:
 
     start : nodes for the stretches of all contacts then
     life : the longest life, on which all but NONE_HOLDS break (a length)
-    distance_after : the slider's travel from then on to the end of the slip, on which F in steps gets near to its limit
+    distance_after : the slider's travel in steps from then on, on which F gets near to its limit in such steps; the
+        rest of the slip is one move
     """
 
     def __init__(self, contacts: Contacts, spring: float, nodes: int) -> None:

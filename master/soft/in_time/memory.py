@@ -85,7 +85,18 @@ class Memory:
         return self.start(stretch)
 
     def advance(self, record: Array, leg: Leg) -> Array:
-        """Record after a move."""
+        """Record after a move at one speed from leg.begin to leg.end, in the time leg.duration.
+
+        Errors have to fall with the square of a step, or faster: what a memory integrates over the move it takes at
+        its middle, by Simpson's rule, or exactly; what it asks of the contacts as they are then, at its end:
+
+            ThresholdMemory   A grows by the integral of h along the move, exactly
+            MeanRateMemory    H by Simpson's rule; thresholds that |x| meets, from begin to end
+            GrowingMemory     A by thresholds in the middle of the move; the hazard at its end, by stretch and age there
+            AgeingMemory      weights of cells by Radau's method, of third order
+
+        Tests: those of test_plain_in_time.py that name a memory.
+        """
         raise NotImplementedError
 
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:

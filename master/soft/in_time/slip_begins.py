@@ -193,7 +193,7 @@ class SlipBegins:
     def _foresee(self, time_fraction: float, size: float) -> None:
         """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.
 
-        Steps become finer near a slip of contacts whose thresholds change in time, see `Memory.nearing`: thresholds
+        Steps become finer near a slip of contacts that age, or grow with heat, see `Memory.nearing`: thresholds
         cross |x| step by step, and the slip would depend on where those steps end. The way to the slip is counted in
         the coarsest steps, so that sliders with halved ones shrink theirs by the same factor.
         """

@@ -33,7 +33,8 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     """Move the slider to the first balance; broken contacts stay out until then, or for their delay.
 
     Breaks lower F, so that it rises at most with the stiffness of the contacts that still hold. Where the spring pulls
-    more by d no balance is nearer than d/(K + that stiffness): steps of this length miss none. Where nothing holds any
+    more by d no balance is nearer than d/(K + that stiffness): steps of this length miss none, but for two that are
+    nearer to each other than SHORTEST_STEP. Where nothing holds any
     more one of them leads to the end, X = X_T, where all contacts form again at once, as in a reset. With a delay those
     that broke stay out for it, whether others hold or not, and births repeat the jump of the breaks a delay later.
     """
