@@ -333,6 +333,9 @@ def test_a_wrong_unit_is_asked_for_by_its_key(capsys: Any) -> None:
         (asked,) = of_units(loaded(law, stated).thresholds)
         assert asked.startswith(begins) and "F_k/load is" in asked and key in asked
         assert "[contacts.interface]" in asked
+    millimetres = loaded(samples | {"unit": "mm"}, stated | {"pressure": None})
+    (asked,) = of_stretch(millimetres, 1e-3)
+    assert "is the unit of the samples right, as <x_s> is 0.001 m" in asked
     contacts = {"thresholds": ROUGH}
     drive = {"spring": "50 N/m", "area": 1.0, "to": 1.0, "points": 3}
     _, _, said_first = said(capsys, "run", write(contacts=contacts, drive=drive), "--dry-run")

@@ -135,7 +135,7 @@ def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:
     assert found.kelvin is None and not hasattr(found, "colour")
     assert "columns=<velocity, force, " in repr(found) and {"delay", "force"} <= set(dir(found))
     head, *lines = Path("out/sweep.csv").read_text().splitlines()
-    assert head.startswith("velocity [length / time],force [length],force_error [<x_s>],holding,")
+    assert head.startswith("velocity [length/time],force [length],force_error [<x_s>],holding,")
     table = np.array([line.split(",") for line in lines], dtype=float)
     np.testing.assert_array_equal(table[:, 1], found.force.ravel())
     np.testing.assert_array_equal(table[:, -2], found.critical_spring.ravel())

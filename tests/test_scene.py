@@ -76,6 +76,8 @@ def test_kelvins_are_a_temperature_where_contacts_have_a_stiffness() -> None:
     assert found.thermal.temperature == pytest.approx(known, rel=1e-14)
     assert contacts(known).thermal.temperature == known
     # joules; and micrometres taken for metres
+    with pytest.raises(InputError, match=r"'27 C': must be .* or \{ kelvin = 300\.0 \}$"):
+        contacts("27 C")
     with pytest.raises(InputError, match=r"temperature = 4\.14e-21: .*\{ kelvin = 299\.9 \}"):
         contacts(4.14e-21)
     with pytest.raises(

@@ -235,7 +235,7 @@ def test_a_map_ends_where_a_number_is_refused(
     with (tmp_path / "out" / "stability.csv").open() as stream:
         table = list(csv.DictReader(stream))
     assert len(table) == len(found)
-    assert table[0]["verdict"] == found[0]["verdict"] and "run_time (s)" in table[0]
+    assert table[0]["verdict"] == found[0]["verdict"] and "run_time [s]" in table[0]
     assert (tmp_path / "out" / "stability.png").read_bytes().startswith(b"\x89PNG")
 
 

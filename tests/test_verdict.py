@@ -487,7 +487,7 @@ def test_slips_stand_in_the_trace_at_their_own_places(capsys: Any) -> None:
     judged(capsys, **tables)
     with Path("mine-output/friction.csv").open(encoding="utf-8") as stream:
         head, *rows = list(csv.reader(stream))
-    assert head == ["slip rule", "drive (length)", "spring force (N_c<k> length)"]
+    assert head == ["slip rule", "drive [length]", "spring force [N_c<k> length]"]
     drive, force = np.array([[float(word) for word in row[1:]] for row in rows]).T
     steps = np.diff(force)
     slips = np.flatnonzero(steps < -0.1)
@@ -658,7 +658,11 @@ REFUSED = {
         {"thresholds": ROUGH, "verdict": {"readings": ["hertz/amontons"]}},
         "verdict.readings = 'hertz/amontons'",
     ),
-    "law": ({"thresholds": ROUGH, "verdict": {"readings": ["gw/coulomb"]}}, "'gw/coulomb'"),
+    "law": (
+        {"thresholds": ROUGH, "verdict": {"readings": ["gw/coulomb"]}},
+        '\'gw/coulomb\': must be a model and a law, as "gw/amontons", or those and a regime, as "gw/paper/mixed": '
+        "models are gw and persson, laws amontons, strength, paper, regimes of gw elastic",
+    ),
     "patches": (
         {"thresholds": ROUGH, "verdict": {"readings": ["persson/strength"]}},
         "gw/strength",
@@ -1527,6 +1531,18 @@ def test_a_busy_machine_is_given_more_of_the_clock(monkeypatch: Any) -> None:
     assert shared.part(0.5).remaining() == pytest.approx(40.0, rel=0.05)
     now["work"] = 80.0  # several threads: the clock counts
     assert shared.remaining() == 20.0
+    # a time that is given holds no less work than none would; a shorter one is kept
+    monkeypatch.setattr(os, "getloadavg", lambda: (0.0, 0.0, 0.0))
+    for seconds, clock, work, remain in (
+        (300.0, 290.0, 20.0, 40.0 * 291.0 / 21.0),
+        (300.0, 290.0, 70.0, 10.0),
+        (30.0, 20.0, 5.0, 10.0),
+    ):
+        now |= {"clock": 0.0, "work": 0.0}
+        limited = Budget.given(seconds)
+        now |= {"clock": clock, "work": work}
+        assert limited.remaining() == pytest.approx(remain)
+        assert limited.part(0.5).remaining() == pytest.approx(0.5 * remain)
     # before anything is known of the pace, two programs beside this one want the cores
     now |= {"clock": 0.0, "work": 0.0}
     monkeypatch.setattr(os, "getloadavg", lambda: (3.0, 1.0, 1.0))

@@ -175,7 +175,7 @@ def _why_so_steep(heights: npt.NDArray[np.float64]) -> str:
         if rest.size and np.abs(rest - end).min() > np.ptp(rest):
             many = measured.size - rest.size
             return f"{many} heights of {end:.6g} may be a fill value; give missing points as NaN"
-    return "are heights and pixel size both in metres, or heights in nm or µm declared as m?"
+    return "are heights and pixel size both in metres, or heights in nm or µm declared as m (surface.unit)?"
 
 
 def _filled_zeros(heights: npt.NDArray[np.float64]) -> float:

@@ -137,8 +137,14 @@ def by_head(result: Any) -> dict[str, Array]:
             if units.get(twin) in (scale.force_unit, scale.spring_unit):
                 del columns[twin]
     return {
-        f"{name} [{units[name]}]" if units.get(name) else name: own for name, own in columns.items()
+        f"{name} [{_plainly(units[name])}]" if units.get(name) else name: own
+        for name, own in columns.items()
     }
+
+
+def _plainly(unit: str) -> str:
+    """A unit of result.h5, such as "m / s" or "(m)^2", as tables and the docs write it: "m/s", "m²"."""
+    return re.sub(r"\((.+)\)\^2", r"\1²", unit).replace(" / ", "/")
 
 
 def write_sweep(result: Any, path: Path) -> None:

@@ -210,6 +210,10 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
         if given > _LARGEST and kelvin > _HOTTEST:
             hint = f"is k_BT/<k> in m², and would be {kelvin:.2g} K; did you mean temperature ="
             refuse(where, given, f"{hint} {{ kelvin = {given:g} }}")
+    if isinstance(given, str) and "kelvin" not in table:
+        needs = f", which {NEEDS_STIFFNESS}" * (surface is None)
+        hint = f"the square of a length, or {{ kelvin = 300.0 }}{needs}"
+        refuse(where, given, f"must be a number, k_BT/<k>, {hint}")
     if not isinstance(given, Mapping):
         return table
     if set(given) != {"kelvin"}:

@@ -126,9 +126,10 @@ def of_stretch(contacts: Contacts, spring: float) -> list[str]:
     stretch = law.moment(2) / (2.0 * law.mean()) / spring
     if length_unit_of(law) != "m" or stretch < _LONGEST or of_units(law):
         return []
-    return [
-        f"F_k stretches the spring by {stretch:.2g} m: are drive.area (m²) and drive.spring right?"
-    ]
+    asked = "are drive.area (m²) and drive.spring right?"
+    if sampled_parts(law):
+        asked = f"is the unit of the samples right, as <x_s> is {law.mean():.2g} m, and {asked}"
+    return [f"F_k stretches the spring by {stretch:.2g} m: {asked}"]
 
 
 def of_machine(scale: Scale, mass: float | None) -> list[str]:

@@ -87,7 +87,7 @@ def columns(found: Sequence[Row]) -> dict[str, list[Any]]:
     units = {"error": "mean thresholds", "floor": "mean thresholds", "claim": "mean thresholds"}
     units["run_time"] = "s"
     names = [field.name for field in fields(Row)]
-    heads = [f"{name} ({units[name]})" if name in units else name for name in names]
+    heads = [f"{name} [{units[name]}]" if name in units else name for name in names]
     return {
         head: [getattr(row, name) for row in found] for head, name in zip(heads, names, strict=True)
     }

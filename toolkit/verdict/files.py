@@ -86,6 +86,6 @@ def friction(verdict: Verdict) -> dict[str, list[Any]]:
     drive, force = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
     return {
         "slip rule": [part[0] for part in parts for _ in part[1]],
-        f"drive ({scale.length_unit})": drive.tolist(),
-        f"spring force ({scale.force_unit})": (force * scale.force).tolist(),
+        f"drive [{scale.length_unit}]": drive.tolist(),
+        f"spring force [{scale.force_unit}]": (force * scale.force).tolist(),
     }

@@ -126,7 +126,10 @@ def _parts(name: str) -> Iterator[tuple[str, str]]:
     words = name.split("/")
     valid = words[0] in ("gw", "persson") and len(words) in (2, 3) and words[1] in LAWS
     if not valid or (len(words) == 3 and (words[0] != "gw" or words[2] not in REGIMES)):
-        hint = 'must be a model and a law, as "gw/amontons" or "persson/paper", or "gw/paper/mixed"'
+        hint = (
+            'must be a model and a law, as "gw/amontons", or those and a regime, as "gw/paper/mixed": models are gw '
+            f"and persson, laws {', '.join(LAWS)}, regimes of gw {', '.join(REGIMES)}"
+        )
         refuse("verdict.readings", name, hint)
     if words[:2] == ["persson", "strength"]:
         hint = "patches of one area would all break at one threshold; take gw/strength"
