@@ -276,6 +276,30 @@ def test_an_interrupted_table_holds_what_is_known(
     assert (folder / "stability.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_number_takes_no_more_than_its_share_of_the_wall_time(
+    tmp_path: Path, monkeypatch: Any
+) -> None:
+    """The first number has no answer in any time: the others are asked all the same."""
+
+    def endless(case: Case | Question) -> list[Row]:
+        while case.group == "contacts.thresholds.mean":
+            pass
+        quick = Row(case.group, case.name, "master", "exact", 0.0, 0.0, 0.0, 0.0, "", "")
+        return [quick]
+
+    monkeypatch.setattr("toolkit.stability.table.rows", endless)
+    monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 1)
+    folder = tmp_path / "out"
+    assert main(["stability", "gaussian", "--set", "wall_time=20", "--out", str(folder)]) == 0
+    found = json.loads((folder / "stability.json").read_text())
+    told = {(row["group"], row["case"][:6]): row for row in found["rows"]}
+    assert "stopped_by_wall_time" not in found
+    for case in ("x 1e-1", "x 1e+1"):
+        own = told["contacts.thresholds.mean", case]
+        assert own["verdict"] == "slow" and "share of wall_time = 20 s" in own["said"]
+        assert told["contacts.thresholds.std", case]["verdict"] == "exact"
+
+
 @pytest.mark.parametrize("known", [2, 0])
 def test_a_map_ends_with_the_wall_time_of_its_scene(
     known: int, tmp_path: Path, monkeypatch: Any, capsys: Any

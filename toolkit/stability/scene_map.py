@@ -4,12 +4,14 @@ import re
 import time
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from origins.errors import InputError
+from toolkit.processes.signals import TooMuchWork, no_longer_than
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.stability.case import Case, Row
 from toolkit.stability.table import VERDICTS, answered, uncounted
@@ -58,7 +60,14 @@ def scene_map(
             row.verdict in ("exact", "within tolerance") for row in own if row.solver != "ensemble"
         )
 
-    until = time.process_time() + WORK
+    work, clock = time.process_time(), time.monotonic()
+
+    def remaining() -> float:
+        """CPU-s for what is still to be asked: of WORK, and of the scene's wall_time at the pace so far."""
+        worked, took = time.process_time() - work, time.monotonic() - clock
+        more = np.inf if scene.wall_time is None else scene.wall_time - took
+        return float(min(WORK - worked, more * worked / max(took, 1e-3)))
+
     say("as it is")
     asked("as it is", "x 1", {})
     all_numbers = list(numbers(tomllib.loads(scene.text)))
@@ -66,16 +75,23 @@ def scene_map(
         say(f"{key} = {value}")
         for sign in (-1, 1):
             searches = 2 * (len(all_numbers) - done) - (sign > 0)  # with this one, still to be done
-            now = time.process_time()
-            own_end = now + (until - now) / searches
+            own_end = time.process_time() + remaining() / searches
             for decade in range(1, DECADES + 1):
                 other = times(value, 10.0 ** (sign * decade))
                 shown = other if isinstance(other, str) else f"{other:.6g}"
                 name = f"x 1e{sign * decade:+d}: {shown}"
-                if late := time.process_time() > own_end:
-                    found.append(_not_asked(key, name))
+                share, late, good = own_end - time.process_time(), True, False
+                # of a wall_time an answer that takes its number's share is cut, as it may take that of all others
+                limit = None if scene.wall_time is None else share
+                with suppress(TooMuchWork):
+                    if share >= 0.0:
+                        with no_longer_than(limit, TooMuchWork):
+                            good = asked(key, name, {key: other})
+                        late = False
+                if late:
+                    found.append(_not_asked(key, name, scene.wall_time))
                     say(row_as_line(found[-1]))
-                if late or not asked(key, name, {key: other}):
+                if not good:
                     break
         count(done + 1, len(all_numbers))
     for line in trusted(found):
@@ -83,9 +99,11 @@ def scene_map(
     return found
 
 
-def _not_asked(group: str, name: str) -> Row:
+def _not_asked(group: str, name: str, wall_time: float | None) -> Row:
     """In place of an answer for which no time is left."""
     said = f"not asked: a map has {WORK:.0f} CPU-seconds, and each number its share"
+    if wall_time is not None:
+        said = f"not answered in its number's share of wall_time = {wall_time:g} s"
     return Row(group, name, "master", "slow", np.nan, np.nan, np.nan, 0.0, "", said)
 
 
