@@ -458,7 +458,7 @@ def test_sliders_that_would_take_too_long_are_not_followed() -> None:
     asked = infinite("stick-slip", 5)
     found = follow_finite(machine, Contacts(contacts), 1e4, asked, 0.8, seconds=0.0)
     assert found.kind == "unknown" and "10,000 contacts would take some" in found.message
-    assert "0 s are left: raise wall_time (s; 60 where none is given)" in found.message
+    assert "0 s are left: raise wall_time (s, 60 where none is given)" in found.message
 
 
 def test_readings_that_lack_a_constant_share_one_line(capsys: Any) -> None:
@@ -1550,6 +1550,25 @@ def test_a_busy_machine_is_given_more_of_the_clock(monkeypatch: Any) -> None:
     # the load of a hundred cores says little of the two that this process may use
     monkeypatch.setattr(os, "getloadavg", lambda: (99.0, 1.0, 1.0))
     assert Budget(60.0, strict=False).remaining() == 240.0
+
+
+def test_one_reading_with_a_delay_gets_all_of_a_time_that_is_given(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    """It had a half, and the rest was left to contacts that are followed beside longer delays alone."""
+    given = list[float]()
+
+    def asked(table: Any, reading: Any, rules: Any, budget: Budget, rings: bool) -> Any:
+        given.append(budget.remaining())
+        raise InputError("enough")
+
+    monkeypatch.setattr(judge, "_answer", asked)
+    for laws in ({"delay": {"time": 0.01}}, {}):
+        contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}} | laws
+        drive = {"spring": 0.1, "velocity": 1.0, "mass": 0.1}
+        said(capsys, "verdict", write(contacts=contacts, drive=drive, wall_time=1000.0))
+    assert given[0] == pytest.approx(1000.0, rel=0.05)
+    assert given[1] == pytest.approx(500.0, rel=0.05)
 
 
 def test_a_mass_without_time_is_not_told_to_shorten_its_path() -> None:

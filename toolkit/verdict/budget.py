@@ -5,7 +5,7 @@ import time
 
 # s for all readings and rules together, where the scene gives none, and what to do where they do not suffice
 WALL_TIME = 60.0
-MORE_TIME = f"raise wall_time (s; {WALL_TIME:.0f} where none is given)"
+MORE_TIME = f"raise wall_time (s, {WALL_TIME:.0f} where none is given)"
 LONGER = f"the command's --set wall_time={10 * WALL_TIME:.0f} gives it ten minutes"
 # s by which the pace is smoothed, as that of the first moments says little
 _SMOOTH = 1.0

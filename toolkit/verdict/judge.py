@@ -81,7 +81,9 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             solved += 1
             progress(f"reading {solved} of {many}: {reading.name}")
         # the scene's own is the answer; what it does not need is left to the number of contacts, and to the others
-        alone = len(readings) == 1 and bool(scene.contacts.held_in_time)
+        # of a delay too short for them to be followed nothing is left to the contacts: a time that is given is used
+        waits = scene.wall_time is not None and bool(scene.contacts.waiting_time)
+        alone = len(readings) == 1 and (bool(scene.contacts.held_in_time) or waits)
         # the others in order, twice their share, as most leave a part of it to those after them
         remaining_readings = len(readings) - number
         part = budget.part(OWN if reading.own and not alone else 2.0 / (remaining_readings + 1))
