@@ -17,6 +17,7 @@ from scipy import linalg, stats
 import eq_model
 import master
 import origins
+from master.soft import followed
 from origins import Contacts, Delay, InputError, gaussian, identical, mixture
 from tests.scenes import CONSTANTS, GAUSSIAN, ROUGH, said, write
 from toolkit.processes.signals import TimeIsUp, no_longer_than
@@ -778,6 +779,15 @@ def test_a_refused_slider_is_told_without_a_path_to_give_and_with_units(monkeypa
     metres = Scale(length_unit="m", time_unit="s")
     assert in_units(why, metres) == why + "0 s" and in_units(why, Scale()) == why
     assert in_units("cut at X_T = 4e-05, no more", metres) == "cut at X_T = 40.0 µm, no more"
+    # the tolerance and the path are the verdict's own
+    for given, shown in (
+        (followed.SHORTEN, "it misses"),
+        (followed.LOOSEN, "it misses"),
+        (followed.LEAVE_HEAT, "it misses; leave out the heat"),
+    ):
+        assert in_units(f"it misses; {given}", Scale()) == shown
+    beside = in_units(f"it misses; {followed.LOOSEN}; heat is left out beside a mass: so", metres)
+    assert beside.startswith("it misses; heat is left out beside a mass: so; leave the temperature")
 
 
 @pytest.mark.parametrize("rule", ["reset", "reform-after"])

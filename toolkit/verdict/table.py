@@ -22,6 +22,8 @@ _VAGUE = 0.1
 FORGOTTEN = 1.0 / 3.0
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
+# what a solver advises where its error is above the tolerance
+_ADVICE = re.compile(r"; (?:shorten the path or |(leave out the heat) or )?loosen the tolerance")
 
 
 def table(verdict: Verdict) -> list[str]:
@@ -268,7 +270,13 @@ def speed_unit(verdict: Verdict) -> str:
 
 
 def in_units(message: str, scale: Scale) -> str:
-    """A solver's message with the positions of the drive, and how long a slip lasts, in the units of the verdict."""
+    """A solver's message with the positions of the drive, and how long a slip lasts, in the units of the verdict, and
+    without its advice on the path and the tolerance, which are the verdict's own: heat may be left out."""
+    message = _ADVICE.sub(lambda found: f"; {found[1]}" if found[1] else "", message)
+    if "heat is left out beside a mass" in message:
+        message += (
+            "; leave the temperature out where a sweep over kelvin says that F_k hardly changes"
+        )
     if scale.length_unit != "m":
         return message
     for before, unit in (("X_T = ", scale.length_unit), ("lasts some ", scale.time_unit)):

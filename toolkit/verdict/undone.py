@@ -57,7 +57,7 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         yield Line(most, f"not as asked if {named(rules)}: {why}")
     yield from _of_heat(verdict)
     rough = [
-        (one.message, one.rule)
+        (in_units(one.message, scale), one.rule)
         for one in own.behaviours
         if one.success and one.error > TOLERANCE_IN_TIME and one.kind != "undecided"
         if one.contacts is None and one.heat_left_out is None
