@@ -16,48 +16,33 @@ _MOST_EXPECTED = 4.0
 class Budget:
     """So many `seconds`, of the clock on the wall if `strict`, else of those in which this process could work.
 
-    A strict one gives `least` seconds of work anyway: on a busy machine a time of the clock holds less work than is
-    done where no time is given.
-
     Where other programs have the cores, a process has fewer seconds of the processor than of the clock; with several
     threads it has more, and then the clock counts. `pace`: seconds of the clock for each that counts, so far; at first
     that which the programs that run beside this one let expect.
     """
 
-    def __init__(
-        self, seconds: float, strict: bool, pace: float | None = None, least: float = 0.0
-    ) -> None:
-        self._seconds, self._strict, self._least = seconds, strict, least
+    def __init__(self, seconds: float, strict: bool, pace: float | None = None) -> None:
+        self._seconds, self._strict = seconds, strict
         self._first_pace = _expected_pace() if pace is None else pace
         self._clock, self._work = time.monotonic(), time.process_time()
 
-    @classmethod
-    def given(cls, wall_time: float | None) -> "Budget":
-        """That of a scene: of the clock where it gives a time, as of a queue, from WALL_TIME on with the work that a
-        scene without one has; else of work, so that a busy machine says what a quiet one does."""
-        if wall_time is None:
-            return cls(WALL_TIME, strict=False)
-        return cls(wall_time, strict=True, least=WALL_TIME if wall_time >= WALL_TIME else 0.0)
-
     def remaining(self) -> float:
         """How many s of the clock remain at the pace so far; below 0 once the time is over."""
-        clock, work, pace = self._used()
-        if self._strict:
-            return max(self._seconds - clock, (self._least - work) * pace)
-        return (self._seconds - work) * pace
+        used, pace = self._used()
+        return (self._seconds - used) * pace
 
     def part(self, fraction: float) -> "Budget":
         """A budget from now on, of this fraction of what remains."""
-        clock, work, pace = self._used()
-        seconds = self._seconds - (clock if self._strict else work)
-        least = fraction * (self._least - work)
-        return Budget(fraction * seconds, self._strict, pace, least)
+        used, pace = self._used()
+        return Budget(fraction * (self._seconds - used), self._strict, pace)
 
-    def _used(self) -> tuple[float, float, float]:
-        """Seconds of the clock and of work, and the pace."""
+    def _used(self) -> tuple[float, float]:
+        """Seconds that count, and the pace."""
         clock = time.monotonic() - self._clock
-        work = min(clock, time.process_time() - self._work)
-        return clock, work, (clock + _SMOOTH * self._first_pace) / (work + _SMOOTH)
+        if self._strict:
+            return clock, 1.0
+        used = min(clock, time.process_time() - self._work)
+        return used, (clock + _SMOOTH * self._first_pace) / (used + _SMOOTH)
 
 
 def _expected_pace() -> float:
