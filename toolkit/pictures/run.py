@@ -120,10 +120,11 @@ def _line_or_dots(
 ) -> tuple[dict[str, Any], str]:
     """The style of a curve, and what its label adds: dots where a slider with mass swings between the points of the
     path, since a line would draw slower swings that do not exist."""
-    heavy = is_heavy(curve) or getattr(curve, "velocity", None) is not None
-    known = heavy and (is_heavy(curve) or is_precise(curve))
+    solved = getattr(curve, "velocity", None) is not None and is_precise(
+        curve
+    )  # with mass, by the master equation
     slips = slips_of(curve, replica)
-    if not known or not hides_swings(curve.path, np.asarray(value), slips, speed):
+    if not (is_heavy(curve) or solved) or not hides_swings(curve.path, value, slips, speed):
         return style, ""
     return style | {"ls": "", "marker": ".", "ms": 2.5}, "; dots, as it swings between points"
 

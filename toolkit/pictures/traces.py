@@ -9,9 +9,10 @@ from origins.thresholds.law import Array
 from toolkit.results.kinds import is_heavy
 from toolkit.results.records import Result
 
-# Part of a curve's range that is seen; and the share of the points of its swings at which it turns above which a line
-# would draw slower swings that do not exist: of swings with eight points each it is a quarter.
-_SEEN, _TOO_FEW_POINTS = 0.02, 0.3
+# Part of a curve's range that is seen; the share of the points of its swings at which it turns above which a line would
+# draw slower swings that do not exist: of swings with eight points each it is a quarter; and how many turns are so many
+# that they are swings.
+_SEEN, _TOO_FEW_POINTS, _SWINGS = 0.02, 0.3, 3
 
 
 class SlipData(NamedTuple):
@@ -49,8 +50,11 @@ def slips_of(curve: Any, replica: int | None = None) -> SlipData | None:
     return SlipData(*kept)
 
 
-def hides_swings(drive: Array, value: Array, slips: SlipData | None, speed: bool) -> bool:
-    """Whether the points of a curve of a slider with mass, shape (n,), are too far apart to show how it swings.
+def hides_swings(
+    drive: Array, value: Array, slips: SlipData | None = None, speed: bool = False
+) -> bool:
+    """Whether the points of a curve of a slider with mass, shape (n,), are too far apart to show how it swings: it then
+    turns at most of those that are on a swing.
 
     Steps on which a slip begins are left out, as it is drawn from its own data, and those on which little happens: of a
     `speed` little beside the top speed of slips.
@@ -64,7 +68,7 @@ def hides_swings(drive: Array, value: Array, slips: SlipData | None, speed: bool
         seen &= np.searchsorted(places, ends[1], "right") == np.searchsorted(places, ends[0])
     pairs = seen[1:] & seen[:-1]
     turns = pairs & (steps[1:] * steps[:-1] < 0.0)
-    return bool(turns.sum() > _TOO_FEW_POINTS * pairs.sum())
+    return bool(turns.sum() >= max(_SWINGS, _TOO_FEW_POINTS * pairs.sum()))
 
 
 def with_slips(

@@ -12,12 +12,9 @@ from origins.thresholds.law import Array
 from toolkit.verdict.ensemble import SEED
 from toolkit.verdict.islands import with_barriers
 from toolkit.verdict.machine import (
-    PER_SWING,
-    SETTLING,
     Behaviour,
     Machine,
     first_of,
-    half_a_swing,
     with_slips,
 )
 
@@ -79,15 +76,3 @@ def in_its_own_time(found: Behaviour, machine: Machine) -> tuple[Array, Array]:
     top = int(np.argmax(force))
     place = drive - force / machine.spring
     return (drive - drive[top]) / machine.velocity, place - place[top]
-
-
-def hides_swings(drive: Array, machine: Machine, taken: float | None) -> bool:
-    """Whether a mass swings on beyond the next points of a trace, which are too far apart to show it: a line through
-    them would draw slower swings that do not exist. `taken`: the damping of one that has none."""
-    mass, damping = machine.mass or 0.0, taken or machine.damping
-    if damping**2 >= 4.0 * mass * machine.spring:
-        return False  # there is no mass, or it does not swing
-    between = float(np.ptp(drive)) / drive.size
-    swing = 2.0 * machine.velocity * half_a_swing(machine)
-    dies_away = SETTLING * 2.0 * mass / damping * machine.velocity if damping else np.inf
-    return between > 2.0 * swing / PER_SWING and dies_away > 2.0 * between

@@ -15,9 +15,10 @@ from toolkit.pictures.axes import (
     name_axis,
     style_of,
 )
+from toolkit.pictures.traces import hides_swings
 from toolkit.scene.scale import SHARED, of_contacts, spoken
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.closely import hides_swings, in_its_own_time
+from toolkit.verdict.closely import in_its_own_time
 from toolkit.verdict.kinds import named
 from toolkit.verdict.machine import Behaviour, Finite, Machine
 from toolkit.verdict.of_area import apart
@@ -123,9 +124,7 @@ def _draw_line(
     axes: Any, verdict: Verdict, one: Behaviour | Finite, label: str, style: dict[str, Any]
 ) -> None:
     """A trace as a line, or as dots where a line would draw swings that do not exist."""
-    machine = verdict.own.machine
-    taken = next((own.damping for own in verdict.own.behaviours if own.damping), None)
-    if one.rule == "mass" and machine is not None and hides_swings(one.drive, machine, taken):
+    if one.rule == "mass" and hides_swings(one.drive, one.force):
         label += "; dots, as its swings are too many to be drawn"
         style = style | {"ls": "", "marker": ".", "ms": 2.5}
     axes.plot(one.drive, one.force * verdict.own.scale.force, label=label, **style)
