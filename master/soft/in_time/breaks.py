@@ -41,8 +41,12 @@ class BirthsUpTo(NamedTuple):
 
 
 class Jump(NamedTuple):
-    """Breaks that jumped: the section of no time in which they did, when, when births repeat it (times), and the index
-    of the end behind it among all ends of steps."""
+    """Breaks that jumped.
+
+    section : that of no time in which they did
+    at, due_at : when they did, and when births repeat it (times)
+    behind : index of the end of the step behind it, among the ends of all steps
+    """
 
     section: int
     at: float
@@ -166,10 +170,14 @@ class BreaksInSteps:
             )
 
     def check_births(self, begin: float, now: float, births: float, born: float) -> None:
-        """FaultError unless `births` up to now, of which so many were `born` in the last step, from `begin` on, are
-        breaks one delay before: no farther from those at the ends of steps around than these are apart. Conservation
-        does not tell, as `trial` fits breaks to any births. Where none was born an earlier step may have told too many
-        (see births_up_to). And where breaks jumped amid that step, a delay before, as its births then do."""
+        """Two faults of births, of which conservation does not tell, as `trial` fits breaks to any births.
+
+        FaultError where `births` up to now are not the breaks one delay before: where they are farther from those at
+        the ends of steps around than these are apart. They may be more where none was `born` in the last step, which
+        leads from `begin` to now, as an earlier step may have told too many (see births_up_to).
+
+        FaultError where breaks jumped a delay before, amid that step: births should jump at its end.
+        """
         if not self.delay:
             return  # births follow at once, but in a slip of "reform-after"
         at, rounded = now - self.delay, ROUNDED_TIME * abs(now)

@@ -261,8 +261,8 @@ class ContactsInSteps:
         return groups.pick(alive)
 
     def slide_steadily(self, travel: float, error: float) -> None:
-        """Slide on at this instant while each break is followed by a birth and stretches stay distributed as they are;
-        `error` bounds what F changes on the way (a length)."""
+        """Slide on at this instant, by the travel on which the spring relaxes to F: breaks are followed by births, and
+        stretches stay distributed as they are. `error` bounds what F changes on the way (a length)."""
         self.position += travel
         self.unresolved.note(OF_STEADY_SLIP, error, self.now)
 

@@ -16,9 +16,9 @@ An example: thresholds 1 ± 0.2, K = 0.001, steps of the size 1; the longest lif
                                  `add`         `is_sure`         `ends_by_now`        `_error_of_rest` in slip_ends.py
 
 From 2.84 on no contact holds that held at the begin; on the next 2.2 L the force is seen to stay within its values of
-one L (`swing`), far below the spring's. At 7.70 all contacts are replaced by those of `start`, as this slip would make
-them. In steps of finite size their F is a little off F_k: after 1.5 L it has let go, and the rest of the way is
-algebra.
+the last 1.1 L (`swing`), far below the spring's. At 7.70 all contacts are replaced by those of `start`, as this slip
+would make them. In steps of finite size their F is a little off F_k: after 1.5 L it has let go, and the rest of the way
+is algebra.
 """
 
 from functools import cached_property
