@@ -32,7 +32,7 @@ from master.soft.in_time.memory import ThresholdMemory
 from master.soft.in_time.refining import memory_of, refined
 from master.soft.in_time.slider import Node, Slider, Slip
 from master.soft.in_time.slip_begins import SlipBegins
-from master.soft.in_time.steps import CONTROL, StepCount, Steps
+from master.soft.in_time.steps import CONTROL, Steps, TimeUnits
 from master.soft.in_time.threshold_cells import ThresholdCells
 from origins import (
     Ageing,
@@ -122,19 +122,19 @@ OF_TWIN = 4e-5
     [(0.0, 1e-6), (3.0, np.inf), (3.0, 1e-3), (3.0, 50.0), (1e-12, 1e-3)],
     ids=["hold", "move", "move, quick first", "move, slow", "hardly moves"],
 )
-def test_steps_of_time_are_uniform_and_logarithmic_and_lead_back_to_their_times(
+def test_time_units_are_uniform_and_logarithmic_and_lead_back_to_their_times(
     rate: float, first: float
 ) -> None:
     begin, end = 2.0, 12.0
-    count, times = StepCount(begin, end, rate, first), np.array([2.0, 2.001, 2.5, 7.0, 12.0])
+    count, times = TimeUnits(begin, end, rate, first), np.array([2.0, 2.001, 2.5, 7.0, 12.0])
     folds = CONTROL.per_e_fold_of_move if rate else CONTROL.per_e_fold_of_hold
     folds = folds if first < end - begin else 0.0
-    steps = np.array([count.steps(t) for t in times])
+    units = np.array([count.at(t) for t in times])
     later = times - begin
-    np.testing.assert_allclose(steps, rate * later + folds * np.log1p(later / first), rtol=1e-12)
-    back = [count.time(many) for many in steps]
+    np.testing.assert_allclose(units, rate * later + folds * np.log1p(later / first), rtol=1e-12)
+    back = [count.time(many) for many in units]
     np.testing.assert_allclose(back, times, rtol=1e-9)
-    assert count.time(2.0 * steps[-1]) == end
+    assert count.time(2.0 * units[-1]) == end
 
 
 def test_births_follow_from_the_breaks_one_delay_before() -> None:

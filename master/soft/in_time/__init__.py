@@ -65,8 +65,8 @@ moves X, F and the time to the path's end and leaves the groups as they are, as 
 changed first; X, or the slip's list, follows from their force.
 
 Clocks: all times here are on the path, from t = 0 on, `ContactsInSteps.now` and ends of trials, too (legs of a rigid
-slider have clocks of their own, those of a soft one have not). Sizes (`Node.sizes_so_far`) and steps of time
-(`StepCount`) are counted from the begin of a section; breaks and births from t = 0 or the last slip that replaced all
+slider have clocks of their own, those of a soft one have not). Sizes (`Node.sizes_so_far`) and time units
+(`TimeUnits`) are counted from the begin of a section; breaks and births from t = 0 or the last slip that replaced all
 contacts.
 
 Signs: X, F, stretches and `Trial.travel` are above 0 along X. Sizes, `Steps.travelled`, imbalances and all of

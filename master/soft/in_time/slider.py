@@ -110,7 +110,7 @@ class Slider:
         guessed from the last one. So all who keep steps for that begin a new list here, at the present time.
         """
         self.sections.append([self._node(0.0)])
-        self._steps.begin_section(leg, end)  # steps of time are counted from now
+        self._steps.begin_section(leg, end)  # time units are counted from now
         self._search.begin_section()  # no slip is foreseen yet
         if self._creep is not None:
             self._creep.begin_section()

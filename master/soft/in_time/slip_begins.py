@@ -6,7 +6,7 @@
           |  .                       .
         0 +----------------------------> s
 
-A balanced step of the size s takes τ(s) steps of time, and the rest, s - τ(s), is its travel. τ rises from τ(0) = 0 as
+A balanced step of the size s takes τ(s) time units, and the rest, s - τ(s), is its travel. τ rises from τ(0) = 0 as
 long as the slider needs the drive to move on; where τ is the largest it needs no more, and slips. This lies within a
 step of the size s, or just beyond, on one of three conditions (`SlipBegins._has_slip`):
 
@@ -45,7 +45,7 @@ class OnsetControl(NamedTuple):
     beyond_jump : factor on the size of the step that looks beyond a jump of P_c, where F falls at once.
     far_from_slip : times `StepControl.drive_weight` w: the part of a step's size above which, if it is time, no fold is
         looked for. Of a slider that is stuck to the drive w/(1 + w) of each step is time, and more where heat or a hold
-        adds steps of time. A fold that is not looked for is met on the next step, which then has no balance.
+        adds time units. A fold that is not looked for is met on the next step, which then has no balance.
     before_fold : factor on the size of the step that tells on which side of a fold a step ends.
     least_shrink : steps that become finer towards a slip, or to resolve breaks, are not below this factor on their
         size, as a slip that is foreseen may not come, and at a jump of P_c any step breaks many contacts.
@@ -84,7 +84,7 @@ class SlipBegins:
     def begin_section(self) -> None:
         """At the begin of a section nothing is foreseen; only the slope is still a good guess."""
         self.shrink, self._guess = 1.0, self._guess._replace(time_fraction=FIRST_FRACTION)
-        # the fraction of its size that the last step took in steps of time, unknown yet
+        # the fraction of its size that the last step took in time units, unknown yet
         self._last_time_fraction = np.nan
 
     def _solve(self, size: float) -> Root:
@@ -191,7 +191,7 @@ class SlipBegins:
         return ONSET.beyond_jump * size if falls_beyond else size
 
     def _foresee(self, time_fraction: float, size: float) -> None:
-        """Guess the next step from this one's fraction of steps of time, and how far a slip is, where it falls to 0.
+        """Guess the next step from this one's fraction of time, and how far a slip is, where it falls to 0.
 
         Steps become finer near a slip of contacts that age, or grow with heat, see `Memory.nearing`: thresholds
         cross |x| step by step, and the slip would depend on where those steps end. The way to the slip is counted in

@@ -1,9 +1,9 @@
 """Steps: one step of a slider that a spring pulls, at whose end the forces balance, K (X_T - X) = F.
 
-A step has a size, and two parts that add up to it: the travel of the slider, in units of `Steps.length`, and steps of
-time (see StepCount). The size is chosen; the balance of forces decides how much of it is time. So steps are even both
-where the slider creeps, and nearly all is time, and just before a slip, where dX/dt diverges and nearly all is travel
-(pseudo-arclength continuation).
+A step has a size, and two parts that add up to it: the travel of the slider, in units of `Steps.length`, and the time
+that it takes, in time units (see TimeUnits). The size is chosen; the balance of forces decides how much of it is time.
+So steps are even both where the slider creeps, and nearly all is time, and just before a slip, where dX/dt diverges and
+nearly all is travel (pseudo-arclength continuation).
 
 Steps of the size s = 1 on K = 0.2 at v = 1, of P_c(1, 0.2) with heat ("soft", 0.05, 0.1), from rest; `length` 0.1013
 (a test computes these numbers). Travel is (s - τ) `length`:
@@ -31,15 +31,15 @@ class StepControl(NamedTuple):
     coarsest : travel of the coarsest step of the size 1, in lengths over which births change. Errors fall with the
         square of the steps, and three halvings from here are some 1e-3. `force_error` need not fall so: it follows
         the changes of answers that are extrapolated already (answer/extrapolation.py).
-    drive_weight : steps of time in which the slider, stuck to the drive, travels by one step. Below 1 as the slider's
-        travel matters more, above 0 as something must count while contacts creep under a slider that hardly moves.
-    per_e_fold_of_hold, per_e_fold_of_move : steps of time in which the time since the begin of a section grows by a
-        factor e. While the drive holds there are no other steps of time; while it moves they are added to uniform ones,
+    drive_weight : time units in which the slider, stuck to the drive, travels by `Steps.length`. Below 1 as its travel
+        matters more, above 0 as something must count while contacts creep under a slider that hardly moves.
+    per_e_fold_of_hold, per_e_fold_of_move : time units in which the time since the begin of a section grows by a
+        factor e. While the drive holds there are no other time units; while it moves they are added to uniform ones,
         and have to resolve only the first changes.
     e_folds : ln of the factor by which the number that holds may fall on a step of the size 1: of fresh contacts that
         heat breaks at rest (`Steps.begin_section`), or of all near a slip (`SlipBegins._resolving_factor`).
     beyond_drive : least size, in steps, that `Steps.longest` allows, as the slider may go farther than its drive
-    back : a step is solved again with the other sign if it leads against `Steps.sign` by this part of its steps of time
+    back : a step is solved again with the other sign if it leads against `Steps.sign` by this part of its time units
     time_fractions : of a step's size, from the latest on, where a balance before exact thresholds break is looked for
     """
 
@@ -60,8 +60,8 @@ CONTROL = StepControl()
 FIRST_FRACTION = 0.5
 # Most steps of the secant method; bisection, which takes the place of some, gains a factor of 2 with each.
 MOST_SECANTS = 40
-# Least product of the rate of uniform steps and `first`: below it the inverse would divide by 0, and steps are
-# logarithmic to all digits.
+# Least product of the rate of uniform time units and `first`: below it the inverse would divide by 0, and time units
+# are logarithmic to all digits.
 LEAST_UNIFORM = 1e-200
 
 
@@ -84,7 +84,7 @@ class Guess(NamedTuple):
     """Where the search for a balanced step begins; it changes where that ends by its accuracy only.
 
     time_fraction : of the step's size that is time
-    slope : of the imbalance over the steps of time (a length)
+    slope : of the imbalance over the time units (a length)
     """
 
     time_fraction: float
@@ -94,7 +94,7 @@ class Guess(NamedTuple):
 class TriedStep(NamedTuple):
     """A step of a chosen size, so much of it time, the rest travel.
 
-    time_part : how much of its size are steps of time. No step takes less than none: below 0 the one without time is
+    time_part : how much of its size is time, in time units. No step takes less than none: below 0 that of no time is
         tried, and from its imbalance a straight line leads on below 0. So each search finds a root, and one below 0
         says that forces balance at no later time.
     trial : where it leads to
@@ -110,7 +110,7 @@ class Root(NamedTuple):
     """What a search for a balanced step found.
 
     step : the balanced step, or where it did not converge the last one tried
-    slope : there, of the imbalance over the steps of time (a length), for the next guess
+    slope : there, of the imbalance over the time units (a length), for the next guess
     converged : whether the step's forces balance; if not, SlipBegins counts its imbalance as an error of the force
     """
 
@@ -124,13 +124,13 @@ class Root(NamedTuple):
         return self.step.time_part > 0.0
 
 
-class StepCount:
-    """Steps of time since the begin of a smooth section of the motion: rate t + c ln(1 + t/first) at the time t since,
-    uniform where the drive moves, logarithmic where changes slow down.
+class TimeUnits:
+    """Time since the begin of a smooth section in time units, of which a step takes about one or less: at the time t
+    since rate t + c ln(1 + t/first), uniform where the drive moves, logarithmic where changes slow down.
 
     begin, end : times between which the motion is smooth
-    rate : uniform steps per time; 0 while the drive holds
-    first : the time from which on logarithmic steps grow: the shortest over which contacts change; inf for no change
+    rate : uniform time units per time; 0 while the drive holds
+    first : the time from which on logarithmic units grow: the shortest over which contacts change; inf for no change
     """
 
     def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
@@ -142,18 +142,18 @@ class StepCount:
         elif first < end - begin:
             self._per_e_fold = CONTROL.per_e_fold_of_move
 
-    def steps(self, time: float) -> float:
-        """Steps since the begin."""
+    def at(self, time: float) -> float:
+        """Time units since the begin."""
         later = time - self._section_begin
         return self._rate * later + self._per_e_fold * float(np.log1p(later / self._first))
 
-    def time(self, steps: float) -> float:
-        """The time after so many steps, at most the end."""
+    def time(self, units: float) -> float:
+        """The time after so many time units, at most the end."""
         if not self._per_e_fold:
-            return min(self._section_begin + steps / self._rate, self._section_end)
+            return min(self._section_begin + units / self._rate, self._section_end)
         # u = (time - begin)/first solves uniform u + ln(1 + u) = e_folds: Wright's function omega(z), omega + ln omega
         # = z, is uniform (1 + u)
-        e_folds = steps / self._per_e_fold
+        e_folds = units / self._per_e_fold
         uniform = max(self._rate * self._first / self._per_e_fold, LEAST_UNIFORM)
         omega = float(wrightomega(e_folds + uniform + np.log(uniform)))
         later = self._first * (omega / uniform - 1.0)
@@ -186,18 +186,18 @@ class Steps:
         contacts, speed = self.contacts, float(self._drive_motion.speeds[leg])
         scales = contacts.memory.scales
         self.sign = float(np.sign(speed) or np.sign(contacts.force) or 1.0)
-        # steps per time: as a stuck slider travels, and as fresh contacts break by heat
+        # time units per time: as a stuck slider travels, and as fresh contacts break by heat
         uniform = 0.0
         if speed:
             # while contacts hold, the slider moves K/(1 + K) times as fast as the drive
             stuck = abs(speed) * self.spring / (1.0 + self.spring)
             uniform = CONTROL.drive_weight * stuck / self.length + scales.rate / CONTROL.e_folds
-        self._count = StepCount(contacts.now, end, uniform, scales.time)
+        self._time_units = TimeUnits(contacts.now, end, uniform, scales.time)
         self.section_end = end
 
     def size(self, trial: Trial) -> float:
         """The size of a step."""
-        time_part = self._count.steps(trial.end) - self._count.steps(self.contacts.now)
+        time_part = self._time_units.at(trial.end) - self._time_units.at(self.contacts.now)
         return time_part + self.travelled(trial)
 
     def travelled(self, trial: Trial) -> float:
@@ -206,7 +206,7 @@ class Steps:
 
     def runs_back(self, trial: Trial) -> bool:
         """Whether the slider runs against `sign` by so much that its travel, which then lowers the size, is no longer
-        small beside the steps of time: no step of a small size leads there, and the one that balances may be as long as
+        small beside its time units: no step of a small size leads there, and the one that balances may be as long as
         the section."""
         time_part = self.size(trial) - self.travelled(trial)
         return self.travelled(trial) < -CONTROL.back * time_part
@@ -223,7 +223,7 @@ class Steps:
         as it goes farther before a slip; and at least CONTROL.beyond_drive, but for exact thresholds."""
         contacts, end = self.contacts, self.section_end
         travel = float(np.ptp(self._drive_motion.at(np.array([contacts.now, end]))))
-        time_part = self._count.steps(end) - self._count.steps(contacts.now)
+        time_part = self._time_units.at(end) - self._time_units.at(contacts.now)
         least = 0.0 if contacts.memory.exact else CONTROL.beyond_drive * 0.5**contacts.halvings
         return max(2.0 * (time_part + travel / self.length), least) if travel else np.inf
 
@@ -235,8 +235,8 @@ class Steps:
     def tried(self, size: float, time_part: float, slope: float) -> TriedStep:
         """The step of this size of which so much is time; `slope`: of the imbalance, where that is below 0."""
         now, taken = self.contacts.now, max(time_part, 0.0)
-        # the time after no steps may differ from now by rounding
-        end = max(self._count.time(self._count.steps(now) + taken), now) if taken else now
+        # the time after no time units may differ from now by rounding
+        end = max(self._time_units.time(self._time_units.at(now) + taken), now) if taken else now
         trial = self.contacts.trial(self.sign * self.length * (size - taken), end)
         return TriedStep(time_part, trial, self.imbalance(trial) + slope * min(time_part, 0.0))
 
@@ -244,7 +244,7 @@ class Steps:
         """The balanced step of this size, or up to the section's end, looked for from a guess.
 
         The more of its size is time, the farther the drive gets and the less the slider travels: the imbalance rises
-        with the steps of time, and its root is the balance. Where the root is below 0 there is no balance from now on,
+        with the time units, and its root is the balance. Where the root is below 0 there is no balance from now on,
         see TriedStep.
         """
         slope, accuracy = guess.slope, self.contacts.memory.balance * size
@@ -281,7 +281,7 @@ def _before_exact(
 def secant(
     tried: Callable[[float], TriedStep], guess: float, slope: float, accuracy: float
 ) -> Root:
-    """The step without imbalance, which increases with the steps of time, and the slope there. Both are found from
+    """The step without imbalance, which increases with the time units, and the slope there. Both are found from
     guesses by the secant method. A step that leaves the bracket of the root is replaced by bisection. The last step of
     MOST_SECANTS has not converged."""
     low, high = -np.inf, np.inf
