@@ -103,6 +103,21 @@ def test_a_sweep_over_the_pressure_gives_each_point_its_own_newtons() -> None:
     assert speeds.newtons(speeds.sweep.force).shape == (2,)
 
 
+def test_a_sweep_needs_no_path_and_takes_the_machines_speed() -> None:
+    """A machine without a path was refused: "drive: needs one of to and turns"."""
+    contacts = {"thresholds": ROUGH, "thermal": {"law": "stiff", "temperature": {"kelvin": 300.0}}}
+    contacts["thermal"] |= {"attempt_frequency": 1e10}
+    machine = {"velocity": 1e-6, "area": 1e-6, "spring": "50 N/m"}
+    swept = {"contacts": contacts, "master": None, "sweep": {"kelvin": [0.0, 300.0]}}
+    result = toolkit.run(scene(drive=machine, **swept))
+    with_path = toolkit.run(scene(drive=machine | {"to": 1e-8, "points": 3}, **swept))
+    assert (result.sweep.velocity == 1e-6).all()
+    np.testing.assert_array_equal(result.sweep.force, with_path.sweep.force)
+    assert result.newtons(result.sweep.force[0]) == pytest.approx(0.2, rel=0.5)
+    with pytest.raises(InputError, match="drive: needs one of to and turns"):
+        toolkit.load_scene(scene(drive=machine, **swept | {"master": {}}))
+
+
 def test_the_report_is_in_newtons_or_pascals_or_in_units_of_n_c_k(capsys: Any) -> None:
     bare = {key: DRIVE[key] for key in ("to", "points")}
     for tables, unit in (

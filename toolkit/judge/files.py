@@ -46,9 +46,11 @@ def precision_rows(found: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 
 def comparison_rows(scenes: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
-    """The columns of compare.csv: a line for each scene, with the numbers that compare.json has; each scene's unit of
-    length stands in the column "unit"."""
-    units = {"critical_spring": "N_c<k>", "mean_threshold": "unit", "run_time": "s"}
+    """The columns of compare.csv: a line for each scene, with the numbers that compare.json has. Each scene's unit of
+    length stands in the column "unit", and in the head where all scenes have one."""
+    lengths = {"m" if scene["unit"] == "m" else "length" for scene in scenes}
+    units = {"critical_spring": "N_c<k>", "run_time": "s"}
+    units["mean_threshold"] = lengths.pop() if len(lengths) == 1 else "unit"
     units |= {"kinetic_force": "<x_s>", "decoherence_length": "<x_s>"}
     units |= {"critical_spring_newtons": "N/m", "critical_spring_per_area": "N/m³"}
     units |= {"kinetic_force_newtons": "N", "kinetic_stress": "Pa"}

@@ -119,11 +119,15 @@ def make_drive(table: DriveTable, contacts: Contacts | None = None) -> Drive:
         return Drive(path, table.velocity, time, slip=slip, **machine)
 
 
-def sliding_speed(drive: Drive | None, swept: Array | None = None) -> float:
-    """The speed (length per time) of a scene's smooth sliding: of its first leg that is not a hold; without a drive the
-    first of `swept`; else 1."""
+def sliding_speed(
+    drive: Drive | None, table: DriveTable | None, swept: Array | None = None
+) -> float:
+    """The speed (length per time) of a scene's smooth sliding: of its first leg that is not a hold; without a path the
+    first of `swept`, else that of the machine of the `table` [drive], else 1."""
     if drive is None:
-        return 1.0 if swept is None else float(swept.flat[0])
+        if swept is not None:
+            return float(swept.flat[0])
+        return 1.0 if table is None else float(table.velocity)
     moved = np.diff(drive.path)
     if drive.time is None or not moved.any():
         return drive.velocity

@@ -102,9 +102,7 @@ class Scene:
     def sliding(self) -> float:
         """The speed for F_k and other quantities that depend on it."""
         swept = None if self.sweep is None else self.sweep.at["velocity"]
-        if self.given_drive is None and swept is None and self.drive_table is not None:
-            return float(self.drive_table.velocity)  # of a machine without a path
-        return sliding_speed(self.given_drive, swept)
+        return sliding_speed(self.given_drive, self.drive_table, swept)
 
     def histogram_points(self) -> npt.NDArray[np.intp]:
         """Indices of the path's points that eq.histograms and eq.histogram_times name. Raises InputError for others."""
@@ -231,10 +229,11 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
         return _checked_grid(source, grid, solved, comm)
     contacts = make_contacts(table.contacts, folder, comm)
     drive = sweep = None
-    if table.drive is not None and (solved or has_path(table.drive)):
+    followed = solved and (table.master is not None or table.eq is not None)
+    if table.drive is not None and (followed or has_path(table.drive)):
         drive = make_drive(table.drive, contacts)
     if table.sweep is not None:
-        sweep = make_sweep(table.sweep, contacts, sliding_speed(drive))
+        sweep = make_sweep(table.sweep, contacts, sliding_speed(drive, table.drive))
     scene = Scene(
         *(name, table.title, text, folder, contacts, drive, table.master, table.eq, sweep),
         wall_time=table.wall_time,
@@ -244,9 +243,9 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
         verdict=table.verdict,
         units=table.units,
     )
-    if solved and table.master is not None:
-        _ = scene.drive  # which it needs
-    if table.eq is not None:
+    if followed:
+        _ = scene.drive  # which both solvers need
+    if table.eq is not None and drive is not None:
         far = float(np.abs(scene.path).max()) / contacts.mean_threshold
         # contacts would break for hours; on a spring they break as the slider moves, which the ensemble counts itself
         if solved and far > 1e6 and scene.drive.spring is None:
