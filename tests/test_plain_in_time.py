@@ -32,6 +32,7 @@ from master.soft.in_time.memory import ThresholdMemory
 from master.soft.in_time.refining import memory_of, refined
 from master.soft.in_time.slider import Node, Slider, Slip
 from master.soft.in_time.slip_begins import SlipBegins
+from master.soft.in_time.slip_ends import slip_without_births
 from master.soft.in_time.steps import CONTROL, Steps, TimeUnits
 from master.soft.in_time.threshold_cells import ThresholdCells
 from origins import (
@@ -557,6 +558,21 @@ def test_a_slip_begins_where_the_load_is_largest(spring: float) -> None:
     assert slips, "none was found in 100 steps"
     assert cohorts.position == pytest.approx(x, abs=1e-3)
     assert spring * cohorts.now == pytest.approx(x * WIDE.sf(x) + spring * x, abs=1e-8)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_slip_without_births_ends_where_the_spring_balances_those_that_still_hold(
+    sign: float,
+) -> None:
+    """Half of the thresholds are around 0.5 and half around 2; the slider at X = 0 begins to slip with X_T = 2 and
+    K = 1/2: the balance is K (2 - X) = X/2 at X = 1, where none of the weak hold, which then form again relaxed."""
+    contacts = Contacts(origins.mixture([gaussian(0.5, 0.05), gaussian(2.0, 0.1)], [0.5, 0.5]))
+    cohorts = ContactsInSteps(contacts, ThresholdMemory(contacts, 0), 0, np.inf)
+    steps = Steps(cohorts, 0.5, Motion(np.array([0.0, 1.0]), sign * np.array([2.0, 3.0])))
+    steps.begin_section(0, 1.0)
+    slip_without_births(cohorts, steps)
+    found = (cohorts.position, cohorts.force, cohorts.holding, cohorts.now)
+    assert found == pytest.approx((sign, 0.5 * sign, 1.0, 0.0), abs=1e-12)
 
 
 def test_forces_are_read_between_the_ends_of_steps_and_behind_a_slip() -> None:

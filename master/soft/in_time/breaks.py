@@ -1,4 +1,19 @@
-"""Breaks so far, which are the births to come: a contact that breaks is born again one delay later."""
+"""Breaks so far, B, which are the births to come, J: contacts that break are born one delay later, J(t) = B(t - delay).
+
+An example, whose numbers a test holds: the delay is 0.25; B jumps at t = 1, in a slip, from 0.3 to 0.5, and J repeats
+the jump at t = 1.25. `births_up_to` says which breaks are read for J beside it.
+
+    0.7 |                                            BBBBB
+    0.6 |                                    BBBBBBBBJJJJJ
+    0.5 |                                BBBB    JJJJ
+    0.4 |                                |       |              Sections, along each of which breaks are smooth:
+    0.3 |                            BBBB    JJJJ               0, up to the slip
+    0.2 |                    BBBBBBBBJJJJJJJJ                   1, the slip, which takes no time
+    0.1 |          BBBBBBBBBBJJJJJJJJ                           2, behind it
+    0.0 |BBBBBBBBBBJJJJJJJJ
+      t +-------+-------+-------+-------+-------+-------+
+        0       0.25    0.5     0.75    1       1.25    1.5
+"""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable
@@ -33,8 +48,14 @@ class StepEnd(NamedTuple):
 
 
 class BirthsUpTo(NamedTuple):
-    """Births per contact up to the end of a step, as a linear function of the breaks up to there: `per_break` times
-    these breaks, and a rest."""
+    """Births per contact up to the end of a step, J = per_break B + rest, with B the breaks up to there:
+
+    step                       | per_break | rest              | births in it are those of
+    no delay                   | 1         | 0                 | its own breaks
+    delay longer than the step | 0         | B(end - delay)    | past breaks
+    delay shorter than it      | part p    | (1 - p) B(begin)  | past breaks, and a part p of its own
+    none form                  | 0         | J(begin)          | none, see ContactsInSteps.trial
+    """
 
     per_break: float
     rest: float
@@ -97,14 +118,14 @@ class BreaksInSteps:
         """Births up to the end of a step from `begin`, the end of the last step, to `end`: J(end) = B(end - delay).
         Both are times on the path, whose names are asked for, as no type tells them apart.
 
-        An example: the delay is 0.25, and breaks jump at t = 1 from 0.3 to 0.5, in a slip. So births jump at t = 1.25,
-        when `take_due` is called. Steps may end beside it by rounding, here 1e-9:
+        In the example at the head births jump at t = 1.25, when `take_due` is called, and steps may end beside it by
+        rounding, here 1e-9; `section` is the index of the one that is read, never that of the jump, 1:
 
-            end                           end - delay  broken_at  births
-            1.05                          0.8          0.8        those of breaks up to t = 0.8, before the slip
-            1.25 + 1e-9, not taken yet    1 + 1e-9     1          0.3, those of all breaks before the slip
-            1.25 - 1e-9, taken            1 - 1e-9     1          0.5, those of the breaks in the slip, too
-            1.5                           1.25         1.25       those of breaks up to t = 1.25, behind the slip
+            end                         end - delay  _repeated  broken_at  section  births are the breaks
+            1.05                        0.8          None       0.8        0        0.2208, up to t = 0.8
+            1.25 + 1e-9, not taken yet  1 + 1e-9     None       1          0        0.3, all before the slip
+            1.25 - 1e-9, taken          1 - 1e-9     the jump   1          2        0.5, those in the slip, too
+            1.5                         1.25         the jump   1.25       2        0.6, some behind the slip
 
         They may be less than those told so far, where the last step was longer than the delay and led to a slip: it
         took the rate of breaks as constant, and that rises. While contacts hold no birth is taken back.
@@ -130,19 +151,19 @@ class BreaksInSteps:
 
     def _section_of(self, broken_at: float) -> list[StepEnd]:
         """The section of breaks at this time; of two that meet there the later one, if births have repeated the jump
-        between them, else the earlier one."""
-        first = self._repeated.section + 1 if self._repeated else 0
-        return next(section for section in self._sections[first:] if section[-1].time >= broken_at)
+        between them, else the earlier one. FaultError for the jump, and for none."""
+        first_to_read = self._repeated.section + 1 if self._repeated else 0
+        for section in self._sections[first_to_read:]:
+            if section[-1].time >= broken_at:
+                if len(section) == 1 or section[0].time < section[-1].time:
+                    return section
+                break
+        raise FaultError(f"no breaks are known at t = {broken_at:.9g}, a fault of the program")
 
     def begin_section(self) -> None:
         """The rate of breaks, or their sum, may jump at this instant: no polynomial leads across. Called by
-
-        - `Slider._begin_section`: the drive turns, births jump or bend, or a slip has ended;
-        - `slip_without_births`, before its step, which takes no time: its breaks are a section of their own, whose sum
-          `repeat_jump` reads. The section after it begins with the slider's next one.
-
-        Not by `slip_with_births`: births follow at once there, and nobody asks for past breaks.
-        """
+        `Slider._begin_section`; and by `slip_without_births` before its step, which takes no time: its breaks are a
+        section of their own, whose sum `repeat_jump` reads. In `slip_with_births` nobody asks for past breaks."""
         self._sections.append([self._sections[-1][-1]._replace(sizes_so_far=0.0)])
 
     def repeat_bend(self, at: float) -> None:
@@ -227,15 +248,17 @@ class BreaksInSteps:
 def _breaks_at(section: list[StepEnd], time: float) -> float:
     """Breaks up to a time in a section, from cubics of time and breaks over the sizes of steps, in which both are
     smooth. Towards a slip breaks come ever faster, and a cubic of breaks over time swung by a hundredth of all contacts
-    there: births were below 0."""
-    after = bisect_left(section, time, key=lambda end: end.time)
-    first = max(min(after - NODES // 2, len(section) - NODES), 0)
+    there: births were below 0. The section must not end before the time."""
+    # the step in which the time is ends here; at the section's begin, 0, it is in none
+    step_end = bisect_left(section, time, key=lambda end: end.time)
+    first = max(min(step_end - NODES // 2, len(section) - NODES), 0)
     ends = section[first : first + NODES]
     later, breaks = [end.time - time for end in ends], [end.breaks for end in ends]
-    begin = after - first - 1
-    gap = ends[begin + 1].sizes_so_far - ends[begin].sizes_so_far if after > 0 else 0.0
-    if after > 0 and min(b.sizes_so_far - a.sizes_so_far for a, b in pairwise(ends)) > 0.0:
-        # 0 and 1 at the ends of the step in which the time is
+    is_in_a_step = step_end > 0
+    if is_in_a_step and all(a.sizes_so_far < b.sizes_so_far for a, b in pairwise(ends)):
+        begin = step_end - 1 - first
+        gap = ends[begin + 1].sizes_so_far - ends[begin].sizes_so_far
+        # 0 and 1 at the ends of this step
         at = [(end.sizes_so_far - ends[begin].sizes_so_far) / gap for end in ends]
         until, broken = _polynomial(at, later), _polynomial(at, breaks)
         _check_nodes(until, later, begin, time)

@@ -153,13 +153,8 @@ class ContactsInSteps:
 
             B (1 - broken_of_new per_break) = 1 - kept + survival J_0 + broken_of_new rest.
 
-        step                       | per_break | rest                       | births in it are those of
-        no delay                   | 1         | 0                          | its own breaks
-        delay longer than the step | 0         | B(end - delay)             | past breaks
-        delay shorter than it      | part p    | (1 - p) B(begin)           | past breaks, and a part p of its own
-        none form, see below       | 0         | J_0                        | none
-
-        None form in a step of no time, as no delay ends in it, nor in one so fast that contacts break as they form.
+        For `per_break` and `rest` see BirthsUpTo. None form, J = J_0, in a step of no time, as no delay ends in it, nor
+        in one so fast that contacts break as they form.
         """
         stop_after(self._until)  # the search for a step may need hundreds of trials
         duration = end - self.now
@@ -174,10 +169,15 @@ class ContactsInSteps:
         nothing_forms = (end == self.now) if self.delay else (survival <= 0.0)
         if not (without_births or nothing_forms):
             per_break, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
-            # No birth is taken back, although an earlier step may have told too many (see births_up_to). Where none
-            # holds after a slip they are taken back all the same, until contacts form: held back, they would form at
-            # once on each short step, and the slider would go on by one threshold a step.
-            rest = max(rest, self._births) if self.holding and not per_break else rest
+            # No birth is taken back, although an earlier step may have told too many (see births_up_to). J is `rest`
+            # alone where per_break = 0. Else J = p B(end) + (1 - p) B(begin) >= B(begin), as breaks never fall: that
+            # takes none back, and `rest`, a part of J, is no bound. Without a delay, say, J = B(end) and rest = 0: with
+            # J_0 in its place all births so far would be counted twice.
+            # Where none holds after a slip they are taken back all the same, until contacts form: held back, they would
+            # form at once on each short step, and the slider would go on by one threshold a step.
+            rest_is_all_births = not per_break
+            if self.holding and rest_is_all_births:
+                rest = max(rest, self._births)
         broken_of_new = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - kept + survival * self._births + broken_of_new * rest
         # 1 - broken_of_new per_break, in a form that keeps its digits where hardly any of those born hold

@@ -68,23 +68,36 @@ ONSET = OnsetControl()
 class SlipBegins:
     """The search for a slip along the steps of smooth sections.
 
-    It keeps the guess with which the search for each balanced step begins. The slope is that of the last step tried;
-    the fraction of the size that is time is foretold by the last two steps, in `_last_before_exact` by the last one.
+    What changes from step to step, and who changes it; all but `size` outlives a step, `_resolves_breaks` and the slope
+    also a section. For a slider with steps of 1/4, say, `Slider._slide` asks for the size 1/4 * shrink:
 
-    shrink : factor on the next step's size: 1 far from slips
+        name                  what it is                      set by                            reset by
+        size                  of the step that is looked for  up_to_slip: cut at the section's  each call of up_to_slip,
+                                                              end, or halved to resolve breaks  to what is asked for
+        shrink                factor on the next step's size  _foresee: less than 1 near a      begin_section, _foresee:
+                                                              slip; up_to_slip: to resolve      to 1, before it is set
+                                                              breaks, the smaller of both
+        _resolves_breaks      whether steps are to resolve    up_to_slip: a slip on one that    nobody
+                              the breaks on them              did not was not believed
+        _guess.time_fraction  part of the next size that is   _foresee, by the last two steps;  begin_section: to
+                              time, where a search begins     _solve_along_motion, turned       FIRST_FRACTION
+                                                              round; _last_before_exact
+        _guess.slope          of imbalance over time units    _solve: that of the last search   nobody
+        _last_time_fraction   part of the last size that was  _foresee                          begin_section: to nan,
+                              time                                                              unknown
+        Steps.sign            direction in which travel is    _solve_along_motion, by           Steps.begin_section: to
+                              above 0                         Steps.turn_round                  drive's, in a hold F's
     """
 
     def __init__(self, steps: Steps) -> None:
         """Before the first section."""
         self._steps, self._guess = steps, steps.first_guess
-        # whether steps are so short that they resolve breaks: once a slip was seen on one that did not
         self._resolves_breaks = False
         self.begin_section()
 
     def begin_section(self) -> None:
         """At the begin of a section nothing is foreseen; only the slope is still a good guess."""
         self.shrink, self._guess = 1.0, self._guess._replace(time_fraction=FIRST_FRACTION)
-        # the fraction of its size that the last step took in time units, unknown yet
         self._last_time_fraction = np.nan
 
     def _solve(self, size: float) -> Root:
