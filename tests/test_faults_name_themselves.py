@@ -17,9 +17,10 @@ from master.renewal.march import March
 from master.renewal.past import Past
 from master.renewal.solved import SolvedPanels
 from master.soft.followed import ErrorPart, Followed
-from master.soft.in_time import breaks
+from master.soft.in_time import breaks, slip_ends
 from master.soft.in_time.breaks import BirthsUpTo, BreaksInSteps
 from master.soft.in_time.groups import Groups
+from master.soft.in_time.slider import Node, Slider
 from master.soft.slips import slips_of
 from master.survival.life import ColdLife
 from origins import Contacts, Delay, Drive
@@ -302,6 +303,50 @@ def test_births_that_do_not_repeat_a_slip_name_themselves(
     found = master.solve(LATE, [4.2], 1e-2, velocity=1.0, spring=0.3, slip="reform-after")
     assert not found.success and found.force_error == np.inf
     assert re.search(told, found.message)
+
+
+def node_beside_the_slider(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nodes, from which answers are read, are not where the slider is."""
+    true = Slider._node
+
+    def wrong(self: Slider, sizes_so_far: float) -> Node:
+        node = true(self, sizes_so_far)
+        return node._replace(position=node.position + 1e-6)
+
+    monkeypatch.setattr(Slider, "_node", wrong)
+
+
+def reset_beside_the_drive(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a reset the slider stops where the spring would balance another force."""
+    true = Slider._slip
+    monkeypatch.setattr(Slider, "_slip", lambda self, drive: true(self, drive + 1e-6))
+
+
+def slip_too_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slip goes on behind its balance."""
+    true = slip_ends._travel_to_balance
+
+    def wrong(contacts, steps):
+        travel, imbalance = true(contacts, steps)
+        return 1.001 * travel, imbalance
+
+    monkeypatch.setattr(slip_ends, "_travel_to_balance", wrong)
+
+
+@pytest.mark.parametrize(
+    ("plant", "slip", "told"),
+    [
+        (node_beside_the_slider, "reform-after", r"a step to t = 0\.\d+, X = "),
+        (reset_beside_the_drive, "reset", r"a slip to t = 3\.07\d*, X = "),
+        (slip_too_far, "reform-after", r"a slip to t = 3\.07\d*, X = "),
+    ],
+)
+def test_forces_that_do_not_balance_name_themselves(monkeypatch, plant, slip, told) -> None:
+    """Each gave another X or F, by more than the error told."""
+    plant(monkeypatch)
+    found = master.solve(LATE, [4.2], 1e-2, velocity=1.0, spring=0.3, slip=slip)
+    assert not found.success and found.force_error == np.inf
+    assert re.search("the forces do not balance after " + told, found.message)
 
 
 @cache

@@ -33,8 +33,14 @@ from master.soft.in_time.refining import memory_of, refined
 from master.soft.in_time.slider import Node, Slider, Slip
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_without_births
-from master.soft.in_time.steps import CONTROL, Steps, TimeUnits
+from master.soft.in_time.steps import Steps
 from master.soft.in_time.threshold_cells import ThresholdCells
+from master.soft.in_time.time_units import (
+    PER_E_FOLD_OF_HOLD,
+    PER_E_FOLD_OF_MOVE,
+    TimeUnits,
+)
+from master.soft.in_time.unresolved import OF_BALANCE
 from origins import (
     Ageing,
     Contacts,
@@ -128,7 +134,7 @@ def test_time_units_are_uniform_and_logarithmic_and_lead_back_to_their_times(
 ) -> None:
     begin, end = 2.0, 12.0
     count, times = TimeUnits(begin, end, rate, first), np.array([2.0, 2.001, 2.5, 7.0, 12.0])
-    folds = CONTROL.per_e_fold_of_move if rate else CONTROL.per_e_fold_of_hold
+    folds = PER_E_FOLD_OF_MOVE if rate else PER_E_FOLD_OF_HOLD
     folds = folds if first < end - begin else 0.0
     units = np.array([count.at(t) for t in times])
     later = times - begin
@@ -537,6 +543,20 @@ def test_one_step_of_the_cells_solves_its_equations() -> None:
         matrix = np.eye(2 * cells) + np.block(blocks)
         exact = np.linalg.solve(matrix, np.tile(weights[:, lane], 2))[cells:]
         np.testing.assert_allclose(found[:, lane], exact, rtol=1e-9, atol=1e-9)
+
+
+def test_a_step_that_seems_balanced_by_a_steep_guess_tells_its_imbalance() -> None:
+    """Before the next step of contacts that come back, all at once, a guess of the slope may be a million times too
+    steep: the search ends where it begins, and nothing told by how much the forces differed."""
+    contacts = Contacts(WIDE, delay=Delay(1e9))
+    cohorts = ContactsInSteps(contacts, ThresholdMemory(contacts, 0), 0, np.inf)
+    steps = Steps(cohorts, 0.3, Motion(np.array([0.0, 5.0]), np.array([0.0, 5.0])))
+    steps.begin_section(0, 5.0)
+    steps.first_guess = steps.first_guess._replace(slope=1e9)
+    trial, slips = SlipBegins(steps).up_to_slip(0.25)
+    imbalance = 0.3 * (trial.end - trial.travel) - trial.force  # v = 1
+    assert not slips and abs(imbalance) > 1e-3
+    assert cohorts.unresolved.error_of(OF_BALANCE) == pytest.approx(abs(imbalance), rel=1e-9)
 
 
 @pytest.mark.parametrize("spring", [1e-3, 0.3, 1.0])

@@ -132,8 +132,10 @@ class Slider:
                     )
                 taken = max(taken, 0.0)
                 contacts.past_breaks.check_none_is_passed(trial.end)
+                imbalance = steps.imbalance(trial)
                 contacts.take(trial, taken)
                 nodes.append(self._node(nodes[-1].sizes_so_far + taken))
+                steps.check_balance("a step", imbalance, nodes[-1])
         if slips and contacts.delay:
             self._bound_error_of_delay(nodes)
         return slips
@@ -250,6 +252,7 @@ class Slider:
             contacts.relax()
             # relax has changed the force; X follows: the slider stops where the spring balances the new contacts
             contacts.position = drive_position - contacts.force / self.spring
+            self._steps.check_balance("a slip", 0.0, self._node(0.0))
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)
             self._bound_error_of_delay_after_slip()

@@ -127,10 +127,12 @@ class SlipBegins:
             root = self._solve(size)
         return root
 
-    def _chosen(self, root: Root) -> Trial:
-        """Where the step leads that will be taken. The imbalance of one that did not converge is an error of F."""
+    def _chosen(self, root: Root, slips: bool) -> Trial:
+        """Where the step leads that will be taken. Its imbalance is an error of F: one that is not small shows that the
+        search has not converged, or has ended by a slope that is far off. Of a converged step up to a slip it is none,
+        as no balance may be left from there on."""
         contacts = self._steps.contacts
-        if not root.converged:
+        if not (slips and root.converged):
             contacts.unresolved.note(OF_BALANCE, abs(root.step.imbalance), contacts.now)
         return root.step.trial
 
@@ -160,7 +162,7 @@ class SlipBegins:
                 self._foresee(step.time_part / size, size)
                 if self._resolves_breaks:
                     self.shrink = min(self.shrink, resolving_factor)
-                return self._chosen(asked), False
+                return self._chosen(asked, slips=False), False
             if steps.contacts.memory.exact or size <= ONSET.believed * resolving_factor * own_size:
                 break
             size *= 0.5
@@ -171,7 +173,7 @@ class SlipBegins:
             before_exact = self._last_before_exact(size, longest_size)
             if before_exact is not None and before_exact.step.trial.end > begin.step.trial.end:
                 begin = before_exact
-        trial = self._chosen(begin)
+        trial = self._chosen(begin, slips=True)
         # at the section's end, a slip may still be to come
         return trial, trial.end < steps.section_end
 

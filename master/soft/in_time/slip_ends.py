@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.decohered import Decohered, SlipSoFar
-from master.soft.in_time.steps import Steps
+from master.soft.in_time.steps import Node, Steps
 
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
 # rise at first, as the weakest have broken.
@@ -39,16 +39,24 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     that broke stay out for it, whether others hold or not, and births repeat the jump of the breaks a delay later.
     """
     contacts.past_breaks.begin_section()
-    travel = _travel_to_balance(contacts, steps)
+    travel, imbalance = _travel_to_balance(contacts, steps)
     contacts.take(contacts.trial(travel, contacts.now, without_births=True), 0.0)
+    _check_balance(contacts, steps, imbalance)
     if not (contacts.holding or contacts.delay):
         return contacts.relax()
     contacts.past_breaks.repeat_jump(contacts.now)
     contacts.form_due()
 
 
-def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
-    """The travel to the first balance of a slip without births (a length, of either sign)."""
+def _check_balance(contacts: ContactsInSteps, steps: Steps, imbalance: float) -> None:
+    """FaultError unless the forces differ by this imbalance (a length) where a slip has just ended: by none, but where
+    no travel led to a pull of the spring, so that the slip ended where it began."""
+    end = Node(0.0, contacts.now, contacts.force, contacts.holding, contacts.position)
+    steps.check_balance("a slip", imbalance, end)
+
+
+def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> tuple[float, float]:
+    """The travel to the first balance of a slip without births (a length, of either sign), and the imbalance there."""
     length = contacts.memory.scales.length
     shortest = SHORTEST_STEP * length
 
@@ -57,13 +65,14 @@ def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> float:
 
     first = _first_travel(imbalance, 0.5 * steps.sign * length)
     if not first:
-        return NO_SLIP * steps.sign * length
+        next_to_none = NO_SLIP * steps.sign * length
+        return next_to_none, imbalance(next_to_none)
     low = high = first
     while True:
         trial = contacts.trial(high, contacts.now, without_births=True)
         pull = steps.imbalance(trial)
         if pull <= 0.0:
-            return float(brentq(imbalance, low, high, xtol=AT_END * contacts.unit))
+            return float(brentq(imbalance, low, high, xtol=AT_END * contacts.unit)), 0.0
         stiffest = steps.spring + contacts.largest_stiffness * trial.holding
         low, high = high, high + steps.sign * max(pull / stiffest, shortest)
 
@@ -87,8 +96,10 @@ def slip_with_births(
 
     first = _first_travel(imbalance, steps.sign * small)
     if not first:
-        contacts.take(contacts.trial(NO_SLIP_OF_STEP * step, contacts.now), 0.0)
-        return
+        trial = contacts.trial(NO_SLIP_OF_STEP * step, contacts.now)
+        pull = steps.imbalance(trial)
+        contacts.take(trial, 0.0)
+        return _check_balance(contacts, steps, pull)
     # a travel on the next step at which the slider still moves on: the slip ends between it and the step's end
     low = first
     # Whether the slider is already past the balance at which the slip began, as it is where a step goes beyond `first`.
@@ -109,15 +120,17 @@ def slip_with_births(
         error = _error_of_rest(so_far, to_end, contacts.unit, decohered)
         if error is not None:
             contacts.slide_steadily(steps.sign * to_end, error)
-            return
+            return _check_balance(contacts, steps, 0.0)
         if decohered and np.isinf(so_far.decohered_since) and decohered.is_sure(so_far):
             # steps of finite size have a steady force a little off F_k. The steps after the slip would seek it anew, as
             # further small slips, so that F is let go there first.
             contacts.decohere(decohered.start, steps.sign)
             so_far.decohered_since = so_far.travelled[-1]
-    if imbalance(low) > 0.0:
-        low = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit))
+    at_end = imbalance(low)
+    if at_end > 0.0:
+        low, at_end = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit)), 0.0
     contacts.take(contacts.trial(low, contacts.now), 0.0)
+    _check_balance(contacts, steps, at_end)
 
 
 def _error_of_rest(

@@ -19,10 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import wrightomega
 
 from master.motion import Motion
-from master.soft.in_time.contacts import ContactsInSteps, Trial
+from master.outcome import FaultError
+from master.soft.in_time.contacts import UNACCOUNTED, ContactsInSteps, Trial
+from master.soft.in_time.time_units import TimeUnits
 
 
 class StepControl(NamedTuple):
@@ -33,9 +34,6 @@ class StepControl(NamedTuple):
         the changes of answers that are extrapolated already (answer/extrapolation.py).
     drive_weight : time units in which the slider, stuck to the drive, travels by `Steps.length`. Below 1 as its travel
         matters more, above 0 as something must count while contacts creep under a slider that hardly moves.
-    per_e_fold_of_hold, per_e_fold_of_move : time units in which the time since the begin of a section grows by a
-        factor e. While the drive holds there are no other time units; while it moves they are added to uniform ones,
-        and have to resolve only the first changes.
     e_folds : ln of the factor by which the number that holds may fall on a step of the size 1: of fresh contacts that
         heat breaks at rest (`Steps.begin_section`), or of all near a slip (`SlipBegins._resolving_factor`).
     beyond_drive : least size, in steps, that `Steps.longest` allows, as the slider may go farther than its drive
@@ -45,8 +43,6 @@ class StepControl(NamedTuple):
 
     coarsest: float = 0.5
     drive_weight: float = 0.25
-    per_e_fold_of_hold: float = 2.0
-    per_e_fold_of_move: float = 0.4
     e_folds: float = 0.5
     beyond_drive: float = 0.03
     back: float = 0.5
@@ -60,9 +56,8 @@ CONTROL = StepControl()
 FIRST_FRACTION = 0.5
 # Most steps of the secant method; bisection, which takes the place of some, gains a factor of 2 with each.
 MOST_SECANTS = 40
-# Least product of the rate of uniform time units and `first`: below it the inverse would divide by 0, and time units
-# are logarithmic to all digits.
-LEAST_UNIFORM = 1e-200
+# Of K X_T, rounding of K (X_T - X), where X is a sum over thousands of steps.
+ROUNDED_LOAD = 1e-12
 
 
 class Node(NamedTuple):
@@ -122,42 +117,6 @@ class Root(NamedTuple):
     def has_balance(self) -> bool:
         """Whether there is a balance later than now; else the slider slips at once."""
         return self.step.time_part > 0.0
-
-
-class TimeUnits:
-    """Time since the begin of a smooth section in time units, of which a step takes about one or less: at the time t
-    since rate t + c ln(1 + t/first), uniform where the drive moves, logarithmic where changes slow down.
-
-    begin, end : times between which the motion is smooth
-    rate : uniform time units per time; 0 while the drive holds
-    first : the time from which on logarithmic units grow: the shortest over which contacts change; inf for no change
-    """
-
-    def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
-        self._section_begin, self._section_end = begin, end
-        self._rate, self._first = rate, min(first, end - begin)
-        self._per_e_fold = 0.0
-        if not rate:
-            self._per_e_fold = CONTROL.per_e_fold_of_hold
-        elif first < end - begin:
-            self._per_e_fold = CONTROL.per_e_fold_of_move
-
-    def at(self, time: float) -> float:
-        """Time units since the begin."""
-        later = time - self._section_begin
-        return self._rate * later + self._per_e_fold * float(np.log1p(later / self._first))
-
-    def time(self, units: float) -> float:
-        """The time after so many time units, at most the end."""
-        if not self._per_e_fold:
-            return min(self._section_begin + units / self._rate, self._section_end)
-        # u = (time - begin)/first solves uniform u + ln(1 + u) = e_folds: Wright's function omega(z), omega + ln omega
-        # = z, is uniform (1 + u)
-        e_folds = units / self._per_e_fold
-        uniform = max(self._rate * self._first / self._per_e_fold, LEAST_UNIFORM)
-        omega = float(wrightomega(e_folds + uniform + np.log(uniform)))
-        later = self._first * (omega / uniform - 1.0)
-        return min(self._section_begin + later, self._section_end)
 
 
 class Steps:
@@ -231,6 +190,20 @@ class Steps:
         """The spring's force minus that of the contacts, along the motion (a length): above 0 the slider moves on."""
         stretch = self._drive_motion.at(np.array(trial.end)) - self.contacts.position - trial.travel
         return float(self.sign * (self.spring * stretch - trial.force))
+
+    def check_balance(self, what: str, told: float, now: Node) -> None:
+        """FaultError unless the forces in this state, K (X_T - X) and F, differ by the imbalance that was `told` (a
+        length, along the motion): that of the step's trial, or none after a slip. Rounding is that of X_T on a stiff
+        spring, and of F."""
+        load = self.spring * float(self._drive_motion.at(np.array(now.time)))
+        imbalance = self.sign * (load - self.spring * now.position - now.force)
+        rounding = UNACCOUNTED * self.contacts.unit + ROUNDED_LOAD * abs(load)
+        if not abs(imbalance - told) <= rounding:
+            raise FaultError(
+                f"the forces do not balance after {what} to t = {now.time:.6g}, X = {now.position:.6g}: the spring "
+                f"pulls by {load - self.spring * now.position:.6g}, contacts by {now.force:.6g}, where the two were "
+                f"to differ by {told:.3g}, a fault of the program"
+            )
 
     def tried(self, size: float, time_part: float, slope: float) -> TriedStep:
         """The step of this size of which so much is time; `slope`: of the imbalance, where that is below 0."""
