@@ -1625,7 +1625,8 @@ def test_the_delay_that_would_turn_the_answer_stands_in_the_second_line() -> Non
     at_once, late = Contacts(gaussian(1.0, 0.3)), Contacts(gaussian(1.0, 0.3), delay=Delay(99.0))
     for own, other, contacts, line in (
         (smooth, slips, at_once, "once a slip is over, which takes some 3.14 units of time, would"),
-        (smooth, slips, at_once, "without mass tells; with its mass the force falls further"),
+        (smooth, slips, at_once, "would make it stick-slip, as a slider without mass tells; give"),
+        (replace(smooth, before=0.5), slips, late, "; leave [contacts.delay] out for the forces"),
         (smooth, replace(slips, rule="mass"), at_once, "again only after 9.42 units of time would"),
         (replace(slips, rule="mass"), smooth, late, "again at once would make it smooth at 0.5"),
         (smooth, smooth, at_once, ""),
@@ -1659,7 +1660,7 @@ def test_a_delay_that_outlasts_sliding_over_a_threshold_is_followed_with_the_mas
     that slide hold a quarter of the force of those that stick, and the slider slips: no slip rule tells of that."""
     contacts, machine = Contacts(stats.expon()), Machine(1e-2, 1e-4, 1e-3, 1.0)
     assert follow_other_delay(machine, contacts, None, 60.0).kind == "smooth"
-    delay = long_delay(machine, contacts.mean_threshold)
+    delay = long_delay(machine, contacts.mean_threshold, 1.0)
     assert delay == 3.0
     found = follow_other_delay(machine, contacts, None, 60.0, delay)
     waiting = contacts.replace(delay=Delay(delay))

@@ -1,5 +1,6 @@
 """What a verdict says of a slider with mass whose contacts wait: its trace, the contacts that tell, the delay."""
 
+import re
 import time
 from dataclasses import replace
 from typing import Any
@@ -17,7 +18,13 @@ from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers
 from toolkit.verdict.closely import closely, in_its_own_time
-from toolkit.verdict.ensemble import FEW, follow_by_contacts, sliders
+from toolkit.verdict.ensemble import (
+    FEW,
+    follow_by_contacts,
+    long_delay,
+    may_follow,
+    sliders,
+)
 from toolkit.verdict.files import friction
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
@@ -31,6 +38,7 @@ from toolkit.verdict.machine import (
     RigidSlider,
     half_a_swing,
     not_followed,
+    slip_duration,
 )
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict
@@ -304,6 +312,74 @@ def test_a_slider_that_is_not_decided_in_time_lies_between_two_that_are() -> Non
     said = "\n".join(page(of(slipped, replace(of_a_mass("smooth", 0.6), rule="instant"))))
     assert "goes on is not known; the command's --set wall_time=600" in said
     assert "contacts that form again at once would make it smooth at 0.6000" in said
+
+
+def test_a_delay_outlasts_a_slip_of_the_damped_mass() -> None:
+    """Beyond critical damping a slip takes some γ/K times a logarithm, and not π (M/K)^(1/2) = 0.3."""
+    machine = Machine(spring=1e-3, mass=1e-5, damping=4e-4, velocity=1.0)
+    damped = replace(machine, damping=0.05 * machine.damping)
+    known, times = RigidSlider(0.8, 0.5, 1e-9, 3.0, 500.0), [half_a_swing(machine)]
+    times += [slip_duration(each, known.static) for each in (damped, machine)]
+    assert times[0] == pytest.approx(times[1], rel=0.1) and times[2] > 2.0 * times[0]
+    for each, least in ((damped, times[1]), (machine, times[2])):
+        for part in (2.99, 3.01):
+            waiting = WAITING.replace(delay=Delay(part * least))
+            assert may_follow(each, waiting, "mass", known) is (part > 3.0)
+        assert long_delay(each, 1e-9, known.static) == pytest.approx(3.0 * least, rel=1e-12)
+
+
+def test_one_number_is_written_once() -> None:
+    """The force of a smooth slider is F_k and what the damping bears; the headline had 3.815 mN for a table's 3.814."""
+    found = of(of_a_mass("smooth", 0.80008))
+    own = replace(found.own, machine=Machine(1e-3, 1e-5, 8e-5, 1.0))
+    known = replace(found, answers=(own,))
+    assert sentence(known).startswith("smooth at 0.8001 N_c<k> length (8.00e-05 N_c<k> length of")
+    sampled = replace(own, kinetic=answers.Quantity(0.8, 1e-9, 0.015))
+    said = sentence(replace(found, answers=(sampled,)))
+    assert said.startswith("smooth at 0.800 N_c<k> length; other samples")
+    far = replace(sampled, behaviours=(of_a_mass("smooth", 0.81),))
+    assert sentence(replace(found, answers=(far,))).startswith("smooth at 0.810 ")
+
+
+def test_smooth_sliding_of_contacts_that_were_not_followed_is_that_of_infinitely_many() -> None:
+    """The sentence holds what was looked at: "instant" of the area's contacts was not, and yet they were smooth."""
+    smooth = [replace(of_a_mass("smooth", 0.8), rule=rule) for rule in ("reset", "instant")]
+    found = of(smooth[0])
+    found = replace(found, answers=(replace(found.own, behaviours=tuple(smooth)),))
+    followed = Finite("reset", 1000, "smooth", late=0.8, late_error=1e-3, fluctuation=1e-4)
+    unknown = Finite("instant", 1000, "unknown", message="no time")
+    said = sentence(replace(found, finite=(followed, unknown)))
+    assert said == (
+        "smooth at 0.8000 N_c<k> length if a slip renews all contacts; "
+        "smooth at 0.8000 N_c<k> length for infinitely many contacts if contacts re-form at once"
+    )
+    both = replace(found, finite=(followed, replace(followed, rule="instant")))
+    assert sentence(both) == "smooth at 0.8000 N_c<k> length"
+
+
+@pytest.mark.parametrize("law", ["soft", "stiff"])
+def test_heat_tells_what_it_changes_in_the_kinetic_force(law: str) -> None:
+    """Beside the bound of what it may change, which is 100 times that; F_k with and without by the master equation."""
+    thermal = {"law": law, "temperature": 1e-3, "attempt_frequency": 1.0}
+    thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.3}
+    tables = {"thresholds": thresholds, "thermal": thermal}
+    scene = load_scene({"contacts": tables, "wall_time": 1e4}, solved=False)
+    cold, warm = (
+        master.steady_state(each, velocity=1.0).force
+        for each in (scene.contacts.replace(thermal=None), scene.contacts)
+    )
+    (line,) = (one for one in dependence(verdict(scene)) if one.startswith("heat "))
+    change = (warm - cold) / cold
+    said = re.fullmatch(r"heat (raises|lowers) F_k by (\S+) N_c<k> length, (\S+)% of it", line)
+    assert said is not None and (said[1] == "raises") is (change > 0.0)
+    assert float(said[2]) == pytest.approx(abs(warm - cold), rel=0.05)
+    assert float(said[3]) == pytest.approx(100.0 * abs(change), rel=0.05)
+    left_out = of_a_mass("smooth", 0.8, heat_left_out=0.1)
+    found = of(left_out)
+    own = replace(found.own, cold=answers.Quantity(0.8 - 1e-3, 0.0))
+    (line,) = (one for one in dependence(replace(found, answers=(own,))) if "left out" in one)
+    raised = "heat raises F_k of a rigid slider as fast as the drive by 0.0010 N_c<k> length"
+    assert "by 0.10 N_c<k> length at most; " + raised in line
 
 
 def test_one_other_reading_is_no_plural() -> None:

@@ -1,6 +1,7 @@
 """What a verdict holds: the numbers of each reading, and what its slider does."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,11 +35,17 @@ class Quantity:
 UNKNOWN = Quantity(float("nan"), float("inf"))
 
 
+def kinetic_of(steady: Any, contacts: Contacts) -> Quantity:
+    """F_k of this steady state, with its error as a length."""
+    return Quantity(steady.force, steady.force_error * contacts.mean_threshold)
+
+
 @dataclass(frozen=True)
 class Answer:
     """What one reading says. Forces F/(N_c <k>) are lengths, springs are per N_c<k>.
 
     machine : what pulls; None where the scene has no spring
+    cold : F_k without heat; None where the contacts have none, or it was not asked for
     holding : share of the contacts that hold, and do not wait, on a rigid slider that slides as fast as the drive
     behaviours : of the machine's slider, one for each rule
     """
@@ -52,6 +59,7 @@ class Answer:
     machine: Machine | None
     behaviours: tuple[Behaviour, ...]
     holding: float = 1.0
+    cold: Quantity | None = None
 
     @property
     def softer(self) -> bool:

@@ -21,9 +21,9 @@ from toolkit.verdict.machine import (
     Machine,
     RigidSlider,
     first_of,
-    half_a_swing,
     last_of,
     not_followed,
+    slip_duration,
     with_slips,
 )
 
@@ -49,23 +49,23 @@ WITHOUT = 1.5
 NOT_SLID = "their path ended before they slid or slipped"
 
 
-def long_delay(machine: Machine, mean: float) -> float:
-    """A delay of contacts (a time) far above that of a slip of the mass, and above that in which one that slides on at
-    the drive's speed moves by their `mean` threshold: fewer hold where it slides."""
-    return LONG_DELAY * max(half_a_swing(machine), mean / machine.velocity)
+def long_delay(machine: Machine, mean: float, force: float) -> float:
+    """A delay of contacts (a time) far above that of a slip of the mass from this `force`, and above that in which one
+    that slides on at the drive's speed moves by their `mean` threshold: fewer hold where it slides."""
+    return LONG_DELAY * max(slip_duration(machine, force), mean / machine.velocity)
 
 
 def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlider) -> bool:
     """Whether finitely many contacts tell what infinitely many do.
 
-    With a mass where a delay is far above the time of a slip, π (M/K)^(1/2): else contacts re-form while it goes on,
+    With a mass where a delay is far above the time of a slip, `slip_duration`: else contacts re-form while it goes on,
     and break again at every threshold that it passes. Without one under the rules that renew contacts after a slip, on
     springs far below K*: near it their number decides.
     """
     if contacts.held_in_time:
         return False
     if rule == "mass":
-        return contacts.waiting_time >= LONG_DELAY * half_a_swing(machine)
+        return contacts.waiting_time >= LONG_DELAY * slip_duration(machine, rigid.static)
     return rule != "instant" and machine.spring < SOFT * rigid.critical_spring
 
 

@@ -26,7 +26,7 @@ from toolkit.verdict.ensemble import (
     trace_of,
     with_late_slips,
 )
-from toolkit.verdict.machine import Behaviour, Finite, Machine, half_a_swing
+from toolkit.verdict.machine import Behaviour, Finite, Machine, slip_duration
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
@@ -136,14 +136,14 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     present = max(round(asked.number), 1)
     mean = contacts.mean_threshold
     # with a delay far above the time of a slip (see `may_follow`) contacts are out until the slip is over
-    swing = half_a_swing(machine) if rule == "mass" else 0.0
-    outlasted = rule == "mass" and contacts.waiting_time >= LONG_DELAY * swing > 0.0
+    lasts = slip_duration(machine, static) if rule == "mass" else 0.0
+    outlasted = rule == "mass" and contacts.waiting_time >= LONG_DELAY * lasts > 0.0
     flowing = rule in FLOWING and not outlasted
     # the slider's way in one life of a contact, which waits while a slip goes on
     in_a_life = mean
     if rule == "mass" and slips:
         in_a_life += (
-            contacts.waiting_time * (infinite.before - infinite.after) / machine.spring / swing
+            contacts.waiting_time * (infinite.before - infinite.after) / machine.spring / lasts
         )
 
     def planned(number: int) -> _PlannedDrive:

@@ -18,11 +18,11 @@ from toolkit.verdict.machine import (
     RigidSlider,
     critical_damping,
     first_of,
-    half_a_swing,
     last_of,
     not_followed,
     rigid_slider,
     settling_distance,
+    slip_duration,
     with_slips,
 )
 
@@ -163,7 +163,7 @@ def follow_other_delay(
         return follow(machine, other, "mass", rigid, wall_time, rings=True)  # or for too long
     rule = "instant" if contacts.waiting_time else "reform-after"
     behaviour = follow(replace(machine, mass=None, damping=0.0), other, rule, rigid, wall_time)
-    slip_distance = machine.velocity * half_a_swing(machine)
+    slip_distance = machine.velocity * slip_duration(machine, rigid.static)
     if behaviour.period is not None and slip_distance > SHORT_SLIP * behaviour.period:
         return not_followed(rule, "a slip of this mass takes as long as the time between slips")
     return behaviour

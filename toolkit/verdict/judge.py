@@ -19,13 +19,13 @@ from toolkit.running.solvers import within
 from toolkit.scene.scale import of_contacts, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
-from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict
+from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
 from toolkit.verdict.budget import WALL_TIME, Budget
 from toolkit.verdict.closely import closely
-from toolkit.verdict.ensemble import long_delay
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS, follow_other_delay
 from toolkit.verdict.islands import follow_islands, with_barriers
+from toolkit.verdict.kinds import damped, long_delay_of
 from toolkit.verdict.machine import (
     NO_FORCES,
     NO_TIME,
@@ -33,14 +33,12 @@ from toolkit.verdict.machine import (
     Behaviour,
     Finite,
     Machine,
-    acting,
     machine_of,
     not_followed,
     rigid_slider,
-    rules_of,
 )
 from toolkit.verdict.of_area import with_more
-from toolkit.verdict.readings import Reading, readings_of
+from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
 
 # of the time that is left, for the scene's own reading, and then for the number of its contacts
 OWN = 0.5
@@ -168,16 +166,14 @@ def _turned(own: Answer, budget: Budget) -> Behaviour | None:
         return None
     if own.behaviours[0].kind == "undecided" and not own.behaviours[0].slips:
         return None
-    given = own.behaviours[0].damping
-    machine = own.machine if given is None else replace(own.machine, damping=given)
-    asked = machine, own.contacts, own.scale.contacts
+    asked = damped(own), own.contacts, own.scale.contacts
     with suppress(InputError, TimeIsUp):
         light = follow_other_delay(*asked, budget.remaining())
         if light.kind != "smooth" or own.contacts.waiting_time:
             return light
         # fewer contacts hold a slider that slides than one that sticks, where they wait long: no slip rule tells of it
-        delay = long_delay(machine, own.contacts.mean_threshold)
-        heavy = follow_other_delay(*asked, min(budget.remaining(), OF_DELAY), delay)
+        seconds = min(budget.remaining(), OF_DELAY)
+        heavy = follow_other_delay(*asked, seconds, long_delay_of(own))
         return heavy if heavy.kind != "undecided" else None
     return None
 
@@ -192,14 +188,16 @@ def _answer(
     velocity, contacts = table.velocity, cast(Contacts, reading.contacts)
     in_time = TOLERANCE_IN_TIME if reading.own else WHETHER_IT_SLIPS
     kinetic = static = critical = UNKNOWN
-    holding = 1.0
+    holding, cold = 1.0, None
     scale = scale_of(contacts, table.area)
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     asked = rules if machine is not None else ()
     with suppress(TimeIsUp):  # what is found by then is told
         steady = master.steady_state(contacts, velocity=velocity)
-        kinetic = Quantity(steady.force, steady.force_error * contacts.mean_threshold)
-        holding = steady.holding
+        kinetic, holding = kinetic_of(steady, contacts), steady.holding
+        if contacts.thermal is not None and reading.own:
+            without = contacts.replace(thermal=None)
+            cold = kinetic_of(master.steady_state(without, velocity=velocity), without)
         found = _propensity(contacts, velocity, budget)
         ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
         static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
@@ -241,6 +239,7 @@ def _answer(
         machine=machine,
         behaviours=tuple(behaviours),
         holding=holding,
+        cold=cold,
     )
 
 

@@ -5,14 +5,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
-import numpy as np
-
 from origins.contacts import Contacts
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import LONGER
 from toolkit.verdict.ensemble import long_delay
-from toolkit.verdict.machine import RULES, Behaviour, Machine, critical_damping
+from toolkit.verdict.machine import RULES, Behaviour, Machine, slip_duration, top_speed
 from toolkit.verdict.table import HOLDING
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
@@ -56,36 +54,10 @@ def named(rules: Sequence[str]) -> str:
     return " or ".join(NAMED[rule] for rule in rules)
 
 
-def top_speed(machine: Machine, force: float) -> float:
-    """The largest speed of a mass that this force of the spring, F/(N_c <k>), lets go where no contact holds."""
-    part = machine.damping / critical_damping(machine)
-    beyond = abs(1.0 - part**2) ** 0.5
-    angle = (np.arccosh(part) if part > 1.0 else np.arccos(part)) / beyond if beyond else 1.0
-    return float(force / np.sqrt(machine.spring * (machine.mass or 0.0)) * np.exp(-part * angle))
-
-
-def slip_duration(machine: Machine, force: float) -> float:
-    """How long such a slip takes: half a damped swing, or beyond critical damping until the mass is as slow as the
-    drive; without a mass 0."""
-    if not machine.mass:
-        return 0.0
-    part = machine.damping / critical_damping(machine)
-    frequency = np.sqrt(machine.spring / machine.mass)
-    beyond = frequency * np.sqrt(abs(1.0 - part**2))
-    if part < 1.0:
-        return float(np.pi / beyond)
-    slower, lasts = part * frequency - beyond, 1.0 / frequency
-    fastest = force / machine.mass / machine.velocity  # speed over that of the drive, for each time
-    for _ in range(50):  # to round-off, as only the logarithm of a time is on the right
-        apart = -np.expm1(-2.0 * beyond * lasts) / (2.0 * beyond) if beyond else lasts
-        lasts = max(np.log(fastest * apart) / slower, 1.0 / frequency)
-    return float(lasts)
-
-
 def a_slip(own: Answer) -> tuple[float, float]:
     """How long a slip of the own reading's mass takes in which no contact holds, and its top speed: as followed, of
     contacts that wait; else about, from the force before the slip, or F_s."""
-    first, machine = own.behaviours[0], cast(Machine, own.machine)
+    first = own.behaviours[0]
     times = first.slip_time, first.top_speed
     if (
         first.rule == "mass"
@@ -94,10 +66,39 @@ def a_slip(own: Answer) -> tuple[float, float]:
         and all(times)
     ):
         return cast(tuple[float, float], times)
-    if first.damping is not None:
-        machine = replace(machine, damping=first.damping)
     force = abs(first.before) if first.kind == "stick-slip" else own.static.value
-    return slip_duration(machine, force), top_speed(machine, force)
+    return slip_duration(damped(own), force), top_speed(damped(own), force)
+
+
+def damped(own: Answer) -> Machine:
+    """The machine of the own reading, with the damping that its slider was followed with."""
+    machine, taken = cast(Machine, own.machine), own.behaviours[0].damping
+    return machine if taken is None else replace(machine, damping=taken)
+
+
+def long_delay_of(own: Answer) -> float:
+    """A delay far above the time of a slip of the own reading's mass, see `long_delay`."""
+    return long_delay(damped(own), own.contacts.mean_threshold, own.static.value)
+
+
+def without_delay(answer: Answer, slider: Behaviour) -> str:
+    """What a smooth slider with mass on a spring below K* hangs on, where no delay is given; "" for others."""
+    if slider.rule != "mass" or answer.contacts.waiting_time or not answer.softer:
+        return ""
+    return " if contacts re-form at once (no delay is given)"
+
+
+def of_damping(answer: Answer, slider: Behaviour, differs: bool) -> str:
+    """What of the spring's force the damping bears, γv, where a smooth slider tells it: where it is large, or
+    `differs`: the force is written otherwise than F_k, which is the contacts' alone."""
+    if answer.machine is None or slider.rule != "mass":
+        return ""
+    borne = damped(answer).damping * answer.machine.velocity
+    apart = abs(slider.after - answer.kinetic.value)
+    if borne < WORTH_TELLING * abs(slider.before) and not (differs and borne > 0.5 * apart):
+        return ""
+    scale = answer.scale
+    return f" ({written(borne * scale.force, scale.force_unit)} of it borne by the damping)"
 
 
 def others(verdict: Verdict) -> dict[str, list[str]]:
@@ -176,8 +177,7 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
             other = verdict.turned
             what = "without one" if given else "as long as contacts form again only after a slip"
             if other.rule == "mass" and not given:
-                late = long_delay(own.machine, own.contacts.mean_threshold)
-                what = f"with one of {spoken(late, own.scale.time_unit)}"
+                what = f"with one of {spoken(long_delay_of(own), own.scale.time_unit)}"
             yield _same_with(verdict, other, what)
 
 

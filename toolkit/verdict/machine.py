@@ -1,6 +1,5 @@
 """What pulls a slider, what is known of it before it is followed, and what it does."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +10,6 @@ from origins.errors import refuse
 from origins.thresholds.law import Array
 from toolkit.results.slips import Spread
 from toolkit.scene.drive import machine_number
-from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.budget import MORE_TIME
 
@@ -64,6 +62,32 @@ def critical_damping(machine: Machine) -> float:
     return float(2.0 * np.sqrt(machine.spring * (machine.mass or 0.0)))
 
 
+def top_speed(machine: Machine, force: float) -> float:
+    """The largest speed of a mass that this force of the spring, F/(N_c <k>), lets go where no contact holds."""
+    part = machine.damping / critical_damping(machine)
+    beyond = abs(1.0 - part**2) ** 0.5
+    angle = (np.arccosh(part) if part > 1.0 else np.arccos(part)) / beyond if beyond else 1.0
+    return float(force / np.sqrt(machine.spring * (machine.mass or 0.0)) * np.exp(-part * angle))
+
+
+def slip_duration(machine: Machine, force: float) -> float:
+    """How long a slip from this force takes in which no contact holds: half a damped swing, or beyond critical damping
+    until the mass is as slow as the drive; without a mass 0."""
+    if not machine.mass:
+        return 0.0
+    part = machine.damping / critical_damping(machine)
+    frequency = np.sqrt(machine.spring / machine.mass)
+    beyond = frequency * np.sqrt(abs(1.0 - part**2))
+    if part < 1.0:
+        return float(np.pi / beyond)
+    slower, lasts = part * frequency - beyond, 1.0 / frequency
+    fastest = force / machine.mass / machine.velocity  # speed over that of the drive, for each time
+    for _ in range(50):  # to round-off, as only the logarithm of a time is on the right
+        apart = -np.expm1(-2.0 * beyond * lasts) / (2.0 * beyond) if beyond else lasts
+        lasts = max(np.log(fastest * apart) / slower, 1.0 / frequency)
+    return float(lasts)
+
+
 def settling_distance(machine: Machine, unit: float) -> float:
     """The drive's way in which the swing of a mass that slides on at F_k dies away: SETTLING time constants of
     M X'' + γ X' + K X = 0, inf without damping; 0 where a swing of a speed like the drive's changes the spring's
@@ -95,34 +119,6 @@ def machine_of(table: DriveTable, contacts: Contacts) -> Machine | None:
     if mass is None and damping:
         refuse("drive.damping", table.damping, "needs a mass; give drive.mass too")
     return Machine(spring, mass, damping or 0.0, table.velocity)
-
-
-def acting(rules: Sequence[str], contacts: Contacts) -> tuple[str, ...]:
-    """These slip rules, each once; with a delay contacts that break in a slip wait for it under all of them but
-    "reset", so that "instant" is "reform-after"."""
-    late = bool(contacts.waiting_time)
-    return tuple(
-        dict.fromkeys("reform-after" if late and rule == "instant" else rule for rule in rules)
-    )
-
-
-def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
-    """The slip rules to compare, as they act: those of [verdict], else all, that of [drive] first; with a mass
-    none of them, but "mass"."""
-    if table.mass is not None:
-        if table.slip is not None:
-            hint = "mass, damping and the contacts' delay decide; leave it out, or the mass"
-            refuse("drive.slip", table.slip, hint)
-        if scene.verdict is not None and scene.verdict.rules is not None:
-            hint = "are for a slider without mass; leave them out, or the mass"
-            refuse("verdict.rules", scene.verdict.rules, hint)
-        return ("mass",)
-    if scene.verdict is not None and scene.verdict.rules is not None:
-        for rule in scene.verdict.rules:
-            if rule not in RULES:
-                refuse("verdict.rules", rule, f"must be among {', '.join(RULES)}")
-        return acting(scene.verdict.rules, scene.contacts)
-    return acting([table.slip or RULES[0], *RULES], scene.contacts)
 
 
 @dataclass(frozen=True)

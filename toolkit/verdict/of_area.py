@@ -91,6 +91,15 @@ def counted(verdict: Verdict, many: Finite) -> str:
     return f"the {of_contacts(many.contacts)} {whose}"
 
 
+def whom_of(verdict: Verdict, one: Behaviour) -> str:
+    """Of whom smooth sliding is told, where the contacts of the area were not followed; "" where they were, and of
+    other readings, which are of infinitely many."""
+    unknown = {few.rule for few in verdict.finite if few.kind == "unknown"}
+    own = any(one is each for each in verdict.own.behaviours)
+    told = own and one.kind == "smooth" and one.contacts is None
+    return " for infinitely many contacts" * (told and one.rule in unknown)
+
+
 def subject(many: Finite) -> str:
     """Who does something: so many contacts, of one alone the sliders that it holds."""
     return f"{'sliders of ' * (many.contacts == 1)}{of_contacts(many.contacts)}"

@@ -1,7 +1,8 @@
-"""Readings of one surface: the contact models, threshold laws and resolutions that a verdict is compared over."""
+"""What a verdict is compared over: readings of one surface, by contact model, threshold law and resolution; and slip
+rules."""
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +12,9 @@ from origins.errors import InputError, refuse
 from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import of_listed_angles, why_infinite
 from toolkit.scene.scene import Scene, make_contacts
-from toolkit.scene.tables import read_table
+from toolkit.scene.tables import DriveTable, read_table
 from toolkit.verdict.budget import MORE_TIME
+from toolkit.verdict.machine import RULES
 
 # contact model / threshold law; a third word names the regime of the summits, as in "gw/amontons/mixed"
 READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "persson/paper")
@@ -76,6 +78,34 @@ def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
         elif (name, step) != own:
             found.append(_read(scene, given, name, step, _title(name, step, steps)))
     return found
+
+
+def acting(rules: Sequence[str], contacts: Contacts) -> tuple[str, ...]:
+    """These slip rules, each once; with a delay contacts that break in a slip wait for it under all of them but
+    "reset", so that "instant" is "reform-after"."""
+    late = bool(contacts.waiting_time)
+    return tuple(
+        dict.fromkeys("reform-after" if late and rule == "instant" else rule for rule in rules)
+    )
+
+
+def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
+    """The slip rules to compare, as they act: those of [verdict], else all, that of [drive] first; with a mass
+    none of them, but "mass"."""
+    if table.mass is not None:
+        if table.slip is not None:
+            hint = "mass, damping and the contacts' delay decide; leave it out, or the mass"
+            refuse("drive.slip", table.slip, hint)
+        if scene.verdict is not None and scene.verdict.rules is not None:
+            hint = "are for a slider without mass; leave them out, or the mass"
+            refuse("verdict.rules", scene.verdict.rules, hint)
+        return ("mass",)
+    if scene.verdict is not None and scene.verdict.rules is not None:
+        for rule in scene.verdict.rules:
+            if rule not in RULES:
+                refuse("verdict.rules", rule, f"must be among {', '.join(RULES)}")
+        return acting(scene.verdict.rules, scene.contacts)
+    return acting([table.slip or RULES[0], *RULES], scene.contacts)
 
 
 def _few_are_plastic(scene: Scene) -> bool:

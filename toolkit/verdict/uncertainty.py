@@ -11,11 +11,14 @@ from origins.samples.from_samples import sampled_parts
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.budget import LONGER
+from toolkit.verdict.machine import Behaviour
 
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3
 # of the forces: a smaller uncertainty is no news beside them
 WORTH_TELLING = 0.01
+# of the widest uncertainty of a force: a smaller difference of two forces is nothing that is known
+NO_NEWS = 0.01
 
 
 class Uncertainties(NamedTuple):
@@ -51,6 +54,16 @@ def widest_uncertainty(verdict: Verdict) -> float:
     """The widest uncertainty of static and kinetic force, relative: it decides to how many digits forces, and the
     periods that follow from them, are written."""
     return max(uncertainties_of(verdict))
+
+
+def sliding_force_of(verdict: Verdict, answer: Answer, one: Behaviour) -> float:
+    """The force of a smooth slider, F/(N_c <k>) (a length): F_k itself where it differs from that by no more than its
+    error, or than a hundredth of what is known of F_k, so that both are written alike."""
+    kinetic, error = answer.kinetic.value, one.error * answer.contacts.mean_threshold
+    known = max(
+        error if np.isfinite(error) else 0.0, NO_NEWS * widest_uncertainty(verdict) * kinetic
+    )
+    return kinetic if abs(one.after - kinetic) <= known else one.after
 
 
 def widest(verdict: Verdict) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.scene.scale import written
-from toolkit.verdict.answers import Verdict
+from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.follow import TOLERANCE_IN_TIME
 from toolkit.verdict.kinds import (
     GENERAL,
@@ -14,10 +14,13 @@ from toolkit.verdict.kinds import (
     Line,
     by_reason,
     named,
+    not_decided,
+    out_of_time,
 )
 from toolkit.verdict.machine import NO_FORCES, Behaviour
 from toolkit.verdict.readings import why_late
 from toolkit.verdict.table import in_units
+from toolkit.verdict.uncertainty import range_of_force
 
 
 def unanswered(verdict: Verdict) -> Iterator[Line]:
@@ -29,6 +32,20 @@ def unanswered(verdict: Verdict) -> Iterator[Line]:
         if len(names) == 1:
             reason = reason.replace("they need", "it needs")
         yield Line(GENERAL, f"left out: {', '.join(names)}: {reason}")
+
+
+def undecided_readings(verdict: Verdict) -> list[str]:
+    """How many readings are not decided beside an own one that is, and their F_k, of which K* and F_k are known all the
+    same; as the answer is that of the others alone."""
+    missing, own = not_decided(verdict), verdict.own
+    if not missing:
+        return []
+    many, decided = len(verdict.answers), len(verdict.answers) - len(missing)
+    whose = own.name if decided == 1 else f"{decided} of {many} readings"
+    late = " in time" * all(out_of_time(one) for one in missing)
+    one = "is" if len(missing) == 1 else "are"
+    count = f"the other {len(missing)} {one} not decided{late}"
+    return [f"this is of {whose}, {count}; {range_of_force(verdict, f' of all {many}')}"]
 
 
 def of_errors(verdict: Verdict) -> Iterator[Line]:
@@ -90,9 +107,10 @@ def _relative_error(verdict: Verdict, one: Behaviour) -> float:
 
 
 def _of_heat(verdict: Verdict) -> Iterator[Line]:
-    """What heat that was left out may change in the force, from above."""
+    """What heat changes in F_k, and what it may change in the force, from above, where it was left out."""
     own, scale = verdict.own, verdict.own.scale
     unit = own.contacts.mean_threshold * scale.force
+    kinetic, change = _by_heat(own), own.cold and abs(own.kinetic.value / own.cold.value - 1.0)
     cold = {one.rule: one.heat_left_out for one in own.behaviours if one.heat_left_out is not None}
     said = ((written(most * unit, scale.force_unit, digits=2), rule) for rule, most in cold.items())
     for most, rules in by_reason(said).items():
@@ -100,7 +118,23 @@ def _of_heat(verdict: Verdict) -> Iterator[Line]:
         few = any(one.rule in rules and one.kind != "unknown" for one in verdict.finite)
         which += ", of the contacts of the area, too" * few
         size = max(cold[rule] for rule in rules) * unit / (own.static.value * scale.force)
-        yield Line(size, f"heat is left out{which}: it would change the force by {most} at most")
+        bound = f"heat is left out{which}: it would change the force by {most} at most"
+        yield Line(size, f"{bound}; {kinetic}" if kinetic else bound)
+    if kinetic and not cold:
+        yield Line(change or GENERAL, kinetic)
+
+
+def _by_heat(own: Answer) -> str:
+    """By how much heat changes F_k, which is known without it, too; "" where it is not."""
+    if own.cold is None:
+        return ""
+    scale, change = own.scale, own.kinetic.value - own.cold.value
+    at = " of a rigid slider as fast as the drive" * bool(own.machine)
+    if abs(change) <= own.kinetic.error + own.cold.error:
+        return f"heat changes F_k{at} by less than its numerical error"
+    size = written(abs(change) * scale.force, scale.force_unit, digits=2)
+    part = f"{100.0 * abs(change) / own.cold.value:.2g}%"
+    return f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of it"
 
 
 def _left_out(verdict: Verdict) -> list[tuple[str, str]]:

@@ -15,19 +15,29 @@ from toolkit.scene.scale import (
 )
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import LONGER
-from toolkit.verdict.ensemble import long_delay
 from toolkit.verdict.hangs_on import dependence, why_smooth
 from toolkit.verdict.kinds import (
     a_slip,
     delay_decides,
+    long_delay_of,
     named,
     not_decided,
+    of_damping,
     of_extremes,
     others,
-    out_of_time,
+    without_delay,
 )
 from toolkit.verdict.machine import Behaviour, critical_damping
-from toolkit.verdict.of_area import apart, behaved, disagreeing, falls, plain_fall, subject, verb
+from toolkit.verdict.of_area import (
+    apart,
+    behaved,
+    disagreeing,
+    falls,
+    plain_fall,
+    subject,
+    verb,
+    whom_of,
+)
 from toolkit.verdict.table import (
     PRECISE,
     drop_of,
@@ -40,13 +50,12 @@ from toolkit.verdict.table import (
 from toolkit.verdict.uncertainty import (
     numerical_errors,
     other_samples,
-    range_of_force,
+    sliding_force_of,
     unsure_of_springs,
     widest,
     widest_uncertainty,
 )
-
-WORTH_TELLING = 0.01  # of the force of smooth sliding, what the damping bears
+from toolkit.verdict.undone import undecided_readings
 
 
 def page(verdict: Verdict) -> list[str]:
@@ -73,7 +82,7 @@ def sentence(verdict: Verdict) -> str:
     """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides; and
     how many readings it is not known of."""
     return "; ".join(
-        [_answered(verdict), *unsure_of_springs(verdict.own), *_undecided_readings(verdict)]
+        [_answered(verdict), *unsure_of_springs(verdict.own), *undecided_readings(verdict)]
     )
 
 
@@ -107,33 +116,19 @@ def turned(verdict: Verdict) -> list[str]:
     whose = "at once"
     if not own.contacts.waiting_time:
         whose = f"only once a slip is over, which takes some {slip},"
-    tells = ", as a slider without mass tells"
-    if other.kind == "stick-slip" and own.machine.damping < critical_damping(own.machine):
-        tells += "; with its mass the force falls further in a slip, and swings back"
+    does, tells = _behaved(verdict, own, other.kind, [other]), ", as a slider without mass tells"
+    if other.kind == "stick-slip" and other.rule != "mass":
+        # its forces and its period are those of no slider with mass
+        ask = "leave [contacts.delay] out" if own.contacts.waiting_time else "give [contacts.delay]"
+        does, tells = other.kind, f"{tells}; {ask} for the forces and the period with the mass"
     if other.rule == "mass" and not own.contacts.waiting_time:
-        late = long_delay(own.machine, own.contacts.mean_threshold)
-        whose, tells = f"only after {spoken(late, own.scale.time_unit)}", ""
+        late = spoken(long_delay_of(own), own.scale.time_unit)
+        whose, tells = f"only after {late}", ""
         if other.damping is not None:
             tells = (
                 f", with {other.damping / critical_damping(own.machine):.0%} of critical damping"
             )
-    return [
-        f"contacts that form again {whose} would make it {_behaved(verdict, own, other.kind, [other])}{tells}"
-    ]
-
-
-def _undecided_readings(verdict: Verdict) -> list[str]:
-    """How many readings are not decided beside an own one that is, and their F_k, of which K* and F_k are known all the
-    same; as the answer is that of the others alone."""
-    missing, own = not_decided(verdict), verdict.own
-    if not missing:
-        return []
-    many, decided = len(verdict.answers), len(verdict.answers) - len(missing)
-    whose = own.name if decided == 1 else f"{decided} of {many} readings"
-    late = " in time" * all(out_of_time(one) for one in missing)
-    one = "is" if len(missing) == 1 else "are"
-    count = f"the other {len(missing)} {one} not decided{late}"
-    return [f"this is of {whose}, {count}; {range_of_force(verdict, f' of all {many}')}"]
+    return [f"contacts that form again {whose} would make it {does}{tells}"]
 
 
 def _kinds(verdict: Verdict) -> list[str]:
@@ -167,10 +162,8 @@ def _disagreement(verdict: Verdict) -> str:
     if len(falls_of) == len(kinds) == 1 and all(falls_of):  # else the lines below tell them
         said += f", from {falls_of.pop()}"
     other = verb(infinite := {one.kind for one, _ in differ})
-    at = {
-        guarded(one.after * force, unit, widest_uncertainty(verdict) * one.after * force)
-        for one, _ in differ
-    }
+    sliding = {sliding_force_of(verdict, verdict.own, one) * force for one, _ in differ}
+    at = {guarded(one, unit, widest_uncertainty(verdict) * one) for one in sliding}
     if infinite == {"smooth"} and len(at) == 1:
         other += f" at {at.pop()}"
     said = f"{subject(finite)} {said}{where}"
@@ -188,18 +181,18 @@ def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
 def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
     """What the rules say under one reading, with its numbers. Of those that are not decided the first says why, as
     others may be followed in its place; `dependence` has the reasons of all."""
-    groups = dict[tuple[str, str, str], list[Behaviour]]()
+    groups = dict[tuple[str, str, str, str], list[Behaviour]]()
     first, few = answer.behaviours[0], apart(verdict) if answer is verdict.own else {}
     for one in answer.behaviours:
         seen = one.rule if one.slips else "first" if one.message == first.message else ""
         own = ""
         if many := few.get(one.rule):
             own = behaved(verdict, many)
-        key = (one.kind, seen if one.kind == "undecided" else "", own)
+        key = (one.kind, seen if one.kind == "undecided" else "", own, whom_of(verdict, one))
         groups.setdefault(key, []).append(one)
     parts = list[str]()
-    for (kind, _, own), alike in groups.items():
-        said = _behaved(verdict, answer, kind, alike, bare=own.startswith(kind))
+    for (kind, _, own, whom), alike in groups.items():
+        said = _behaved(verdict, answer, kind, alike, bare=own.startswith(kind), whom=whom)
         if own:
             # of those that are followed in place of infinitely many nothing else is known
             no_more = all(one.sliders is few[one.rule] for one in alike)
@@ -209,31 +202,16 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
     return parts if elsewhere else [*parts, *widest(verdict)]
 
 
-def _without_delay(answer: Answer, slider: Behaviour) -> str:
-    """What a smooth slider with mass on a spring below K* hangs on, where no delay is given; "" for others."""
-    if slider.rule != "mass" or answer.contacts.waiting_time or not answer.softer:
-        return ""
-    return " if contacts re-form at once (no delay is given)"
-
-
-def _of_damping(answer: Answer, slider: Behaviour) -> str:
-    """What of the spring's force the damping bears, γv, where a smooth slider tells it; F_k is the contacts' alone."""
-    machine = answer.machine
-    if machine is None or slider.rule != "mass":
-        return ""
-    damping = machine.damping if slider.damping is None else slider.damping
-    borne = damping * machine.velocity
-    if borne < WORTH_TELLING * abs(slider.before):
-        return ""
-    scale = answer.scale
-    return f" ({written(borne * scale.force, scale.force_unit)} of it borne by the damping)"
-
-
 def _behaved(
-    verdict: Verdict, answer: Answer, kind: str, alike: Sequence[Behaviour], bare: bool = False
+    verdict: Verdict,
+    answer: Answer,
+    kind: str,
+    alike: Sequence[Behaviour],
+    bare: bool = False,
+    whom: str = "",
 ) -> str:
     """One kind of behaviour with its numbers; its forces alone if `bare`. The numerical error stands beside these where
-    it is the widest uncertainty."""
+    it is the widest uncertainty. `whom` : of whom, in words, see `whom_of`."""
     scale, last, uncertainty = answer.scale, alike[0], widest_uncertainty(verdict)
 
     error = max((one.error for one in alike if one.error < np.inf), default=0.0)
@@ -269,10 +247,16 @@ def _behaved(
 
     after = [one.after * scale.force for one in alike]
     if kind == "smooth":
+        said, differs = with_error(after), False
+        if not shown_error:  # as F_k stands in the table
+            uncertainty = widest_uncertainty(verdict)
+            sliding = [sliding_force_of(verdict, answer, one) * scale.force for one in alike]
+            said = span(sliding, scale.force_unit)
+            differs = said != span([answer.kinetic.value * scale.force], scale.force_unit)
         if bare:
-            return with_error(after)
-        beside = f"{_of_damping(answer, last)}{_without_delay(answer, last)}"
-        return f"smooth at {with_error(after)}{beside}"
+            return said
+        beside = f"{of_damping(answer, last, differs)}{without_delay(answer, last)}"
+        return f"smooth at {said}{whom}{beside}"
     high = with_error([one.before * scale.force for one in alike])
     low = span(after, scale.force_unit, shown_error)
     fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
