@@ -136,7 +136,7 @@ def test_the_numbers_of_the_example_in_creep_py(monkeypatch: pytest.MonkeyPatch)
     assert way / last.force == pytest.approx(20.0, rel=0.01) and len(nodes) == 179
     assert crept.error == pytest.approx(2.6e-4, rel=0.03)
     middle, fine = Offset(-1.43e-3, 0.0, 2.0), Offset(-2.23e-4, 8.6e-5, 1.0)
-    assert fine.at_step_0(middle) + fine.varies == pytest.approx(2.6e-4, rel=0.03)
+    assert fine.at_step_0(middle) + fine.variation == pytest.approx(2.6e-4, rel=0.03)
     # the first of the three has no slider with longer steps
     assert Offset(-7.41e-3, 0.0, 4.0).at_step_0(None) == 7.41e-3
     assert told[0][1].error == pytest.approx(7.41e-3, rel=0.01)

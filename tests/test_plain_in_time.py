@@ -28,6 +28,7 @@ from master.soft.in_time.breaks import BreaksInSteps
 from master.soft.in_time.cells import Cells
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.decohered import SlipSoFar, decohered
+from master.soft.in_time.idle_heat import largest_effect, repeats_of_effect
 from master.soft.in_time.memory import ThresholdMemory
 from master.soft.in_time.refining import memory_of, refined
 from master.soft.in_time.slider import Node, Slider, Slip
@@ -364,6 +365,22 @@ def test_the_example_at_the_head_of_extrapolation_is_answered_so() -> None:
     said[steps / 3.0], said[left_over] = "-0.00107", "0.06"
     for number, text in said.items():
         assert text in told and abs(float(text)) == pytest.approx(number, rel=6e-3)
+
+
+def test_the_example_at_the_head_of_idle_heat_bounds_what_heat_changes() -> None:
+    """Beside the force of a rigid slider with and without that heat, where it is off most."""
+    law, heat = gaussian(1.0, 0.1), Thermal("soft", 1e-5, 1e6)
+    contacts, path = Contacts(law, thermal=heat), np.linspace(3.95, 4.0, 3)
+    quiet, not_quiet = (float(heat.rates.rate(x, 1.0, 1.0)) * 10.0 for x in (0.99968, 0.99971))
+    assert quiet < 1e-6 < not_quiet
+    effect = largest_effect(contacts, 10.0, 1e-6)
+    drive = Drive(np.array([10.0]), spring=0.2)
+    error = effect * repeats_of_effect(contacts, drive)
+    assert (effect, error) == pytest.approx((0.0040, 0.0119), rel=0.02)
+    with_it = master.solve(contacts, path, 1e-6, velocity=1.0)
+    without = master.solve(Contacts(law), path, 1e-6)
+    off = np.abs(with_it.force - without.force).max()
+    assert off == pytest.approx(0.00013, rel=0.03) and off < effect
 
 
 def test_a_slider_that_seems_to_run_back_both_ways_takes_the_near_balance() -> None:

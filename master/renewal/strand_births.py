@@ -1,8 +1,20 @@
 """Births on earlier legs of contacts that age: strands which follow the slider.
 
-Where contacts age, the survival has no closed form in the slider's displacements. So contacts born at
-some instants of the leg (the strands) are followed once along each later leg. The sum over all births
-is a weighted sum over strands: on pieces of the time of birth the survival is a polynomial in it.
+Where contacts age, the survival has no closed form in the slider's displacements. So contacts born at some instants s_i
+of the leg (the strands) are followed once along each later leg. The sum over all births is a weighted sum over strands:
+on pieces of the time of birth the survival E(t, s) is a polynomial in s, through its values at the s_i,
+
+    number(t) = integral of E(t, s) dJ(s) = sum over i of w_i E(t, s_i);        the force alike, with E x for E.
+
+In: births J as polynomials on panels (BirthPanels), and the motion. Out: number (a share of all contacts) and force (in
+N_c <k>, a length) at times of the present leg, and their errors.
+
+An example: births on leg 0, from t = 0 to 3 on the path, at the speed 1; the narrowest width of thresholds is 0.1. With
+pieces of 0.4 at most (LENGTH) there are 8 of 0.375, each with 16 strands: 128 strands. The first is born at s = 0.375 *
+0.0053 = 0.002, and aged by 2.998 to the leg's end. If leg 1 is from t = 3 to 5, they are followed by 2 more.
+
+Clocks, as the ends of names say: `own_leg` counts from the beginning of the leg on which the births are, `leg` from the
+present leg's, `path` from that of the path. Ages and durations need none.
 """
 
 import numpy as np
@@ -62,7 +74,7 @@ class Strands:
                 left_out += number
         followed, self._of_legs = self._of_legs, []
         for each in followed:
-            if each.seen_from(motion_leg, least):
+            if each.follow_along(motion_leg, least):
                 self._of_legs.append(each)
             else:
                 left_out += each.holding
@@ -83,6 +95,10 @@ class StrandBirths:
 
     missed : error of the number, as polynomials in the time of birth approximate the survival
     survival_error : that of the survival at the strands, on all legs so far
+
+    _passages : the strands, where they are now: at the end of the leg `_at_end_of`
+    _moves : a generator; each `next` moves `_passages` on along one more leg, and gives the survival and force on it.
+        Legs are asked for one by one, as each takes long, and before the next all may have broken
     """
 
     def __init__(self, births: Births, leg: int, births_own_leg: BirthPanels) -> None:
@@ -90,24 +106,26 @@ class StrandBirths:
 
         An example: leg 1 lasts from 2 to 5 on the path. A contact born 0.4 into it is 5 - 2 - 0.4 = 2.6 old at its end.
         """
-        life, motion = births.life, births.motion
+        life, motion_path = births.life, births.motion
         assert isinstance(life, AgeingLife)
-        self._seen, self.missed = leg, 0.0
-        ends, speed = births_own_leg.ends, float(motion.speeds[leg])
-        count = max(FEWEST_PIECES, np.ptp(ends) * abs(speed) / (LENGTH * life.width))
-        edges = np.linspace(ends[0], ends[-1], int(np.ceil(count)) + 1)
-        left, right, basis = edges[:-1], edges[1:], polynomials.gauss(SIZE)
-        nodes_own_leg = left[:, None] + (right - left)[:, None] * basis.nodes
-        duration = motion.times[leg + 1] - motion.times[leg]
+        self._at_end_of, self.missed = leg, 0.0
+        ends_own_leg, speed = births_own_leg.ends, float(motion_path.speeds[leg])
+        count = max(FEWEST_PIECES, np.ptp(ends_own_leg) * abs(speed) / (LENGTH * life.width))
+        edges_own_leg = np.linspace(ends_own_leg[0], ends_own_leg[-1], int(np.ceil(count)) + 1)
+        pieces_own_leg = Pieces(
+            np.arange(edges_own_leg.size - 1), edges_own_leg[:-1], edges_own_leg[1:]
+        )
+        basis, widths = polynomials.gauss(SIZE), pieces_own_leg.high - pieces_own_leg.low
+        nodes_own_leg = pieces_own_leg.low[:, None] + widths[:, None] * basis.nodes
+        duration = motion_path.times[leg + 1] - motion_path.times[leg]
         ages = np.maximum(duration - nodes_own_leg.ravel(), 0.0)
         stretches = life.stretches(births.law)
         fresh = life.begin(stretches.nodes)
         fresh.until = births.until
         self._passages = fresh.aged(speed, ages)
-        self._legs, self._stretches_error = life.follow(self._passages, leg + 1), stretches.error
-        pieces = Pieces(np.arange(left.size), left, right)
-        # of the pieces' nodes in a sum over all births
-        self._weight = births_own_leg.legendre_weights(pieces, SIZE) @ basis.series.T
+        self._moves, self._stretches_error = life.follow(self._passages, leg + 1), stretches.error
+        # w_i, of the pieces' nodes in a sum over all births, shape (pieces, SIZE)
+        self._weight = births_own_leg.legendre_weights(pieces_own_leg, SIZE) @ basis.series.T
 
     @property
     def births(self) -> float:
@@ -124,22 +142,20 @@ class StrandBirths:
         """By the stretches at birth, the first passages with splines between instants, and rounding."""
         return self._stretches_error + self._passages.error + ROUNDING
 
-    def seen_from(self, motion_leg: Motion, left_out_below: float) -> bool:
+    def follow_along(self, motion_leg: Motion, left_out_below: float) -> bool:
         """Follow the strands along the leg that begins at t = 0 of this motion, to its end; whether more than this
         share hold at its begin."""
-        leg, self._passages.dropped_below = (
-            int(motion_leg.leg(np.finfo(float).tiny)),
-            left_out_below,
-        )
-        while self._seen < leg:
-            self._seen += 1
+        self._passages.dropped_below = left_out_below
+        present_leg = int(motion_leg.leg(np.finfo(float).tiny))  # the one on which t = 0+ is
+        while self._at_end_of < present_leg:
             if not self.holding > left_out_below:
                 return False
             # ages `_passages` in place, to the leg's end: `holding` is then that at this end
-            times, followed = next(self._legs)
+            times_leg, followed = next(self._moves)
+            self._at_end_of += 1
             survivors = followed.reshape(*followed.shape[:-1], -1, SIZE)
             self.missed = max(self.missed, float(_missed(survivors[:, 0], self._weight).sum()))
-            self._sums = over_root(times, np.einsum("jkpi,pi->jk", survivors, self._weight))
+            self._sums = over_root(times_leg, np.einsum("jkpi,pi->jk", survivors, self._weight))
         return True
 
     def sums(self, t_leg: Array) -> Array:
@@ -153,6 +169,10 @@ def _missed(survival: Array, weight: Array) -> Array:
     Its coefficients alone, extrapolated by their decay, overestimate the error up to 1e4 times, as the rate of
     births is nearly constant; what the last ones contribute to the sums underestimates it up to 20 times. The
     geometric mean of both is about right, SAFETY times that a bound.
+
+    An example, of one piece: the last coefficients are 1e-6 and fall to a tenth over two; births of 0.2 on the piece,
+    of which the last two moments are 0.001. Then `alone` is 1e-6 * 0.1² * 0.2 = 2e-9, `changed` 2 * 1e-6 * 0.001 =
+    2e-9, and the error 4e-9.
     """
     basis = polynomials.gauss(SIZE)
     size = np.abs(survival @ basis.series)

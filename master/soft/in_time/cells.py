@@ -1,13 +1,20 @@
 """The density of the thresholds of contacts that age and hold, above a level that moves.
 
-A contact holds while its threshold ξ is above |x|. With y = ξ - |x|, D the diffusivity, U' the
-drift's potential (P_cf ~ e^-U) and h the rate of breaking early,
+A contact holds while its threshold ξ is above |x|. With y = ξ - |x| (a length), D the diffusivity (length²/time), U'
+the slope of the drift's potential (P_cf ~ e^-U; 1/length) and h the rate of breaking early (1/time),
 
     du/dt = d/dy [(D U' + d|x|/dt) u + D du/dy] - h u,        u = 0 at y = 0.
 
-The density u is stored as weights of cells in y, small ones towards y = 0; the flux through their
-faces comes from cubics through the four cells around, of fourth order, and weight is conserved. Weights are followed
-for many groups of contacts of a memory side by side: a group is a strand here, and a lane of the kernel.
+In, for each step: the stretches at its begin and end (lengths), its duration, and weights at its begin. Out: the
+weights at its end. A weight is the integral of u over a cell, the share of the contacts born together whose y is there:
+without unit. Their sum is the share that still holds: 1 at birth (`fresh`), and less by what has left through y = 0 or
+by h. Cells are small towards y = 0; the flux through their faces comes from cubics through the four cells around, of
+fourth order, and weight is conserved. Weights are followed for many groups of contacts of a memory side by side: a
+group is a strand here, and a lane of the kernel.
+
+An example: three cells that end at y = 0.1, 0.2 and 0.3, of the weights 0.2, 0.5 and 0.3, while |x| = 1: a half of the
+contacts have thresholds between 1.1 and 1.2. If |x| jumps to 1.1, those of the first cell break, and `shifted` leaves
+0.5, 0.3 and 0.
 
 One step in time is implicit, Radau's of two stages (`cells_kernel.step`). Each term of the equation, times the step's
 duration, is an array; of its names the first is that here, the second that there:
@@ -44,8 +51,8 @@ class CellControl(NamedTuple):
     most : cells; a step of one strand then takes some milliseconds
     of_layer : width of the first cell, in thicknesses D/v of the layer at |x| in which the density falls to 0: right
         after a birth it is thinner
-    thinnest, least_thin : that width is between these, in narrowest widths of the laws. With first cells of 0.1 widths
-        1e-3 of the contacts were missed; a layer far thinner than the least contains too few to matter
+    least_first, most_first : that width is between these, in narrowest widths of the laws. With first cells of 0.1
+        widths 1e-3 of the contacts were missed; a layer far thinner than the least contains too few to matter
     growth : of the width of cells with the distance from y = 0
     widest : cell up to where the bulk of the thresholds ends, in narrowest widths; errors in space then equal those in
         time for steps of a quarter of such a width
@@ -58,8 +65,8 @@ class CellControl(NamedTuple):
     far: float = 1e-16
     most: int = 4000
     of_layer: float = 0.05
-    thinnest: float = 2e-5
-    least_thin: float = 2e-6
+    least_first: float = 2e-6
+    most_first: float = 2e-5
     growth: float = 0.3
     widest: float = 0.4
     beyond_bulk: float = 1e-4
@@ -106,13 +113,13 @@ class Cells:
             thresholds = np.asarray(law.ppf(fraction))
             self.heat_rate = float(self._thermal.rates.rate(0.0, thresholds, 1.0).mean())
         layer = CELLS.of_layer * ageing.rate / fastest if fastest > 0.0 else np.inf
-        least, most = CELLS.least_thin * self.width, CELLS.thinnest * self.width
-        thinnest = float(np.clip(layer, least, most))
+        least, most = CELLS.least_first * self.width, CELLS.most_first * self.width
+        first_cell = float(np.clip(layer, least, most))
         far, bulk = (
             highest(law, ageing.final, fraction) for fraction in (CELLS.far, CELLS.beyond_bulk)
         )
         factor = 2.0 ** (-CELLS.finer * resolution)
-        self.edges = _cell_edges(far, self.width, thinnest, bulk, factor)
+        self.edges = _cell_edges(far, self.width, first_cell, bulk, factor)
         self._face_density, self._face_slope = _at_faces(self.edges)
         self._drift = _drift(ageing, self.width, 2.0 * far)
         self._no_breaking = np.zeros((2, self.edges.size - 1, cells_kernel.LANES))
@@ -125,7 +132,7 @@ class Cells:
         return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
     def stepped(self, weights: Array, begin: Array, end: Array, duration: float) -> Array:
-        """Weights after one step from the stretches `begin` straight to `end`, arrays (n,)."""
+        """Weights after one step from the stretches `begin` straight to `end`, arrays (n,), in this duration."""
         # where x changes its sign |x| falls to 0, in the first part of the step, and rises in the rest of it
         crosses = begin * end < 0.0
         first_part = np.where(crosses, begin / np.where(crosses, begin - end, 1.0), 1.0)
@@ -150,15 +157,15 @@ class Cells:
 
     def _moved_together(self, weights: Array, begin: Array, end: Array, durations: Array) -> Array:
         """The same for at most LANES strands, which the kernel wants as the last axis of arrays of just so many."""
-        count, lanes = begin.size, np.zeros((3, self._kernel.LANES))
-        lanes[:, :count] = begin, end - begin, durations
-        begin, rise, durations = lanes
-        at_begin = np.zeros((self.edges.size - 1, rise.size))
-        at_begin[:, :count] = weights.T
+        count, of_lanes = begin.size, np.zeros((3, self._kernel.LANES))
+        of_lanes[:, :count] = begin, end - begin, durations
+        level_at_begin, rise, durations = of_lanes
+        weights_at_begin = np.zeros((self.edges.size - 1, rise.size))
+        weights_at_begin[:, :count] = weights.T
         # The terms of the table at the head: flow, leaving, entering and breaking of shape (2, cells, lanes), by stage
         # of Radau's step and cell; times, spread and level, which is |x|, (2, lanes).
         times = durations * np.ones((2, 1))
-        level = begin + rise * self._kernel.STAGES[:, None]
+        level = level_at_begin + rise * self._kernel.STAGES[:, None]
         flow = self._drift(level[:, None] + self.edges[:-1, None])
         flow *= times[:, None]
         flow += rise
@@ -173,13 +180,16 @@ class Cells:
             breaking, tilt = self._early(level, times)
             leaving = flow - tilt
             entering = flow - np.concatenate([tilt[:, :1], tilt[:, :-1]], axis=1)
-        given = leaving, entering, breaking, spread, self._face_density, self._face_slope
-        return np.asarray(self._kernel.step(at_begin, *given)[:, :count].T)
+        terms = leaving, entering, breaking, spread, self._face_density, self._face_slope
+        return np.asarray(self._kernel.step(weights_at_begin, *terms)[:, :count].T)
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
         """Of each cell the rate of breaking, and its tilt due to the rate's slope, both times the duration: heat takes
         rate · weight + tilt · (u at the upper face - u at the lower) from a cell. For on a cell of the width w the mean
-        of h u is that of h times that of u plus (w²/12) h' u', and w h' and w u' are differences between its faces."""
+        of h u is that of h times that of u plus (w²/12) h' u', and w h' and w u' are differences between its faces.
+
+        An example: w = 0.1, h rises from 1 to 2 and u from 3 to 4. The weight is 0.35, rate · weight = 1.5 · 0.35 =
+        0.525, the tilt 0.1 · 1/12 = 0.00833: in all 0.5333, the integral of (1 + 10 z)(3 + 10 z) from 0 to 0.1."""
         thermal = self._thermal
         assert thermal is not None
         ends = level[:, None] + self.edges[:, None]
@@ -200,13 +210,16 @@ class Cells:
         return np.asarray(self._kernel.weight_above(weights, self.edges, rise))
 
 
-def _cell_edges(largest: float, width: float, thinnest: float, bulk: float, factor: float) -> Array:
-    """Ends of cells from 0 to `largest`: their widths grow from `thinnest` with the distance to 0 until they are the
-    widest, and grow further beyond `bulk` (see CellControl); all are multiplied by `factor`."""
+def _cell_edges(
+    largest: float, width: float, first_cell: float, bulk: float, factor: float
+) -> Array:
+    """Ends of cells from 0 to `largest`: their widths grow from `first_cell` with the distance to 0 until they are the
+    widest, and grow further beyond `bulk` (see CellControl); all are multiplied by `factor`. For the narrowest width
+    0.05, say, the first cell is 1e-6 at most, and those at y = 0.01, 0.1 and 0.5 are 0.002, 0.011 and 0.017."""
     edges = [0.0]
     while edges[-1] < largest:
         widest = CELLS.widest * width + CELLS.growth_beyond * max(edges[-1] - bulk, 0.0)
-        near = thinnest + CELLS.growth * edges[-1]
+        near = first_cell + CELLS.growth * edges[-1]
         # about the smaller of both
         edges.append(edges[-1] + factor / (1.0 / near + 1.0 / widest))
         if len(edges) > CELLS.most:
@@ -221,7 +234,7 @@ def _cell_edges(largest: float, width: float, thinnest: float, bulk: float, fact
 def _at_faces(edges: Array) -> Array:
     """Coefficients that give the density, and its slope, at the lower face f of each cell from the weights
     of the cells f - 2 to f + 1, by cubics, at both ends by lower polynomials; and at the upper face of the last
-    cell, 0. Shape (2, 4, cells + 1)."""
+    cell, 0. Shape (2, 4, cells + 1): out[0, k, f] is what the weight of the cell f - 2 + k counts for the density."""
     m = edges.size - 1
     out = np.zeros((2, 4, m + 1))
     for f in range(m):

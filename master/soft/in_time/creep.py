@@ -8,7 +8,12 @@ force of steady sliding at the speed V that it has, and the balance of forces an
 
 which leads to V = v. By s, ds = K max(v, V)/F_k'(u) dt, its solution is
 
-    V/v = 1/[1 + (v/V_0 - 1) e^(-s)]  from below,    V/v = 1 + (V_0/v - 1) e^(-s)  from above.
+    V/v = 1/[1 + (v/V_0 - 1) e^(-s)]  from below,    V/v = 1 + (V_0/v - 1) e^(-s)  from above:
+
+from V_0 = v/2, say, V/v = 1/(1 + e^-s) is 0.5, 0.731 and 0.993 at s = 0, 1 and 5; from 2 v it is 2, 1.368 and 1.007.
+
+In: the nodes of a section, the ends of its steps (the time; X and F/(N_c <k>), which are lengths), and K in N_c <k>.
+Out: such nodes up to the end of the drive's path (`Crept.sections`), and the error of F on them (a length).
 
 Steps hand over where F - F_k(V) is steady along the last part of the way; F lags behind F_k(V) by little, in the first
 order of the change of V with X; F_k rises with the speed from V to v; and there steady sliding is stable on this spring
@@ -76,7 +81,7 @@ class CreepControl(NamedTuple):
 CREEP = CreepControl()
 # Number of speeds at which the slope of F_k is looked at; and a time in place of 0 for steps that took none, by which
 # their speed stays finite.
-SLOPES, TINY = 65, 1e-300
+SLOPES, NO_TIME = 65, 1e-300
 
 
 class Crept(NamedTuple):
@@ -87,18 +92,18 @@ class Crept(NamedTuple):
 
 
 class Offset(NamedTuple):
-    """F - F_k(V) along the last part of the way: its mean, the largest minus the smallest (lengths), and the mean way
-    of a step (a length)."""
+    """F - F_k(V) along the last part of the way: its mean, and the largest minus the smallest (lengths); and the mean
+    travel of a step there (a length)."""
 
     mean: float
-    varies: float
-    step: float
+    variation: float
+    step_length: float
 
     def at_step_0(self, before: "Offset | None") -> float:
         """The size of the mean in the limit of steps of 0. Its error goes as the square of the step, so that the offset
         `before`, of a slider with longer steps, gives the limit; without that, or if its steps are hardly longer, the
         size as it is."""
-        square = (self.step / before.step) ** 2 if before else 1.0
+        square = (self.step_length / before.step_length) ** 2 if before else 1.0
         if before is None or square > CREEP.square_of_ratio:
             return abs(self.mean)
         return abs(self.mean - square * before.mean) / (1.0 - square)
@@ -124,13 +129,13 @@ class Creep:
         self._speed, self._sign = abs(float(motion.speeds[-1])), float(np.sign(motion.speeds[-1]))
         self._tolerance = tolerance * self._unit
         self._table: KineticTable | None = None
-        self._before: Offset | None = None  # of the slider with longer steps
-        self._looked_at = 0  # so many nodes of the section
+        self._offset_of_longer_steps: Offset | None = None  # of the slider before
+        self._nodes_at_last_look = 0  # so many the section had when creep was looked for last
         self._stable_at = dict[float, bool]()  # by ln V; sliders with halved steps ask for the same
 
     def begin_section(self) -> None:
         """At the begin of a smooth section nothing of its way is known."""
-        self._looked_at = 0
+        self._nodes_at_last_look = 0
 
     def from_here(self, nodes: list[Node], most_steps: float) -> Crept | None:
         """How the slider goes on from the last of the nodes of a section on the last leg. None where it goes on in
@@ -141,10 +146,10 @@ class Creep:
         # too early, or looked at a few steps ago
         if (
             distance < CREEP.least_distance * abs(last.force)
-            or len(nodes) < CREEP.next_look * self._looked_at
+            or len(nodes) < CREEP.next_look * self._nodes_at_last_look
         ):
             return None
-        self._looked_at = len(nodes)
+        self._nodes_at_last_look = len(nodes)
         distance_of_steps = most_steps * distance / len(nodes)
         # the drive is so near to its end that steps lead there
         if self._speed * (self._motion.times[-1] - last.time) < distance_of_steps:
@@ -157,9 +162,9 @@ class Creep:
         distance_ahead = sign * (sections[-1][-1].position - last.position)
         if distance_ahead < distance_of_steps or not self._stable(steady.log_speed):
             return None
-        before, self._before = self._before, steady.offset
-        error = max(steady.offset.at_step_0(before), steady.lag)
-        return Crept(sections, float(error + steady.offset.varies + steady.table.error))
+        error = max(steady.offset.at_step_0(self._offset_of_longer_steps), steady.lag)
+        self._offset_of_longer_steps = steady.offset
+        return Crept(sections, float(error + steady.offset.variation + steady.table.error))
 
     def _steady(self, nodes: list[Node], distance: float) -> SteadyCreep | None:
         """Whether creep is steady along the last part of the way of these nodes, but for its stability: it goes
@@ -168,7 +173,7 @@ class Creep:
         last, sign = nodes[-1], self._sign
         position, time, force = np.array([(n.position, n.time, n.force) for n in nodes]).T
         late = np.flatnonzero(sign * (last.position - position) <= CREEP.last_part * distance)
-        speeds = sign * np.diff(position[late]) / np.maximum(np.diff(time[late]), TINY)
+        speeds = sign * np.diff(position[late]) / np.maximum(np.diff(time[late]), NO_TIME)
         if speeds.size < CREEP.fewest_steps or speeds.min() <= 0.0:
             return None
         log_speeds = np.log(speeds)
@@ -176,31 +181,33 @@ class Creep:
         if table is None:
             return None
         # the speed from here on is that at which F is F_k, not the last one of the steps
-        now = table.log_speed(sign * last.force)
+        log_speed = table.log_speed(sign * last.force)
         offsets = 0.5 * sign * (force[late][1:] + force[late][:-1]) - table.force(log_speeds)
         late_distance = sign * (last.position - position[late[0]])
         offset = Offset(float(offsets.mean()), float(np.ptp(offsets)), late_distance / speeds.size)
-        lag = self._lag(now, abs(log_speeds[-1] - log_speeds[0]) / late_distance, table)
-        if offset.varies > CREEP.variation * self._slope(now, table) or np.isinf(lag):
+        rise_per_length = abs(log_speeds[-1] - log_speeds[0]) / late_distance
+        lag = self._lag(log_speed, rise_per_length, table)
+        if offset.variation > CREEP.variation * self._slope(log_speed, table) or np.isinf(lag):
             return None
-        return SteadyCreep(table, now, offset, lag)
+        return SteadyCreep(table, log_speed, offset, lag)
 
     def _slope(self, log_speed: float, table: KineticTable) -> float:
         """dF_k/d ln V at this ln V (a length), where F_k rises with the speed from there to the drive's; else 0."""
         slopes = table.force(np.linspace(log_speed, np.log(self._speed), SLOPES), 1)
         return float(slopes[0]) if slopes.min() > 0.0 else 0.0
 
-    def _lag(self, log_speed: float, change: float, table: KineticTable) -> float:
-        """By how much F lags behind F_k(V) at this ln V (a length), in the first order of the change of ln V with X
-        (1/length); inf where it matters, or is not known. By the response at small wave numbers q: its imaginary part
-        is q dF_k/d ln V, and its real part goes as q²."""
+    def _lag(self, log_speed: float, rise_per_length: float, table: KineticTable) -> float:
+        """By how much F lags behind F_k(V) at this ln V (a length), in the first order of d ln V/dX, `rise_per_length`
+        (1/length); inf where it matters, or is not known. To a disturbance e^(iqX) of X, by which ln V changes by iq
+        times as much and d ln V/dX by -q², F answers by G(iq) = iq F_k' + c q² for small q (master/steady/response.py):
+        F = F_k(V) - c d ln V/dX."""
         wave, slope = CREEP.wave_number / self._unit, self._slope(log_speed, table)
         if not slope > 0.0:
             return float("inf")
         answer = complex(response(self._contacts, float(np.exp(log_speed)), np.array([wave]))[0])
         if abs(answer.imag / wave - slope) > CREEP.slope_difference * slope:
             return float("inf")
-        lag = abs(answer.real) / wave**2 * change
+        lag = abs(answer.real) / wave**2 * rise_per_length
         return float(lag) if lag <= CREEP.lag * self._tolerance else float("inf")
 
     def _stable(self, log_speed: float) -> bool:
@@ -221,8 +228,8 @@ class Creep:
         needed = np.append(log_speeds, np.log(self._speed))
         ends = np.array([needed.min(), needed.max()])
         table = self._table
-        wide = table is not None and table.ends[0] <= ends[0] and ends[1] <= table.ends[1]
-        if table is not None and wide and not np.isnan(table.log_speed(force)):
+        holds_all = table is not None and table.ends[0] <= ends[0] and ends[1] <= table.ends[1]
+        if table is not None and holds_all and not np.isnan(table.log_speed(force)):
             return table
         for factor in CREEP.speed_ranges:
             wider = ends + np.log(factor) * np.array([-1.0, 1.0])
@@ -236,10 +243,11 @@ class Creep:
         """The sections from this node, at this ln V, to the end of the drive's path: V(s) as at the head, and the time
         by an integral over s. On the second one, if there is time left, V is the drive's speed."""
         drive, sign, end = np.log(self._speed), self._sign, float(self._motion.times[-1])
-        first = log_speed - drive  # ln V_0/v
-        s = np.arange(0.0, abs(first) + CREEP.s_at_end, CREEP.s_per_step)
-        # ln V/v, for both signs of `first`
-        log_ratio = np.sign(first) * np.log1p(np.expm1(abs(first)) * np.exp(-s))
+        first_log_ratio = log_speed - drive  # ln V_0/v
+        s = np.arange(0.0, abs(first_log_ratio) + CREEP.s_at_end, CREEP.s_per_step)
+        # ln V/v, for both signs of ln V_0/v
+        rise_above_1 = np.expm1(abs(first_log_ratio)) * np.exp(-s)
+        log_ratio = np.sign(first_log_ratio) * np.log1p(rise_above_1)
         # dt/ds = F_k'(u)/(K max(v, V))
         time_per_s = table.force(log_ratio + drive, 1) / (
             self._spring * self._speed * np.exp(np.maximum(log_ratio, 0.0))
@@ -259,10 +267,10 @@ class Creep:
         return sections
 
     def _section(self, s: Array, time: Array, force: Array) -> list[Node]:
-        """Nodes in whose `sizes_so_far` s stands, over which answer/reading.py interpolates."""
-        place = self._motion.at(time) - force / self._spring
-        each = zip(s.tolist(), time.tolist(), force.tolist(), place.tolist(), strict=True)
-        return [Node(size, at, borne, 1.0, x) for size, at, borne, x in each]
+        """Nodes in whose `sizes_so_far` s stands, over which answer/reading.py interpolates; all contacts hold."""
+        position = self._motion.at(time) - force / self._spring
+        rows = np.stack([s, time, force, np.ones(s.size), position], axis=1)
+        return [Node(*row) for row in rows.tolist()]
 
 
 def creep_of(

@@ -10,7 +10,7 @@ import numpy as np
 
 from master.outcome import Progress
 from master.soft.followed import LOOSEN, ErrorPart, Followed
-from master.soft.in_time.idle_heat import WEAK, Idle, without_weak_heat
+from master.soft.in_time.idle_heat import WEAK_EFFECT, Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.small_swings import UNRESOLVED
@@ -189,7 +189,7 @@ def _check(contacts: Contacts, drive: Drive, idle: Idle) -> None:
     if others == ["thermal"]:
         effect = f"{idle.error:.1g}" if np.isfinite(idle.effect) else "unknown"
         hint = "a slider with mass is followed at T = 0, as if heat changed the force by less than"
-        change = f"{WEAK:g} mean thresholds; here the bound is {effect}"
+        change = f"{WEAK_EFFECT:g} mean thresholds; here the bound is {effect}"
         refuse(
             "mass", drive.mass, f"{hint} {change}; leave out the heat, or the mass and give slip"
         )
