@@ -5,6 +5,15 @@ Of contacts that age every group carries the density of its thresholds, on the c
 Where thresholds grow each contact keeps its quantile for life. The fraction e^-H has not reached its threshold yet, H
 being the largest hazard of their law at their stretch and age so far (master.survival.growing). With heat they also
 break earlier, see threshold_cells.py: here the cells are those of the quantile.
+
+In and out: see Memory. A record holds what is kept of a group:
+
+    AgeingMemory    | weights of the cells (no unit), |x| risen since they were moved (a length)
+    GrowingMemory   | H (no unit), time since pinning; with heat A for each edge of cells (no unit)
+
+An example of thresholds with the hazard x/(1 + a) at the age a, on average 1 + a, and a contact pinned at x = 0: after
+a move to x = 0.9 until a = 0.5 H is 0.6, so that e^-0.6 = 0.55 hold. After another back to x = 0.2 until a = 1 the
+hazard is 0.1, and H still 0.6: none breaks on the way back.
 """
 
 from collections.abc import Callable

@@ -172,7 +172,7 @@ class ContactsInSteps:
             # No birth is taken back, although an earlier step may have told too many (see births_up_to). J is `rest`
             # alone where per_break = 0. Else J = p B(end) + (1 - p) B(begin) >= B(begin), as breaks never fall: that
             # takes none back, and `rest`, a part of J, is no bound. Without a delay, say, J = B(end) and rest = 0: with
-            # J_0 in its place all births so far would be counted twice.
+            # J_0 in its place all births so far would be counted once more.
             # Where none holds after a slip they are taken back all the same, until contacts form: held back, they would
             # form at once on each short step, and the slider would go on by one threshold a step.
             rest_is_all_births = not per_break

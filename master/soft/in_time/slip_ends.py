@@ -34,9 +34,12 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
 
     Breaks lower F, so that it rises at most with the stiffness of the contacts that still hold. Where the spring pulls
     more by d no balance is nearer than d/(K + that stiffness): steps of this length miss none, but for two that are
-    nearer to each other than SHORTEST_STEP. Where nothing holds any
-    more one of them leads to the end, X = X_T, where all contacts form again at once, as in a reset. With a delay those
-    that broke stay out for it, whether others hold or not, and births repeat the jump of the breaks a delay later.
+    nearer to each other than SHORTEST_STEP. Where nothing holds any more one of them leads to the end, X = X_T, where
+    all contacts form again at once, as in a reset. With a delay those that broke stay out for it, whether others hold
+    or not, and births repeat the jump of the breaks a delay later.
+
+    An example, which a test computes: half of the thresholds are around 0.5, half around 2, K = 0.5, and the slider
+    slips from X = 0 with X_T = 2. At X = 1 the weak are out: the spring pulls by 0.5 (2 - 1), and F = 0.5 * 1.
     """
     contacts.past_breaks.begin_section()
     travel, imbalance = _travel_to_balance(contacts, steps)
@@ -88,15 +91,15 @@ def slip_with_births(
     - there, too, once it is sure that breaks will be steady before: some way after all contacts are `decohered`.
     """
     # travels are of the sign of X here, so that a slip backward has negative ones
-    step, small = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
+    step_travel, near = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
     so_far = SlipSoFar(contacts, steps.sign)
 
     def imbalance(travel: float) -> float:
         return steps.imbalance(contacts.trial(travel, contacts.now))
 
-    first = _first_travel(imbalance, steps.sign * small)
+    first = _first_travel(imbalance, steps.sign * near)
     if not first:
-        trial = contacts.trial(NO_SLIP_OF_STEP * step, contacts.now)
+        trial = contacts.trial(NO_SLIP_OF_STEP * step_travel, contacts.now)
         pull = steps.imbalance(trial)
         contacts.take(trial, 0.0)
         return _check_balance(contacts, steps, pull)
@@ -105,14 +108,14 @@ def slip_with_births(
     # Whether the slider is already past the balance at which the slip began, as it is where a step goes beyond `first`.
     # An example: the slip begins at X = 0, pulls are above 0 from X = 0.002 on, and the step is 0.001. The first step
     # ends where the pull is still below 0; taken for a balance, that would end the slip where it began.
-    away = abs(first) < abs(step)
+    away = abs(first) < abs(step_travel)
     begin = contacts.position
     while True:
-        trial = contacts.trial(step, contacts.now)
+        trial = contacts.trial(step_travel, contacts.now)
         pull = steps.imbalance(trial)
         if pull <= 0.0 and away:
             break
-        away |= pull > 0.0 or abs(contacts.position - begin) > small
+        away |= pull > 0.0 or abs(contacts.position - begin) > near
         contacts.take(trial, 0.0)
         low = 0.0
         so_far.add(contacts, pull)
@@ -128,7 +131,7 @@ def slip_with_births(
             so_far.decohered_since = so_far.travelled[-1]
     at_end = imbalance(low)
     if at_end > 0.0:
-        low, at_end = float(brentq(imbalance, low, step, xtol=AT_END * contacts.unit)), 0.0
+        low, at_end = float(brentq(imbalance, low, step_travel, xtol=AT_END * contacts.unit)), 0.0
     contacts.take(contacts.trial(low, contacts.now), 0.0)
     _check_balance(contacts, steps, at_end)
 

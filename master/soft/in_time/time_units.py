@@ -15,6 +15,9 @@ class TimeUnits:
     """Time since the begin of a smooth section in time units, of which a step takes about one or less: at the time t
     since rate t + c ln(1 + t/first), uniform where the drive moves, logarithmic where changes slow down.
 
+    An example: rate 3, first 0.001 and c = 0.4. At t = 0.001, 0.1 and 1 these are 0.28, 2.15 and 5.76 time units: the
+    first thousandth takes as much of a step as a tenth does later.
+
     begin, end : times between which the motion is smooth
     rate : uniform time units per time; 0 while the drive holds
     first : the time from which on logarithmic units grow: the shortest over which contacts change; inf for no change
