@@ -17,6 +17,7 @@ from master.motion import Motion
 from master.outcome import StoppedError
 from master.soft.followed import ErrorPart, Followed
 from master.soft.inertia import solution
+from master.soft.inertia.delayed import panel_search
 from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import Collocation, Machine, Missed, Solved, State
 from master.soft.inertia.delayed.drive_path import DrivePath
@@ -28,7 +29,9 @@ from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.pull import Pull, PullOnPanel, Sliding
 from master.soft.inertia.delayed.small_swings import SmallSwings
 from master.soft.inertia.delayed.survival import Survival
+from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.record import Record
+from master.soft.inertia.run import Run
 from master.soft.inertia.short_delay import short_delay
 from master.soft.regime import regime
 from master.soft.slips import slips_of
@@ -860,3 +863,64 @@ def test_a_machine_whose_delay_makes_sliding_swing_slides_on_so() -> None:
     left = np.diff(energy.drive)[-5:] - sum(stored)
     spent = np.diff(energy.damped)[-5:] + np.diff(energy.released)[-5:]
     np.testing.assert_allclose(left, spent, rtol=1e-9)
+
+
+def test_a_slip_of_many_thresholds_is_followed_as_steady_sliding_whatever_panels_miss(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Panels shorter than a threshold missed as much, added up, as told steady sliding from another: all of the slip,
+    of 4e4 thresholds, was followed by them. Now it takes some 700."""
+    monkeypatch.setattr(panel_search, "MOST_PANELS", 1500)
+    contacts = origins.Contacts(stats.expon(), delay=origins.Delay(1e-7))
+    path = np.linspace(0.0, 1.0003e6, 5)
+    drive = Drive(path, 161.0, spring=1e-6, mass=2.2e-9, damping=1.1e-8)
+    run = Run(contacts, drive, 8e-4, 1.0, time.monotonic() + 300.0)
+    assert not run.stopped
+    (slip,) = run.record.slips
+    assert slip.end.place - slip.begin.place > 3e4
+
+
+def unstable(damping: float = 1e-8, delay: float = 1e-7) -> tuple[origins.Contacts, Drive]:
+    """A machine, 50 N/m with 0.1 kg, whose friction falls with the speed by some 5.4e-8, at thresholds of 1."""
+    path = np.linspace(0.3e6, 2.5e6, 40)
+    return delayed(delay), Drive(path, 161.0, spring=1e-6, mass=2.2e-9, damping=damping)
+
+
+def test_swings_that_a_delay_makes_grow_by_hand() -> None:
+    contacts, drive = unstable()
+    found = growing_swings(contacts, drive)
+    assert found is not None
+    falls = 1e-7 * 0.5 * WIDE.moment(2) / (WIDE.mean() + 161.0e-7) ** 2
+    assert (found.falls, found.excess) == pytest.approx((falls, (falls - 1e-8) * 161.0), rel=1e-12)
+    # the balance of a speed that is u faster than the drive's: M u'' = (g - γ) u' - K u
+    half = solve_ivp(
+        lambda t, state: [state[1], ((falls - 1e-8) * state[1] - 1e-6 * state[0]) / 2.2e-9],
+        *((0.0, 1.0), [0.0, 1.0]),
+        events=lambda t, state: state[0] if t > 0.01 else 1.0,
+        rtol=1e-10,
+    )
+    assert found.growth == pytest.approx(-half.y_events[0][0][1], rel=1e-4)
+    assert found.fall == pytest.approx(found.excess * (1.0 + found.growth))
+    # panels at this tolerance miss a fiftieth of it, and no more than a swing begins with
+    assert found.coarsest(0.1) == pytest.approx(found.excess / 0.02)
+    assert found.coarsest(1e-5) == 1e-5
+    for number in (f"{falls:.3g}", "the damping is 1e-08", "give one above"):
+        assert number in found.message
+
+
+@pytest.mark.parametrize(
+    ("changed", "grows", "refined"),
+    [
+        ({"damping": 6e-8}, False, False),  # more than friction falls by
+        ({"delay": 1e-8}, False, False),
+        ({"damping": 5.1e-8}, True, False),  # errors hardly grow in a swing
+        ({"delay": 1e-5}, True, False),  # a slip
+        ({}, True, True),
+    ],
+)
+def test_only_swings_below_a_slip_that_grow_fast_are_followed_finely(
+    changed: dict, grows: bool, refined: bool
+) -> None:
+    found = growing_swings(*unstable(**changed))
+    assert (found is not None) is grows
+    assert found is None or (found.coarsest(0.1) < 0.1) is refined

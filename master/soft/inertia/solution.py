@@ -15,6 +15,7 @@ from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.small_swings import UNRESOLVED
 from master.soft.inertia.foretold import refuse_long_ringing
+from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
 from master.soft.inertia.run import OF_PANELS, Run
@@ -98,7 +99,10 @@ def solve_inertial(
     if short is not None:
         contacts, drive = short.contacts, short.drive
     unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
-    parts, nodes = list(TOLERANCES), 0
+    grows = growing_swings(contacts, drive) if contacts.waiting_time else None
+    coarsest = TOLERANCES[0] * tolerance
+    first = grows.coarsest(coarsest) / coarsest if grows else 1.0
+    parts, nodes = [first * part for part in TOLERANCES], 0
     while True:
         best = Run(contacts, drive, tolerance, parts.pop(0), until)
         nodes += best.nodes
@@ -131,6 +135,8 @@ def solve_inertial(
     neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
         neglected += idle.error
+    if stopped and grows is not None:
+        stopped += f"; {grows.message}"
     notes, of_holding = list[str](), best.tolerance if np.isinf(error) else 0.0
     if short is not None:
         neglected += short.error

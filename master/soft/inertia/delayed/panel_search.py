@@ -46,10 +46,13 @@ class PanelSearch:
         """The next panel, and whether it ends `at_stop`.
 
         A panel on which contacts form and break is tried first where it is the wider one. Else, or where it misses too
-        much, a panel as wide as the last one's error lets it be, narrower until it misses little enough.
+        much, a panel as wide as the last one's error lets it be, narrower until it misses little enough. What panels
+        miss adds up over a contact's life, and could by itself keep sliding from being seen as nearly steady, for a
+        whole slip of panels shorter than a threshold: near to it they miss less.
         """
         t, time_to_go = self._body.state.t, stop - self._body.state.t
-        self.steady = self._is_nearly_steady()
+        off = self._off_steady()
+        self.steady = off <= 1.0
         fast = self._fast_width()
         if self._width < fast < time_to_go:
             solved = self.solve(fast)
@@ -60,6 +63,7 @@ class PanelSearch:
         width = min(width, self._fast_limit(), time_to_go)
         least = max(WIDTHS.least * t, WIDTHS.least_of_swing * self._swing_time)
         missed: Missed | None = None
+        accuracy = self._body.accuracy * (WIDTHS.unbiased if 1.0 < off <= WIDTHS.biased else 1.0)
         while True:
             if width < least or self.tried >= MOST_PANELS:
                 raise StoppedError(self._too_many(width, missed))
@@ -72,9 +76,9 @@ class PanelSearch:
                 continue
             missed = solved.missed
             # the error goes as the width to the power of the number of nodes
-            ratio = WIDTHS.aim * self._body.accuracy / max(missed.largest, TINY)
+            ratio = WIDTHS.aim * accuracy / max(missed.largest, TINY)
             ratio **= 1.0 / NODES.size
-            if missed.largest <= self._body.accuracy:
+            if missed.largest <= accuracy:
                 before, self._width = self._width, width * min(ratio, WIDTHS.growth)
                 if at_stop and np.isfinite(before):
                     # a panel that an edge cut short does not make the next one narrow
@@ -94,9 +98,9 @@ class PanelSearch:
         search = Collocation(body.machine, body.contacts, self._sliding, body.past, body.accuracy)
         return search.solve(body.state, width, body.drive.at(times), guess, self.steady)
 
-    def _is_nearly_steady(self) -> bool:
-        """Whether as many contacts hold, and pull as strongly, as in nearly steady sliding of this speed, within the
-        error that a panel may have. Contacts at exact thresholds break together, steadily never.
+    def _off_steady(self) -> float:
+        """By how much more or fewer contacts hold, or pull, than in nearly steady sliding of this speed, in units of
+        the error that a panel may have. Contacts at exact thresholds break together, steadily never: inf.
 
         The rise of the speed is that under such a pull, from M a = K (X_T - X) - γ V - F_k(V) - a dF/da: it may differ
         from the present one by that error over M, which changes X by little before contacts have passed a threshold.
@@ -104,7 +108,7 @@ class PanelSearch:
         body, machine = self._body, self._body.machine
         (_, x, w), exact = body.state, body.contacts.survival.atoms.size
         if w == 0.0 or exact or body.past.lumps:
-            return False
+            return np.inf
         direction = float(np.sign(w))
         speed, none = np.array([direction * w]), np.zeros(1)
         of_speed = self._sliding.nearly_steady(speed, none, body.past.delay)
@@ -113,10 +117,10 @@ class PanelSearch:
         rise = (pull - machine.damping * speed - of_speed.force) / (machine.mass + of_speed.by_rise)
         steady = self._sliding.nearly_steady(speed, rise, body.past.delay)
         if float(steady.change[0]) > MOST_CHANGE:
-            return False
+            return np.inf
         force_off = abs(float(response.force[0]) - direction * float(steady.force[0]))
         holding_off = machine.unit * abs(float(response.holding[0]) - float(steady.holding[0]))
-        return max(force_off, holding_off) <= body.accuracy
+        return max(force_off, holding_off) / body.accuracy
 
     @property
     def _swing_time(self) -> float:

@@ -16,6 +16,8 @@ class WidthControl(NamedTuple):
     steady : way of the first panel on which sliding is nearly steady, in mean thresholds, and least width in delays
     of_swing : most width of such a panel, in times in which the mass follows its spring
     of_stop : and in times in which the slider would stop at its present deceleration: it must not turn on it
+    unbiased : error of a panel, in units of that which it may have, where sliding differs from a nearly steady one by
+        more than the latter, and by no more than `biased` times of it: so much panels may add up to (1.2 measured)
     least, least_of_swing : a panel is never narrower than this part of the time since the start, which is its rounding,
         nor than this part of the time in which the mass follows its spring: nothing moves as fast
     """
@@ -30,6 +32,8 @@ class WidthControl(NamedTuple):
     steady: float = 3.0
     of_swing: float = 0.5
     of_stop: float = 0.9
+    unbiased: float = 0.1
+    biased: float = 4.0
     least: float = 1e-13
     least_of_swing: float = 1e-12
 
