@@ -14,7 +14,7 @@ import master
 import origins
 import toolkit
 from origins import Contacts
-from toolkit.scene.interfaces import of_islands
+from toolkit.scene.of_samples import of_islands
 
 A = 2.5
 SETTINGS = {"lattice_constant": A, "mean_atoms": 60.0, "stiffness": 1.0, "samples": 2000, "seed": 3}

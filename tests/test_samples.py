@@ -248,5 +248,7 @@ def test_a_column_under_a_header_with_decimal_points_or_commas(tmp_path: Path, t
 def test_a_run_with_samples_says_whose_errors_it_tells() -> None:
     law = {"kind": "from-samples", "x_s": SAMPLES.tolist()}
     scene = {"contacts": {"thresholds": law}, "drive": {"to": 1.0, "points": 3}, "master": {}}
-    (note,) = toolkit.run(scene).notes
-    assert note.startswith("errors are numerical only, not those of the samples: ")
+    of_smoothing, note = toolkit.run(scene).notes
+    assert of_smoothing.startswith("F_k of the smooth law is ") and note.startswith(
+        "errors are numerical only, not those of the samples: "
+    )

@@ -23,7 +23,7 @@ from tests.scenes import CONSTANTS, GAUSSIAN, ROUGH, said, write
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.results.slips import spread_of
 from toolkit.running.solvers import within
-from toolkit.scene.interfaces import of_islands, of_samples, of_smoothing
+from toolkit.scene.of_samples import of_islands, of_samples, of_smoothing
 from toolkit.scene.scale import Scale, guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers, judge, kinds
@@ -1279,6 +1279,22 @@ def test_samples_that_the_program_draws_are_its_own_to_raise() -> None:
     (note, *_), islands = of_samples(law), of_islands(law)
     assert "raise samples" in note and "take more samples" not in note
     assert of_smoothing(law) and "hangs on the smoothing" in islands[0]
+
+
+def test_what_smoothing_adds_to_the_kinetic_force_stands_beside_the_error_of_the_samples() -> None:
+    """<x> is kept, <x²> is not: told where it moves F_k by a tenth of the samples' own standard error or more."""
+    x = stats.gamma(2.0).rvs(2000, random_state=np.random.default_rng(5))
+    law = origins.from_samples(x)
+    (note,) = (one for one in of_samples(law) if "smooth law" in one)
+    others = np.random.default_rng(1).choice(x, (2000, x.size))
+    own, each = ((one**2).sum(axis=-1) / (2.0 * one.sum(axis=-1)) for one in (x, others))
+    said = re.match(r"F_k of the smooth law is (\S+)% (above|below) .* error is (\S+)%: ", note)
+    off = 100.0 * (law.moment(2) / (2.0 * law.mean()) / own - 1.0)
+    assert said is not None and (said[2] == "above") == (off > 0.0)
+    assert float(said[1]) == pytest.approx(abs(off), abs=0.006)
+    assert float(said[3]) == pytest.approx(100.0 * each.std() / own, rel=0.1)
+    even = origins.from_samples(np.linspace(0.5, 1.5, 100))
+    assert not any("smooth law" in one for one in of_samples(even))
 
 
 def with_contacts(own: Behaviour, finite: Finite, *others: float) -> answers.Verdict:

@@ -38,8 +38,9 @@ from toolkit.running.solvers import within
 from toolkit.saving import pictures as picture
 from toolkit.saving import read_formats, stale
 from toolkit.scene.changes import read_changes
-from toolkit.scene.interfaces import foreseen, of_smoothing
+from toolkit.scene.interfaces import foreseen
 from toolkit.scene.laws import inside
+from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.paper import numbers_in_paper
 from toolkit.scene.scale import SHARED
 from toolkit.scene.scene import SHIPPED, load_scene, read_scene, shipped_scenes

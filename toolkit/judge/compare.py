@@ -18,8 +18,9 @@ from toolkit.results.records import Result
 from toolkit.running.runner import solve
 from toolkit.running.solvers import within
 from toolkit.scene.drive import has_path, machine_number
-from toolkit.scene.interfaces import Number, of_smoothing
+from toolkit.scene.interfaces import Number
 from toolkit.scene.laws import inside
+from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import SHARED, scale_of
 from toolkit.scene.scene import Scene, load_scene, read_scene
 from toolkit.scene.tables import DriveTable, read_table

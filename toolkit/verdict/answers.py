@@ -7,7 +7,7 @@ import numpy as np
 
 from origins.contacts import Contacts
 from toolkit.results.html import as_table
-from toolkit.scene.interfaces import of_smoothing
+from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import Scale, of_contacts, with_uncertainty
 from toolkit.verdict.machine import Behaviour, Finite, Machine
 

@@ -8,7 +8,7 @@ from origins.contacts import Contacts
 from origins.samples.from_samples import Sampled
 from origins.thresholds.families import identical
 from origins.thresholds.mixture import mixture
-from toolkit.scene.interfaces import of_smoothing
+from toolkit.scene.of_samples import of_smoothing
 from toolkit.verdict.ensemble import follow_by_contacts
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, follow
 from toolkit.verdict.machine import Behaviour, Machine, RigidSlider

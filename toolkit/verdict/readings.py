@@ -10,7 +10,8 @@ from typing import Any
 from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.roughness.interface import Interface
-from toolkit.scene.interfaces import of_listed_angles, why_infinite
+from toolkit.scene.interfaces import why_infinite
+from toolkit.scene.of_samples import of_listed_angles
 from toolkit.scene.scene import Scene, make_contacts
 from toolkit.scene.tables import DriveTable, read_table
 from toolkit.verdict.budget import MORE_TIME
