@@ -1,5 +1,8 @@
 """Soft sliders whose drive turns often: the error does not grow from turn to turn where contacts forget."""
 
+import re
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -7,9 +10,11 @@ import master
 import origins
 from master.soft.cold_contacts import ColdContacts
 from master.soft.moves import LoadingHistory, Move
-from master.soft.turns import loss_of_breaks, unsteadiness
+from master.soft.turns import Leg, loss_of_breaks, remedy_of, unsteadiness
 
 TURNS = 14
+# of a drive whose legs are 0.6 to 3.4 loadings long, in these
+FAR_TURNS = np.array([0.0, 2.3, -1.1, 1.7, -0.6, 0.9])
 
 
 def back_and_forth(spring: float, seed: int) -> np.ndarray:
@@ -78,3 +83,38 @@ def test_the_place_of_a_turn_changes_the_force_by_no_more_than_is_told(
     # the way itself is not short beside the change of F'
     assert stays <= 1.05 * told
     assert told <= 5.0 * stays
+
+
+def test_an_error_that_grows_at_turns_names_the_turn_at_which_to_end() -> None:
+    """The path to the turn that is named has the error that is told, and is solved."""
+    contacts, ends = origins.Contacts(origins.gaussian(1.0, 0.3)), 25.0 * FAR_TURNS / 3.0
+    path = np.concatenate([np.linspace(*leg, 9)[1:] for leg in pairwise(ends.tolist())])
+    found = master.solve(contacts, path, 1e-8, spring=0.3, slip="reform-after")
+    told = r"end the path at the turn at X_T = (\S+), up to which it is (\S+), or loosen the tol"
+    said = re.search(told, found.message)
+    assert said is not None and not found.success, found.message
+    place, error = map(float, said.groups())
+    leg = int(np.argmin(np.abs(ends - place)))
+    assert 0 < leg < ends.size - 1 and ends[leg] == pytest.approx(place, rel=1e-5)
+    shorter = master.solve(contacts, path[: 8 * leg], 1e-8, spring=0.3, slip="reform-after")
+    assert shorter.success and shorter.force_error == pytest.approx(error, rel=0.5)
+    longer = master.solve(contacts, path[: 8 * leg + 8], 1e-8, spring=0.3, slip="reform-after")
+    assert longer.force_error > 1e-8
+
+
+@pytest.mark.parametrize(
+    "errors, heat, told",
+    [
+        ([1e-9, 2e-8, 3e-8], 0.0, "at X_T = 1, up to which it is 1.0e-09, or loosen the tolerance"),
+        ([2e-8, 3e-8], 0.0, "shorten the path or loosen the tolerance"),
+        # forces are known up to there, although no better than asked
+        ([2e-8, 3e-4, 0.5], 0.0, "at X_T = 2, up to which it is 3.0e-04, or loosen the tolerance"),
+        ([1e-2, 0.5], 1e-3, "at X_T = 1, up to which it is 1.0e-02, or leave out the heat"),
+        ([0.5], 1e-3, "end the path sooner, or leave out the heat"),
+    ],
+)
+def test_what_makes_the_error_of_turns_and_heat_smaller(
+    errors: list[float], heat: float, told: str
+) -> None:
+    legs = [Leg(float(end), error) for end, error in enumerate(errors, start=1)]
+    assert remedy_of(legs, heat, 1e-8).removeprefix("end the path at the turn ") == told

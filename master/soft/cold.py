@@ -4,10 +4,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from master.motion import Motion
 from master.outcome import StoppedError, stop_after
-from master.renewal.births import Births
-from master.renewal.edges import edges
 from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.followed import LOOSEN, ErrorPart, Followed
@@ -15,19 +12,12 @@ from master.soft.limit_cycle import LimitCycle, Slipped
 from master.soft.moves import LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
-from master.soft.turns import behind_turn
+from master.soft.too_long import refuse_endless_slips, refuse_long_lives
+from master.soft.turns import Leg, behind_turn, remedy_of
 from origins import Contacts
 from origins.drive import SLIP_FRACTION, Drive
-from origins.errors import refuse
 from origins.thresholds.law import Array
 
-# Most instants at which exact thresholds break on the way of a slider that slips from one to the next; as many take
-# some 5 s for one value, 30 s for two values.
-MOST_TOGETHER = 2000
-# Way on which they are counted first, in mean thresholds.
-FIRST_DISTANCE = 50.0
-# Longest life of contacts, in mean thresholds, up to which breaks are followed until they are steady: some 25 s.
-LONGEST_LIFE = 500.0
 # Part of the tolerance, and of the error of each slip, that slips may miss together, and each, which are repeated
 # although they are not quite the same.
 OF_REPEATING = 0.1
@@ -35,8 +25,6 @@ OF_REPEATING = 0.1
 ROUNDED = 1e-15
 # Slips that leave some contacts holding, and moves, that are kept to be repeated: each keeps its panels.
 MOST_OF_LATE = 8
-# Thresholds at which the first breaks are looked at.
-QUANTILES = 2000
 Onset = tuple[Move, float]  # of a slip: the move that leads to it, and the travel on it
 
 
@@ -74,74 +62,35 @@ class ColdSlider:
         self._cycle, self._of_late = LimitCycle(), dict[Onset, Slipped]()
         # the same of each slip; nan where contacts form again at once
         self.fractions_broken = list[float]()
-        if self.slip == "instant" and cold.life.atoms.size and drive.forward:
-            self._refuse_endless_slips(contacts)
-        if cold.life.largest_stretch > LONGEST_LIFE * cold.unit and drive.forward:
-            self._refuse_long_lives(contacts)
-
-    def _refuse_endless_slips(self, contacts: Contacts) -> None:
-        """InputError where exact thresholds, which re-form at once, break together too often on the path.
-
-        The slider has moved at least to where the largest possible force balances the drive, and breaks at each instant
-        up to there follow from those before, without any march.
-        """
-        cold = self.contacts
-        largest = cold.life.largest_stretch
-        stretched = float(contacts.relative_stiffness(largest)) * largest / self.spring
-        distance = float(self.path[-1]) - stretched
-        ahead, breaks = FIRST_DISTANCE * cold.unit, 0
-        # way after way, as to count all instants would take long where there are millions
-        while breaks <= MOST_TOGETHER and ahead < 2.0 * distance:
-            motion = Motion.along(np.array([0.0, min(ahead, distance)]))
-            plan = edges(Births(cold.life, cold.reforming, motion), contacts.start, cold.of_panels)
-            ahead, breaks = 2.0 * ahead, plan.times.size
-        if breaks > MOST_TOGETHER:
-            fault = f"the slider goes on by {distance:.3g}, and contacts of exact thresholds break"
-            what = f"together more than {MOST_TOGETHER:,} times on the way"
-            hint = 'give the values a width, end the path sooner, or take "reset" or "reform-after"'
-            refuse("path[-1]", self.path[-1], f"{fault} {what}; {hint}")
-
-    def _refuse_long_lives(self, contacts: Contacts) -> None:
-        """InputError where the slider goes with its drive for longer than contacts of a heavy tail can be followed.
-
-        From relaxed contacts F is at most <x_s^2>/<x_s>, by Lorden's inequality of renewal theory. A slip that leaves
-        no contact as it was ends this way; up to second breaks F' is 1 - X P_c(X), and tells whether there is one.
-        """
-        law, unit = contacts.thresholds, self.contacts.unit
-        longest = self.contacts.life.largest_stretch
-        latest = law.moment(2) / law.mean() / self.spring
-        distance = float(self.path[-1]) - latest
-        relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
-        if not (relaxed and contacts.stiffness == "independent" and distance > LONGEST_LIFE * unit):
-            return
-        x = law.isf((np.arange(QUANTILES) + 0.5) / QUANTILES)
-        slips = float((x * law.pdf(x)).max()) > 1.0 + self.spring
-        if self.slip == "instant" or not slips:
-            fault = f"contacts of a heavy tail, that hold for up to {longest / unit:.3g} mean thresholds, are followed"
-            most = f"for {LONGEST_LIFE:g}, and the slider goes on by {distance / unit:.3g}"
-            hint = f"end the path before {latest + LONGEST_LIFE * unit:.4g}, or cut the tail"
-            refuse("path[-1]", self.path[-1], f"{fault} {most}; {hint}")
+        if drive.forward:
+            refuse_endless_slips(contacts, cold, drive)
+            refuse_long_lives(contacts, cold, drive)
 
     def follow(self) -> Followed:
         """The results along the path, as far as work and time allow."""
-        balance, unit, stopped = self._start_force / self.spring, self.contacts.unit, ""
+        spring, unit, stopped = self.spring, self.contacts.unit, ""
+        balance = self._start_force / spring
         steps, each = np.diff(self.path, prepend=balance), np.arange(self.path.size)
         # a first point this near the balance, in mean thresholds, counts as the balance
         steps[0] = 0.0 if abs(steps[0]) <= 1e-12 * unit else steps[0]
         # a hold belongs to the move before it
         signs = np.sign(steps)[np.maximum.accumulate(np.where(steps, each, 0))].astype(int)
         self.force.append(np.full(np.count_nonzero(signs == 0), self._start_force))
+        legs = list[Leg]()
         try:
             for points in np.split(each, np.flatnonzero(np.diff(signs)) + 1):
                 if signs[points[0]]:
                     self._move(int(signs[points[0]]), self.path[points])
+                    off = max(self.error, spring * self.drive_error) / unit
+                    legs.append(Leg(float(self.path[points[-1]]), off))
         except StoppedError as why:
             stopped = str(why)
         force = np.concatenate(self.force)
         rounding = ROUNDED * float(np.abs(force).max(initial=unit))
+        remedy = remedy_of(legs, self.contacts.unknown / unit, self.contacts.tolerance)
         parts = (
-            ErrorPart("the force along the path", self.error / unit),
-            ErrorPart("X_T at slips", self.spring * self.drive_error / unit),
+            ErrorPart("the force along the path", self.error / unit, remedy),
+            ErrorPart("X_T at slips", spring * self.drive_error / unit, remedy),
             ErrorPart(
                 "a slip that may come just before the drive turns or ends, by heat that is left out",
                 self.missed_slip / unit,
@@ -153,7 +102,7 @@ class ColdSlider:
             balance=balance,
             force=force,
             holding=np.ones(force.size),
-            slips=slips_of(np.reshape(self.slips, (-1, 3)).T, self.spring, self.drive_error),
+            slips=slips_of(np.reshape(self.slips, (-1, 3)).T, spring, self.drive_error),
             fractions_broken=np.array(self.fractions_broken),
             error=max(part.size for part in parts),
             nodes=self.contacts.nodes,

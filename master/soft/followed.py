@@ -18,7 +18,8 @@ NOTHING_KNOWN = "neither force nor slips are known"
 # What makes a part of the error smaller. A shorter path takes fewer steps, so that more halvings fit into the work.
 SHORTEN = "shorten the path or loosen the tolerance"
 LOOSEN = "loosen the tolerance"
-LEAVE_HEAT = "leave out the heat or loosen the tolerance"
+LEAVE_OUT = "leave out the heat"
+LEAVE_HEAT = f"{LEAVE_OUT} or {LOOSEN}"
 GIVE_WIDTH = "give the exact thresholds a width, as in gaussian(mean, std)"
 
 

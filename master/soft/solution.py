@@ -13,7 +13,7 @@ import numpy as np
 
 from master.outcome import Progress
 from master.soft.cold import ColdSlider
-from master.soft.followed import LOOSEN, ErrorPart, Followed
+from master.soft.followed import LEAVE_HEAT, ErrorPart, Followed
 from master.soft.in_time.idle_heat import Idle, without_idle_heat
 from master.soft.in_time.refining import balance_of, refined
 from master.soft.regime import Regime, regime
@@ -97,7 +97,7 @@ def solve_soft(
         error = idle.error
         of_drive = error * contacts.mean_threshold / float(drive.spring or 0.0)
         slips = replace(found.slips, drive_error=found.slips.drive_error + of_drive)
-        left_out = ErrorPart("heat that is left out", error, LOOSEN)
+        left_out = ErrorPart("heat that is left out", error, LEAVE_HEAT)
         found = found._replace(
             error=found.error + error, slips=slips, parts=(*found.parts, left_out)
         )

@@ -15,6 +15,7 @@ Either history may go on behind the turn:
 In steady sliding F' is 0, and the first one would make the error larger by 1/K, turn after turn.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ import numpy as np
 from master.numerics import polynomials
 from master.renewal.births import panel_at
 from master.soft.curve import LoadCurve
+from master.soft.followed import LEAVE_OUT, LOOSEN, SHORTEN, UNRELIABLE
 from master.soft.moves import Move
 
 
@@ -30,6 +32,25 @@ class Misplaced(NamedTuple):
 
     error: float
     shift: float
+
+
+class Leg(NamedTuple):
+    """Where the drive turns or ends (X_T, a length), and the error of the force up to there (mean thresholds)."""
+
+    end: float
+    error: float
+
+
+def remedy_of(legs: Sequence[Leg], heat: float, tolerance: float) -> str:
+    """What the user may do to make the error smaller; it grows from turn to turn, which no looser tolerance changes.
+    `heat` : what heat that is left out changes in F at a given X; all in mean thresholds."""
+    last = LOOSEN if heat <= tolerance else LEAVE_OUT
+    known = tolerance if legs and legs[-1].error < UNRELIABLE else UNRELIABLE
+    within = [leg for leg in legs if leg.error < known]
+    if 0 < len(within) < len(legs):
+        place = f"X_T = {within[-1].end:.6g}, up to which it is {within[-1].error:.1e}"
+        return f"end the path at the turn at {place}, or {last}"
+    return SHORTEN if heat <= tolerance else f"end the path sooner, or {last}"
 
 
 def behind_turn(move: Move, curve: LoadCurve, y: float, shift: float) -> Misplaced:

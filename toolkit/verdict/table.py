@@ -23,7 +23,10 @@ FORGOTTEN = 1.0 / 3.0
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
 # what a solver advises where its error is above the tolerance
-_ADVICE = re.compile(r"; (?:shorten the path or |(leave out the heat) or )?loosen the tolerance")
+_ADVICE = re.compile(
+    r"; (?:(?:shorten the path or )?loosen the tolerance|(?:end the path sooner, or )?(leave out the heat)"
+    r"(?: or loosen the tolerance)?)"
+)
 
 
 def table(verdict: Verdict) -> list[str]:

@@ -120,7 +120,8 @@ def _of_heat(verdict: Verdict) -> Iterator[Line]:
         size = max(cold[rule] for rule in rules) * unit / (own.static.value * scale.force)
         bound = f"heat is left out{which}: it would change the force by {most} at most"
         yield Line(size, f"{bound}; {kinetic}" if kinetic else bound)
-    if kinetic and not cold:
+        kinetic = ""  # is told once
+    if kinetic:
         yield Line(change or GENERAL, kinetic)
 
 
