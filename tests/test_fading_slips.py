@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+import eq_model
 import master
 from master.soft.followed import ErrorPart, Followed
 from master.soft.regime import LASTING, Regime, regime
 from master.soft.slips import Slips
 from origins import Contacts, Delay, gaussian, identical, mixture
 from origins.drive import Drive
-from toolkit.results.slips import are_fading
+from toolkit.results.slips import are_fading, main_slips
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
 from toolkit.verdict.machine import Behaviour, Machine, RigidSlider
@@ -157,3 +158,29 @@ def test_drops_of_wide_thresholds_that_shrink_ever_less_are_no_end_of_the_slips(
     found = master.solve(contacts, [0.0, 6.5 * loading], 1e-2, **pulled)
     assert found.regime.slips > 3 and found.regime.verdict in ("stick-slip", "undecided")
     assert (spring == 0.2) == (found.regime.verdict == "stick-slip")
+
+
+@pytest.mark.parametrize(
+    ("law", "spring", "delay", "far", "verdict", "least"),
+    [
+        # the drive had gone on by six times what loads the spring, and all contacts were still out
+        (gaussian(1.0, 0.2), 0.95, 25.0, 14.0, "undecided", 0.7),
+        # no contact held on after the first slip, and yet the tenth is less than half of it
+        (gaussian(1.0, 0.4), 0.252, 30.0, 9.0, "undecided", 0.0),
+        (gaussian(1.0, 0.4), 0.252, 1.0, 9.0, "stick-slip", 0.9),
+    ],
+)
+def test_contacts_that_wait_long_draw_apart_from_slip_to_slip(
+    law, spring: float, delay: float, far: float, verdict: str, least: float
+) -> None:
+    """What one slip tells beside twelve of the ensemble."""
+    contacts, drive = Contacts(law, delay=Delay(delay)), {"velocity": 1.0, "spring": spring}
+    path = np.linspace(0.0, far, 50)
+    found = master.solve(contacts, path, 1e-2, slip="reform-after", **drive)
+    assert found.success and found.regime.verdict == verdict, found.regime.reason
+    long = np.linspace(0.0, 14.0 * (delay + 2.0 + 1.0 / spring), 50)
+    slid = eq_model.simulate(contacts, long, n_contacts=4000, slip="reform-after", seed=1, **drive)
+    drops = main_slips(slid.slips).drop
+    assert drops.size >= 10 and found.slips.drop[0] == pytest.approx(drops[0], abs=0.02)
+    ratio = drops[9] / drops[0]
+    assert ratio > least if least else ratio < 0.5

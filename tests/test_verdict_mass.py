@@ -404,3 +404,22 @@ def test_a_trace_has_several_points_of_each_swing() -> None:
     assert abs(crossings - 2.0 * 29.0 / swing) <= 1.0
     assert machine.points(1000.0 * swing) == 16_000 and machine.points(1e9) == 600
     assert replace(machine, mass=None).points(1e9) == 600
+
+
+def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch: Any) -> None:
+    """In their delay the drive goes on by seven times what loads the spring: the path ended while all contacts were out
+    after the first slip, and sliding was called smooth."""
+    contacts = Contacts(gaussian(1.0, 0.05), delay=Delay(60.0))
+    machine = Machine(spring=0.1, mass=1e-6, damping=3e-4, velocity=1.0)
+    rigid = RigidSlider(0.9, 0.01, 0.0, 5.0, 1.0)
+    never = not_followed("mass", "it is not solved here")
+    monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
+    found = follow(machine, contacts, "mass", rigid, 60.0)
+    assert found.kind == "stick-slip" and found.period == pytest.approx(69.4, abs=0.2)
+    # K times the way from one slip to the next: by the delay nothing holds the slider, then contacts load the spring
+    by_hand = 60.0 + found.before / 0.1
+    assert found.period == pytest.approx(by_hand, rel=0.02)
+    finite = follow_finite(machine, contacts, 5e3, found, rigid.static, 60.0)
+    assert finite.kind == "stick-slip" and finite.before == pytest.approx(found.before, abs=0.02)
+    told = follow_finite(machine, contacts, 5e3, never, rigid.static, 60.0)
+    assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.03)

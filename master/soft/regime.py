@@ -119,7 +119,11 @@ def _by_slips(
         which = f"slip {anew[0] + 1}" if anew[0] else "the first"
         return "stick-slip", f"{counted}, and after {which} all contacts begin again as at first"
     silent = abs(float(drive.path[-1] - slips.drive[-1]))
+    # contacts that broke in a slip wait for their delay, and then bear the slider until they break again
+    motion = drive_motion(drive, found.balance)
+    fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     first = (spring + 1.0) / spring * _oldest_threshold(contacts, drive, found)
+    first += fastest * contacts.waiting_time
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     # slips are over if the last is this many times the longest period ago
     if silent > 1.5 * longest:
@@ -167,10 +171,16 @@ def _closes_in(drops: Array) -> bool:
 
 def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[np.int64]:
     """Indices of the slips that leave contacts as at the start: relaxed, on a drive that goes forward at one speed, and
-    in a slip none forms again and none holds on. With a delay the first alone may: later, some are out already."""
+    in a slip none forms again and none holds on. With a delay the first alone may: later, some are out already. And
+    those that broke one delay before it, or less, come back before the others: only where the spring regains in a delay
+    no more than the slip took do they slip together again. After longer ones they draw apart from slip to slip, and
+    sliding may become smooth (`test_contacts_that_wait_long_draw_apart_from_slip_to_slip`)."""
     relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
     out = drive.slip != "instant" or contacts.delay is not None
-    force_after = found.slips.force_after[: 1 if contacts.delay else None]
+    force_after = found.slips.force_after
+    if contacts.delay:
+        regained = float(drive.spring or 0.0) * drive.velocity * contacts.waiting_time
+        force_after = force_after[:1][regained <= found.slips.drop[:1]]
     force = np.abs(force_after) / contacts.mean_threshold
     steadily = drive.forward and (drive.time is None or not contacts.in_time)
     alike = relaxed and steadily and not contacts.older_at_start

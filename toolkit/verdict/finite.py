@@ -135,6 +135,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     settles = asked.settles
     present = max(round(asked.number), 1)
     mean = contacts.mean_threshold
+    waits = machine.velocity * contacts.waiting_time  # the drive's way while contacts are out
     # with a delay far above the time of a slip (see `may_follow`) contacts are out until the slip is over
     lasts = slip_duration(machine, static) if rule == "mass" else 0.0
     outlasted = rule == "mass" and contacts.waiting_time >= LONG_DELAY * lasts > 0.0
@@ -153,7 +154,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         highest_force = max(static, infinite.before) if slips else static
         if rule == "mass" and infinite.kind != "undecided":
             highest_force = max(highest_force, float(infinite.force.max(initial=0.0)))
-        loading = highest_force / machine.spring + (1.0 + above * softness) * mean
+        loading = highest_force / machine.spring + (1.0 + above * softness) * mean + waits
         end = LOADINGS * loading if slips else loading + BEYOND * mean
         longer = MANY_LOADINGS * loading
         lasting = MANY_LOADINGS if slips else longer / mean
@@ -209,9 +210,11 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     except InputError as refused:
         return Finite(rule, present, "unknown", message=str(refused))
     # a slip to no force leaves a soft spring to be pulled far beyond BEYOND before the next
-    settling, few = SETTLED * BEYOND * mean, infinite.slips if flowing else 0
+    # nor do contacts that are out bear the slider
+    settling, few = SETTLED * BEYOND * mean + waits, infinite.slips if flowing else 0
     if not slips and not settles and may_go_on(found, machine.spring, settling, few):
         seen, end = found, regained_at(found.slips, machine.spring, SEVERAL) + BEYOND * mean
+        end += SEVERAL * waits
         steady = end - path[0] - settling
         path = np.append(path[0], np.linspace(path[0] + steady, end, many))
         breaks = breaks_until(end, seen, mean)

@@ -70,13 +70,14 @@ def follow(
 
     wall_time : s; rings : whether an undamped slider is known to ring for too long, and is followed with some damping
     in_time, at_once : tolerances (mean thresholds) where a law of the contacts depends on time, and where none does
-    A combination that the solver does not take is "undecided", and its message says why. Where the master equation does
-    not decide within its part of the time, the ensemble is followed, or what a slider does that has forgotten its start
-    is told; and an undamped slider is followed again with some damping.
+    What the solver does not take is "undecided", and its message says why. Where the master equation does not decide in
+    time, the ensemble does, or F_k of contacts that have forgotten their start; an undamped slider is damped a little.
     """
     end = time.monotonic() + wall_time
     loading = rigid.static / machine.spring + contacts.mean_threshold
-    # the ensemble keeps its tables with the contacts, for all rules
+    loading += (
+        machine.velocity * contacts.waiting_time
+    )  # before contacts that broke in a slip bear the slider again
     cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
     undamped = machine.mass is not None and not machine.damping
     if undamped and rings:
@@ -207,9 +208,8 @@ def _by_distribution(
             return not_followed(rule, why or str(error))
         if found.slips and not is_precise(solved):
             break  # what the shorter path told stands
-        found = replace(
-            _behaviour(rule, solved, machine.velocity), cut=solved.path.size < path.size
-        )
+        told = _behaviour(rule, solved, machine.velocity)
+        found = replace(told, cut=solved.path.size < path.size)
         swings = found.kind == "smooth" and length < settled
         if swings:
             found = replace(found, kind="undecided", message=SWINGING)
