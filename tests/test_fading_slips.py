@@ -14,7 +14,7 @@ from master.soft.regime import LASTING, Regime, regime
 from master.soft.slips import Slips
 from origins import Contacts, Delay, gaussian, identical, mixture
 from origins.drive import Drive
-from toolkit.results.slips import are_fading, main_slips
+from toolkit.results.slips import are_fading, main_slips, shrinks_by
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
 from toolkit.verdict.machine import Behaviour, Machine, RigidSlider
@@ -184,3 +184,15 @@ def test_contacts_that_wait_long_draw_apart_from_slip_to_slip(
     assert drops.size >= 10 and found.slips.drop[0] == pytest.approx(drops[0], abs=0.02)
     ratio = drops[9] / drops[0]
     assert ratio > least if least else ratio < 0.5
+
+
+def test_by_how_much_late_slips_shrink_is_told_beyond_chance() -> None:
+    """Of four sliders, of which each drop is 3 % smaller than the one before, and by chance more or less."""
+    chance = np.random.default_rng(1).normal(0.0, 1.0, (4, 12))
+    shrinking = 0.97 ** np.arange(12)
+    assert shrinks_by(slips_of(list(shrinking * np.exp(1e-3 * chance))), 4) == pytest.approx(
+        0.03, abs=1e-3
+    )
+    assert shrinks_by(slips_of(list(shrinking * np.exp(0.2 * chance))), 4) == 0.0
+    assert shrinks_by(slips_of(list(np.exp(1e-3 * chance))), 4) == 0.0
+    assert shrinks_by(slips_of([[1.0, 0.9, 0.8]] * 4), 4) == 0.0  # too few to tell

@@ -423,3 +423,26 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     assert finite.kind == "stick-slip" and finite.before == pytest.approx(found.before, abs=0.02)
     told = follow_finite(machine, contacts, 5e3, never, rigid.static, 60.0)
     assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.03)
+
+
+def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
+    monkeypatch: Any,
+) -> None:
+    """Contacts that wait long come back ever less together: two slips and then none were called stick-slip."""
+    never = not_followed("mass", "it is not solved here")
+    monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
+    delay = 40.0
+    contacts = Contacts(stats.expon(), delay=Delay(delay))
+    mass = 0.05 * (0.3 * delay / np.pi) ** 2  # a slip takes 0.3 of the delay
+    machine = Machine(0.05, mass, 0.2 * np.sqrt(0.05 * mass), 1.0)
+    rigid = RigidSlider(0.55, 0.025, 0.0, 0.5, 1.0, contacts=4000)
+    found = follow(machine, contacts, "mass", rigid, 60.0)
+    assert found.kind == "smooth" and found.slips == 2
+    # steady sliding at F_k, <x_s>^2 / (<x_s> + v delay) for an exponential law, and what the damping bears
+    steady = 1.0 / (1.0 + delay) + machine.damping
+    assert found.after == pytest.approx(steady, abs=found.error) and found.error < 0.1
+    narrow = Contacts(gaussian(1.0, 0.4), delay=Delay(delay))
+    machine = replace(machine, mass=mass / 9.0, damping=machine.damping / 3.0)
+    found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 60.0)
+    said = re.search(r"each drop ([\d.]+)% smaller than the one before", found.message)
+    assert found.kind == "stick-slip" and said and 4.0 < float(said[1]) < 20.0

@@ -13,6 +13,8 @@ QUARTERED, HALVED = 8, 4
 # of a mean drop: slips that shrink by less from one third of the way to the next are not called fading, nor by less
 # than so many standard errors
 FADED, FADING = 0.05, 4.0
+# of a drop: less than this from one slip to the next is not told
+STILL = 2e-3
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,20 @@ def are_fading(slips: Any) -> bool:
         off += float(before.var(ddof=1) + last.var(ddof=1)) / third / float(before.mean()) ** 2
     least = max(FADED, FADING * off**0.5 / max(len(gone), 1))
     return bool(gone) and float(np.mean(gone)) > least
+
+
+def shrinks_by(slips: Any, sliders: int) -> float:
+    """By which part of itself a drop is smaller than the one before it, over the later half of the slips, on average
+    over so many sliders; 0 where that is below STILL or below FADING standard errors of theirs, and of fewer slips than
+    HALVED."""
+    common = int(np.bincount(slips.replica, minlength=sliders).min())
+    if common < HALVED:
+        return 0.0
+    each = [slips.drop[slips.replica == one][common // 2 : common] for one in range(sliders)]
+    slopes = np.polyfit(np.arange(common - common // 2), np.log(each).T, 1)[0]
+    least = max(STILL, FADING * float(slopes.std(ddof=1)) / sliders**0.5)
+    part = -float(np.expm1(slopes.mean()))
+    return part if part > least else 0.0
 
 
 def main_slips(slips: Any) -> Any:

@@ -11,7 +11,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
-from toolkit.results.slips import late_slips, main_slips, spread_of
+from toolkit.results.slips import late_slips, main_slips, shrinks_by, spread_of
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.machine import (
@@ -142,10 +142,13 @@ def follow_by_contacts(
     smaller = all_slips - found.slips.drive.size
     slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
-    slipped = common > 1
+    waits = machine.velocity * contacts.waiting_time  # the drive's way while contacts are out
+    slipped = common > 1 and may_go_on(found, machine.spring, waits, 0)
     before = after = float(force[-1])
-    error, many = float(found.force_standard_error[-1]), None
+    error, many, shrinking = float(found.force_standard_error[-1]), None, ""
     if slipped:
+        if part := shrinks_by(slips, SLIDERS):
+            shrinking = f", each drop {part:.2%} smaller than the one before"
         many = Finite(rule, number, "stick-slip", drive=drive, force=force, smaller=smaller)
         many = with_late_slips(many, slips)
         before, after = many.before, many.after
@@ -158,9 +161,14 @@ def follow_by_contacts(
         error += _too_early(found, few, unit)
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
-    late = found.forces[:, -(path.size // LATE) :]
+    # at least the drive's way in which contacts that broke together come back: they do so ever less together
+    late = found.forces[:, path >= path[-1] - max(length / LATE, waits)]
     if not slipped and (swing := float(np.ptp(late, axis=1).max()) / unit) > RINGS:
         return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
+    if not slipped:
+        each = late.mean(axis=1)
+        before = after = float(each.mean())
+        error = float(each.std(ddof=1)) / SLIDERS**0.5 + 0.5 * float(np.ptp(late.mean(axis=0)))
     return Behaviour(
         rule=rule,
         kind="stick-slip" if slipped else "smooth",
@@ -170,7 +178,7 @@ def follow_by_contacts(
         slips=common,
         error=float(error / unit),
         success=True,
-        message=by_sliders(number),
+        message=by_sliders(number) + shrinking,
         contacts=number,
         sliders=many,
         run_time=found.run_time,
@@ -217,7 +225,8 @@ def by_sliders(number: int, heat: float | None = None) -> str:
 
 def without_heat(found: Behaviour, change: float) -> Behaviour:
     """What the ensemble found without heat that changes the force by at most so many mean thresholds."""
-    message = by_sliders(found.contacts or 0, change)
+    number = found.contacts or 0
+    message = found.message.replace(by_sliders(number), by_sliders(number, change))
     return replace(found, error=found.error + change, message=message, heat_left_out=change)
 
 

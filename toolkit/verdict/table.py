@@ -22,6 +22,8 @@ _VAGUE = 0.1
 FORGOTTEN = 1.0 / 3.0
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
+# part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
+WAITING = 0.01
 # what a solver advises where its error is above the tolerance
 _ADVICE = re.compile(
     r"; (?:(?:shorten the path or )?loosen the tolerance|(?:end the path sooner, or )?(leave out the heat)"
@@ -259,9 +261,13 @@ def drop_of(behaviour: Behaviour) -> float:
 
 def regained_by(verdict: Verdict, behaviour: Behaviour) -> float | None:
     """By how much the spring's force rises over a period, F/(N_c <k>) (a length), where that is clearly less than a
-    slip's drop: a mass whose contacts are out swings back before it sticks. None where it is not."""
+    slip's drop: a mass whose contacts are out swings back before it sticks. None where it is not, and where the drive
+    goes on by more than WAITING of the period while they are out, and loads no spring."""
     machine = verdict.own.machine
     if behaviour.rule != "mass" or behaviour.period is None or machine is None:
+        return None
+    waits = machine.velocity * verdict.own.contacts.waiting_time
+    if waits > WAITING * behaviour.period:
         return None
     regained = machine.spring * behaviour.period
     return regained if drop_of(behaviour) > (1.0 + _RUNG) * regained else None
