@@ -12,7 +12,7 @@ from scipy import stats
 import eq_model
 import master
 from master.soft.inertia.run import SlipsInTime
-from origins import Contacts, Delay, InputError, gaussian
+from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.scenes import said, write
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
@@ -446,3 +446,20 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 60.0)
     said = re.search(r"each drop ([\d.]+)% smaller than the one before", found.message)
     assert found.kind == "stick-slip" and said and 4.0 < float(said[1]) < 20.0
+
+
+def test_a_cause_is_told_only_where_it_was_followed() -> None:
+    """Heat that was left out lifts no force, and a damping that nobody gave stands in the sentence itself."""
+    found = not_followed("mass", "by the ensemble, 4 sliders of 500 contacts")
+    slips = {"kind": "stick-slip", "before": 0.9, "after": -0.5, "period": 900.0, "slips": 5}
+    found = replace(found, **slips, error=1e-9, success=True, damping=0.02, heat_left_out=1e-4)
+    told = of(found)
+    warm = replace(told.own, contacts=WAITING.replace(thermal=Thermal("soft", 0.01, 0.1)))
+    lines = " ".join(dependence(replace(told, answers=(warm,))))
+    assert "as all contacts hold a slider that sticks" in lines and "as heat breaks" not in lines
+    followed = replace(warm, behaviours=(replace(found, heat_left_out=None),))
+    assert "as heat breaks weak" in " ".join(dependence(replace(told, answers=(followed,))))
+    # 2 (K M)^(1/2) = 2e-4 is critical
+    assert sentence(told).endswith(", with 10000% of critical damping, as none is given")
+    given = replace(told.own, behaviours=(replace(found, damping=None),))
+    assert "as none is given" not in sentence(replace(told, answers=(given,)))

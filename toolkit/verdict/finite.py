@@ -104,6 +104,8 @@ def follow_finite(
 
     static : F_s/(N_c <k>) (a length); seconds : to be done by then, else they are not followed
     """
+    if infinite.damping is not None:  # infinitely many were followed with one that is not given
+        machine = replace(machine, damping=infinite.damping)
     asked = _Asked(machine, contacts, number, infinite, static)
     until, found = time.monotonic() + seconds, None
     for least, above in pairwise((LEAST_ABOVE, *ABOVE)):

@@ -235,13 +235,16 @@ def of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
         return
     static, slipping = own.static.value, [one for one in own.behaviours if one.slips]
     above = max((abs(one.before) for one in slipping), default=0.0) > (1.0 + ABOVE) * static
+    followed = own.contacts
+    if all(one.heat_left_out is not None for one in slipping):
+        followed = followed.replace(thermal=None)  # heat is no cause of what was found without it
     if own.contacts.in_time:
         apart = max((abs(abs(one.before) - static) for one in slipping), default=0.0) / static
         yield Line(
             apart,
             "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
             "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
-            f"before a slip{_why_above(own.contacts) * above}{_of_waiting(own)}",
+            f"before a slip{_why_above(followed) * above}{_of_waiting(own)}",
         )
     elif above and not own.contacts.start.is_single:
         yield Line(

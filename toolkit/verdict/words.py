@@ -124,10 +124,6 @@ def turned(verdict: Verdict) -> list[str]:
     if other.rule == "mass" and not own.contacts.waiting_time:
         late = spoken(long_delay_of(own), own.scale.time_unit)
         whose, tells = f"only after {late}", ""
-        if other.damping is not None:
-            tells = (
-                f", with {other.damping / critical_damping(own.machine):.0%} of critical damping"
-            )
     return [f"contacts that form again {whose} would make it {does}{tells}"]
 
 
@@ -256,7 +252,7 @@ def _behaved(
         if bare:
             return said
         beside = f"{of_damping(answer, last, differs)}{without_delay(answer, last)}"
-        return f"smooth at {said}{whom}{beside}"
+        return f"smooth at {said}{whom}{beside}{_of_assumed_damping(answer, last)}"
     high = with_error([one.before * scale.force for one in alike])
     low = span(after, scale.force_unit, shown_error)
     fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
@@ -278,4 +274,12 @@ def _behaved(
         every = span(periods, scale.length_unit, relative_error * max(periods))
         seconds = span(times, scale.time_unit, relative_error * max(times))
         said += f" every {every}, {seconds} at {written(verdict.velocity, speed_unit(verdict))}"
-    return said
+    return said + _of_assumed_damping(answer, last)
+
+
+def _of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:
+    """That a damping was taken where none is given, as the slider rings for too long without one."""
+    if behaviour.damping is None or answer.machine is None:
+        return ""
+    part = behaviour.damping / critical_damping(answer.machine)
+    return f", with {part:.0%} of critical damping, as none is given"
