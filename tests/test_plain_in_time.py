@@ -48,6 +48,7 @@ from origins import (
     Delay,
     Drive,
     GrowingThresholds,
+    InputError,
     Thermal,
     gaussian,
     growing_grains,
@@ -1053,3 +1054,13 @@ def test_a_tiny_last_step_does_not_swing_what_is_read_before_it() -> None:
     force, holding = read([nodes], times)
     assert force == pytest.approx(0.15 * times, abs=1e-9)
     assert np.abs(holding - 1.0).max() < 1e-3
+
+
+def test_a_path_of_too_many_slips_is_refused_the_same_backward() -> None:
+    """By the steps that large slips take: of slips back, at which F rises, small ones were taken for large."""
+    contacts, told = Contacts(gaussian(1.0, 0.1), thermal=Thermal("soft", 0.001, 0.1)), []
+    for far in (400.0, -400.0):
+        with pytest.raises(InputError, match="a slip takes 22 steps") as refused:
+            master.solve(contacts, [far], velocity=1.0, spring=0.8, slip="reform-after")
+        told.append(str(refused.value).partition("0: ")[2])
+    assert told[0] == told[1]

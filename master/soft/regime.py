@@ -180,7 +180,7 @@ def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[n
     force_after = found.slips.force_after
     if contacts.delay:
         regained = float(drive.spring or 0.0) * drive.velocity * contacts.waiting_time
-        force_after = force_after[:1][regained <= found.slips.drop[:1]]
+        force_after = force_after[:1][regained <= np.abs(found.slips.drop[:1])]
     force = np.abs(force_after) / contacts.mean_threshold
     steadily = drive.forward and (drive.time is None or not contacts.in_time)
     alike = relaxed and steadily and not contacts.older_at_start

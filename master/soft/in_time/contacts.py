@@ -153,8 +153,8 @@ class ContactsInSteps:
 
             B (1 - broken_of_new per_break) = 1 - kept + survival J_0 + broken_of_new rest.
 
-        For `per_break` and `rest` see BirthsUpTo. None form, J = J_0, in a step of no time, as no delay ends in it, nor
-        in one so fast that contacts break as they form.
+        For `per_break` and `rest` see BirthsUpTo. None form, J = J_0, with a delay in a step of no time, as none ends
+        in it; without one in a step so fast that contacts break as they form.
         """
         stop_after(self._until)  # the search for a step may need hundreds of trials
         duration = end - self.now

@@ -216,8 +216,9 @@ class Slider:
     def _stop_if_too_many_steps(self, end: float) -> None:
         """StoppedError where slips up to a time would take too many steps, if each takes as many as the last one."""
         contacts, two = self.contacts, self.slips[-2:]
-        least = LARGE * max((slip.force_before for slip in self.slips), default=0.0)
-        large = [slip for slip in two if slip.force_before - slip.force_after > least]
+        # of slips back F is below 0, and rises
+        least = LARGE * max((abs(slip.force_before) for slip in self.slips), default=0.0)
+        large = [slip for slip in two if abs(slip.force_before - slip.force_after) > least]
         if len(large) < 2 or two[-1].time < contacts.now:
             return
         began = two[0].time

@@ -140,8 +140,8 @@ class SlipBegins:
         """The balanced step of this size, or a shorter one that resolves breaks, or that up to a slip that begins
         within it; and whether one does.
 
-        An example: thresholds 1 ± 0.1 with soft heat of 0.001, K = 0.3, a slip at t = 3.507. Steps of the size 1 lead
-        from 2.890 to 3.060, 3.225, 3.375 and 3.484: they take less and less time, as contacts break. The next one of
+        An example: thresholds 1 ± 0.1 with heat ("soft", 0.001, 1), K = 0.3, a slip at t = 3.507. Steps of the size 1
+        lead from 2.890 to 3.060, 3.225, 3.375 and 3.484: they take less and less time, as contacts break. The next of
         that size has no balance. Of shorter ones the one that takes the most time ends at 3.508: the slip begins there.
         Of the slider with two halvings, steps have the size 1/4: 3.463, 3.484, 3.499, 3.507, and the slip at 3.5074.
         The next size is that of the slider times `shrink`, which stays 1 here.
