@@ -347,6 +347,37 @@ def made_up(force: float, small_drop: float = 0.0) -> Any:
     )
 
 
+def test_the_steps_up_to_a_slip_are_those_of_the_example() -> None:
+    """See SlipBegins.up_to_slip: where steps end, and why the next one of the size 1 is not taken."""
+    contacts = Contacts(gaussian(1.0, 0.1), thermal=Thermal("soft", 0.001, 1.0))
+
+    def ends(halvings: int) -> tuple[list[float], SlipBegins]:
+        cohorts = ContactsInSteps(contacts, memory_of(contacts, halvings, 1.0), halvings, np.inf)
+        steps = Steps(cohorts, 0.3, Motion(np.array([0.0, 6.0]), np.array([0.0, 6.0])))
+        steps.begin_section(0, 6.0)
+        search, times = SlipBegins(steps), list[float]()
+        while cohorts.now < 3.48:  # the last step before the slip of the coarsest
+            assert search.shrink == 1.0
+            trial, _ = search.up_to_slip(0.5**halvings)
+            cohorts.take(trial, steps.size(trial))
+            times.append(cohorts.now)
+        return times, search
+
+    times, search = ends(0)
+    np.testing.assert_allclose(times[-5:], [2.890, 3.060, 3.225, 3.375, 3.484], atol=5e-4)
+    parts = [search._solve(size).step.time_part for size in (1.0, 0.6)]
+    np.testing.assert_allclose(parts, [0.009, 0.029], atol=5e-4)
+    slip, slips = search.up_to_slip(1.0)
+    assert slips and slip.end == pytest.approx(3.508, abs=5e-4)
+    times, search = ends(2)
+    np.testing.assert_allclose(times[-2:], [3.463, 3.484], atol=5e-4)
+    later = []
+    while not (slips := search.up_to_slip(0.25))[1]:
+        search._steps.contacts.take(slips[0], 0.25)
+        later.append(slips[0].end)
+    np.testing.assert_allclose([*later, slips[0].end], [3.499, 3.507, 3.5074], atol=5e-4)
+
+
 def test_the_example_at_the_head_of_extrapolation_is_answered_so() -> None:
     """F of three made-up sliders, by plain and by extrapolated changes, and a slip of the last one alone."""
     sliders = [made_up(0.76), made_up(0.716), made_up(0.7042, small_drop=0.02)]

@@ -20,17 +20,19 @@ Files, to be read in this order; of each the equation that it is about. The firs
     refining.py      all of this with steps 1, 1/2, 1/4 ...   until the error is within the tolerance
     answer/          the limit of steps 0, and its error      F = F_2 + (F_2 - F_1)/3 of the last two
     unresolved.py    errors that finer steps do not show
+    idle_heat.py     heat that is too weak for steps to see, and left out
 
 How many of a group still hold is the part of its memory, one of these:
 
-    memory.py            thresholds that stay, without heat         S(largest |x|), S the survival function of x_s
+    memory.py            thresholds that stay, without heat         S(largest |x|), S the survival function of x_s;
+                         or with it by their mean rate              e^-(integral of the mean rate) ("paper")
     threshold_cells.py   the same with heat                         mean over x_s of e^-A, A = integral of h dt
     changing.py          thresholds that grow; those that age       e^-H, H the largest hazard so far; sum over cells
     cells.py             the density of thresholds that age         du/dt = d/dy [(D U' + d|x|/dt) u + D du/dy] - h u
-    idle_heat.py         heat that is too weak for steps to see
 
-`cells_kernel.py` and `threshold_cells_kernel.py` are what numba compiles of these. A plain twin of all, in one page, is
-`tests/plain_in_time.py`: who reads that first knows what is computed here.
+`cells_kernel.py` and `threshold_cells_kernel.py` are what numba compiles of these. A plain twin, in one page, of
+thresholds that stay or grow, with heat and a delay, and of resets is `tests/plain_in_time.py`: who reads that first
+knows what is computed here.
 
 State (`ContactsInSteps`): X, the time, and contacts in groups that were born together at one stretch. A group is a
 stretch x, its largest |x| so far, a weight (the share of all contacts born in it), and a record, the numbers by which a
@@ -50,20 +52,20 @@ In formulas: s a step's size, τ how much of it is time (`TriedStep.time_part`),
 
 A slip begins where a longer step would end earlier: the spring then pulls more than contacts can bear
 (`SlipBegins.up_to_slip`). It ends, at the same time, at the first balance ahead; the slip rule says whether broken
-contacts form again on the way ("instant"), after it ("reform-after"), or whether all are replaced ("reset")
-(`slip_ends.py`). With a delay "instant" is "reform-after": a slip takes no time, so that no delay ends in it. Steps go
-from one to the next section of the drive's motion, which end where it turns, changes speed or holds, where births jump
-one delay after such an instant, or bend two delays after it, and at slips (`Slider`). After each slip that leaves all
-contacts new the slider does the same again, as long as the drive keeps its speed: that is solved once
-(`Slider._repeat_while_new`).
+contacts form again on the way ("instant"), after it ("reform-after"; both `slip_ends.py`), or whether all are
+replaced ("reset", `Slider._slip`). With a delay "instant" is "reform-after": a slip takes no time, so that no delay
+ends in it. Steps go from one to the next section of the drive's motion, which end where it turns, changes speed or
+holds, where the rate of births jumps one delay after such an instant, and bends two delays after it, at slips, and
+where births jump a delay after these (`Slider`). After each slip that leaves all contacts new the slider does the
+same again, as long as the drive keeps its speed: that is solved once (`Slider._repeat_while_new`).
 
-Order of calls: `solve_soft` (soft/solution.py); `refined`, which for each halving makes a Memory and the contacts, and
-calls `Slider.run`; there, at each begin of a section, `Slider._begin_section`, behind which nothing is drawn through
-steps before it; then for each step `SlipBegins.up_to_slip`, which asks for many trials, and `ContactsInSteps.take` of
-the one that is chosen. What changes the contacts: `take`; a slip (slip_ends.py); births that are due at once, as a
-slip's are one delay later (`form_due`); `repeat`, as many slips are done at once; and `Slider._crept_to_end`, which
-moves X, F and the time to the path's end and leaves the groups as they are, as no step follows. In a slip contacts are
-changed first; X, or the slip's list, follows from their force.
+Order of calls: `solve_soft` (soft/solution.py); `refined`, which for each halving makes a Memory and the contacts,
+and calls `Slider.run`; there, at each begin of a section, `Slider._begin_section`, behind which nothing is drawn
+through steps before it; then for each step `SlipBegins.up_to_slip`, which asks for many trials, and
+`ContactsInSteps.take` of the one that is chosen. What changes the contacts: `take`; a slip (`Slider._slip`,
+slip_ends.py); births that are due at once, as a slip's are one delay later (`form_due`); `repeat`, as many slips are
+done at once; and `Slider._crept_to_end`, which moves X, F and the time to the path's end and leaves the groups as
+they are, as no step follows. In a slip contacts are changed first; X, or the slip's list, follows from their force.
 
 Clocks: all times here are on the path, from t = 0 on, `ContactsInSteps.now` and ends of trials, too (legs of a rigid
 slider have clocks of their own, those of a soft one have not). Sizes (`Node.sizes_so_far`) and time units
@@ -76,9 +78,9 @@ spring's pull where the slider creeps the other way.
 
 Refinement (`refined`): the whole path is solved with steps halved each time. Meshes of records get finer with them,
 each in its own measure (`cell_edges`: twice the cells at each of the first four halvings, then at every second one).
-Errors fall as the square of the steps: three solutions with as many slips give the limit, and an error from their
-changes, to which those of the memory, rounding and what steps cannot resolve (`Unresolved`) are added (`extrapolated`).
-Where that is above the tolerance the message names the largest of these parts (`Followed.why_above`).
+Errors fall as the square of the steps: the last two solutions give the limit, and the changes of three an error, to
+which those of the memory, rounding and what steps cannot resolve (`Unresolved`) are added (`extrapolated`). Where
+that is above the tolerance the message names the largest of these parts (`Followed.why_above`).
 
 Tests: tests/test_plain_in_time.py for parts by themselves, each memory and the plain twin, in seconds;
 test_soft_laws.py and test_any_spring.py for slips. A delay: test_births_follow_from_the_breaks_one_delay_before, the

@@ -66,7 +66,7 @@ class Jump(NamedTuple):
 
     section : that of no time in which they did
     at, due_at : when they did, and when births repeat it (times)
-    behind : index of the end of the step behind it, among the ends of all steps
+    behind : index of its own end, of the breaks behind it, among the ends of all steps
     """
 
     section: int
@@ -224,7 +224,7 @@ class BreaksInSteps:
 
     def check_repeated(self, births: float) -> None:
         """FaultError where births up to now are less than the breaks behind the jump that they have just repeated, by
-        more than those of the step before it: contacts that broke in it would stay out."""
+        more than those of the two steps before it: contacts that broke in it would stay out."""
         behind = self._repeated.behind if self._repeated else 0
         before = self._breaks[max(behind - AROUND - 1, 0) : behind]
         if before and births < self._breaks[behind] - (max(before) - min(before)) - ROUNDED_BREAKS:

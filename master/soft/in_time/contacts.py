@@ -76,7 +76,7 @@ class ContactsInSteps:
 
     position, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the fraction that holds
     past_breaks : those at the ends of all steps, and what will be born of them
-    are_new : whether all contacts have just formed, so that what comes does not depend on what was
+    are_new : whether all contacts stand as after a reset, so that what comes does not depend on what was
     unit, jumps : mean threshold (a length), and whether P_c may jump
     largest_stiffness : k_i/<k> of the stiffest contacts
     halvings : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
@@ -216,7 +216,7 @@ class ContactsInSteps:
 
     def _check_number(self, births: float, holding: float) -> None:
         """FaultError unless the weights of all cohorts are those births, and as many contacts hold as have formed and
-        not broken. Both hold to 5e-16 on thousands of steps (measured on six motions). This sees contacts that are lost
+        not broken. Both hold to 1e-15 on thousands of steps (measured on six motions). This sees contacts that are lost
         or counted twice; no wrong number of births, to which `trial` fits the breaks: with a delay
         `BreaksInSteps.check_births` does."""
         formed, expected = births * self._part_in_cohorts, 1.0 + births - self.past_breaks.total

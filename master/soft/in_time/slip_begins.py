@@ -10,7 +10,8 @@ A balanced step of the size s takes τ(s) time units, and the rest, s - τ(s), i
 long as the slider needs the drive to move on; where τ is the largest it needs no more, and slips. This lies within a
 step of the size s, or just beyond, on one of three conditions (`SlipBegins._has_slip`):
 
-- no balance: τ(s) <= 0, the spring pulls more than contacts bear from now on;
+- no balance after a step of this size: τ(s) <= 0, the spring pulls more than contacts bear there. A shorter step may
+  have one: the slip begins where τ is the largest, and at once where it is below 0 for all;
 - where P_c jumps, F falls beyond: τ(1.01 s) < τ(s). τ has a kink there, and no fold before it;
 - elsewhere a fold within, τ' = 0 before s: τ(0.99 s) >= τ(s), so that the last 0.01 s is all travel, and takes no time
   or less.
@@ -142,9 +143,10 @@ class SlipBegins:
 
         An example: thresholds 1 ± 0.1 with heat ("soft", 0.001, 1), K = 0.3, a slip at t = 3.507. Steps of the size 1
         lead from 2.890 to 3.060, 3.225, 3.375 and 3.484: they take less and less time, as contacts break. The next of
-        that size has no balance. Of shorter ones the one that takes the most time ends at 3.508: the slip begins there.
-        Of the slider with two halvings, steps have the size 1/4: 3.463, 3.484, 3.499, 3.507, and the slip at 3.5074.
-        The next size is that of the slider times `shrink`, which stays 1 here.
+        that size would take 0.009 time units, one of the size 0.6 takes 0.029: a fold is within. The one that takes the
+        most time ends at 3.508: the slip begins there. Of the slider with two halvings, steps have the size 1/4: 3.463,
+        3.484, 3.499, 3.507, and the slip at 3.5074. The next size is that of the slider times `shrink`, which stays 1.
+        A test computes these numbers.
 
         With the heat a hundred times as strong, more than half of the contacts may break on a step. If a tenth is kept
         on one of the size 1, 2.3 e-folds break, and steps of 0.5/2.3 = 0.22 resolve that (`_resolving_factor`). If the

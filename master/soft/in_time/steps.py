@@ -89,9 +89,10 @@ class Guess(NamedTuple):
 class TriedStep(NamedTuple):
     """A step of a chosen size, so much of it time, the rest travel.
 
-    time_part : how much of its size is time, in time units. No step takes less than none: below 0 that of no time is
+    time_part : how much of its size is time, in time units, as it was tried: where the section ends before, the step
+        is cut there, and its size, `Steps.size`, is less. No step takes less than none: below 0 that of no time is
         tried, and from its imbalance a straight line leads on below 0. So each search finds a root, and one below 0
-        says that forces balance at no later time.
+        says that forces balance after no step of this size.
     trial : where it leads to
     imbalance : of the forces at its end, see Steps.imbalance (a length)
     """
@@ -115,7 +116,7 @@ class Root(NamedTuple):
 
     @property
     def has_balance(self) -> bool:
-        """Whether there is a balance later than now; else the slider slips at once."""
+        """Whether there is a balance after a step of this size; else a slip begins within it, or at once."""
         return self.step.time_part > 0.0
 
 
@@ -217,8 +218,8 @@ class Steps:
         """The balanced step of this size, or up to the section's end, looked for from a guess.
 
         The more of its size is time, the farther the drive gets and the less the slider travels: the imbalance rises
-        with the time units, and its root is the balance. Where the root is below 0 there is no balance from now on,
-        see TriedStep.
+        with the time units, and its root is the balance. Where the root is below 0 there is none after a step of this
+        size, see TriedStep.
         """
         slope, accuracy = guess.slope, self.contacts.memory.balance * size
 
