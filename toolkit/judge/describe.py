@@ -19,6 +19,9 @@ PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
 # numbers in units of N_c<k>
 SHARED_NUMBERS = ("kinetic_force", "critical_spring")
 RESAMPLES = 20  # the relative error of the sampling error is then a sixth
+# CPU-s for K*, F_s and X* of one resampled law; in heat that breaks most contacts at once they take 20
+LONGEST = 6.0
+TOO_LONG = "sampling errors of K*, F_s/F_k and X* are missing: with these laws they take minutes"
 SEEN = 1e-3  # of a number: a larger error would be seen in three digits
 
 
@@ -62,7 +65,7 @@ def describe(
         if isinstance(law, ContinuousMixture) and sampled_parts(law):
             notes.append("sampling errors are missing: its laws may all be of the same samples")
         elif sampled := bool(sampled_parts(law)):
-            _add_sampling_errors(contacts, velocity, numbers, progress)
+            notes += _add_sampling_errors(contacts, velocity, numbers, progress)
     if law.interface is not None:
         numbers |= of_interface(law.interface)
         pressure, kinetic = law.interface.pressure, numbers.get("kinetic_force")
@@ -116,21 +119,27 @@ def _add_sampling_errors(
     velocity: float,
     numbers: dict[str, Number],
     progress: Callable[[int, int], None] | None,
-) -> None:
-    """Add to the errors one standard error of what other samples would have given, bias of the smoothing included.
+) -> list[str]:
+    """Add to the errors one standard error of what other samples would have given, bias of the smoothing included;
+    returns a note where those of the propensity take too long.
 
     inf where a resampled law has an infinite value; for K* and F_s/F_k, too, where all of them have the least possible
     value: then the error cannot be estimated.
     """
+    began, law, quick = time.process_time(), contacts.thresholds, True
 
     def numbers_of(law: Thresholds) -> dict[str, Number]:
         found = _of_law(law)
-        _slide(like(contacts, law), velocity, found, tolerance=1e-4)
+        _slide(like(contacts, law), velocity, found, tolerance=1e-4 if quick else None)
         return found
 
-    law = contacts.thresholds
-    resampled = [numbers_of(law), *of_resampled(law, RESAMPLES, numbers_of, progress)]
+    resampled = [numbers_of(law)]
+    quick = time.process_time() - began < LONGEST
+    resampled += of_resampled(law, RESAMPLES, numbers_of, progress)
     for name in {*numbers} - {"lower_end", "upper_end", "onset_power"}:
+        if name in PROPENSITY and not quick:
+            numbers[name] = replace(numbers[name], error=np.inf)
+            continue
         value, *others = (one[name].value for one in resampled)
         with np.errstate(invalid="ignore"):
             scatter = np.hypot(np.std(others, ddof=1), np.mean(others) - value)
@@ -138,19 +147,25 @@ def _add_sampling_errors(
         error = float(np.hypot(numbers[name].error or 0.0, scatter))
         finite = np.isfinite(error) and not unknown
         numbers[name] = replace(numbers[name], error=error if finite else np.inf)
+    return [] if quick else [TOO_LONG]
 
 
 def _slide(
-    contacts: Contacts, velocity: float, numbers: dict[str, Number], tolerance: float = 1e-8
+    contacts: Contacts,
+    velocity: float,
+    numbers: dict[str, Number],
+    tolerance: float | None = 1e-8,
 ) -> list[str]:
-    """Add F_k and the propensity to `numbers`; returns a note where one misses its tolerance and is not known to a
-    thousandth either."""
+    """Add F_k and the propensity, F_k alone without a tolerance, to `numbers`; returns a note where one misses its
+    tolerance and is not known to a thousandth either."""
     import master
 
     unit = numbers["mean"].unit
     steady = master.steady_state(contacts, velocity=velocity)
     error = steady.force_error * contacts.mean_threshold
     numbers["kinetic_force"] = Number(steady.force, error, unit)
+    if tolerance is None:
+        return []
     found = master.propensity(contacts, velocity=velocity, tolerance=tolerance)
     for name, own in zip(PROPENSITY, ("N_c<k>", "", unit), strict=True):
         numbers[name] = Number(getattr(found, name), getattr(found, f"{name}_error"), own)

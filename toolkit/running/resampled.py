@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 from origins.contacts import Contacts
+from origins.laws.strengthening import Strengthening, strengthening
 from origins.samples.from_samples import bootstrap_law
 from origins.thresholds.law import Thresholds
 from toolkit.processes.ranks import cores_of
@@ -15,9 +16,13 @@ T = TypeVar("T")
 
 
 def like(contacts: Contacts, law: Thresholds) -> Contacts:
-    """Contacts of a resampled law with the start, delay and stiffness of these. Heat and age, which cost far more time,
-    are left out: the scatter between laws is then that of P_c alone."""
-    return Contacts(law, start=contacts.start, delay=contacts.delay, stiffness=contacts.stiffness)
+    """These contacts with a resampled law in place of their own, and all other laws as they are: in strong heat, where
+    F_k is a small part of that without, other samples change it by that much less, too."""
+    growth = contacts.growing
+    if isinstance(growth, Strengthening):
+        grown = strengthening(law, growth.beta, growth.time_unit, growth.age)
+        return contacts.replace(thresholds=grown)
+    return contacts.replace(thresholds=law)
 
 
 def of_resampled(
