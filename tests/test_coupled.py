@@ -276,3 +276,17 @@ def test_above_the_critical_spring_the_largest_avalanche_vanishes():
     for (few, _), (many, _) in pairwise(soft):
         assert abs(many - few) < 0.1 * few
     assert soft[-1][0] > 0.3 and stiff[-1][0] < 0.01
+
+
+@pytest.mark.parametrize("rule", ["reset", "reform-after"])
+def test_after_a_slip_of_all_contacts_the_force_is_none(rule):
+    """And not the round-off of K (X_T - X), which was written as 5e-16 <x_s> in one of ten slips."""
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.3))
+    found = eq_model.simulate(
+        contacts, [0.0, 320.0], n_contacts=2000, n_replicas=4, seed=3, spring=0.037, slip=rule
+    )
+    assert found.slips.drive.size > 60 and not found.slips.force_after.any()
+    some = eq_model.simulate(
+        contacts, [0.0, 40.0], n_contacts=2000, n_replicas=4, seed=3, spring=0.3, slip="instant"
+    )
+    assert some.slips.drive.size >= 4 and (np.abs(some.slips.force_after) > 1e-6).all()

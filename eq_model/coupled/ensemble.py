@@ -22,6 +22,10 @@ LARGEST = 2.0**61  # largest position, in units: sums of two are whole numbers o
 MOST_BACK = 0.01
 
 
+# Of F before a slip: one contact of 2^31 that holds bears more, unless it is stretched by less than 2e-3 <x_s>.
+ROUND_OFF = 1e-12
+
+
 class Replicas:
     """Follows replicas, a block each, on the slider that `drive` pulls; a slip breaks at least `slip_fraction` of
     the contacts (None: 0.2). `dropped` says, asked now and then, whether to give up the one that is followed."""
@@ -75,6 +79,8 @@ class Replicas:
         columns: list[Any] = list(slips.T)
         for whole in (0, 1, 7):
             columns[whole] = columns[whole].astype(np.int64)
+        # F before and after: where no contact holds K (X_T - X) is the round-off of two lengths that are equal
+        columns[6][np.abs(columns[6]) < ROUND_OFF * np.abs(columns[5])] = 0.0
         return fields | {
             "slips": CoupledSlips(*columns),
             "avalanches": avalanches.astype(np.int64),

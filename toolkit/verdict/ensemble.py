@@ -37,8 +37,6 @@ LONG_DELAY, SOFT = 3.0, 0.1
 MOST_CONTACTS = 2_000_000
 # contacts whose sliders tell how long all of them would take; s that there are where nothing else decides
 FEW, SHORT = 1_000, 2.0
-# of the force before a slip: a smaller one after it is none
-ROUNDING = 1e-12
 # mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
 SLID = 10.0
 # of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
@@ -196,8 +194,6 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
     (before, error), (after, after_error) = (
         late.mean(f"force_{when}") for when in ("before", "after")
     )
-    if abs(after) < ROUNDING * before:
-        after = 0.0
     each = late.slips.force_before, late.slips.drop, late.gaps
     befores, drops, periods = (spread_of(one) if one.size > 1 else None for one in each)
     period, period_error = late.period()
