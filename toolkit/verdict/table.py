@@ -23,7 +23,7 @@ FORGOTTEN = 1.0 / 3.0
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
-WAITING = 0.01
+WAITING = 0.02
 # what a solver advises where its error is above the tolerance
 _ADVICE = re.compile(
     r"; (?:(?:shorten the path or )?loosen the tolerance|(?:end the path sooner, or )?(leave out the heat)"
