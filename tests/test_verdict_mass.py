@@ -16,8 +16,8 @@ from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.scenes import said, write
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
-from toolkit.verdict import answers
-from toolkit.verdict.closely import closely, in_its_own_time
+from toolkit.verdict import answers, kinds, with_mass
+from toolkit.verdict.budget import Budget, late
 from toolkit.verdict.ensemble import (
     FEW,
     follow_by_contacts,
@@ -25,7 +25,7 @@ from toolkit.verdict.ensemble import (
     may_follow,
     sliders,
 )
-from toolkit.verdict.files import friction
+from toolkit.verdict.files import friction, plain
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import follow
 from toolkit.verdict.hangs_on import dependence
@@ -42,8 +42,10 @@ from toolkit.verdict.machine import (
 )
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.table import table
+from toolkit.verdict.readings import Reading
+from toolkit.verdict.table import in_units, table
 from toolkit.verdict.uncertainty import widest
+from toolkit.verdict.with_mass import closely, follow_extremes, in_its_own_time
 from toolkit.verdict.words import page, sentence
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
@@ -463,3 +465,98 @@ def test_a_cause_is_told_only_where_it_was_followed() -> None:
     assert sentence(told).endswith(", with 10000% of critical damping, as none is given")
     given = replace(told.own, behaviours=(replace(found, damping=None),))
     assert "as none is given" not in sentence(replace(told, answers=(given,)))
+
+
+def test_a_slider_that_is_not_decided_is_told_with_its_mass_at_both_extremes_of_its_delay() -> None:
+    """The delay is short below min(<x_s>/V, γ<x_s>/F_k), with V = 0.8/(K M)^(1/2) damped to 80 and γ/F_k = 0.0125."""
+    undecided = not_followed("mass", NO_TIME)
+    both = of_a_mass("smooth", 0.5), replace(of_a_mass("stick-slip", 0.8), period=1200.0)
+    found = of(undecided)
+    told = replace(found, answers=(replace(found.own, extremes=both),))
+    for damping in (0.01, 0.2):
+        machine = replace(told.own.machine or Machine(1.0), damping=damping)
+        each = replace(told, answers=(replace(told.own, machine=machine),))
+        fastest = kinds.a_slip(each.own)[1]
+        expected = min(1.0 / fastest, damping / 0.8) * WAITING.mean_threshold
+        assert kinds.short_delay_of(each.own) == pytest.approx(expected, rel=1e-9)
+    said = sentence(told)
+    assert said.startswith("not decided in time: stick-slip if the contacts' delay were far above")
+    assert "smooth if it were far below 0.0125 units of time" in said or "far below 12.5" in said
+    text = page(told)
+    (at_once,) = (one for one in text if "form again at once would make it" in one)
+    assert "make it smooth at 0.5000 N_c<k> length" in at_once
+    (after,) = (one for one in text if "form again only after a slip would make it" in one)
+    assert "stick-slip: 0.8000 N_c<k> length down to -0.4000" in after and "every 1,200" in after
+    (delay,) = (one for one in text if one.startswith("  the contacts' delay: "))
+    assert "friction falls with the speed by more than the damping rises" in delay
+    assert [one["kind"] for one in plain(told)["readings"][0]["extremes"]] == [
+        "smooth",
+        "stick-slip",
+    ]
+    assert not any("would make it" in one for one in page(found))
+
+
+def test_the_extremes_of_a_delay_keep_the_mass_and_are_asked_of_the_cheaper_solver(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Contacts that form at once are the master equation's, those that wait for far above a slip the ensemble's."""
+    machine, budget = Machine(1e-3, 1e-5, 0.01, 1.0), Budget(1e4, strict=True)
+    contacts = WAITING.replace(delay=Delay(0.5))
+    given = not_followed("mass", NO_TIME)
+    first, after = of_a_mass("smooth", 0.5), of_a_mass("stick-slip", 0.8)
+    delays = list[float]()
+
+    def asked(name: str, told: Behaviour) -> None:
+        def followed(slider: Machine, waiting: Contacts, rule: str, *_: Any) -> Behaviour:
+            assert (slider, rule, waiting.thermal) == (machine, "mass", None)
+            delays.append(waiting.waiting_time)
+            return told
+
+        monkeypatch.setattr(with_mass, name, followed)
+
+    asked("follow", first)
+    asked("follow_by_contacts", after)
+    own = Reading("own", True, contacts)
+    assert follow_extremes(machine, own, given, None, budget) == (first, after)
+    # far above a slip of the damped mass from F_s, here longer than <x_s>/v = 1
+    without = contacts.replace(delay=None)
+    static = master.propensity(without).static_to_kinetic * master.steady_state(without).force
+    assert delays == [0.0, pytest.approx(3.0 * slip_duration(machine, static), rel=1e-2)]
+    # neither of others than the scene's own, nor without a delay or a damping, nor beside heat that matters
+    hot = contacts.replace(thermal=Thermal("soft", temperature=0.01, attempt_frequency=1e-3))
+    for one in (
+        (machine, Reading("other", False, contacts), given),
+        (machine, Reading("own", True, contacts.replace(delay=None)), given),
+        (replace(machine, damping=0.0), own, given),
+        (machine, Reading("own", True, hot), given),
+    ):
+        assert follow_extremes(*one, None, budget) == ()
+    weak = replace(given, heat_left_out=0.01)
+    warm = follow_extremes(machine, Reading("own", True, hot), weak, None, budget)
+    assert [one.kind for one in warm] == ["smooth", "stick-slip"]
+    assert warm[1].error == pytest.approx(after.error + 0.01) and warm[1].heat_left_out == 0.01
+    asked("follow", given)
+    assert follow_extremes(machine, own, given, None, budget) == ()
+
+
+def test_a_slider_whose_sliding_swings_is_told_which_damping_ends_it() -> None:
+    """In N s/m, N_c<k> = 4e7 N/m here; the path and the tolerance are the verdict's own."""
+    contacts = Contacts(gaussian(1e-8, 3e-9), delay=Delay(1e-7))
+    path = np.linspace(0.0, 1e-2, 5)
+    solved = master.solve(
+        contacts, path, 1e-2, velocity=1e-6, spring=1e-6, mass=2.2e-9, damping=1e-8, wall_time=1e-9
+    )
+    law = contacts.thresholds
+    falls = 1e-7 * 0.5 * law.moment(2) / (law.mean() + 1e-13) ** 2
+    assert f"the damping is 1e-08; give one above {falls:.4g}, or end the path" in solved.message
+    assert "stopped by wall_time" in solved.message
+    newtons = replace(
+        scale_of(contacts, None), length_unit="m", time_unit="s", spring_unit="N/m", spring=4e7
+    )
+    told = in_units(late(solved.message), newtons)
+    assert told.startswith("neither force nor slips are known in time: raise wall_time")
+    assert told.endswith(
+        "friction falls with the speed by 2.18 N s/m, and the damping is 0.400 N s/m; "
+        "give one above 2.18 N s/m"
+    ), told
+    assert late("stopped by wall_time").endswith("where none is given)")

@@ -48,6 +48,8 @@ class Answer:
     cold : F_k without heat; None where the contacts have none, or it was not asked for
     holding : share of the contacts that hold, and do not wait, on a rigid slider that slides as fast as the drive
     behaviours : of the machine's slider, one for each rule
+    extremes : where one with mass is not decided, what it does if its contacts form again at once, and if only after a
+        slip; empty where both are not known, or not asked for
     """
 
     name: str
@@ -60,6 +62,7 @@ class Answer:
     behaviours: tuple[Behaviour, ...]
     holding: float = 1.0
     cold: Quantity | None = None
+    extremes: tuple[Behaviour, ...] = ()
 
     @property
     def softer(self) -> bool:

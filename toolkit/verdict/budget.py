@@ -1,12 +1,15 @@
 """How long a verdict may take: on a busy machine longer than on a quiet one, so that both say the same."""
 
 import os
+import re
 import time
 
 # s for all readings and rules together, where the scene gives none, and what to do where they do not suffice
 WALL_TIME = 60.0
 MORE_TIME = f"raise wall_time (s, {WALL_TIME:.0f} where none is given)"
 LONGER = f"the command's --set wall_time={10 * WALL_TIME:.0f} gives it ten minutes"
+# what a solver says of a slider that swings on, as its damping is small, and of the damping that ends it
+_SWINGS = re.compile(r"; sliding swings.*?; give one above [^ ,;]+")
 # s by which the pace is smoothed, as that of the first moments says little
 _SMOOTH = 1.0
 # largest pace that is expected before any is seen: the load may be that of cores which this process does not share
@@ -43,6 +46,14 @@ class Budget:
             return clock, 1.0
         used = min(clock, time.process_time() - self._work)
         return used, (clock + _SMOOTH * self._first_pace) / (used + _SMOOTH)
+
+
+def late(message: str) -> str:
+    """Why a slider was not followed to its end in time, by a solver's message; the path and its tolerance are the
+    verdict's own, and the damping is not."""
+    return (
+        f"neither force nor slips are known in time: {MORE_TIME}{''.join(_SWINGS.findall(message))}"
+    )
 
 
 def _expected_pace() -> float:

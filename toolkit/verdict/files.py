@@ -52,6 +52,7 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
     out["spring"] = answer.machine and answer.machine.spring * scale.spring
     mean = answer.contacts.mean_threshold
     out["behaviours"] = [_of_behaviour(one, scale.force, mean) for one in answer.behaviours]
+    out["extremes"] = [_of_behaviour(one, scale.force, mean) for one in answer.extremes]
     return out
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from origins.contacts import Contacts, Delay
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise
-from toolkit.verdict.budget import MORE_TIME
+from toolkit.verdict.budget import late
 from toolkit.verdict.ensemble import LOADINGS, follow_by_contacts, may_follow, without_heat
 from toolkit.verdict.machine import (
     NO_TIME,
@@ -268,7 +268,7 @@ def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
     if not is_precise(solved):
         why = solved.message
         if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
-            why = f"neither force nor slips are known in time: {MORE_TIME}"
+            why = late(why)
         unknown = not_followed(rule, why.partition("; take eq_model")[0])
         unknown = replace(unknown, heat_left_out=solved.heat_left_out)
         return replace(unknown, error=solved.force_error, run_time=solved.run_time)

@@ -21,7 +21,6 @@ from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
 from toolkit.verdict.budget import WALL_TIME, Budget
-from toolkit.verdict.closely import closely
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS, follow_other_delay
 from toolkit.verdict.islands import follow_islands, with_barriers
@@ -39,6 +38,7 @@ from toolkit.verdict.machine import (
 )
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
+from toolkit.verdict.with_mass import closely, follow_extremes
 
 # of the time that is left, for the scene's own reading, and then for the number of its contacts
 OWN = 0.5
@@ -188,7 +188,7 @@ def _answer(
     velocity, contacts = table.velocity, cast(Contacts, reading.contacts)
     in_time = TOLERANCE_IN_TIME if reading.own else WHETHER_IT_SLIPS
     kinetic = static = critical = UNKNOWN
-    holding, cold = 1.0, None
+    holding, cold, extremes = 1.0, None, tuple[Behaviour, ...]()
     scale = scale_of(contacts, table.area)
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     asked = rules if machine is not None else ()
@@ -214,10 +214,11 @@ def _answer(
             )
         unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
         if machine is not None and unknown == ["mass"]:
-            # no solver takes the slider with its mass, or not in time: what it does without one, under each slip rule
+            # no solver takes the slider with its mass, or not in time: its delay's extremes, else each slip rule, tell
+            extremes = follow_extremes(machine, reading, behaviours[0], scale.contacts, budget)
             light = replace(machine, mass=None, damping=0.0)
-            rules = acting(RULES, contacts)
-            short = contacts.delay is not None and contacts.thermal is None
+            rules = () if extremes else acting(RULES, contacts)
+            short = not extremes and contacts.delay is not None and contacts.thermal is None
             for n_rules, rule in zip(range(len(rules), 0, -1), rules, strict=True):
                 seconds = budget.remaining() / (n_rules + short)
                 behaviours.append(follow_islands(light, contacts, rule, before, seconds))
@@ -240,6 +241,7 @@ def _answer(
         behaviours=tuple(behaviours),
         holding=holding,
         cold=cold,
+        extremes=extremes,
     )
 
 

@@ -139,18 +139,25 @@ def delay_decides(verdict: Verdict) -> bool:
 
 def of_extremes(verdict: Verdict) -> str:
     """Where a slider with mass is not decided: what it does with a delay of its contacts far above a slip's duration,
-    and without one, as sliders without mass tell; "" where it is decided, and where these are not known."""
-    first, *light = verdict.own.behaviours
+    and far below those that matter, or, as sliders without mass tell, without one; "" where it is decided, and where
+    these are not known."""
+    own, none = verdict.own, "they had none"
+    first, *light = own.behaviours
     each = {one.rule: one.kind for one in light if one.kind != "undecided"}
-    waits = bool(verdict.own.contacts.waiting_time)
-    if first.rule != "mass" or first.kind != "undecided" or len(each) < len(RULES) or not waits:
+    known, waits = len(each) == len(RULES), bool(own.contacts.waiting_time)
+    if own.extremes:
+        at_once, after = own.extremes
+        known, each = True, {"instant": at_once.kind, "reform-after": after.kind}
+        if short := short_delay_of(own):
+            none = f"it were far below {spoken(short, own.scale.time_unit)}"
+    if first.rule != "mass" or first.kind != "undecided" or not (known and waits):
         return ""
-    slip = spoken(a_slip(verdict.own)[0], verdict.own.scale.time_unit)
+    slip = spoken(a_slip(own)[0], own.scale.time_unit)
     long = f"the contacts' delay were far above the time of a slip, {slip}"
     if each["reform-after"] == each["instant"]:
-        said = f"{each['instant']} if {long}, and if they had none"
+        said = f"{each['instant']} if {long}, and if {none}"
     else:
-        said = f"{each['reform-after']} if {long}, {each['instant']} if they had none"
+        said = f"{each['reform-after']} if {long}, {each['instant']} if {none}"
     late = "wall_time" in first.message
     return f"not decided{' in time' * late}: {said}{f'; {LONGER}' * late}"
 
@@ -165,6 +172,9 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
         yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
     elif len(kinds) > 1 and "undecided" not in kinds.values():
         yield Line(NOTHING, "not the slip rule, for infinitely many contacts: all rules agree")
+    elif own.extremes:
+        said = "a slider with this one was not followed far enough"
+        yield Line(TURNS, f"the contacts' delay: {said}{_of_short_delays(own)}")
     elif len(kinds) == 1 and own.machine and own.machine.mass:
         given, turned_found = bool(own.contacts.waiting_time), verdict.turned is not None
         if not given and (delay_decides(verdict) or not turned_found):
@@ -221,11 +231,21 @@ def _of_short_delays(own: Answer) -> str:
     if machine is None or not machine.mass or own.static.unknown:
         return ""
     duration, fastest = a_slip(own)
-    short, long = spoken(mean / fastest, unit), spoken(duration, unit)
+    why, shortest = "in which a slip goes on by <x_s>", short_delay_of(own)
+    if 0.0 < shortest < mean / fastest:
+        why = "from which on friction falls with the speed by more than the damping rises"
+    short, long = spoken(shortest or mean / fastest, unit), spoken(duration, unit)
     return (
-        f". A delay far below {short}, in which a slip goes on by <x_s>, acts as if contacts re-formed at once, one "
+        f". A delay far below {short}, {why}, acts as if contacts re-formed at once, one "
         f"far above {long}, its duration, as if after it"
     )
+
+
+def short_delay_of(own: Answer) -> float:
+    """The delay (a time) far below which contacts act as if they formed again at once: none waits as a slip passes its
+    thresholds, and friction falls with the speed by less than the damping rises, F_k τ/<x_s> < γ. 0 of no damping."""
+    mean, damping = own.contacts.mean_threshold, damped(own).damping
+    return min(mean / a_slip(own)[1], damping * mean / own.kinetic.value)
 
 
 def of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:

@@ -18,10 +18,10 @@ from toolkit.pictures.axes import (
 from toolkit.pictures.traces import hides_swings
 from toolkit.scene.scale import SHARED, of_contacts, spoken
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.closely import in_its_own_time
 from toolkit.verdict.kinds import named
 from toolkit.verdict.machine import Behaviour, Finite, Machine
 from toolkit.verdict.of_area import apart
+from toolkit.verdict.with_mass import in_its_own_time
 from toolkit.verdict.words import sentence, warnings
 
 # of the force, in mean thresholds: a trace of the master equation with a larger error is not drawn; one of the ensemble

@@ -288,8 +288,13 @@ def in_units(message: str, scale: Scale) -> str:
         )
     if scale.length_unit != "m":
         return message
-    for before, unit in (("X_T = ", scale.length_unit), ("lasts some ", scale.time_unit)):
+    # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
+    damping = scale.spring, {"N/m": "N s/m", "N/m³": "N s/m³"}.get(scale.spring_unit, "")
+    of_damping = "falls with the speed by ", "the damping is ", "give one above "
+    units = dict.fromkeys(of_damping, damping)
+    units |= {"X_T = ": (1.0, scale.length_unit), "lasts some ": (1.0, scale.time_unit)}
+    for before, (factor, unit) in units.items():
         for number in re.findall(rf"{before}(\d[\d.]*(?:e[+-]?\d+)?)", message):
-            text = written(float(number), unit)
+            text = written(factor * float(number), unit)
             message = message.replace(f"{before}{number}", f"{before}{text}")
     return message

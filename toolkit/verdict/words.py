@@ -103,7 +103,16 @@ def _answered(verdict: Verdict) -> str:
 def details(verdict: Verdict) -> list[str]:
     """The numbers of what the sentence says in kinds alone; none where it gives them itself."""
     numbers = _by_rules(verdict, verdict.own) if verdict.own.machine is not None else []
-    return [] if _answered(verdict) == "; ".join(numbers) else numbers
+    return [] if _answered(verdict) == "; ".join(numbers) else [*numbers, *_at_extremes(verdict)]
+
+
+def _at_extremes(verdict: Verdict) -> list[str]:
+    """The numbers of a slider with mass that is not decided with its contacts' delay at both extremes."""
+    own, when = verdict.own, ("at once", "only after a slip")
+    return [
+        f"contacts that form again {how} would make it {_behaved(verdict, own, one.kind, [one])}"
+        for how, one in zip(when, own.extremes, strict=False)
+    ]
 
 
 def turned(verdict: Verdict) -> list[str]:

@@ -59,11 +59,14 @@ class GrowingSwings(NamedTuple):
 
     @property
     def message(self) -> str:
-        """What is said of a run that was stopped."""
+        """What is said of a run that was stopped; "" where sliding does not swing, but sticks and slips."""
+        if not np.isfinite(self.growth):
+            return ""
+        large = f" by some {self.fall / self.unit:.1e} mean thresholds of force"
         return (
-            f"sliding swings, as friction falls with the speed by {self.falls:.3g}, for want of contacts that wait out "
-            f"their delay, and the damping is {self.damping:.3g}; give one above {self.falls:.3g}, or end the path "
-            "sooner"
+            f"sliding swings{large * self.steady}, as contacts that wait out their "
+            f"delay do not hold: friction falls with the speed by {self.falls:.4g}, and the damping is "
+            f"{self.damping:.4g}; give one above {self.falls:.4g}, or end the path sooner"
         )
 
 

@@ -135,7 +135,7 @@ def solve_inertial(
     neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
         neglected += idle.error
-    if stopped and grows is not None:
+    if stopped and grows is not None and grows.message:
         stopped += f"; {grows.message}"
     notes, of_holding = list[str](), best.tolerance if np.isinf(error) else 0.0
     if short is not None:

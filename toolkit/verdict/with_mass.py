@@ -1,22 +1,29 @@
-"""The points of one slip of a slider with mass, and of the swing after it, that show it in its own time."""
+"""More of a slider with mass: the points of one slip, and of the swing after it, that show it in its own time; and what
+it does with its contacts' delay at both extremes."""
 
+import time
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from origins.contacts import Contacts
+from origins.contacts import Contacts, Delay
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.verdict.ensemble import SEED
+from toolkit.processes.signals import TimeIsUp
+from toolkit.verdict.budget import Budget
+from toolkit.verdict.ensemble import SEED, follow_by_contacts, long_delay
+from toolkit.verdict.follow import ROUGHLY, follow
 from toolkit.verdict.islands import with_barriers
 from toolkit.verdict.machine import (
     Behaviour,
     Machine,
     first_of,
+    rigid_slider,
     with_slips,
 )
+from toolkit.verdict.readings import Reading
 
 # how far a slip is shown, in times that it lasts: before its begin, and after it, where a swing with a tenth of
 # critical damping has fallen to a tenth; and points of that time
@@ -25,6 +32,44 @@ BEFORE, AFTER, POINTS = 0.5, 8.0, 400
 TOLERANCE = 1e-2
 # times that the slip is looked for: with other points of the path it may begin a little earlier or later
 TRIES = 3
+# of the time, for contacts that form again at once: the master equation takes a second for them as a rule
+AT_ONCE = 0.5
+
+
+def follow_extremes(
+    machine: Machine, reading: Reading, given: Behaviour, number: float | None, budget: Budget
+) -> tuple[Behaviour, ...]:
+    """What a slider with mass that is not decided does where its contacts form again at once, and where only after a
+    slip, by a delay far above it; none where one of both is not decided either, where there is no delay or no
+    damping, and of readings other than the scene's own. The master equation tells of the former, a few contacts of the
+    latter, which are soon followed.
+
+    given : what is known with its own delay; heat that was left out there is left out here; number : of contacts
+    """
+    import master
+
+    heat, contacts = given.heat_left_out, reading.contacts
+    if not (reading.own and contacts and contacts.waiting_time and machine.damping):
+        return ()
+    if contacts.thermal is not None and heat is None:
+        return ()
+    cold = contacts.replace(thermal=None, delay=None)
+    with suppress(InputError, TimeIsUp):
+        steady = master.steady_state(cold, velocity=machine.velocity)
+        known = master.propensity(cold, velocity=machine.velocity, tolerance=ROUGHLY)
+        rigid = rigid_slider(cold, steady, known, number)
+        at_once = follow(machine, cold, "mass", rigid, budget.part(AT_ONCE).remaining())
+        late = long_delay(machine, cold.mean_threshold, rigid.static)
+        waiting = with_barriers(cold).replace(delay=Delay(late))
+        loading = rigid.static / machine.spring + cold.mean_threshold
+        until = time.monotonic() + budget.remaining()
+        after = follow_by_contacts(machine, waiting, "mass", loading, until, rigid)
+        if "undecided" not in (at_once.kind, after.kind):
+            return tuple(
+                replace(one, error=one.error + (heat or 0.0), heat_left_out=heat)
+                for one in (at_once, after)
+            )
+    return ()
 
 
 def closely(found: Behaviour, machine: Machine, contacts: Contacts, seconds: float) -> Behaviour:
