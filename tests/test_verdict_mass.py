@@ -448,6 +448,13 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 60.0)
     said = re.search(r"each drop ([\d.]+)% smaller than the one before", found.message)
     assert found.kind == "stick-slip" and said and 4.0 < float(said[1]) < 20.0
+    # the sentence gives means of late slips, and those to come are smaller
+    many = found.sliders
+    assert many and many.shrinks_by == pytest.approx(float(said[1]) / 100.0, abs=1e-4)
+    verdict_of_many = replace(of(found), finite=(many,))
+    assert f"{said[0]}, so that they may die out" in sentence(verdict_of_many)
+    steady = replace(verdict_of_many, finite=(replace(many, shrinks_by=0.0),))
+    assert "die out" not in sentence(steady)
 
 
 def test_a_cause_is_told_only_where_it_was_followed() -> None:

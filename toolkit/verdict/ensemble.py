@@ -143,10 +143,8 @@ def follow_by_contacts(
     waits = machine.velocity * contacts.waiting_time  # the drive's way while contacts are out
     slipped = common > 1 and may_go_on(found, machine.spring, waits, 0)
     before = after = float(force[-1])
-    error, many, shrinking = float(found.force_standard_error[-1]), None, ""
+    error, many = float(found.force_standard_error[-1]), None
     if slipped:
-        if part := shrinks_by(slips, SLIDERS):
-            shrinking = f", each drop {part:.2%} smaller than the one before"
         many = Finite(rule, number, "stick-slip", drive=drive, force=force, smaller=smaller)
         many = with_late_slips(many, slips)
         before, after = many.before, many.after
@@ -176,7 +174,7 @@ def follow_by_contacts(
         slips=common,
         error=float(error / unit),
         success=True,
-        message=by_sliders(number) + shrinking,
+        message=by_sliders(number) + (shrinking(many) if many else ""),
         contacts=number,
         sliders=many,
         run_time=found.run_time,
@@ -209,7 +207,14 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
         befores=befores,
         drops=drops,
         periods=periods,
+        shrinks_by=shrinks_by(slips, SLIDERS),
     )
+
+
+def shrinking(finite: Finite) -> str:
+    """That its slips shrink, of which the means of late ones tell nothing; "" where they do not."""
+    part = finite.shrinks_by
+    return f", each drop {part:.2%} smaller than the one before" if part else ""
 
 
 def by_sliders(number: int, heat: float | None = None) -> str:

@@ -176,6 +176,7 @@ class Finite:
     befores, drops, periods : how the force before a slip, its fall (F/(N_c <k>)), and the drive's way between two slips
         differ from one late slip to the next (lengths); None for fewer than two
     smaller : how many slips were left out beside main ones, of all sliders, see `main_slips`
+    shrinks_by : part of itself by which a drop is smaller than the one before it, see `shrinks_by`; 0 where it is not
     """
 
     rule: str
@@ -199,6 +200,7 @@ class Finite:
     drops: Spread | None = None
     periods: Spread | None = None
     smaller: int = 0
+    shrinks_by: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Verdict
-from toolkit.verdict.ensemble import by_sliders
+from toolkit.verdict.ensemble import by_sliders, shrinking
 from toolkit.verdict.finite import SMALL
 from toolkit.verdict.machine import Behaviour, Finite
 from toolkit.verdict.uncertainty import SEEN, widest_uncertainty
@@ -138,6 +138,8 @@ def behaved(verdict: Verdict, many: Finite) -> str:
     if many.kind == "now and then":
         return f"slips now and then, from {fall_of(many, scale)} {whose}"
     said = f"stick-slip: {fall_of(many, scale)}"
+    if shrinks := shrinking(many):  # the forces are those of late slips, not of those to come
+        whose += f"{shrinks}, so that they may die out"
     if many.period is None:
         return f"{said} {whose}"
     every, later = period_of(verdict, many.period)
