@@ -1,5 +1,6 @@
 """Every family of thresholds against mpmath, laws of scipy and of one's own, averages over a parameter."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -63,12 +64,18 @@ def is_chord(law: origins.Thresholds) -> bool:
     return "Chord" in type(law).__name__
 
 
+@cache
+def at(function, value: float) -> mp.mpf:
+    """Several tests ask for the same function at the same quantiles."""
+    return function(mp.mpf(value))
+
+
 def exactly(function, x: np.ndarray) -> np.ndarray:
-    return np.array([float(function(mp.mpf(float(value)))) for value in x])
+    return np.array([float(at(function, float(value))) for value in x])
 
 
 def logarithm(function, x: np.ndarray) -> np.ndarray:
-    return np.array([float(mp.log(function(mp.mpf(float(value))))) for value in x])
+    return np.array([float(mp.log(at(function, float(value)))) for value in x])
 
 
 def end_rounding(law: origins.Thresholds, x: np.ndarray) -> np.ndarray:

@@ -142,8 +142,7 @@ def test_a_point_that_is_refused_keeps_its_row(capsys: Any) -> None:
 
 
 def test_finished_points_survive_an_interrupt(monkeypatch: Any, capsys: Any) -> None:
-    whole = columns(toolkit.run(swept()).sweep)
-    solve, count = points.solve_point, []
+    whole, solve, count = alone(), points.solve_point, []
 
     def counted(*job: Any) -> Any:
         count.append(job)
