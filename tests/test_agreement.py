@@ -160,6 +160,17 @@ def test_all_points_at_once(name: str) -> None:
     assert (ratio[often] > low).all() and (ratio < high).all()
 
 
+def test_each_rate_law_of_ones_own_breaks_contacts_at_its_own_rates() -> None:
+    """One kernel serves all: the second law of a process had the rates of the first, 60 standard errors off."""
+    path = np.array([0.5, 1.0, 2.0])
+    for alpha in (0.05, 0.2):
+        contacts = Contacts(WIDE, thermal=Tilted(alpha))
+        exact = master.solve(contacts, path, 1e-6, velocity=0.1)
+        drawn = eq_model.simulate(contacts, path, velocity=0.1, n_contacts=2000, seed=1)
+        off = np.abs(drawn.force - exact.force)
+        assert exact.success and (off < 5.0 * drawn.force_standard_error).all()
+
+
 @pytest.mark.parametrize("name", ["strengthening", "strengthening, turning"])
 def test_a_growth_that_is_a_tenth_slower_is_told_apart(name: str) -> None:
     """By the same seeds: the test of all points at once has the power to see a wrong law of strengthening."""

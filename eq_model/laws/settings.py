@@ -17,7 +17,7 @@ from origins import (
     Thermal,
 )
 from origins.errors import refuse
-from origins.laws.compiled import CompiledRates, called
+from origins.laws.compiled import CompiledRates
 from origins.laws.timed_law import ChangingThresholds
 
 # The kernel of each law by which thresholds change: a file of eq_model/laws, imported where it is needed, or of a law
@@ -47,7 +47,12 @@ def rates_of(contacts: Contacts) -> CompiledRates:
     """Compiled functions of these contacts' rates, which kernels find by the class of `law` there."""
     # without a thermal law, the rates of any law stand in: kernels do not use them then
     rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
-    found: CompiledRates = getattr(rates, "compiled", lambda: called(rates))()
+    if hasattr(rates, "compiled"):
+        found: CompiledRates = rates.compiled()
+    else:
+        from eq_model.laws.own_rates import called
+
+        found = called(rates)
     contact.RATES.setdefault(type(found.law), found)
     return found
 
