@@ -6,8 +6,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from eq_model.compiling import compiled
 from eq_model.coupled.ensemble import unit_of
 from eq_model.draws.births import births_of
 from eq_model.draws.streams import make_stream
@@ -16,7 +16,7 @@ from eq_model.result import SIZES
 from origins import Contacts, Drive
 
 
-@njit
+@compiled
 def _draw(supply):  # type: ignore[no-untyped-def]
     return take(supply)
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import scipy.stats
-from numba import njit
 
 import origins
+from eq_model.compiling import compiled
 from eq_model.draws.births import births_of, draw_values, make_scratch, plain_values
 from eq_model.draws.streams import LANES, ROW, make_stream, words_at
 from eq_model.draws.tables import FAR
@@ -20,7 +20,7 @@ LAWS = {
 }
 
 
-@njit
+@compiled
 def _row(row, turn, stream, births, scratch, out, further):  # type: ignore[no-untyped-def]
     purpose, table, words = births.purpose, births.thresholds, scratch.thresholds
     draw_values(LANES, row, turn, stream, purpose, table, words, scratch, out)

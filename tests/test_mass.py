@@ -5,13 +5,13 @@ import itertools
 import numpy as np
 import pytest
 import scipy.stats
-from numba import njit
 from plain_heavy import PlainSlider
 from scipy.optimize import brentq
 from solving import oscillator
 
 import eq_model
 import origins
+from eq_model.compiling import compiled
 from eq_model.coupled.mass.nearest import EXACT, FAR, look_through, make_nearest, nearest, set_place
 
 NARROW = origins.gaussian(1.0, 0.1)
@@ -219,7 +219,7 @@ def test_replicas_are_the_same_one_by_one_on_threads_and_from_where_another_run_
     assert len(whole.velocity_standard_error) == 31 and whole.velocities.shape == (5, 31)
 
 
-@njit
+@compiled
 def _nearest_after(near, contacts, places, asked, found):  # type: ignore[no-untyped-def]
     """The nearest place after each change, or a bound; the place itself where it is asked for."""
     for k in range(contacts.size):

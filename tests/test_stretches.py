@@ -88,7 +88,7 @@ def integrals(density, low: float, high: float, leave: float) -> np.ndarray:
     return total + whole.sum(axis=1)
 
 
-POINTS = 20
+POINTS = 12
 QUADRATURE = 2e-9  # what the halved integrals may leave, or a thirtieth of the error claimed
 SLOW = {
     "turning, delay",
