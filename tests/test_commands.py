@@ -303,10 +303,17 @@ def test_scenes_lists_every_shipped_scene(capsys: Any) -> None:
 # -- one line, or a traceback where it is ours ---------------------------------------------------------
 
 
-@pytest.mark.parametrize("words", [[], ["fly"], ["run"], ["run", "gaussian", "--speed", "3"]])
+@pytest.mark.parametrize("words", [[], ["run"], ["run", "gaussian", "--speed", "3"]])
 def test_wrong_words_are_status_2(words: list[str], capsys: Any) -> None:
     status, _, err = said(capsys, *words)
     assert status == 2 and "usage: mesofriction" in err[0]
+
+
+def test_an_unknown_command_names_the_one_that_is_meant(capsys: Any) -> None:
+    for word, meant in (("verdct", "did you mean verdict? "), ("fly", "")):
+        line = refused(capsys, word, "mine.toml")
+        command = f"{word}: unknown command; {meant}mesofriction --help lists the commands"
+        assert line == command
 
 
 def test_compare_takes_machines_without_a_path(capsys: Any) -> None:

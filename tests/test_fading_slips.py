@@ -96,6 +96,14 @@ def test_drops_that_shrink_ever_less_are_no_end_of_the_slips() -> None:
     assert long.slips.drop[-1] > LASTING * short.slips.drop[-1]
 
 
+def test_a_path_that_turns_gives_no_advice_to_drive_on() -> None:
+    """It goes another way: "drive to about X_T = ..." is of one that goes on."""
+    pulled: dict[str, Any] = {"spring": 0.5, "slip": "instant"}
+    for path, advice in (([0.0, 4.0], True), ([0.0, 4.0, 1.0], False)):
+        reason = master.solve(NARROW, path, 1e-3, **pulled).regime.reason
+        assert "are too few to tell" in reason and ("drive to about" in reason) is advice
+
+
 def test_slips_that_shrink_ever_more_die_out() -> None:
     """As each is a larger part smaller than the one before."""
     found = master.solve(NARROW, np.linspace(0.0, 17.8, 600), 1e-6, spring=0.5, slip="instant")

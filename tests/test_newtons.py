@@ -18,7 +18,7 @@ from origins.errors import InputError
 from toolkit.judge.describe import Description, describe, onset_in_words, table_of
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.results.report import report
-from toolkit.scene.interfaces import Number, remarks
+from toolkit.scene.interfaces import Number, of_temperature, remarks
 from toolkit.scene.scale import (
     of_machine,
     of_stretch,
@@ -148,6 +148,25 @@ def test_the_last_slip_of_an_ensemble_alone_is_one_of_all_its_contacts() -> None
     found = numbers_of(result)
     assert found["before_slip"].value == pytest.approx(0.73, abs=0.005)
     assert found["after_slip"].value < 1e-3
+
+
+def test_forces_of_round_off_are_zero() -> None:
+    """Nothing pulls once all contacts have broken and wait: K (X_T - X) is then the round-off of two lengths."""
+    pulled = {"to": 9.7e-5, "points": 37, "spring": "50 N/m", "area": 1e-9, "velocity": 1e-6}
+    contacts = {"thresholds": ROUGH, "delay": {"time": 1e4}}
+    eq = {"contacts": 200, "replicas": 4}
+    found = toolkit.run(
+        {"contacts": contacts, "drive": pulled | {"slip": "reform-after"}, "eq": eq}
+    )
+    raw, numbers = found.newtons(found.eq.force), numbers_of(found)
+    assert 0.0 < raw.max() < 1e-14 * numbers["before_slip"].value
+    for name in ("last_force", "largest_force", "after_slip"):
+        assert (numbers[name].value, numbers[name].error) == (0.0, 0.0)
+    force, slip = in_words(found)
+    assert force.startswith(
+        "force   0 N (µ = 0) at the end, at most 0 N (µ = 0)"
+    ) and force.endswith(" at the path's points")
+    assert slip.endswith(" to 0 N, the last")
 
 
 def test_the_table_of_thresholds_is_in_the_same_units(capsys: Any) -> None:
@@ -527,3 +546,25 @@ def test_an_island_in_another_unit_than_its_substrate_is_refused(unit: str | Non
         InputError, match=r"2.88 from the next, on a substrate of period 2.*unit = "
     ):
         toolkit.load_scene({"contacts": {"thresholds": law}}, solved=False)
+
+
+def test_in_heat_the_barriers_of_islands_stand_beside_those_that_heat_overcomes() -> None:
+    """k x_s²/2 and epsilon of the same islands, of which x_s = epsilon/(a k): the same at k = epsilon/2a²."""
+    origins.circular_island(2.88, radius=6.0).write("flake.xyz")
+    substrate = {"kind": "hexagonal", "amplitude": -3.2e-21, "period": 2.46e-10}
+    law = {"kind": "domains", "law": "equal", "stiffness": 32.0, "samples": 1000}
+    law |= {"island": {"kind": "file", "file": "flake.xyz", "unit": "Å"}, "substrate": substrate}
+    heat = {"law": "soft", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e10}
+    stated = {"mean_stiffness": 32.0, "contact_density": 1e13}
+    contacts = {"thresholds": law, "thermal": heat, "interface": stated}
+    loaded = toolkit.load_scene({"contacts": contacts}, solved=False)
+    barriers = loaded.contacts.thresholds.domains.barriers
+    joules, period = 1.380649e-23 * 300.0, 2.46e-10
+    at_break = 32.0 * np.mean(np.square(barriers / (32.0 * period))) / 2.0
+    (note,) = of_temperature(loaded.contacts)
+    assert (
+        f"own barriers, of which x_s alone is made, are {barriers.mean() / joules:.2g} k_BT" in note
+    )
+    (told,) = re.findall(r"on average (\S+) k_BT", note)
+    assert float(told) == pytest.approx(at_break / joules, rel=0.05)  # two digits, of a smooth law
+    assert not of_temperature(loaded.contacts.replace(thermal=None))

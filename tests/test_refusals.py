@@ -496,6 +496,16 @@ WRONG: list[tuple[str, Any, str]] = [
     ("eq.contacts", 2.5, "eq.contacts = 2.5: expected a whole number"),
     (
         "contacts.thermal",
+        {"law": "soft", "temperature": {"kelvin": -5.0}},
+        "contacts.thermal.temperature.kelvin = -5.0: must be above zero; for T = 0 leave [contacts.thermal] out",
+    ),
+    (
+        "contacts.thermal",
+        {"law": "soft", "temperature": 0.0},
+        "contacts.thermal.temperature = 0.0: must be above zero; for T = 0 leave [contacts.thermal] out",
+    ),
+    (
+        "contacts.thermal",
         {"law": "soft", "kelvin": 300.0},
         "contacts.thermal.kelvin = 300.0: write temperature = { kelvin",
     ),

@@ -697,7 +697,7 @@ def test_bad_input_is_one_line_and_writes_nothing(
 ) -> None:
     tables = {"drive": {"velocity": 1.0}, "master": None} | tables
     status, out, err = said(capsys, "verdict", write(**tables))
-    assert status == 2 and not out and named in err[-1]
+    assert status == 2 and not out and named in err[0] and len(err) == 1
     assert not Path("mine-output").exists()
 
 

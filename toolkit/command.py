@@ -123,6 +123,11 @@ def _parse(words: list[str]) -> "argparse.Namespace":
             own.add_argument("--checkpoint", help=f"{kept} (default: 60)", **seconds)
             explained = "tell work, time and error by small pilots; write nothing"
             own.add_argument("--dry-run", action="store_true", help=explained)
+    if words and not words[0].startswith("-") and words[0] not in COMMANDS:
+        from toolkit.scene.tables import did_you_mean
+
+        hint = f"{did_you_mean(words[0], COMMANDS)}mesofriction --help lists the commands"
+        parser.exit(2, f"mesofriction: {words[0]}: unknown command; {hint}\n")
     return parser.parse_args(words)
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from master.motion import drive_motion
 from master.soft.followed import NOTHING_KNOWN, UNRELIABLE, Followed
+from master.soft.slips import Slips
 from master.stick_slip.extremes import extremes
 from master.survival.make import why_no_life
 from origins import Contacts
@@ -135,8 +136,8 @@ def _by_slips(
             f"{counted}, the last three alike, each of which leaves all contacts new",
         )
     if count < FEWEST:
-        far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * (FEWEST + 1 - count) * longest
-        return "undecided", f"{counted} are too few to tell; drive to about X_T = {far:.3g}"
+        farther = _farther(drive, slips, (FEWEST + 1 - count) * longest)
+        return "undecided", f"{counted} are too few to tell{farther}"
     # a drop is known to the error of its two forces
     unsure = 2.0 * found.error * contacts.mean_threshold
     faded = trend is not None and trend < -STEADY
@@ -149,8 +150,7 @@ def _by_slips(
         )
     if trend is not None and trend < -STEADY and (limit := _limit(drops)) > LASTING * drops[-1]:
         fading = f"whose drops fade ever less, perhaps to {limit:.3g}"
-        far = float(slips.drive[-1]) + np.sign(slips.drive[-1]) * count * longest
-        return "undecided", f"{counted}, {fading}; drive to about X_T = {far:.3g}"
+        return "undecided", f"{counted}, {fading}{_farther(drive, slips, count * longest)}"
     if trend is not None and trend < -STEADY:
         return "decaying transient", f"{count} slips, each drop {-trend:.2%} smaller than the last"
     # the largest of the last third beside that of the last two thirds
@@ -160,6 +160,15 @@ def _by_slips(
     if _closes_in(drops) and unsure <= OF_DROP * drops[-1]:
         return "stick-slip", f"{counted}, each drop between the two before it"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
+
+
+def _farther(drive: Drive, slips: Slips, way: float) -> str:
+    """The advice to drive by so much beyond the last slip; none on a path that turns, which does not go on so."""
+    steps = np.diff(drive.path)
+    if steps.min(initial=0.0) < 0.0 < steps.max(initial=0.0):
+        return ""
+    last = float(slips.drive[-1])
+    return f"; drive to about X_T = {last + np.sign(last) * way:.3g}"
 
 
 def _closes_in(drops: Array) -> bool:

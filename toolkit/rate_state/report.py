@@ -33,16 +33,19 @@ def _where(begun: Sequence[tuple[float, str]]) -> str:
     return f"it ended in its {begun[-1][1]}{each}"
 
 
-def _cut(judged: Judged, where: str) -> Judged:
-    """What is known after WORK, which says so."""
-    hint = f"{WORK:.0f} s of work were over{where}; --set wall_time=1800.0 gives it half an hour"
-    return replace(judged, found=replace(judged.found, message=f"{judged.found.message}; {hint}"))
+def _cut(judged: Judged, wall_time: float | None, where: str) -> Judged:
+    """What is known after the wall time, without one after WORK, which says so."""
+    over = f"{WORK:.0f} s of work were over" if wall_time is None else "wall_time is over"
+    longer = f"gives it {'half an hour' if wall_time is None else 'ten times as long'}"
+    seconds = 1800.0 if wall_time is None else 10.0 * wall_time
+    message = f"{judged.found.message}; {over}{where}; --set wall_time={seconds} {longer}"
+    return replace(judged, found=replace(judged.found, success=False, message=message))
 
 
 def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judged:
     """Rate and state of the scene, with its files in `folder`, which is checked before the work. Once the first steps
-    are solved, an interrupt, or the end of `wall_time`, leaves there what is known; without a wall time what is known
-    after WORK is returned. Raises InputError."""
+    are solved, an interrupt leaves there what is known, and what is known at the end of `wall_time`, or else of WORK,
+    is the answer. Raises InputError."""
     check_folder(folder)
     so_far, begun = list[Callable[[], Judged]](), list[tuple[float, str]]()
     own = Budget(WORK, strict=False)
@@ -73,14 +76,14 @@ def report_rate_state(scene: Scene, folder: str, formats: Sequence[str]) -> Judg
             if where:
                 raise InputError(f"{stop}{where}, before which nothing is known") from stop
             raise
-        if late and scene.wall_time is None:
-            found = _cut(so_far[0](), where)
+        if late:
+            found = _cut(so_far[0](), scene.wall_time, where)
             save(found)
             return found
         save(so_far[0]())
         said = f"what is known so far is written to {folder}"
         if isinstance(stop, InputError):
-            raise InputError(f"{stop}{where}; {said}") from stop
+            raise InputError(f"{stop}; {said}") from stop
         stop.add_note(said)
         raise
     save(found)

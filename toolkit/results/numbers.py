@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.slips import main_slips
 from toolkit.scene.interfaces import Number
-from toolkit.scene.scale import with_uncertainty, written
+from toolkit.scene.scale import ROUNDING, with_uncertainty, written
 
 
 def numbers_of(result: Any) -> dict[str, Number]:
@@ -36,6 +36,8 @@ def numbers_of(result: Any) -> dict[str, Number]:
         found |= _of_curve(eq.force, eq.force_standard_error + eq.step_error, scale)
         if is_coupled(eq) and eq.slips.number.size:
             found |= _of_slips(eq, scale)
+    found = _without_rounding(found)
+    found |= _over_load(found, scale.load) if scale.load else {}
     if result.sweep is not None and result.sweep.smooth:
         for name, factor, unit in (
             ("force", scale.force, force),
@@ -51,14 +53,34 @@ def numbers_of(result: Any) -> dict[str, Number]:
 
 
 def _of_curve(force: Any, error: Any, scale: Any) -> dict[str, Number]:
-    """The force at the end of the path and the largest one, and over the load."""
+    """The force at the end of the path and the largest one."""
     found = dict[str, Number]()
     for name, at in (("last_force", -1), ("largest_force", int(np.argmax(force)))):
         value, off = float(force[at]) * scale.force, float(error[at]) * scale.force
         found[name] = Number(value, off, scale.force_unit)
-        if scale.load:
-            found[f"{name}_over_load"] = Number(value / scale.load, off / scale.load, "")
     return found
+
+
+def _without_rounding(found: dict[str, Number]) -> dict[str, Number]:
+    """The numbers of a curve and its slips, with 0 for a force that is round-off beside the largest of them, and for
+    its error where that is no more."""
+    forces = {name: found[name] for name in found if name.endswith(("_force", "_slip"))}
+    least = ROUNDING * max((abs(one.value) for one in forces.values()), default=0.0)
+    zero = {
+        name: Number(0.0, one.error if (one.error or 0.0) >= least else 0.0, one.unit)
+        for name, one in forces.items()
+        if abs(one.value) < least
+    }
+    return found | zero
+
+
+def _over_load(found: dict[str, Number], load: float) -> dict[str, Number]:
+    """The forces of a curve over the load."""
+    return {
+        f"{name}_over_load": Number(found[name].value / load, (found[name].error or 0.0) / load, "")
+        for name in ("last_force", "largest_force")
+        if name in found
+    }
 
 
 def _of_slips(eq: Any, scale: Any) -> dict[str, Number]:
@@ -86,9 +108,9 @@ def in_words(result: Any) -> list[str]:
 
     if "last_force" in numbers:
         at_end = f"{said('last_force')}{over_load('last_force')} at the end"
-        lines.append(
-            f"force   {at_end}, at most {said('largest_force')}{over_load('largest_force')}"
-        )
+        most = f"at most {said('largest_force')}{over_load('largest_force')}"
+        where = " at the path's points" * ("before_slip" in numbers)  # slips begin between them
+        lines.append(f"force   {at_end}, {most}{where}")
     if "before_slip" in numbers:
         every = f", period {said('period')}" if "period" in numbers else ""
         lines.append(f"slip    from {said('before_slip')} to {said('after_slip')}, the last{every}")

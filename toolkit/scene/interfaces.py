@@ -131,16 +131,29 @@ def doubts(contacts: Contacts) -> list[str]:
     return said
 
 
-def of_celsius(contacts: Contacts) -> list[str]:
-    """A note on a temperature in kelvins that is one of a room in degrees Celsius; else none."""
-    surface, thermal = contacts.thresholds.interface, contacts.thermal
-    if surface is None or not isinstance(thermal, Thermal) or thermal.temperature is None:
-        return []
-    kelvin = thermal.temperature / surface.temperature(kelvin=1.0)
-    if not _ROOM[0] <= kelvin <= _ROOM[1]:
-        return []
-    hint = f"if {kelvin:.4g} °C is meant, write kelvin = {kelvin + _ZERO_CELSIUS:.5g}"
-    return [f"the temperature is {kelvin:.4g} K, which is {kelvin - _ZERO_CELSIUS:.0f} °C: {hint}"]
+def of_temperature(contacts: Contacts) -> list[str]:
+    """Notes on a temperature in kelvins that is one of a room in degrees Celsius, and on the barriers of islands, which
+    are not those that heat overcomes; else none."""
+    law, thermal, said = contacts.thresholds, contacts.thermal, list[str]()
+    if not isinstance(thermal, Thermal) or thermal.temperature is None:
+        return said
+    surface, temperature = law.interface, thermal.temperature
+    kelvin = np.nan if surface is None else temperature / surface.temperature(kelvin=1.0)
+    if _ROOM[0] <= kelvin <= _ROOM[1]:
+        hint = f"if {kelvin:.4g} °C is meant, write kelvin = {kelvin + _ZERO_CELSIUS:.5g}"
+        said.append(
+            f"the temperature is {kelvin:.4g} K, which is {kelvin - _ZERO_CELSIUS:.0f} °C: {hint}"
+        )
+    if law.domains is not None:
+        stiffness = law.domains.mean_stiffness if surface is None else surface.mean_stiffness
+        own = law.domains.barriers[law.domains.barriers > 0.0].mean() / (stiffness * temperature)
+        linked = contacts.stiffness == "linked"
+        square = law.moment(3) / law.mean() if linked else law.moment(2)
+        said.append(
+            f"heat has to overcome k x_s²/2, on average {square / (2.0 * temperature):.2g} k_BT, the energy at which a "
+            f"contact breaks; the islands' own barriers, of which x_s alone is made, are {own:.2g} k_BT"
+        )
+    return said
 
 
 def foreseen(scene: Scene) -> list[str]:
@@ -163,7 +176,7 @@ def foreseen(scene: Scene) -> list[str]:
         swept = {} if scene.sweep is None else scene.sweep.at
         hottest = np.max(swept.get("temperature", contacts.thermal.temperature))
         said += filter(None, [too_hot(float(hottest), law)])
-        said += of_celsius(contacts)
+        said += of_temperature(contacts)
     reforming = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
     for own, they in [(contacts.start, "start"), *reforming]:
         middle = own.mean() if own.is_single else float(own.ppf(0.5))

@@ -202,6 +202,10 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
         hint = 'of the law "eyring" write kelvin, shear_strength and activation_volume, or width'
         refuse(f"{where}.temperature", dict(table["temperature"]), hint)
     given, where = table.get("temperature"), f"{where}.temperature"
+    degrees = given.get("kelvin") if isinstance(given, Mapping) else given
+    if isinstance(degrees, int | float) and degrees <= 0.0:
+        hint = "must be above zero; for T = 0 leave [contacts.thermal] out"
+        refuse(f"{where}{'.kelvin' * isinstance(given, Mapping)}", degrees, hint)
     if isinstance(given, int | float) and surface is not None:  # whole numbers of TOML, too
         joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
         if 1.0 < joules < 1e4 < kelvin:  # plausible temperatures, in K

@@ -14,6 +14,8 @@ from origins.thresholds.law import Thresholds
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 # units that take a prefix
 PREFIXED = ("N", "N/m", "N/m³", "m", "s", "Pa", "m/s")
+# of the largest of some forces: a smaller one of them is round-off, and none
+ROUNDING = 1e-12
 # of a value: a smaller error has a prefix of its own
 _BESIDE = 1e-4
 SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be

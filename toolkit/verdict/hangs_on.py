@@ -6,7 +6,7 @@ from itertools import chain
 import numpy as np
 
 from origins.roughness.interface import Interface
-from toolkit.scene.interfaces import of_celsius, remarks
+from toolkit.scene.interfaces import of_temperature, remarks
 from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import MORE_TIME
@@ -112,7 +112,7 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
         yield Line(
             TURNS if decides else UNSIZED, f"the speed: {given}; {what}: give drive.velocity"
         )
-    yield from (Line(UNSIZED, one) for one in of_celsius(own.contacts))
+    yield from (Line(UNSIZED, one) for one in of_temperature(own.contacts))
 
 
 def why_smooth(verdict: Verdict) -> list[str]:

@@ -15,7 +15,7 @@ from toolkit.scene.of_samples import of_listed_angles
 from toolkit.scene.scene import Scene, make_contacts
 from toolkit.scene.tables import DriveTable, read_table
 from toolkit.verdict.budget import MORE_TIME
-from toolkit.verdict.machine import RULES
+from toolkit.verdict.machine import RULES, machine_of
 
 # contact model / threshold law; a third word names the regime of the summits, as in "gw/amontons/mixed"
 READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "persson/paper")
@@ -92,7 +92,8 @@ def acting(rules: Sequence[str], contacts: Contacts) -> tuple[str, ...]:
 
 def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
     """The slip rules to compare, as they act: those of [verdict], else all, that of [drive] first; with a mass
-    none of them, but "mass"."""
+    none of them, but "mass". Raises InputError also for a machine that is none, before any work."""
+    machine_of(table, scene.contacts)
     if table.mass is not None:
         if table.slip is not None:
             hint = "mass, damping and the contacts' delay decide; leave it out, or the mass"
