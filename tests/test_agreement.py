@@ -5,7 +5,7 @@ Points of one path share contacts, so their errors go together: Hotelling's T^2 
 
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ import origins
 import toolkit
 from eq_model.closest import closest
 from origins import Ageing, Contacts, Delay, Thermal
+from origins.laws.compiled import CompiledRates
 
 SEEDS, LEVEL = 60, 1e-3
 WIDE = origins.gaussian(1.0, 0.2)
@@ -169,6 +170,24 @@ def test_each_rate_law_of_ones_own_breaks_contacts_at_its_own_rates() -> None:
         drawn = eq_model.simulate(contacts, path, velocity=0.1, n_contacts=2000, seed=1)
         off = np.abs(drawn.force - exact.force)
         assert exact.success and (off < 5.0 * drawn.force_standard_error).all()
+
+
+class Twin(Tilted):
+    """A law whose compiled functions have settings of a class with the name of another law's."""
+
+    def compiled(self) -> CompiledRates:
+        of_soft = SOFT.rates.compiled()
+        own = type(of_soft.law)
+        return of_soft._replace(
+            law=NamedTuple(own.__name__, own.__annotations__.items())(*of_soft.law)
+        )
+
+
+def test_settings_of_two_laws_may_not_have_classes_of_one_name() -> None:
+    """Numba takes both for one class, and the second law would break contacts at the rates of the first."""
+    eq_model.simulate(Contacts(WIDE, thermal=SOFT), [0.5], n_contacts=10)
+    with pytest.raises(origins.InputError, match="are a class SoftLaw, as those of another law"):
+        eq_model.simulate(Contacts(WIDE, thermal=Twin()), [0.5], n_contacts=10)
 
 
 @pytest.mark.parametrize("name", ["strengthening", "strengthening, turning"])

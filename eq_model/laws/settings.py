@@ -32,6 +32,9 @@ KERNELS: dict[type, Any] = {
     Strengthening: "strengthening",
 }
 
+# classes of settings by their names
+_CLASSES: dict[str, type] = {}
+
 
 def kernel_of(law: ChangingThresholds) -> Any:
     """The kernel of a law. Raises InputError for one that has none."""
@@ -54,7 +57,17 @@ def rates_of(contacts: Contacts) -> CompiledRates:
 
         found = called(rates)
     contact.RATES.setdefault(type(found.law), found)
+    _check_name(found.law, "thermal", rates)
     return found
+
+
+def _check_name(settings: Any, key: str, law: Any) -> None:
+    """Refuse settings whose class has the name of another law's: numba tells tuples of the same numbers apart by the
+    names of their classes alone, and would take the kernel of the other law."""
+    name = type(settings).__name__
+    if _CLASSES.setdefault(name, type(settings)) is not type(settings):
+        hint = f"its kernel's settings are a class {name}, as those of another law; give the class another name"
+        refuse(f"contacts.{key}", law, hint)
 
 
 def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
@@ -65,7 +78,9 @@ def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
     found = rates_of(contacts)
     if changing is not None:
         heat = contacts.thermal is not None, found.law, drive.unit
-        return kernel_of(changing).make(contacts, drive, *heat)
+        settings = kernel_of(changing).make(contacts, drive, *heat)
+        _check_name(settings, changing.law, changing)
+        return settings
     # in holds, where the value is not used, only the logarithm of 0 is avoided
     log_slow = np.log(np.maximum(drive.paces / drive.unit, 1e-300))
     return contact.Warm(found.law, drive.unit, log_slow)

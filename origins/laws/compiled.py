@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 class CompiledRates(NamedTuple):
     """Plain functions of numbers that numba can compile; functions that they call must be compiled already.
 
-    law : a NamedTuple of numbers and arrays, of a class that no other law has; it is the first argument of all
-        functions, lengths and times in it those of the RateLaw.
+    law : a NamedTuple of numbers and arrays, whose class has a name that no other law's has; it is the first argument
+        of all functions, lengths and times in it those of the RateLaw.
     log_rate(law, x, threshold, stiffness),
     passed(law, far, threshold, stiffness), the integral of h from 0 to far,
     reached(law, log_amount, threshold, stiffness) : as the methods of RateLaw, for near = 0.
