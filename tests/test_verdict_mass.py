@@ -3,6 +3,7 @@
 import re
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from toolkit.verdict.budget import Budget, late
 from toolkit.verdict.ensemble import (
     FEW,
     follow_by_contacts,
+    kind_of,
     long_delay,
     may_follow,
     sliders,
@@ -425,6 +427,21 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     assert finite.kind == "stick-slip" and finite.before == pytest.approx(found.before, abs=0.02)
     told = follow_finite(machine, contacts, 5e3, never, rigid.static, 60.0)
     assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.03)
+    # but not where infinitely many were seen to slip, perhaps until they slide
+    seen = replace(never, slips=9)
+    assert follow_finite(machine, contacts, 5e3, seen, rigid.static, 60.0).kind == "unknown"
+
+
+def test_slips_of_a_mass_that_shrink_are_smooth_sliding_only_once_they_are_over() -> None:
+    """Nine slips, each drop 2 % smaller than the one before, were called smooth at the force at which the path ended,
+    halfway between two of them."""
+    slips = SimpleNamespace(drive=np.arange(1.0, 10.0), duration=np.full(9, 0.1))
+    regime = SimpleNamespace(verdict="decaying transient")
+    named = {"slips": slips, "regime": regime, "period": 1.0}
+    assert kind_of(SimpleNamespace(path=np.array([0.0, 9.5]), **named)) == "undecided"
+    assert kind_of(SimpleNamespace(path=np.array([0.0, 12.0]), **named)) == "smooth"
+    del slips.duration  # without a mass F tends to F_k, which is known
+    assert kind_of(SimpleNamespace(path=np.array([0.0, 9.5]), **named)) == "smooth"
 
 
 def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(

@@ -254,6 +254,17 @@ def regained_at(slips: Any, spring: float, times: float) -> float:
     return float((slips.drive + times * slips.drop / spring).max())
 
 
+def kind_of(solved: Any) -> str:
+    """What a solution's slider does: slips that die out end in smooth sliding. With a mass, of which F_k is not the
+    force, that is told only once they are over: until then the path ends at any force between two slips."""
+    verdict, slips = solved.regime.verdict, solved.slips
+    if verdict != "decaying transient":
+        return str(verdict)
+    silent = float(solved.path[-1] - slips.drive[-1])
+    goes_on = solved.period is not None and silent <= WITHOUT * solved.period
+    return "undecided" if goes_on and hasattr(slips, "duration") else "smooth"
+
+
 def may_go_on(found: Any, spring: float, settling: float, few: int) -> bool:
     """Whether sliders that slip, some of them more than `few` times, may do so again beyond their path: this spring has
     not regained what a slip took, and the slider not slid along `settling` since. One slip may begin a stick-slip."""

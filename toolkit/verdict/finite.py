@@ -237,7 +237,8 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, present, "unknown", message=NOT_SLID)
     # contacts that re-form at once forget their start in many slips, as F falls from static to kinetic
-    if flowing and infinite.kind == "undecided" and counts.any():
+    # and nobody knows how many of the slips that were seen of infinitely many are followed by others
+    if (flowing or infinite.slips) and infinite.kind == "undecided" and counts.any():
         few = found.contacts // SLIDERS
         why = f"{few:,} slip, perhaps only until they slide: what infinitely many do is not known"
         return Finite(rule, present, "unknown", message=why)

@@ -10,7 +10,7 @@ from origins.contacts import Contacts, Delay
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise
 from toolkit.verdict.budget import late
-from toolkit.verdict.ensemble import LOADINGS, follow_by_contacts, may_follow, without_heat
+from toolkit.verdict.ensemble import LOADINGS, follow_by_contacts, kind_of, may_follow, without_heat
 from toolkit.verdict.machine import (
     NO_TIME,
     Behaviour,
@@ -272,8 +272,7 @@ def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
         unknown = not_followed(rule, why.partition("; take eq_model")[0])
         unknown = replace(unknown, heat_left_out=solved.heat_left_out)
         return replace(unknown, error=solved.force_error, run_time=solved.run_time)
-    slips, verdict = solved.slips, solved.regime.verdict
-    kind = {"decaying transient": "smooth"}.get(verdict, verdict)
+    slips, kind = solved.slips, kind_of(solved)
     last = float(solved.force[-1]) if solved.force.size else float("nan")
     before, after = last, last
     if slips.drive.size and kind in ("stick-slip", "undecided"):
