@@ -17,7 +17,7 @@ from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.scenes import said, write
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
-from toolkit.verdict import answers, kinds, with_mass
+from toolkit.verdict import answers, judge, kinds, with_mass
 from toolkit.verdict.budget import Budget, late
 from toolkit.verdict.ensemble import (
     FEW,
@@ -584,3 +584,84 @@ def test_a_slider_whose_sliding_swings_is_told_which_damping_ends_it() -> None:
         "give one above 2.18 N s/m"
     ), told
     assert late("stopped by wall_time").endswith("where none is given)")
+
+
+def test_a_slider_that_slides_with_a_short_delay_is_held_against_a_long_one(
+    monkeypatch: Any,
+) -> None:
+    """It was held against none, and the page said that the delay decides nothing."""
+    short = WAITING.replace(delay=Delay(1e-3))
+    asked = list[float]()
+
+    def other(machine: Any, contacts: Any, number: Any, seconds: float, delay: float = 0.0) -> Any:
+        asked.append(delay)
+        found = of_a_mass("stick-slip" if delay else "smooth", 0.8)
+        return found if delay else replace(found, rule="instant")
+
+    monkeypatch.setattr("toolkit.verdict.judge.follow_other_delay", other)
+    slides = replace(of_a_mass("smooth", 0.5), after=0.5)
+    own = replace(of(slides).own, contacts=short)
+    turned = judge._turned(own, Budget(60.0, strict=True))
+    assert turned.kind == "stick-slip" and asked == [0.0, kinds.long_delay_of(own)]
+    told = replace(of(slides, turned), answers=(own,))
+    text = " ".join(page(told))
+    assert "contacts that form again only after " in text and "would make it stick-slip" in text
+    assert "not the contacts' delay" not in text
+    # one that slides with a delay that is long already, and one that sticks, are held against none
+    for contacts, behaviour in (
+        (WAITING.replace(delay=Delay(1e3)), slides),
+        (short, of_a_mass("stick-slip", 0.8)),
+    ):
+        del asked[:]
+        own = replace(of(behaviour).own, contacts=contacts)
+        assert judge._turned(own, Budget(60.0, strict=True)).kind == "smooth" and asked == [0.0]
+
+
+def test_a_short_delay_is_told_by_the_friction_of_contacts_that_do_not_wait() -> None:
+    """F_k of the table is that of the present delay, at which fewer contacts hold."""
+    slides = of_a_mass("smooth", 0.5)
+    at_once, late = (
+        replace(of(slides).own, contacts=WAITING.replace(delay=Delay(delay)))
+        for delay in (1e-9, 1.0)
+    )
+    unit = WAITING.mean_threshold
+    fewer = replace(late, kinetic=answers.Quantity(0.8 * unit / (unit + 1.0), 1e-9))
+    assert kinds.short_delay_of(fewer) == pytest.approx(kinds.short_delay_of(at_once), rel=1e-6)
+
+
+def slips_of_infinitely_many(
+    before: float, after: float, period: float, first: float | None = None
+) -> Behaviour:
+    """A slider with mass that sticks and slips."""
+    named = {"period": period, "first_slip": first, "force": np.full(4, before)}
+    found = of_a_mass("stick-slip", before, drive=np.linspace(0.0, 1.0, 4))
+    return replace(found, after=after, slips=9, **named)
+
+
+def test_a_slip_that_lasts_longer_than_the_spring_is_loaded_is_waited_for() -> None:
+    """The mass takes 63 mean thresholds of the drive for a slip, and the spring is loaded by 25: the path ended before
+    the first slip, and sliding was called smooth."""
+    contacts, machine = Contacts(gaussian(1.0, 0.4), delay=Delay(2.0)), Machine(0.05, 20.0, 0.05, 1)
+    told = slips_of_infinitely_many(1.245, -0.809, 125.8)
+    found = follow_finite(machine, contacts, 2000.0, told, 0.557, 60.0)
+    assert found.kind == "stick-slip" and found.period == pytest.approx(125.7, abs=0.5)
+    assert found.before == pytest.approx(1.245, abs=0.05)
+
+
+def test_falls_of_few_contacts_each_are_not_told_as_slips() -> None:
+    """Contacts come back while a slip goes on: of finitely many the force falls in steps, of which few break a fifth of
+    all contacts, and the force before these stood for that before the falls."""
+    contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(0.2))
+    told = slips_of_infinitely_many(0.603, 0.077, 2.24, first=2.095)
+    found = follow_finite(Machine(0.5, 2e-11, 5e-6, 1.0), contacts, 2e4, told, 0.5885, 60.0)
+    assert found.kind == "unknown" and "in falls of few of them each" in found.message
+
+
+def test_rules_that_agree_on_slips_and_not_on_their_drop_say_so() -> None:
+    """Both stick and slip, one by half as much as the other."""
+    told = of(of_a_mass("stick-slip", 0.8))
+    each = [replace(told.own.behaviours[0], rule="reset", after=0.0)]
+    for after, end in ((0.0, "all rules agree"), (0.4, "all rules agree, but not on the drop")):
+        both = (*each, replace(each[0], rule="reform-after", after=after))
+        lines = dependence(replace(told, answers=(replace(told.own, behaviours=both),)))
+        assert [line for line in lines if line.endswith(end)]

@@ -114,6 +114,18 @@ def shrinks_by(slips: Any, sliders: int) -> float:
     return part if part > least else 0.0
 
 
+def swing_beyond_slips(found: Any, least: float) -> float:
+    """By how much the force of each slider of an ensemble swings on the later half of its path, where it rises there by
+    `least` or more above that before any slip (lengths): it falls in many steps of few contacts each, and the slips are
+    not those of the force. 0 where it does not."""
+    late = np.s_[:, found.path.size // 2 :]
+    own = found.slips.drive >= found.path[late[1]][0]
+    highest = float(found.slips.force_before[own].max(initial=-np.inf))
+    if float(found.forces[late].max()) < highest + least:
+        return 0.0
+    return float(np.ptp(found.forces[late], axis=1).min())
+
+
 def main_slips(slips: Any) -> Any:
     """The slips of an ensemble, numbered anew, but those that lower the force by less than SLIP_FRACTION of their
     slider's largest of late: a narrow peak of P_c may slip alone between slips of all contacts."""

@@ -3,6 +3,7 @@
 import os
 import re
 import time
+from dataclasses import dataclass
 
 # s for all readings and rules together, where the scene gives none, and what to do where they do not suffice
 WALL_TIME = 60.0
@@ -60,3 +61,11 @@ def _expected_pace() -> float:
     """Programs that wanted a core in the last minute, and this one, for each core of the machine; at least 1."""
     waiting = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     return min(max((1.0 + waiting) / (os.cpu_count() or 1), 1.0), _MOST_EXPECTED)
+
+
+@dataclass(frozen=True)
+class PlannedDrive:
+    """The drive's travel for sliders of some contacts (a length), and the breaks of all of them on it, at most."""
+
+    end: float
+    breaks: float

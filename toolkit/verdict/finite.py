@@ -11,8 +11,9 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.results.slips import are_fading, large_slips, main_slips
+from toolkit.results.slips import are_fading, large_slips, main_slips, swing_beyond_slips
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
+from toolkit.verdict.budget import PlannedDrive
 from toolkit.verdict.ensemble import (
     FEW,
     LONG_DELAY,
@@ -40,6 +41,8 @@ MOST_BREAKS_IN_HEAT = 1.2e7
 TAKEN = {"thermal", "strengthening"}
 # times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01
+# parts of a slip of infinitely many: by which the force may rise beyond all slips, and swing where it does
+UNSEEN, SWINGING = 0.08, 0.5
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
 # loadings of few contacts, so that slips of two kinds are told apart, where these are no more breaks, some 0.1 s
@@ -82,14 +85,6 @@ class _Asked:
         """Whether contacts that re-form at once go on to slide."""
         slips = self.infinite.kind == "stick-slip"
         return self.infinite.rule == "instant" and not slips and not self.contacts.waiting_time
-
-
-@dataclass(frozen=True)
-class _PlannedDrive:
-    """The drive's travel for sliders of some contacts (a length), and the breaks of all of them on it, at most."""
-
-    end: float
-    breaks: float
 
 
 def follow_finite(
@@ -149,7 +144,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             contacts.waiting_time * (infinite.before - infinite.after) / machine.spring / lasts
         )
 
-    def planned(number: int) -> _PlannedDrive:
+    def planned(number: int) -> PlannedDrive:
         """The way of the drive for so many contacts, and how often each breaks on it, at most."""
         softness = number ** (-2.0 / 3.0) / machine.spring if settles else 0.0
         # contacts that wait hold a slider that sticks to more than F_s of one that moves with the drive
@@ -158,6 +153,10 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             highest_force = max(highest_force, float(infinite.force.max(initial=0.0)))
         loading = highest_force / machine.spring + (1.0 + above * softness) * mean + waits
         end = LOADINGS * loading if slips else loading + BEYOND * mean
+        if (
+            slips and infinite.period
+        ):  # a heavy slider slips for longer than the drive loads its spring
+            end = max(end, (infinite.first_slip or 0.0) + LOADINGS * infinite.period)
         longer = MANY_LOADINGS * loading
         lasting = MANY_LOADINGS if slips else longer / mean
         if rule not in FLOWING and SLIDERS * number * lasting < CHEAP:
@@ -175,7 +174,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             lives += max(static - relaxed, 0.0) / machine.spring / mean
         if contacts.thermal is not None:  # and those that break while the slider sticks
             lives += breaks_by_heat(contacts, end / machine.velocity)
-        return _PlannedDrive(end, SLIDERS * number * lives)
+        return PlannedDrive(end, SLIDERS * number * lives)
 
     if infinite.heat_left_out is not None:  # nor do as many contacts need it
         contacts = contacts.replace(thermal=None)
@@ -236,6 +235,11 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, present, "unknown", message=NOT_SLID)
+    drop = infinite.before - infinite.after if slips else 0.0
+    swing = swing_beyond_slips(found, UNSEEN * drop) if slips else 0.0
+    if swing > SWINGING * drop:
+        why = f"their force swings by {swing / mean:.2g} <x_s>, in falls of few of them each"
+        return Finite(rule, present, "unknown", message=why)
     # contacts that re-form at once forget their start in many slips, as F falls from static to kinetic
     # and nobody knows how many of the slips that were seen of infinitely many are followed by others
     if (flowing or infinite.slips) and infinite.kind == "undecided" and counts.any():

@@ -169,12 +169,12 @@ def _turned(own: Answer, budget: Budget) -> Behaviour | None:
     asked = damped(own), own.contacts, own.scale.contacts
     with suppress(InputError, TimeIsUp):
         light = follow_other_delay(*asked, budget.remaining())
-        if light.kind != "smooth" or own.contacts.waiting_time:
+        waits, slides = own.contacts.waiting_time, own.behaviours[0].kind == "smooth"
+        if light.kind != "smooth" or (waits and not (slides and waits < long_delay_of(own))):
             return light
         # fewer contacts hold a slider that slides than one that sticks, where they wait long: no slip rule tells of it
-        seconds = min(budget.remaining(), OF_DELAY)
-        heavy = follow_other_delay(*asked, seconds, long_delay_of(own))
-        return heavy if heavy.kind != "undecided" else None
+        heavy = follow_other_delay(*asked, min(budget.remaining(), OF_DELAY), long_delay_of(own))
+        return heavy if heavy.kind != "undecided" else light if waits else None
     return None
 
 

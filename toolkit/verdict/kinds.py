@@ -10,7 +10,7 @@ from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import LONGER
 from toolkit.verdict.ensemble import long_delay
-from toolkit.verdict.machine import RULES, Behaviour, Machine, slip_duration, top_speed
+from toolkit.verdict.machine import NAMED, RULES, Behaviour, Machine, slip_duration, top_speed
 from toolkit.verdict.table import HOLDING
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
@@ -19,13 +19,6 @@ from toolkit.verdict.uncertainty import WORTH_TELLING
 TURNS, UNSIZED, GENERAL, NOTHING = float("inf"), 0.5, 0.0, -1.0
 # of F_s: by more than that a slip begins above it, and not by rounding or an error
 ABOVE = 1e-3
-# how the slip rules are named where a user reads of them
-NAMED = {
-    "reset": "a slip renews all contacts",
-    "reform-after": "contacts re-form after the slip",
-    "instant": "contacts re-form at once",
-    "mass": "mass, damping and delay decide",
-}
 
 
 @dataclass(frozen=True)
@@ -165,17 +158,21 @@ def of_extremes(verdict: Verdict) -> str:
 def of_rules(verdict: Verdict) -> Iterator[Line]:
     """What hangs on the slip rule, or on the delay that decides in its place."""
     own = verdict.own
-    kinds = {one.rule: one.kind for one in own.behaviours}
-    if len(set(kinds.values())) > 1:
-        light = {rule: kind for rule, kind in kinds.items() if rule != "mass"}
-        each = ", ".join(f"{kind} if {NAMED[rule]}" for rule, kind in light.items())
+    does = {one.rule: one.kind for one in own.behaviours}
+    if len(set(does.values())) > 1:
+        each = ", ".join(
+            f"{kind} if {NAMED[rule]}" for rule, kind in does.items() if rule != "mass"
+        )
         yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
-    elif len(kinds) > 1 and "undecided" not in kinds.values():
-        yield Line(NOTHING, "not the slip rule, for infinitely many contacts: all rules agree")
+    elif len(does) > 1 and "undecided" not in does.values():
+        drops = [one.before - one.after for one in own.behaviours]
+        apart = ", but not on the drop" * (max(drops) - min(drops) > WORTH_TELLING * max(drops))
+        said = f"not the slip rule, for infinitely many contacts: all rules agree{apart}"
+        yield Line(NOTHING, said)
     elif own.extremes:
         said = "a slider with this one was not followed far enough"
         yield Line(TURNS, f"the contacts' delay: {said}{_of_short_delays(own)}")
-    elif len(kinds) == 1 and own.machine and own.machine.mass:
+    elif len(does) == 1 and own.machine and own.machine.mass:
         given, turned_found = bool(own.contacts.waiting_time), verdict.turned is not None
         if not given and (delay_decides(verdict) or not turned_found):
             said = "none is given, so that they form again at once; give [contacts.delay]"
@@ -186,7 +183,7 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
         elif turned_found and verdict.turned and verdict.turned.kind != "undecided":
             other = verdict.turned
             what = "without one" if given else "as long as contacts form again only after a slip"
-            if other.rule == "mass" and not given:
+            if other.rule == "mass":
                 what = f"with one of {spoken(long_delay_of(own), own.scale.time_unit)}"
             yield _same_with(verdict, other, what)
 
@@ -208,8 +205,7 @@ def _same_with(verdict: Verdict, other: Behaviour, what: str) -> Line:
 
 
 def _what_decides(own: Answer) -> str:
-    """What decides in place of the slip rules, and what of it is still to be given; of a slider with mass that was not
-    followed, that it was not."""
+    """What decides in place of the slip rules, what of it is still to be given, and that a mass was not followed."""
     delay = "" if own.contacts.waiting_time else "[contacts.delay]"
     if own.machine is not None and own.machine.mass is not None:
         missing = [*([] if own.machine.damping else ["drive.damping"]), *([delay] if delay else [])]
@@ -243,9 +239,10 @@ def _of_short_delays(own: Answer) -> str:
 
 def short_delay_of(own: Answer) -> float:
     """The delay (a time) far below which contacts act as if they formed again at once: none waits as a slip passes its
-    thresholds, and friction falls with the speed by less than the damping rises, F_k τ/<x_s> < γ. 0 of no damping."""
-    mean, damping = own.contacts.mean_threshold, damped(own).damping
-    return min(mean / a_slip(own)[1], damping * mean / own.kinetic.value)
+    thresholds, and friction, F_k without a delay, falls by less than damping rises, F_k τ/<x_s> < γ. 0: undamped."""
+    machine, mean = damped(own), own.contacts.mean_threshold
+    in_touch = mean / (mean + machine.velocity * own.contacts.waiting_time)
+    return min(mean / a_slip(own)[1], machine.damping * mean * in_touch / own.kinetic.value)
 
 
 def of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:

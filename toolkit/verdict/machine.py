@@ -14,6 +14,13 @@ from toolkit.scene.tables import DriveTable
 from toolkit.verdict.budget import MORE_TIME
 
 RULES = ("reset", "reform-after", "instant")
+# how the slip rules are named where a user reads of them
+NAMED = {
+    "reset": "a slip renews all contacts",
+    "reform-after": "contacts re-form after the slip",
+    "instant": "contacts re-form at once",
+    "mass": "mass, damping and delay decide",
+}
 # swing of the spring's force, in mean thresholds, that may be left where sliding is called smooth; and after how many
 # time constants one has died away, e^-10
 SWINGS, SETTLING = 0.01, 10.0

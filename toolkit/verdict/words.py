@@ -15,6 +15,7 @@ from toolkit.scene.scale import (
 )
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import LONGER
+from toolkit.verdict.ensemble import shrinking
 from toolkit.verdict.hangs_on import dependence, why_smooth
 from toolkit.verdict.kinds import (
     a_slip,
@@ -130,7 +131,7 @@ def turned(verdict: Verdict) -> list[str]:
         # its forces and its period are those of no slider with mass
         ask = "leave [contacts.delay] out" if own.contacts.waiting_time else "give [contacts.delay]"
         does, tells = other.kind, f"{tells}; {ask} for the forces and the period with the mass"
-    if other.rule == "mass" and not own.contacts.waiting_time:
+    if other.rule == "mass":
         late = spoken(long_delay_of(own), own.scale.time_unit)
         whose, tells = f"only after {late}", ""
     return [f"contacts that form again {whose} would make it {does}{tells}"]
@@ -283,6 +284,8 @@ def _behaved(
         every = span(periods, scale.length_unit, relative_error * max(periods))
         seconds = span(times, scale.time_unit, relative_error * max(times))
         said += f" every {every}, {seconds} at {written(verdict.velocity, speed_unit(verdict))}"
+    if last.sliders is not None and (shrinks := shrinking(last.sliders)):
+        said += f"{shrinks}, so that they may die out"
     return said + _of_assumed_damping(answer, last)
 
 
