@@ -41,7 +41,7 @@ MOST_BREAKS_IN_HEAT = 1.2e7
 TAKEN = {"thermal", "strengthening"}
 # times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01
-# parts of a slip of infinitely many: by which the force may rise beyond all slips, and swing where it does
+# part of a slip by which the force may rise beyond all others, and of one of infinitely many by which it may swing then
 UNSEEN, SWINGING = 0.08, 0.5
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
@@ -236,8 +236,9 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, present, "unknown", message=NOT_SLID)
     drop = infinite.before - infinite.after if slips else 0.0
-    swing = swing_beyond_slips(found, UNSEEN * drop) if slips else 0.0
-    if swing > SWINGING * drop:
+    own_drop = float(found.slips.drop.mean()) if counts.any() else drop
+    swing = swing_beyond_slips(found, UNSEEN * own_drop) if slips else 0.0
+    if swing > SWINGING * drop > 0.0:
         why = f"their force swings by {swing / mean:.2g} <x_s>, in falls of few of them each"
         return Finite(rule, present, "unknown", message=why)
     # contacts that re-form at once forget their start in many slips, as F falls from static to kinetic

@@ -51,7 +51,7 @@ FORGOTTEN, SOFTEST = 30.0, 1e-3
 SHORT_SLIP = 0.1
 # slips that tell a regime, and part of a period by which the path goes on beyond them
 ENOUGH_SLIPS, PART_OF_PERIOD = 5, 0.2
-# part of the path, its last fifth, along which the force of smooth sliding with mass is looked at for what still swings
+# part of the path, its last fifth, along which the force of smooth sliding is looked at for what still changes
 SETTLED_IN = 5
 SWINGING = "the slider still swings about its balance at the path's end"
 
@@ -98,7 +98,7 @@ def follow(
     distances = [each * loading for each in lengths]
     found = _by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":
-        return _settled(found, rigid, contacts) if machine.mass is None else found
+        return _settled(found, machine, rigid, contacts)
     # the ensemble takes no heat on a spring: it is followed where what it leaves out is known to change little
     by_contacts &= contacts.thermal is None or found.heat_left_out is not None
     if by_contacts and (rule != "mass" or not found.success):
@@ -114,20 +114,25 @@ def follow(
     return found
 
 
-def _settled(found: Behaviour, rigid: RigidSlider, contacts: Contacts) -> Behaviour:
-    """Smooth sliding without mass whose force still changes at the path's end at F_k, to which it tends once contacts
-    that began together have forgotten it, narrow thresholds after tens of them. Exact ones may keep their order: then
-    the change is part of the error."""
+def _settled(
+    found: Behaviour, machine: Machine, rigid: RigidSlider, contacts: Contacts
+) -> Behaviour:
+    """Smooth sliding whose force still changes at the path's end at F_k and what the damping bears, to which it tends
+    once contacts that began together have forgotten it. With a mass what still swings is part of the error. Exact
+    thresholds may keep their order: the force is told as it is."""
     if found.kind != "smooth" or not found.drive.size:
         return found
-    mean, late = contacts.mean_threshold, found.drive >= (1.0 - 1.0 / SETTLED_IN) * found.drive[-1]
+    mean, waits = contacts.mean_threshold, machine.velocity * contacts.waiting_time
+    late = found.drive >= found.drive[-1] - max(found.drive[-1] / SETTLED_IN, waits)
     change = float(np.ptp(found.force[late])) / mean
     if change <= found.error:
         return found
     if contacts.thresholds.atoms[0].size:
         return replace(found, error=found.error + change)
+    steady = rigid.kinetic + machine.damping * machine.velocity
     error = max(found.error, rigid.kinetic_error / mean)
-    return replace(found, before=rigid.kinetic, after=rigid.kinetic, error=error)
+    error += (machine.mass is not None) * max(change, abs(found.after - steady) / mean)
+    return replace(found, before=steady, after=steady, error=error)
 
 
 def _damped(
@@ -213,10 +218,6 @@ def _by_distribution(
         swings = found.kind == "smooth" and length < settled
         if swings:
             found = replace(found, kind="undecided", message=SWINGING)
-        elif settled and found.kind == "smooth":
-            # what is left of the swing, as the force is told from the path's end
-            change = np.ptp(solved.force[-(path.size // SETTLED_IN) :]) / contacts.mean_threshold
-            found = replace(found, error=found.error + change)
         if found.kind != "undecided" or not solved.success:
             break
         enough = np.inf
