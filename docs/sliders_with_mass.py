@@ -154,6 +154,19 @@ def print_rules() -> None:
         print(f"{name}: falls of {np.round(first_drops(mass, damping, delay), 3)}")
 
 
+def print_long_delays() -> None:
+    """The first and the tenth drop of a slider without mass whose contacts wait, by the ensemble, after a delay in
+    which the spring regains less than a slip takes, and after a longer one."""
+    wide, spring = origins.gaussian(1.0, 0.4), 0.252
+    for delay in (1.0, 30.0):
+        path = np.linspace(0.0, 14.0 * (delay + 2.0 + 1.0 / spring), 50)
+        law = origins.Contacts(wide, delay=origins.Delay(delay))
+        pulled = {"spring": spring, "slip": "reform-after", "velocity": 1.0}
+        run = eq_model.simulate(law, path, **pulled, n_contacts=100_000, n_replicas=1, seed=1)
+        drops = run.slips.drop[run.slips.drop > 0.1]
+        print(f"delay {delay:g}: drops of slip 1 and 10: {drops[0]:.3f}, {drops[9]:.3f}")
+
+
 def draw_speeds() -> None:
     """Swings against the drive's speed: the ensemble, scipy without memory, 2 v (K M)^(1/2), and the closed speeds."""
     from matplotlib.figure import Figure
@@ -188,6 +201,7 @@ def draw_speeds() -> None:
 def main() -> None:
     print_delays()
     print_rules()
+    print_long_delays()
     print_speeds()
     draw_speeds()
 

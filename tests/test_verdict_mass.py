@@ -420,18 +420,18 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     rigid = RigidSlider(0.9, 0.01, 0.0, 5.0, 1.0)
     never = not_followed("mass", "it is not solved here")
     monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
-    found = follow(machine, contacts, "mass", rigid, 60.0)
+    found = follow(machine, contacts, "mass", rigid, 1e4)
     assert found.kind == "stick-slip" and found.period == pytest.approx(69.4, abs=0.2)
     # K times the way from one slip to the next: by the delay nothing holds the slider, then contacts load the spring
     by_hand = 60.0 + found.before / 0.1
     assert found.period == pytest.approx(by_hand, rel=0.02)
-    finite = follow_finite(machine, contacts, 5e3, found, rigid.static, 60.0)
+    finite = follow_finite(machine, contacts, 5e3, found, rigid.static, 1e4)
     assert finite.kind == "stick-slip" and finite.before == pytest.approx(found.before, abs=0.02)
-    told = follow_finite(machine, contacts, 5e3, never, rigid.static, 60.0)
+    told = follow_finite(machine, contacts, 5e3, never, rigid.static, 1e4)
     assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.03)
     # but not where infinitely many were seen to slip, perhaps until they slide
     seen = replace(never, slips=9)
-    assert follow_finite(machine, contacts, 5e3, seen, rigid.static, 60.0).kind == "unknown"
+    assert follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4).kind == "unknown"
 
 
 def test_slips_of_a_mass_that_shrink_are_smooth_sliding_only_once_they_are_over() -> None:
@@ -457,14 +457,14 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     mass = 0.05 * (0.3 * delay / np.pi) ** 2  # a slip takes 0.3 of the delay
     machine = Machine(0.05, mass, 0.2 * np.sqrt(0.05 * mass), 1.0)
     rigid = RigidSlider(0.55, 0.025, 0.0, 0.5, 1.0, contacts=4000)
-    found = follow(machine, contacts, "mass", rigid, 60.0)
+    found = follow(machine, contacts, "mass", rigid, 1e4)
     assert found.kind == "smooth" and found.slips == 2
     # steady sliding at F_k, <x_s>^2 / (<x_s> + v delay) for an exponential law, and what the damping bears
     steady = 1.0 / (1.0 + delay) + machine.damping
     assert found.after == pytest.approx(steady, abs=found.error) and found.error < 0.1
     narrow = Contacts(gaussian(1.0, 0.4), delay=Delay(delay))
     machine = replace(machine, mass=mass / 9.0, damping=machine.damping / 3.0)
-    found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 60.0)
+    found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
     said = re.search(r"each drop ([\d.]+)% smaller than the one before", found.message)
     assert found.kind == "stick-slip" and said and 4.0 < float(said[1]) < 20.0
     # the sentence gives means of late slips, and those to come are smaller
@@ -646,7 +646,7 @@ def test_a_slip_that_lasts_longer_than_the_spring_is_loaded_is_waited_for() -> N
     the first slip, and sliding was called smooth."""
     contacts, machine = Contacts(gaussian(1.0, 0.4), delay=Delay(2.0)), Machine(0.05, 20.0, 0.05, 1)
     told = slips_of_infinitely_many(1.245, -0.809, 125.8)
-    found = follow_finite(machine, contacts, 2000.0, told, 0.557, 60.0)
+    found = follow_finite(machine, contacts, 2000.0, told, 0.557, 1e4)
     assert found.kind == "stick-slip" and found.period == pytest.approx(125.7, abs=0.5)
     assert found.before == pytest.approx(1.245, abs=0.05)
 
@@ -656,7 +656,7 @@ def test_falls_of_few_contacts_each_are_not_told_as_slips() -> None:
     all contacts, and the force before these stood for that before the falls."""
     contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(0.2))
     told = slips_of_infinitely_many(0.603, 0.077, 2.24, first=2.095)
-    found = follow_finite(Machine(0.5, 2e-11, 5e-6, 1.0), contacts, 2e4, told, 0.5885, 60.0)
+    found = follow_finite(Machine(0.5, 2e-11, 5e-6, 1.0), contacts, 2e4, told, 0.5885, 1e4)
     assert found.kind == "unknown" and "in falls of few of them each" in found.message
 
 

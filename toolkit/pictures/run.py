@@ -120,9 +120,8 @@ def _line_or_dots(
 ) -> tuple[dict[str, Any], str]:
     """The style of a curve, and what its label adds: dots where a slider with mass swings between the points of the
     path, since a line would draw slower swings that do not exist."""
-    solved = getattr(curve, "velocity", None) is not None and is_precise(
-        curve
-    )  # with mass, by the master equation
+    # with mass, by the master equation
+    solved = getattr(curve, "velocity", None) is not None and is_precise(curve)
     slips = slips_of(curve, replica)
     if not (is_heavy(curve) or solved) or not hides_swings(curve.path, value, slips, speed):
         return style, ""

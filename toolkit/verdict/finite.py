@@ -41,7 +41,8 @@ MOST_BREAKS_IN_HEAT = 1.2e7
 TAKEN = {"thermal", "strengthening"}
 # times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01
-# part of a slip by which the force may rise beyond all others, and of one of infinitely many by which it may swing then
+# Where the force rises by this part of a drop above that before any slip, the slips are not those of the force; and the
+# part of the drop of infinitely many contacts by which it has to swing for this to be said.
 UNSEEN, SWINGING = 0.08, 0.5
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
@@ -153,9 +154,8 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             highest_force = max(highest_force, float(infinite.force.max(initial=0.0)))
         loading = highest_force / machine.spring + (1.0 + above * softness) * mean + waits
         end = LOADINGS * loading if slips else loading + BEYOND * mean
-        if (
-            slips and infinite.period
-        ):  # a heavy slider slips for longer than the drive loads its spring
+        if slips and infinite.period:
+            # a heavy slider may slip for longer than the drive loads its spring
             end = max(end, (infinite.first_slip or 0.0) + LOADINGS * infinite.period)
         longer = MANY_LOADINGS * loading
         lasting = MANY_LOADINGS if slips else longer / mean

@@ -75,9 +75,8 @@ def follow(
     """
     end = time.monotonic() + wall_time
     loading = rigid.static / machine.spring + contacts.mean_threshold
-    loading += (
-        machine.velocity * contacts.waiting_time
-    )  # before contacts that broke in a slip bear the slider again
+    # and the drive's way until contacts that broke in a slip bear the slider again
+    loading += machine.velocity * contacts.waiting_time
     cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
     undamped = machine.mass is not None and not machine.damping
     if undamped and rings:
@@ -131,7 +130,8 @@ def _settled(
         return replace(found, error=found.error + change)
     steady = rigid.kinetic + machine.damping * machine.velocity
     error = max(found.error, rigid.kinetic_error / mean)
-    error += (machine.mass is not None) * max(change, abs(found.after - steady) / mean)
+    if machine.mass is not None:
+        error += max(change, abs(found.after - steady) / mean)
     return replace(found, before=steady, after=steady, error=error)
 
 

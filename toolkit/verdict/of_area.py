@@ -252,9 +252,8 @@ def fall_of(finite: Finite, scale: Scale) -> str:
         _scatter(one, WORTH_SHOWING * size, unit, factor) for one in (finite.befores, finite.drops)
     ]
     if scatter[1] and finite.after and finite.drops is not None:
-        alike = (
-            "±" in scatter[1]
-        )  # slips of one kind have a mean; of several it is no more than a size
+        # slips of one kind have a mean; of several kinds it is no more than a size
+        alike = "±" in scatter[1]
         fall = written(drop, unit, finite.drops.std * factor, 4) if alike else _short(drop, unit)
         return f"{high}{scatter[0]} down by {fall}{scatter[1]}"
     return falls(high, low, drop, unit, scatter[0])
