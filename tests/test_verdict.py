@@ -149,6 +149,13 @@ def test_few_contacts_slip_where_infinitely_many_slide(capsys: Any) -> None:
     smooth = guarded(own["behaviours"][0]["after"], "N", 1e-9)
     told = f"500 contacts stick and slip, {drop}; disagree: infinitely many would slide smoothly"
     assert status == 0 and first == f"{told} at {smooth}"
+    # one of their traces stands in the file, too
+    fall = few["before"] - few["after"]
+    with Path("mine-output/friction.csv").open(encoding="utf-8") as stream:
+        _, *rows = csv.reader(stream)
+    of_area = [float(row[2]) for row in rows if row[0] == "reset, 500 contacts"]
+    assert max(of_area) > 0.9 * few["before"] and -np.diff(of_area).min() > 0.9 * fall
+    assert "reset" in {row[0] for row in rows}
 
 
 @pytest.mark.slow
@@ -352,6 +359,20 @@ def test_one_slip_to_no_force_is_followed_until_it_is_known_whether_it_goes_on(
     cut = follow_finite(machine, contacts, 9e4, told, 1.0, 60.0)
     assert (cut.kind, cut.slips, cut.after) == ("unknown", 1.0, 0.0)
     assert "more than are followed here" in cut.message
+
+
+def test_a_trace_that_is_followed_further_keeps_the_slope_of_its_loading() -> None:
+    """Its points begin with the drive, and not where the force is taken as that of steady sliding: the first load was
+    drawn as a line to there, seven times as long."""
+    contacts, told = (
+        Contacts(stats.expon()),
+        replace(infinite("smooth", 0), rule="reset", after=1.0),
+    )
+    found = follow_finite(Machine(0.2, None, 0.0, 1.0), contacts, 2000.0, told, 1.0, 60.0)
+    loading = np.linspace(0.0, 8.0, 33)
+    exact = master.solve(contacts, loading, spring=0.2).force
+    assert found.kind == "stick-slip"
+    assert np.interp(loading, found.drive, found.force) == pytest.approx(exact, abs=0.04)
 
 
 def test_few_contacts_that_re_form_at_once_bear_more_than_infinitely_many() -> None:

@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.scene.scale import of_contacts
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.machine import Finite
+from toolkit.verdict.of_area import apart
 from toolkit.verdict.words import details, sentence, turned, warnings
 
 
@@ -78,12 +80,16 @@ def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
 
 def friction(verdict: Verdict) -> dict[str, list[Any]]:
     """The columns of friction.csv: the trace of the scene's own reading under each rule, a row a point; slips at their
-    own places have two rows, and below them the first slip of a mass has its own."""
+    own places have two rows, and below them the first slip of a mass has its own; then that of one slider of the area's
+    contacts, where these do something else."""
     scale, own = verdict.own.scale, verdict.own.behaviours
     if not own:
         return {}
     parts = [(one.rule, one.drive, one.force) for one in own]
     parts += [(f"{one.rule}, its first slip", one.slip_drive, one.slip_force) for one in own]
+    shown = [one.sliders for one in own]  # in place of infinitely many
+    few = [one for one in apart(verdict).values() if all(one is not each for each in shown)]
+    parts += [(f"{one.rule}, {of_contacts(one.contacts)}", one.drive, one.force) for one in few]
     drive, force = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
     return {
         "slip rule": [part[0] for part in parts for _ in part[1]],

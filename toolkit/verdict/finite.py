@@ -217,7 +217,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         seen, end = found, regained_at(found.slips, machine.spring, SEVERAL) + BEYOND * mean
         end += SEVERAL * waits
         steady = end - path[0] - settling
-        path = np.append(path[0], np.linspace(path[0] + steady, end, many))
+        path = path[0] + np.unique(np.linspace([0.0, steady], end - path[0], many))
         breaks = breaks_until(end, seen, mean)
         try:
             if breaks > MORE * most:
