@@ -59,7 +59,7 @@ def readings() -> list[Reading]:
 def table(found: list[Reading]) -> list[str]:
     """The numbers of the page, as lines of Markdown."""
     lines = [
-        "| reading | contacts (1/µm²) | radius (nm) | <x_s> (nm) | <f_s> (µN) | <k> (N/m) | spread | onset m | "
+        "| reading | contacts (1/µm²) | radius (nm) | <x_s> (nm) | <f_s> (µN) | <k> (N/m) | spread | onset power | "
         "K*/(N<k>) | F_s/F_k | F_k/load |",
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]

@@ -1,5 +1,6 @@
 """The commands: what they print, write and return; what they say before they work, or in one line instead."""
 
+import csv
 import ctypes
 import json
 import os
@@ -418,7 +419,16 @@ def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:
     assert found["small"]["kinetic_force_newtons"] == pytest.approx(newtons, rel=1e-6)
     assert "F_k (N)" in lines[0]
     heads = {"kinetic_force_newtons [N]", "mean_threshold [m]"}
-    assert heads < set(Path("both/compare.csv").read_text().splitlines()[0].split(","))
+    with Path("both/compare.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert heads < set(rows[0])
+    # a line for each reading, with its own numbers
+    each = [(one["name"], read) for one in found.values() for read in one["readings"]]
+    assert len(rows) == len(each) == 4
+    for row, (name, numbers) in zip(rows, each, strict=True):
+        assert (row["name"], row["reading"]) == (name, numbers["reading"])
+        spring = float(row["critical_spring_newtons [N/m]"])
+        assert spring == numbers["critical_spring_newtons"]
     each = 1e-6 * law.contact_density * law.mean_stiffness
     assert small == pytest.approx(each * found["small"]["critical_spring"], rel=1e-12)
     bare = write("bare", thresholds=ROUGH, drive={"to": 1e-7, "points": 3})

@@ -46,8 +46,9 @@ def precision_rows(found: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 
 def comparison_rows(scenes: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
-    """The columns of compare.csv: a line for each scene, with the numbers that compare.json has. Each scene's unit of
-    length stands in the column "unit", and in the head where all scenes have one."""
+    """The columns of compare.csv: a line for each reading of each scene, the scene's own first, with the numbers that
+    compare.json has; what is the same for all readings stands in the first line of a scene. Each scene's unit of length
+    stands in the column "unit", and in the head where all scenes have one."""
     lengths = {"m" if scene["unit"] == "m" else "length" for scene in scenes}
     units = {"critical_spring": "N_c<k>", "run_time": "s"}
     units["mean_threshold"] = lengths.pop() if len(lengths) == 1 else "unit"
@@ -55,11 +56,18 @@ def comparison_rows(scenes: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]
     units |= {"critical_spring_newtons": "N/m", "critical_spring_per_area": "N/m³"}
     units |= {"kinetic_force_newtons": "N", "kinetic_stress": "Pa"}
     units |= {f"{name}_error": unit for name, unit in units.items()}
-    plain = [
-        {name: value for name, value in scene.items() if not isinstance(value, list | tuple | dict)}
-        for scene in scenes
-    ]
-    return _columns([{k: v for k, v in one.items() if k != "evidence"} for one in plain], units)
+    lines = list[dict[str, Any]]()
+    for scene in scenes:
+        own, *others = scene["readings"]
+        names = {name: scene[name] for name in ("name", "title")}
+        plain = {
+            name: value
+            for name, value in scene.items()
+            if name != "evidence" and not isinstance(value, list | tuple | dict)
+        }
+        lines.append(names | {"reading": own["reading"]} | plain)
+        lines += [names | one | {"unit": scene["unit"]} for one in others]
+    return _columns(lines, units)
 
 
 def _columns(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> dict[str, list[Any]]:
