@@ -86,8 +86,7 @@ def _parse(words: list[str]) -> "argparse.Namespace":
         if name == "figures":
             explained = "labels or numbers, such as A08c, A02 (all that begin so), fig10; all where it is left out"
             own.add_argument("figure", metavar="FIGURE", nargs="*", help=explained)
-            explained = "folder for what is written (default: ./paper-figures)"
-            own.add_argument("--out", metavar="DIR", help=explained)
+            _written_to(own, "paper-figures")
             continue
         many, folder = {
             "compare": ("+", "compare-output"),
@@ -107,10 +106,7 @@ def _parse(words: list[str]) -> "argparse.Namespace":
         own.add_argument("--set", help=explained, **change)
         if name in ("show", "cost"):
             continue
-        explained = f"folder for what is written (default: ./{folder})"
-        own.add_argument("--out", metavar="DIR", help=explained)
-        explained = "formats of pictures beside PNG: pdf, svg, or pdf,svg"
-        own.add_argument("--format", metavar="FORMATS", help=explained)
+        _written_to(own, folder)
         if name == "precision":
             explained = "without a scene: how often error bars hold the true error, over cases drawn at random"
             own.add_argument("--coverage", action="store_true", help=explained)
@@ -129,6 +125,14 @@ def _parse(words: list[str]) -> "argparse.Namespace":
         hint = f"{did_you_mean(words[0], COMMANDS)}mesofriction --help lists the commands"
         parser.exit(2, f"mesofriction: {words[0]}: unknown command; {hint}\n")
     return parser.parse_args(words)
+
+
+def _written_to(own: "argparse.ArgumentParser", folder: str) -> None:
+    """The options of a command that writes pictures, by default into this folder."""
+    explained = f"folder for what is written (default: ./{folder})"
+    own.add_argument("--out", metavar="DIR", help=explained)
+    explained = "formats of pictures beside PNG: pdf, svg, or pdf,svg"
+    own.add_argument("--format", metavar="FORMATS", help=explained)
 
 
 def _execute(parsed: "argparse.Namespace", launched: "Launch") -> int:

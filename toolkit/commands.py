@@ -76,8 +76,8 @@ def figures(arguments: argparse.Namespace) -> int:
     """Draw the paper's figures that are named, or all; returns 1 where a number does not agree with its reference."""
     from toolkit.figures.paper import draw_figures, labels_of
 
-    labels, folder = labels_of(arguments.figure), arguments.out or "paper-figures"
-    agree = draw_figures(labels, folder, partial(print, flush=True))
+    folder, formats = arguments.out or "paper-figures", read_formats(arguments.format)
+    agree = draw_figures(labels_of(arguments.figure), folder, partial(print, flush=True), formats)
     print(f"written to {folder}")
     return 0 if agree else 1
 

@@ -1,9 +1,10 @@
 """`mesofriction figures`: draws the paper's figures and tells the number that each of them is held by."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from origins.errors import refuse
@@ -11,6 +12,7 @@ from toolkit.figures import ageing, heat, sliding, stretches, surfaces
 from toolkit.figures.found import Found
 from toolkit.results.files import write_json
 from toolkit.results.folders import check_folder, write_folder
+from toolkit.saving import pictures, stale
 from toolkit.scene.paper import PAPER_FIGURES, figures_called
 
 # each draws on an empty matplotlib Figure
@@ -51,8 +53,11 @@ def labels_of(names: Iterable[str]) -> list[str]:
     return [label for label in PAPER_FIGURES if label in chosen or not chosen]
 
 
-def draw_figures(labels: Iterable[str], folder: str, say: Callable[[str], None]) -> bool:
-    """Write <label>.png of each, figures.txt and figures.json into the folder, and `say` each number as it is found.
+def draw_figures(
+    labels: Iterable[str], folder: str, say: Callable[[str], None], formats: Sequence[str] = ()
+) -> bool:
+    """Write <label>.png of each, in `formats`, too, figures.txt and figures.json into the folder, and `say` each number
+    as it is found. Pictures of these labels in other formats, of an earlier call, are removed.
 
     Returns whether all numbers agree with their references. Raises InputError for a folder that cannot be written to.
     """
@@ -65,7 +70,8 @@ def draw_figures(labels: Iterable[str], folder: str, say: Callable[[str], None])
         found = DRAW[label](figure)
         number = PAPER_FIGURES[label].number
         figure.suptitle(f"Fig. {number} ({label})", fontsize="medium")
-        write_folder(folder, {f"{label}.png": partial(figure.savefig, dpi=110, format="png")})
+        writers = pictures(label, partial(_save_figure, figure), formats)
+        write_folder(folder, writers, stale([label], writers))
         own = in_words(label, number, found)
         say("\n".join(own))
         lines += own
@@ -73,12 +79,16 @@ def draw_figures(labels: Iterable[str], folder: str, say: Callable[[str], None])
         about = {"number": number, "scenes": PAPER_FIGURES[label].scenes}
         numbers[label] = about | asdict(found) | {"agrees": found.agrees, "run_time": run_time}
     text = "\n".join([*lines, ""])
-    writers: dict[str, Any] = {
+    tables: dict[str, Any] = {
         "figures.txt": lambda path: path.write_text(text, encoding="utf-8"),
         "figures.json": lambda path: write_json(numbers, path),
     }
-    write_folder(folder, writers)
+    write_folder(folder, tables)
     return all(one["agrees"] for one in numbers.values())
+
+
+def _save_figure(figure: Any, path: Path) -> None:
+    figure.savefig(path, dpi=110, format=path.suffix[1:])
 
 
 def in_words(label: str, number: int, found: Found) -> list[str]:
