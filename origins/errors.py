@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 from typing import NoReturn
 
 import numpy as np
@@ -140,6 +141,11 @@ def pair(name: str, value: object) -> tuple[object, object]:
 def one_of(name: str, value: object, names: tuple[str, ...]) -> str:
     """`value` as one of these names."""
     if not isinstance(value, str) or value not in names:
-        quoted = [f'"{one}"' for one in names]
-        refuse(name, value, f"must be {', '.join(quoted[:-1])} or {quoted[-1]}")
+        refuse(name, value, must_be(names))
     return value
+
+
+def must_be(names: Iterable[str]) -> str:
+    """For a message: that the value must be one of these names."""
+    *others, last = [f'"{one}"' for one in names]
+    return f"must be {', '.join(others)} or {last}"

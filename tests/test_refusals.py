@@ -490,6 +490,21 @@ WRONG: list[tuple[str, Any, str]] = [
     ("contacts.delay", {}, "contacts.delay.time: is missing; it takes time"),
     (
         "contacts.thermal",
+        {"temperature": 0.1},
+        'contacts.thermal.law: is missing; must be "soft", "stiff" or "eyring"; it takes law, ',
+    ),
+    (
+        "contacts.ageing",
+        {"rate": 0.1},
+        "contacts.ageing.final: is missing; must be a table whose kind is one of identical, gaussian, ",
+    ),
+    (
+        "contacts.thresholds",
+        {"kind": "from-topography", "surface": {}, "material": {}, "law": "paper"},
+        'contacts.thresholds.model: is missing; must be "gw" or "persson"; from-topography takes ',
+    ),
+    (
+        "contacts.thermal",
         {"law": "weak", "temperature": 0.1},
         "contacts.thermal.law = 'weak': must be \"soft\"",
     ),

@@ -14,6 +14,8 @@ from origins.thresholds.families import persson
 from origins.thresholds.law import Thresholds
 from origins.thresholds.powered import Bend, Powered, straight
 
+MODELS, LAWS = ("gw", "persson"), ("paper", "amontons", "strength")
+
 
 def from_topography(
     heights: object,
@@ -65,12 +67,12 @@ def from_moments(
         refuse("moments", moments, "must be SpectralMoments, as of origins.moments_of_summits(...)")
     if not isinstance(material, Material):
         refuse("material", material, "must be origins.Material(contact_modulus=..., ...)")
-    one_of("law", law, ("paper", "amontons", "strength"))
+    one_of("law", law, LAWS)
     if law == "paper" and material.contact_stiffness is not None:
         raise InputError('material.contact_stiffness: law = "paper" has k = c x_s; leave it out')
     fields = {"model": model, "law": law, "material": material, "moments": moments}
     fields["pressure"] = between("pressure", pressure, 1e-200, 1e200, "it is in Pa")
-    if one_of("model", model, ("gw", "persson")) == "gw":
+    if one_of("model", model, MODELS) == "gw":
         if patch_area is not None:
             refuse("patch_area", patch_area, 'model = "gw" counts its own contacts; leave it out')
         return _on_summits(fields, regime, height_law)

@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from origins.errors import InputError, positive, refuse
+from origins.errors import InputError, must_be, positive, refuse
 from origins.roughness.stated import BOLTZMANN
 from toolkit.scene.tables import did_you_mean, what_is_meant
 
@@ -54,6 +54,15 @@ _TABLES: dict[str, Mapping[str, str] | str] = {
     "contact_stiffness": STIFFNESSES,
     "island": ISLANDS,
     "substrate": SUBSTRATES,
+}
+
+# keys that each of these functions needs, and that are one of the words that stand elsewhere
+_WORDS = {
+    "origins:Thermal": {"law": "origins.laws.thermal:RATE_LAWS"},
+    f"{_OWN}from_topography": {
+        "model": "origins.roughness.from_surface:MODELS",
+        "law": "origins.roughness.from_surface:LAWS",
+    },
 }
 
 # k_BT/<k> in m² and K, beyond those of any contact: a larger temperature is in another unit than it seems
@@ -157,8 +166,7 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
             meant = did_you_mean(title, kinds)
             refuse(f"{where}.kind", title, f"{meant}must be one of {', '.join(kinds)}")
         place = kinds[title]
-    module, name = str(place).split(":")
-    function = getattr(import_module(module), name)
+    function = _named(str(place))
     keys = dict(inspect.signature(function).parameters)
     given = {key for key in ("folder", "comm", "thresholds") if keys.pop(key, None) is not None}
     others = [name for name, one in keys.items() if one.kind is one.VAR_KEYWORD]
@@ -170,8 +178,23 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
             refuse(f"{where}.{key}", value, f"unknown key; {what_is_meant(key, keys)}{takes}")
     for key, parameter in keys.items():
         if parameter.default is parameter.empty and key not in arguments:
-            raise InputError(f"{where}.{key}: is missing; {takes}")
+            raise InputError(f"{where}.{key}: is missing; {_choice(str(place), key)}{takes}")
     return _Call(title, function, keys, given, arguments)
+
+
+def _choice(place: str, key: str) -> str:
+    """For a message: the words or the kinds of table among which this key of the function is, "" for others."""
+    if words := _WORDS.get(place, {}).get(key):
+        return f"{must_be(_named(words))}; "
+    if isinstance(kinds := _TABLES.get(key), Mapping):
+        return f"must be a table whose kind is one of {', '.join(kinds)}; "
+    return ""
+
+
+def _named(place: str) -> Any:
+    """What has this name, such as "origins:Thermal"."""
+    module, name = place.split(":")
+    return getattr(import_module(module), name)
 
 
 def with_defaults(kinds: Mapping[str, str] | str, table: object, where: str) -> dict[str, Any]:
