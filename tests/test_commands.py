@@ -182,6 +182,25 @@ def test_the_wall_time_is_that_of_all_solvers_and_commands(
     assert "wall_time = 0.01: is over before " in line and os.listdir() == ["mine.toml"]
 
 
+def test_at_the_wall_time_the_master_equation_ends_with_what_it_has(
+    monkeypatch: Any, capsys: Any
+) -> None:
+    given, solve = list[float](), master.solve
+
+    def cut(*arguments: Any, wall_time: float, **others: Any) -> Any:
+        given.append(wall_time)
+        return solve(*arguments, wall_time=1e-9, **others)
+
+    monkeypatch.setattr(master, "solve", cut)
+    drive = {"to": 8.0, "points": 9, "spring": 0.1, "mass": 1.0, "damping": 0.3, "velocity": 1.0}
+    contacts = {"thresholds": GAUSSIAN, "delay": {"time": 1.0}}
+    file = write(drive=drive, contacts=contacts, wall_time=100.0)
+    status, _, err = said(capsys, "run", file, "--out", "cut")
+    assert status == 1 and "stopped by wall_time: the path is cut at X_T" in err[-1]
+    solved = toolkit.load("cut").master
+    assert 0 < solved.path.size < 9 and not solved.success and 90.0 < given[0] <= 100.0
+
+
 def test_resampled_laws_are_the_same_in_any_number_of_threads(monkeypatch: Any) -> None:
     from origins.samples.from_samples import bootstrap_laws
     from toolkit.running import resampled

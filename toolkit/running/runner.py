@@ -1,5 +1,6 @@
 """Run a scene: each solver it names, and no other."""
 
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, nullcontext
 from os import PathLike
@@ -27,6 +28,9 @@ from toolkit.scene import laws
 from toolkit.scene.interfaces import foreseen, of_interface, remarks
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.version import __version__
+
+# In s: what the master equation may take beyond a wall_time to end with what it has; and the least time it is given.
+TO_END, LEAST_TIME = 2.0, 1e-3
 
 
 def run(
@@ -116,8 +120,10 @@ def solve(
             ensemble = make_ensemble(scene, scene.eq, comm, earlier=earlier)
         del earlier  # the ensemble has a copy of these sums; free the memory
     if scene.master is not None:
-        with shown("master equation") as bar, within(deadline, scene, "[master]"):
-            master = solve_master(scene, scene.master.tolerance, bar and bar.refine)
+        last = None if deadline is None else deadline + TO_END
+        with shown("master equation") as bar, within(last, scene, "[master]"):
+            left = None if deadline is None else max(deadline - time.monotonic(), LEAST_TIME)
+            master = solve_master(scene, scene.master.tolerance, bar and bar.refine, left)
     if scene.sweep is not None:
         with shown("sweep"), within(deadline, scene, "[sweep]"):
             sweep = solve_sweep(scene.contacts, scene.sweep)
