@@ -28,15 +28,13 @@ from toolkit.scene.of_samples import of_islands, of_samples, of_smoothing
 from toolkit.scene.scale import Scale, guarded, scale_of, written
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers, judge, kinds
-from toolkit.verdict.budget import Budget
-from toolkit.verdict.ensemble import follow_by_contacts, long_delay, sliders
+from toolkit.verdict.budget import NO_FORCES, NO_TIME, Budget, long_delay
+from toolkit.verdict.ensemble import follow_by_contacts, sliders
 from toolkit.verdict.files import plain
 from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import follow, follow_other_delay
+from toolkit.verdict.follow import follow
 from toolkit.verdict.islands import follow_islands, with_barriers
 from toolkit.verdict.machine import (
-    NO_FORCES,
-    NO_TIME,
     Behaviour,
     Finite,
     Machine,
@@ -46,6 +44,7 @@ from toolkit.verdict.machine import (
 from toolkit.verdict.of_area import disagreeing, fall_of, late_force_of, with_more
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.table import in_units
+from toolkit.verdict.with_mass import follow_other_delay
 from toolkit.verdict.words import page, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
@@ -408,7 +407,7 @@ def test_fewer_contacts_than_the_areas_are_pulled_as_far_as_they_need(monkeypatc
     all."""
     told = replace(infinite("smooth", 0), rule="instant", after=1.0)
     contacts, spring = Contacts(stats.expon()), 1e-3
-    monkeypatch.setattr("toolkit.verdict.finite.MOST_BREAKS", 5e6)
+    monkeypatch.setattr("toolkit.verdict.budget.MOST_BREAKS", 5e6)
     found = follow_finite(Machine(spring, None, 0.0, 1.0), contacts, 5e4, told, 1.0, 60.0)
     assert 2e4 < found.contacts < 4e4 and found.kind == "smooth" and not found.rises
     needed = (1.0 + 7.5 * found.contacts ** (-2 / 3)) / spring + 1.0 + 40.0

@@ -18,13 +18,19 @@ from tests.scenes import said, write
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers, judge, kinds, with_mass
-from toolkit.verdict.budget import Budget, late
+from toolkit.verdict.budget import (
+    NO_TIME,
+    Budget,
+    late,
+    lives_in_a_slip,
+    loading_of,
+    long_delay,
+    may_follow,
+)
 from toolkit.verdict.ensemble import (
     FEW,
     follow_by_contacts,
     kind_of,
-    long_delay,
-    may_follow,
     sliders,
 )
 from toolkit.verdict.files import friction, plain
@@ -33,7 +39,6 @@ from toolkit.verdict.follow import follow
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.machine import (
-    NO_TIME,
     Behaviour,
     Finite,
     Machine,
@@ -203,22 +208,35 @@ def test_other_samples_change_the_kinetic_force_of_a_rigid_slider() -> None:
 def test_the_number_of_contacts_hangs_on_no_tenth_of_a_pilots_time(monkeypatch: Any) -> None:
     """On a busy machine a pilot takes longer, and the answer is to be the same: numbers are FEW times a power of 2."""
     machine, asked, taken = Machine(1e-3, None, 0.0, 1.0), list[int](), [1.0, 1.1, 1.2, 0.5]
-    simulate, contacts = eq_model.simulate, Contacts(gaussian(1.0, 0.3))
-    own_result = eq_model.Ensemble.result
+    contacts, path, ensemble = (
+        Contacts(gaussian(1.0, 0.3)),
+        np.linspace(0.0, 3000.0, 5),
+        eq_model.Ensemble,
+    )
+    own_result = ensemble.result
 
-    def result(ensemble: Any) -> Any:
-        return replace(own_result(ensemble), run_time=taken[len(asked)])
+    def result(followed: Any) -> Any:
+        return replace(own_result(followed), run_time=taken[(len(asked) - 1) // 2])
 
-    def followed(*arguments: Any, n_contacts: int, **named: Any) -> Any:
-        found = simulate(*arguments, n_contacts=FEW, **named)
+    def made(*arguments: Any, n_contacts: int, **named: Any) -> Any:
         asked.append(n_contacts)
-        return found
+        return ensemble(*arguments, n_contacts=FEW, **named)
 
-    monkeypatch.setattr(eq_model.Ensemble, "result", result)
-    monkeypatch.setattr(eq_model, "simulate", followed)
+    monkeypatch.setattr(ensemble, "result", result)
+    monkeypatch.setattr(eq_model, "Ensemble", made)
     for _ in taken:
-        sliders(machine, contacts, "reset", np.linspace(0.0, 10.0, 5), 10 * FEW, 7.0)
-    assert asked == [4 * FEW, 4 * FEW, 4 * FEW, 10 * FEW]
+        sliders(machine, contacts, "reset", path, 10 * FEW, 7.0)
+    assert asked[::2] == 4 * [FEW] and asked[1::2] == [4 * FEW, 4 * FEW, 4 * FEW, 10 * FEW]
+    # and where the machine is quick enough, on the breaks of the pilot alone
+    pilot = ensemble(
+        contacts, path, n_contacts=FEW, n_replicas=4, seed=1, **machine.keywords("reset")
+    )
+    breaks = sum(1 for _ in pilot) and pilot.result().breaks
+    for times, number in ((1.9, FEW), (2.1, 2 * FEW), (9.9, 8 * FEW), (10.1, 10 * FEW)):
+        monkeypatch.setattr("toolkit.verdict.budget.MOST_BREAKS", times * breaks)
+        taken[:] = [*taken, 1e-3]
+        sliders(machine, contacts, "reset", path, 10 * FEW, 7.0)
+        assert asked[-1] == number
 
 
 def test_a_delay_that_changes_the_force_alone_is_no_assumption_without_effect() -> None:
@@ -680,3 +698,57 @@ def test_smooth_sliding_that_still_swings_is_told_at_its_steady_force_with_what_
     assert slides.kind == "smooth" and slides.slips == 9
     assert slides.after == pytest.approx(steady.force + machine.damping, abs=1e-6)
     assert 0.4884 - 0.4714 < slides.error < 0.2
+
+
+@pytest.mark.parametrize(
+    "spring, mass, damping, delay, force",
+    [
+        (2.5e-5, 0.05e-6, 0.25e-6, 1e-3, 1.3),  # rings on contacts that wait for most of the time
+        (2.5e-4, 0.05e-6, 0.25e-6, 1e-5, 1.3),  # friction ends its first swing
+        (
+            0.5,
+            0.05e-6,
+            0.25e-6,
+            1e-5,
+            1.1,
+        ),  # carried along by a drive that is too fast for it to stick
+    ],
+)
+def test_a_contact_that_waits_breaks_no_more_often_than_its_lives_and_delays_allow(
+    spring: float, mass: float, damping: float, delay: float, force: float
+) -> None:
+    """Some 2e9 breaks were refused where sliders took 1e8: each contact waits between two. The ensemble counts them."""
+    contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(delay))
+    machine = Machine(spring, mass, damping, 2e5 if spring > 0.1 else 200.0)
+    loading = loading_of(machine, contacts, force)
+    path = np.linspace(0.0, 6.0 * loading, 7)
+    found = eq_model.simulate(contacts, path, n_contacts=100, **machine.keywords("mass"))
+    expected = 100 * found.slips.drive.size * lives_in_a_slip(machine, contacts, force, loading)
+    assert found.slips.drive.size >= 3 and 0.9 < expected / found.breaks < 3.0
+
+
+def test_a_short_delay_that_is_not_solved_is_told_by_as_many_contacts_as_break_often_enough(
+    monkeypatch: Any,
+) -> None:
+    """A slider with a delay of a twentieth of its slip was not decided; all of its contacts are followed, or fewer, by
+    their number of breaks and by no clock."""
+    never = not_followed("mass", "it is not solved here")
+    monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
+    contacts, spring = Contacts(gaussian(1.0, 0.4), delay=Delay(0.05)), 0.01
+    mass = spring / np.pi**2
+    machine = Machine(spring, mass, 0.2 * np.sqrt(spring * mass), 1.0)
+    rigid = RigidSlider(0.65, 0.58, 0.0, 0.3, 1.0, contacts=8000)
+    every = follow(machine, contacts, "mass", rigid, 1e4)
+    assert every.kind == "stick-slip" and every.contacts == 8000
+    monkeypatch.setattr("toolkit.verdict.budget.MOST_BREAKS_RINGING", 2e6)
+    fewer = follow(machine, contacts, "mass", rigid, 1e4)
+    assert fewer.contacts == 4 * FEW and fewer.before == pytest.approx(
+        every.before, abs=fewer.error
+    )
+    many = follow_finite(machine, contacts, 8000.0, fewer, rigid.static, 1e4)
+    assert many.kind == "unknown" and "breaks are more than are followed here" in many.message
+    assert "4,000 contacts stand for the 8,000" in "\n".join(
+        dependence(replace(of(fewer), finite=(many,)))
+    )
+    # without a delay each contact breaks at every threshold: the master equation alone takes such a slider
+    assert follow(machine, contacts.replace(delay=None), "mass", rigid, 1e4) is never

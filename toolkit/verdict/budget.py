@@ -1,14 +1,36 @@
-"""How long a verdict may take: on a busy machine longer than on a quiet one, so that both say the same."""
+"""How long a verdict may take, on a busy machine longer than on a quiet one, so that both say the same; and how far a
+slider is pulled, and how often its contacts break on the way."""
 
 import os
 import re
 import time
 from dataclasses import dataclass
 
+import numpy as np
+
+from origins.contacts import Contacts
+from toolkit.verdict.machine import (
+    Machine,
+    RigidSlider,
+    critical_damping,
+    half_a_swing,
+    slip_duration,
+)
+
 # s for all readings and rules together, where the scene gives none, and what to do where they do not suffice
 WALL_TIME = 60.0
 MORE_TIME = f"raise wall_time (s, {WALL_TIME:.0f} where none is given)"
 LONGER = f"the command's --set wall_time={10 * WALL_TIME:.0f} gives it ten minutes"
+NO_TIME = f"no time was left: {MORE_TIME}"
+# why nothing is told of a slider, and of a reading other than the scene's own
+NO_FORCES = (
+    f"F_s and K* were not found in time, and without them no slider is followed: {MORE_TIME}"
+)
+# most breaks of all sliders, some 10 s at 25 ns each; where contacts wait while a mass moves, as it rings on them when
+# it sticks, some 8 s of the processor at 200 ns each; and where they break by heat, some 10 s at 800 ns each
+MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT = 4e8, 4e7, 1.2e7
+# the least delay, in times of a slip; of K*: on softer springs the number of contacts decides nothing
+LONG_DELAY, SOFT = 3.0, 0.1
 # what a solver says of a slider that swings on, as its damping is small, and of the damping that ends it
 _SWINGS = re.compile(r"; sliding swings.*?; give one above [^ ,;]+")
 # s by which the pace is smoothed, as that of the first moments says little
@@ -69,3 +91,59 @@ class PlannedDrive:
 
     end: float
     breaks: float
+
+
+def long_delay(machine: Machine, mean: float, force: float) -> float:
+    """A delay of contacts (a time) far above that of a slip of the mass from this `force`, and above that in which one
+    that slides on at the drive's speed moves by their `mean` threshold: fewer hold where it slides."""
+    return LONG_DELAY * max(slip_duration(machine, force), mean / machine.velocity)
+
+
+def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlider) -> bool:
+    """Whether finitely many contacts tell what infinitely many do.
+
+    With a mass where a delay is far above the time of a slip, `slip_duration`: else contacts re-form while it goes on,
+    and break again at every threshold that it passes. Without one under the rules that renew contacts after a slip, on
+    springs far below K*: near it their number decides.
+    """
+    if contacts.held_in_time:
+        return False
+    if rule == "mass":
+        return contacts.waiting_time >= LONG_DELAY * slip_duration(machine, rigid.static)
+    return rule != "instant" and machine.spring < SOFT * rigid.critical_spring
+
+
+def most_breaks(contacts: Contacts, rule: str) -> float:
+    """Most breaks of all sliders of these contacts that are followed under this slip rule, or with a "mass"."""
+    if contacts.held_in_time:
+        return MOST_BREAKS_IN_HEAT
+    return MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
+
+
+def loading_of(machine: Machine, contacts: Contacts, static: float) -> float:
+    """The drive's way from no force to `static`, F_s/(N_c <k>) (a length), until contacts that broke in a slip bear the
+    slider again, and during a swing of the mass, which on a fast drive is most of it."""
+    waits = contacts.waiting_time + 2.0 * half_a_swing(machine)
+    return static / machine.spring + contacts.mean_threshold + machine.velocity * waits
+
+
+def lives_in_a_slip(machine: Machine, contacts: Contacts, force: float, way: float) -> float:
+    """How often each contact breaks at most while a mass slips from this `force`, F/(N_c <k>) (a length), and swings
+    until it rests, or until the drive has gone on by `way`.
+
+    A contact lives for a mean threshold of the slider's way, and then waits for the delay. Damping leaves each swing a
+    part of the one before, and friction, which falls as 1/speed where contacts wait for most of the time, takes the
+    same energy of each. A mass that the drive carries along swings by v (K M)^(1/2) and
+    swings on.
+    """
+    mean, delay = contacts.mean_threshold, contacts.waiting_time
+    carried = machine.velocity * float(np.sqrt((machine.mass or 0.0) * machine.spring))
+    force, swings_on = max(force, carried), carried > force
+    lasts, part = slip_duration(machine, force), machine.damping / critical_damping(machine)
+    left = float(np.exp(-np.pi * part / np.sqrt(1.0 - part**2))) if part < 1.0 else 0.0
+    friction = machine.spring * mean * lasts
+    swings = delay * force / (delay * force * (1.0 - left) + friction)
+    most = way / machine.velocity / lasts
+    swings = max(most if swings_on else min(swings, most), 1.0)
+    slipped = force / machine.spring * (1.0 + left)
+    return swings * slipped / (mean + delay * slipped / lasts)

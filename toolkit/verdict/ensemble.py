@@ -13,7 +13,7 @@ from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
 from toolkit.results.slips import late_slips, main_slips, shrinks_by, spread_of
 from toolkit.scene.scale import of_contacts
-from toolkit.verdict.budget import MORE_TIME
+from toolkit.verdict.budget import MORE_TIME, lives_in_a_slip, loading_of, most_breaks
 from toolkit.verdict.machine import (
     POINTS,
     Behaviour,
@@ -21,9 +21,9 @@ from toolkit.verdict.machine import (
     Machine,
     RigidSlider,
     first_of,
+    half_a_swing,
     last_of,
     not_followed,
-    slip_duration,
     with_slips,
 )
 
@@ -31,10 +31,10 @@ from toolkit.verdict.machine import (
 SLIDERS, CONTACTS, SEED = 4, 20_000, 1
 # lengths of the drive's path in loadings, from no force to the static one
 LOADINGS = 6.5
-# the least delay, in times of a slip; of K*: on softer springs the number of contacts decides nothing
-LONG_DELAY, SOFT = 3.0, 0.1
 # most contacts of a slider that is followed
 MOST_CONTACTS = 2_000_000
+# breaks of all sliders of FEW contacts each that wait while a mass moves: some 40 s of the processor at 130 ns each
+MOST_OF_FEW = 3e8
 # contacts whose sliders tell how long all of them would take; s that there are where nothing else decides
 FEW, SHORT = 1_000, 2.0
 # mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
@@ -47,24 +47,14 @@ WITHOUT = 1.5
 NOT_SLID = "their path ended before they slid or slipped"
 
 
-def long_delay(machine: Machine, mean: float, force: float) -> float:
-    """A delay of contacts (a time) far above that of a slip of the mass from this `force`, and above that in which one
-    that slides on at the drive's speed moves by their `mean` threshold: fewer hold where it slides."""
-    return LONG_DELAY * max(slip_duration(machine, force), mean / machine.velocity)
-
-
-def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlider) -> bool:
-    """Whether finitely many contacts tell what infinitely many do.
-
-    With a mass where a delay is far above the time of a slip, `slip_duration`: else contacts re-form while it goes on,
-    and break again at every threshold that it passes. Without one under the rules that renew contacts after a slip, on
-    springs far below K*: near it their number decides.
-    """
+def few_are_followed(machine: Machine, contacts: Contacts, static: float) -> bool:
+    """Whether a slider with mass of FEW contacts, which may break many times in a slip from this force, takes no more
+    breaks than MOST_OF_FEW."""
     if contacts.held_in_time:
         return False
-    if rule == "mass":
-        return contacts.waiting_time >= LONG_DELAY * slip_duration(machine, rigid.static)
-    return rule != "instant" and machine.spring < SOFT * rigid.critical_spring
+    loading = loading_of(machine, contacts, static)
+    lives = 1.0 + lives_in_a_slip(machine, contacts, static, loading)
+    return SLIDERS * FEW * LOADINGS * lives <= MOST_OF_FEW
 
 
 def sliders(
@@ -84,31 +74,42 @@ def sliders(
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
     asked |= machine.keywords(rule)
+    pilot, over = None, time.monotonic() + max(seconds, SHORT)
     if number > FEW:
         # points beyond the usual ones take as long however many contacts there are
         few_points = np.unique(np.append(path[:: -(-path.size // POINTS)], path[-1]))
         # makes the kernels and tables, too, whose time does not count
         following = eq_model.Ensemble(contacts, few_points, n_contacts=FEW, **asked)
-        if contacts.thermal is not None:  # how often contacts break is not known before
-            over = time.monotonic() + max(seconds, SHORT)
-            following.interrupted = lambda: time.monotonic() > over
-        followed = sum(1 for _ in following)
-        if followed < SLIDERS:
+        over = time.monotonic() + max(seconds, SHORT)
+        pilot = _until(following, over)
+        if pilot is None:
             raise InputError(f"{FEW:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
-        pilot = following.result()
         remaining = max(seconds - pilot.run_time, 0.0)
-        needed, most = pilot.run_time * number / FEW, int(FEW * remaining / pilot.run_time)
-        if needed > remaining and most <= FEW:
+        times = min(remaining / pilot.run_time, most_breaks(contacts, rule) / max(pilot.breaks, 1))
+        if number > times * FEW and times <= 1.0:
             if few_will_do:
                 return pilot
-            raise InputError(
-                f"{number:,} contacts would take some {needed:,.2g} s, where {remaining:.0f} s are left: {MORE_TIME}"
-            )
-        if (
-            needed > remaining
-        ):  # by powers of 2, as the pilot's time differs from run to run, and answers should not
-            number = FEW * 2 ** int(np.log2(most / FEW))
-    return eq_model.simulate(contacts, path, n_contacts=number, **asked)
+            needed = pilot.run_time * number / FEW
+            why = f"would take some {needed:,.2g} s, where {remaining:.0f} s are left: {MORE_TIME}"
+            if needed <= remaining:
+                breaks = pilot.breaks * number / FEW
+                why = f"break some {breaks:.1g} times, more than are followed here"
+            raise InputError(f"{number:,} contacts {why}")
+        if number > times * FEW:
+            # by powers of 2, as the pilot's time differs from run to run, and answers should not
+            number = FEW * 2 ** int(np.log2(times))
+    all_of_them = eq_model.Ensemble(contacts, path, n_contacts=number, **asked)
+    found = _until(all_of_them, over + SHORT)
+    if found is None and not (few_will_do and pilot):
+        raise InputError(f"{number:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
+    return found or pilot
+
+
+def _until(following: Any, over: float) -> Any:
+    """The result of an ensemble of all its sliders; None where these are not done by then, in s of the monotonic clock,
+    and are given up."""
+    following.interrupted = lambda: time.monotonic() > over
+    return following.result() if sum(1 for _ in following) == SLIDERS else None
 
 
 def follow_by_contacts(
@@ -140,7 +141,8 @@ def follow_by_contacts(
     smaller = all_slips - found.slips.drive.size
     slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
-    waits = machine.velocity * contacts.waiting_time  # the drive's way while contacts are out
+    # the drive's way while contacts are out, and while the mass swings
+    waits = machine.velocity * (contacts.waiting_time + 2.0 * half_a_swing(machine))
     slipped = common > 1 and may_go_on(found, machine.spring, waits, 0)
     before = after = float(force[-1])
     error, many = float(found.force_standard_error[-1]), None

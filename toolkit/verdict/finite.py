@@ -13,10 +13,9 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.results.slips import are_fading, large_slips, main_slips, swing_beyond_slips
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
-from toolkit.verdict.budget import PlannedDrive
+from toolkit.verdict.budget import LONG_DELAY, PlannedDrive, lives_in_a_slip, most_breaks
 from toolkit.verdict.ensemble import (
     FEW,
-    LONG_DELAY,
     NOT_SLID,
     SLIDERS,
     breaks_until,
@@ -27,16 +26,12 @@ from toolkit.verdict.ensemble import (
     trace_of,
     with_late_slips,
 )
-from toolkit.verdict.machine import Behaviour, Finite, Machine, slip_duration
+from toolkit.verdict.machine import Behaviour, Finite, Machine, half_a_swing, slip_duration
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
-# most contacts of each slider; most breaks of all, some 10 s at 25 ns each
-MOST_CONTACTS, MOST_BREAKS = 2_000_000, 4e8
-# and where contacts wait while a slider with mass moves, as it rings on them when it sticks: some 10 s at 400 ns each
-MOST_BREAKS_RINGING = 2.5e7
-# and where they break by heat, too: some 10 s at 800 ns each
-MOST_BREAKS_IN_HEAT = 1.2e7
+# most contacts of each slider
+MOST_CONTACTS = 2_000_000
 # laws in time of contacts that hold, with which the ensemble takes them on a spring without a mass
 TAKEN = {"thermal", "strengthening"}
 # times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
@@ -133,17 +128,13 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     settles = asked.settles
     present = max(round(asked.number), 1)
     mean = contacts.mean_threshold
-    waits = machine.velocity * contacts.waiting_time  # the drive's way while contacts are out
+    heavy = rule == "mass"
+    # the drive's way while contacts are out, and while the mass swings
+    waits = machine.velocity * (contacts.waiting_time + 2.0 * half_a_swing(machine) * heavy)
     # with a delay far above the time of a slip (see `may_follow`) contacts are out until the slip is over
-    lasts = slip_duration(machine, static) if rule == "mass" else 0.0
-    outlasted = rule == "mass" and contacts.waiting_time >= LONG_DELAY * lasts > 0.0
+    lasts = slip_duration(machine, static) if heavy else 0.0
+    outlasted = heavy and contacts.waiting_time >= LONG_DELAY * lasts > 0.0
     flowing = rule in FLOWING and not outlasted
-    # the slider's way in one life of a contact, which waits while a slip goes on
-    in_a_life = mean
-    if rule == "mass" and slips:
-        in_a_life += (
-            contacts.waiting_time * (infinite.before - infinite.after) / machine.spring / lasts
-        )
 
     def planned(number: int) -> PlannedDrive:
         """The way of the drive for so many contacts, and how often each breaks on it, at most."""
@@ -162,7 +153,11 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         if rule not in FLOWING and SLIDERS * number * lasting < CHEAP:
             end = max(end, longer)
         # in a slip that renews contacts all break once; contacts that re-form at once do at each threshold passed
-        lives = 2.0 + BEYOND if not slips else end / in_a_life if flowing else LOADINGS
+        lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
+        in_a_slip = np.inf
+        if heavy and flowing and machine.damping and contacts.waiting_time:
+            in_a_slip = lives_in_a_slip(machine, contacts, highest_force, loading)
+            lives = min(lives, 2.0 + BEYOND + end / loading * in_a_slip)
         lives += sliding * softness
         if contacts.thermal is not None and not slips:
             # A slider that does not slip creeps under any rule, long before F is that of sliding: on a spring of 2e-6
@@ -171,7 +166,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         elif flowing and not slips:
             # the spring relaxes to the force of sliding, to none where that is not known
             relaxed = infinite.after if np.isfinite(infinite.after) else 0.0
-            lives += max(static - relaxed, 0.0) / machine.spring / mean
+            lives += min(max(static - relaxed, 0.0) / machine.spring / mean, in_a_slip)
         if contacts.thermal is not None:  # and those that break while the slider sticks
             lives += breaks_by_heat(contacts, end / machine.velocity)
         return PlannedDrive(end, SLIDERS * number * lives)
@@ -183,14 +178,12 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         why = "the ensemble takes no contacts on a spring that age, and none beside a mass that break by heat or grow"
         return Finite(rule, present, "unknown", message=why)
     # fewer contacts have to be pulled further
-    most = MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
-    if laws_in_time:
-        most = MOST_BREAKS_IN_HEAT
+    most = most_breaks(contacts, rule)
     followed, plan = min(present, MOST_CONTACTS), planned(present)
     breaks_of_all = plan.breaks
     while followed >= min(present, FEW) and (plan := planned(followed)).breaks > MORE * most:
         followed = int(followed * most / plan.breaks)
-    if followed < min(present, FEW):
+    if followed < min(present, FEW) or followed < min(present, (infinite.contacts or 0) + 1):
         why = f"some {breaks_of_all:.1g} breaks are more than are followed here"
         return Finite(rule, present, "unknown", message=why)
     # the static force of so many scatters by some N^(-1/2) of itself
@@ -218,11 +211,12 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         end += SEVERAL * waits
         steady = end - path[0] - settling
         path = path[0] + np.unique(np.linspace([0.0, steady], end - path[0], many))
-        breaks = breaks_until(end, seen, mean)
+        breaks, number = breaks_until(end, seen, mean), seen.contacts // SLIDERS
+        number = min(number, int(number * MORE * most / breaks))
         try:
-            if breaks > MORE * most:
+            if number < min(present, FEW):
                 raise InputError(f"some {breaks:.1g} breaks are more than are followed here")
-            found = sliders(machine, contacts, rule, path, followed, until - time.monotonic())
+            found = sliders(machine, contacts, rule, path, number, until - time.monotonic())
         except InputError as refused:
             told = Finite(rule, seen.contacts // SLIDERS, "unknown", message=str(refused))
             return with_late_slips(told, seen.slips)
@@ -266,6 +260,8 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     followed, message = found.contacts // SLIDERS, ""
     if followed < present:
         message = f"as infinitely many do, and so the {present:,} of the area, which lie between"
+        if infinite.contacts is not None:  # few contacts told of it
+            message = f"the {present:,} of the area break too often to be followed"
         if kind != infinite.kind:
             message = f"{present:,} take too long, and {followed:,} do something else than infinitely many: {kind}"
             return Finite(rule, present, "unknown", message=message)

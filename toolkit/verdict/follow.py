@@ -6,13 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from origins.contacts import Contacts, Delay
+from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise
-from toolkit.verdict.budget import late
-from toolkit.verdict.ensemble import LOADINGS, follow_by_contacts, kind_of, may_follow, without_heat
+from toolkit.verdict.budget import NO_TIME, late, loading_of, may_follow
+from toolkit.verdict.ensemble import (
+    LOADINGS,
+    few_are_followed,
+    follow_by_contacts,
+    kind_of,
+    without_heat,
+)
 from toolkit.verdict.machine import (
-    NO_TIME,
     Behaviour,
     Machine,
     RigidSlider,
@@ -20,9 +25,7 @@ from toolkit.verdict.machine import (
     first_of,
     last_of,
     not_followed,
-    rigid_slider,
     settling_distance,
-    slip_duration,
     with_slips,
 )
 
@@ -44,11 +47,11 @@ DAMPED, FIRST_DAMPED = {0.1: TOLERANCE, 1.0: ROUGHLY}, 0.25
 # of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider;
 # and s of it at most under a slip rule, which ordinary laws take a second for, and laws with many peaks minutes
 FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
+# of the time, for the master equation with a delay shorter than a slip, of which it takes half a minute as a rule
+FIRST_OF_SHORT = 0.65
 # lengths of memory, beyond that of ln(1/K), after which what is left of F - F_k is rounding, e^-30; and the largest
 # spring, in N_c<k>, of which this is told: its slider has moved by K of its drive's way when it slips
 FORGOTTEN, SOFTEST = 30.0, 1e-3
-# of a period, the way of the drive during a slip of a mass, up to which slips count as taking no time
-SHORT_SLIP = 0.1
 # slips that tell a regime, and part of a period by which the path goes on beyond them
 ENOUGH_SLIPS, PART_OF_PERIOD = 5, 0.2
 # part of the path, its last fifth, along which the force of smooth sliding is looked at for what still changes
@@ -74,9 +77,7 @@ def follow(
     time, the ensemble does, or F_k of contacts that have forgotten their start; an undamped slider is damped a little.
     """
     end = time.monotonic() + wall_time
-    loading = rigid.static / machine.spring + contacts.mean_threshold
-    # and the drive's way until contacts that broke in a slip bear the slider again
-    loading += machine.velocity * contacts.waiting_time
+    loading = loading_of(machine, contacts, rigid.static)
     cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
     undamped = machine.mass is not None and not machine.damping
     if undamped and rings:
@@ -84,6 +85,9 @@ def follow(
     # without damping they ring on: while a slider is fast, contacts that form again break at once
     by_contacts = may_follow(machine, cold, rule, rigid) and not undamped
     first = FIRST if rule == "mass" else FIRST_OF_RULES
+    if rule == "mass" and not by_contacts and machine.damping and contacts.waiting_time:
+        # a shorter delay, which the master equation takes as a rule; else a few contacts tell what as many do
+        first, by_contacts = FIRST_OF_SHORT, few_are_followed(machine, cold, rigid.static)
     until = end - (1.0 - first) * wall_time * (undamped or by_contacts)
     forgets = rule == "instant" and _forgets(machine, contacts, rigid)
     if forgets or (by_contacts and rule != "mass" and not contacts.in_time):
@@ -148,31 +152,6 @@ def _damped(
         if found.kind != "undecided":
             break
     return replace(found, damping=damped.damping)
-
-
-def follow_other_delay(
-    machine: Machine, contacts: Contacts, number: float | None, wall_time: float, delay: float = 0.0
-) -> Behaviour:
-    """What a slider with mass would do with the other extreme of the contacts' delay, without heat: without a delay of
-    theirs those that form again only once a slip is over, else those that form again at once. Slip rules tell of both,
-    as long as a slip of the mass takes little of the time until the next one; else, "undecided". Or with this `delay`.
-
-    number : of contacts on the area; wall_time : s; delay : with which the mass is followed; 0: none, by a slip rule
-    """
-    import master
-
-    other = contacts.replace(thermal=None, delay=Delay(delay) if delay else None)
-    steady = master.steady_state(other, velocity=machine.velocity)
-    found = master.propensity(other, velocity=machine.velocity, tolerance=ROUGHLY)
-    rigid = rigid_slider(other, steady, found, number)
-    if delay:
-        return follow(machine, other, "mass", rigid, wall_time, rings=True)  # or for too long
-    rule = "instant" if contacts.waiting_time else "reform-after"
-    behaviour = follow(replace(machine, mass=None, damping=0.0), other, rule, rigid, wall_time)
-    slip_distance = machine.velocity * slip_duration(machine, rigid.static)
-    if behaviour.period is not None and slip_distance > SHORT_SLIP * behaviour.period:
-        return not_followed(rule, "a slip of this mass takes as long as the time between slips")
-    return behaviour
 
 
 def _by_distribution(

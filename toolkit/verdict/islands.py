@@ -9,6 +9,7 @@ from origins.samples.from_samples import Sampled
 from origins.thresholds.families import identical
 from origins.thresholds.mixture import mixture
 from toolkit.scene.of_samples import of_smoothing
+from toolkit.verdict.budget import loading_of
 from toolkit.verdict.ensemble import follow_by_contacts
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, follow
 from toolkit.verdict.machine import Behaviour, Machine, RigidSlider
@@ -58,5 +59,5 @@ def follow_islands(
     barriers = with_barriers(contacts)
     if barriers is contacts or contacts.held_in_time or rule not in ("reset", "reform-after"):
         return follow(machine, contacts, rule, rigid, wall_time, rings, in_time)
-    loading = rigid.static / machine.spring + contacts.mean_threshold
+    loading = loading_of(machine, contacts, rigid.static)
     return follow_by_contacts(machine, barriers, rule, loading, time.monotonic() + wall_time, rigid)

@@ -20,14 +20,12 @@ from toolkit.scene.scale import of_contacts, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
-from toolkit.verdict.budget import WALL_TIME, Budget
+from toolkit.verdict.budget import NO_FORCES, NO_TIME, WALL_TIME, Budget
 from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS, follow_other_delay
+from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
 from toolkit.verdict.islands import follow_islands, with_barriers
 from toolkit.verdict.kinds import damped, long_delay_of
 from toolkit.verdict.machine import (
-    NO_FORCES,
-    NO_TIME,
     RULES,
     Behaviour,
     Finite,
@@ -38,7 +36,7 @@ from toolkit.verdict.machine import (
 )
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
-from toolkit.verdict.with_mass import closely, follow_extremes
+from toolkit.verdict.with_mass import closely, follow_extremes, follow_other_delay
 
 # of the time that is left, for the scene's own reading, and then for the number of its contacts
 OWN = 0.5

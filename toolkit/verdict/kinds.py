@@ -8,8 +8,7 @@ from typing import cast
 from origins.contacts import Contacts
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.budget import LONGER
-from toolkit.verdict.ensemble import long_delay
+from toolkit.verdict.budget import LONGER, long_delay
 from toolkit.verdict.machine import NAMED, RULES, Behaviour, Machine, slip_duration, top_speed
 from toolkit.verdict.table import HOLDING
 from toolkit.verdict.uncertainty import WORTH_TELLING

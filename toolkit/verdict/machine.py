@@ -11,7 +11,6 @@ from origins.thresholds.law import Array
 from toolkit.results.slips import Spread
 from toolkit.scene.drive import machine_number
 from toolkit.scene.tables import DriveTable
-from toolkit.verdict.budget import MORE_TIME
 
 RULES = ("reset", "reform-after", "instant")
 # how the slip rules are named where a user reads of them
@@ -26,11 +25,6 @@ NAMED = {
 SWINGS, SETTLING = 0.01, 10.0
 # points of a drive's path, and where a mass swings: of each swing, and of all
 POINTS, PER_SWING, MOST_POINTS = 600, 16, 20_000
-NO_TIME = f"no time was left: {MORE_TIME}"
-# why nothing is told of a slider, and of a reading other than the scene's own
-NO_FORCES = (
-    f"F_s and K* were not found in time, and without them no slider is followed: {MORE_TIME}"
-)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ import numpy as np
 
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
-from toolkit.verdict.machine import NO_FORCES, Behaviour
+from toolkit.verdict.budget import NO_FORCES
+from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
 from toolkit.verdict.uncertainty import other_samples, widest_uncertainty
 
@@ -32,8 +33,7 @@ _ADVICE = re.compile(
 
 
 def table(verdict: Verdict) -> list[str]:
-    """Each number, the scatter of other samples, and the spread over the readings. Numerical errors are far smaller,
-    and stand in verdict.json; lines say how large they are at most."""
+    """Each number, the scatter of other samples, the spread over the readings; numerical errors have lines below it."""
     many = len(verdict.answers)
     over = "over the readings" if many > 1 else "one reading only"
     rows = [["", "value", "other samples", over], *_rows(verdict)]

@@ -7,6 +7,7 @@ import numpy as np
 
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.budget import NO_FORCES
 from toolkit.verdict.follow import TOLERANCE_IN_TIME
 from toolkit.verdict.kinds import (
     GENERAL,
@@ -17,7 +18,7 @@ from toolkit.verdict.kinds import (
     not_decided,
     out_of_time,
 )
-from toolkit.verdict.machine import NO_FORCES, Behaviour
+from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.readings import why_late
 from toolkit.verdict.table import in_units
 from toolkit.verdict.uncertainty import range_of_force

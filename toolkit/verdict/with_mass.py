@@ -12,15 +12,17 @@ from origins.contacts import Contacts, Delay
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.signals import TimeIsUp
-from toolkit.verdict.budget import Budget
-from toolkit.verdict.ensemble import SEED, follow_by_contacts, long_delay
+from toolkit.verdict.budget import Budget, loading_of, long_delay
+from toolkit.verdict.ensemble import SEED, follow_by_contacts
 from toolkit.verdict.follow import ROUGHLY, follow
 from toolkit.verdict.islands import with_barriers
 from toolkit.verdict.machine import (
     Behaviour,
     Machine,
     first_of,
+    not_followed,
     rigid_slider,
+    slip_duration,
     with_slips,
 )
 from toolkit.verdict.readings import Reading
@@ -32,6 +34,8 @@ BEFORE, AFTER, POINTS = 0.5, 8.0, 400
 TOLERANCE = 1e-2
 # times that the slip is looked for: with other points of the path it may begin a little earlier or later
 TRIES = 3
+# of a period, the way of the drive during a slip of a mass, up to which slips count as taking no time
+SHORT_SLIP = 0.1
 # of the time, for contacts that form again at once: the master equation takes a second for them as a rule
 AT_ONCE = 0.5
 
@@ -61,8 +65,10 @@ def follow_extremes(
         at_once = follow(machine, cold, "mass", rigid, budget.part(AT_ONCE).remaining())
         late = long_delay(machine, cold.mean_threshold, rigid.static)
         waiting = with_barriers(cold).replace(delay=Delay(late))
-        loading = rigid.static / machine.spring + cold.mean_threshold
-        until = time.monotonic() + budget.remaining()
+        until, loading = (
+            time.monotonic() + budget.remaining(),
+            loading_of(machine, waiting, rigid.static),
+        )
         after = follow_by_contacts(machine, waiting, "mass", loading, until, rigid)
         if "undecided" not in (at_once.kind, after.kind):
             return tuple(
@@ -70,6 +76,31 @@ def follow_extremes(
                 for one in (at_once, after)
             )
     return ()
+
+
+def follow_other_delay(
+    machine: Machine, contacts: Contacts, number: float | None, wall_time: float, delay: float = 0.0
+) -> Behaviour:
+    """What a slider with mass would do with the other extreme of the contacts' delay, without heat: without a delay of
+    theirs those that form again only once a slip is over, else those that form again at once. Slip rules tell of both,
+    as long as a slip of the mass takes little of the time until the next one; else, "undecided". Or with this `delay`.
+
+    number : of contacts on the area; wall_time : s; delay : with which the mass is followed; 0: none, by a slip rule
+    """
+    import master
+
+    other = contacts.replace(thermal=None, delay=Delay(delay) if delay else None)
+    steady = master.steady_state(other, velocity=machine.velocity)
+    found = master.propensity(other, velocity=machine.velocity, tolerance=ROUGHLY)
+    rigid = rigid_slider(other, steady, found, number)
+    if delay:
+        return follow(machine, other, "mass", rigid, wall_time, rings=True)  # or for too long
+    rule = "instant" if contacts.waiting_time else "reform-after"
+    behaviour = follow(replace(machine, mass=None, damping=0.0), other, rule, rigid, wall_time)
+    slip_distance = machine.velocity * slip_duration(machine, rigid.static)
+    if behaviour.period is not None and slip_distance > SHORT_SLIP * behaviour.period:
+        return not_followed(rule, "a slip of this mass takes as long as the time between slips")
+    return behaviour
 
 
 def closely(found: Behaviour, machine: Machine, contacts: Contacts, seconds: float) -> Behaviour:
