@@ -205,38 +205,40 @@ def test_other_samples_change_the_kinetic_force_of_a_rigid_slider() -> None:
     )
 
 
-def test_the_number_of_contacts_hangs_on_no_tenth_of_a_pilots_time(monkeypatch: Any) -> None:
-    """On a busy machine a pilot takes longer, and the answer is to be the same: numbers are FEW times a power of 2."""
-    machine, asked, taken = Machine(1e-3, None, 0.0, 1.0), list[int](), [1.0, 1.1, 1.2, 0.5]
-    contacts, path, ensemble = (
-        Contacts(gaussian(1.0, 0.3)),
-        np.linspace(0.0, 3000.0, 5),
-        eq_model.Ensemble,
-    )
+def test_the_number_of_contacts_hangs_on_their_breaks_and_no_tenth_of_a_pilots_time(
+    monkeypatch: Any,
+) -> None:
+    """On a busy machine a pilot takes longer, and the answer is to be the same: numbers are FEW times a power of 2, by
+    the breaks of a pilot that takes a moment, and by the time of one that takes longer."""
+    machine, asked, taken = Machine(1e-3, None, 0.0, 1.0), list[int](), [0.9]
+    contacts, path = Contacts(gaussian(1.0, 0.3)), np.linspace(0.0, 3000.0, 5)
+    ensemble = eq_model.Ensemble
     own_result = ensemble.result
 
     def result(followed: Any) -> Any:
-        return replace(own_result(followed), run_time=taken[(len(asked) - 1) // 2])
+        return replace(own_result(followed), run_time=taken[-1])
 
     def made(*arguments: Any, n_contacts: int, **named: Any) -> Any:
         asked.append(n_contacts)
         return ensemble(*arguments, n_contacts=FEW, **named)
 
-    monkeypatch.setattr(ensemble, "result", result)
-    monkeypatch.setattr(eq_model, "Ensemble", made)
-    for _ in taken:
-        sliders(machine, contacts, "reset", path, 10 * FEW, 7.0)
-    assert asked[::2] == 4 * [FEW] and asked[1::2] == [4 * FEW, 4 * FEW, 4 * FEW, 10 * FEW]
-    # and where the machine is quick enough, on the breaks of the pilot alone
+    def followed(seconds: float) -> int:
+        sliders(machine, contacts, "reset", path, 10 * FEW, seconds)
+        return asked[-1]
+
     pilot = ensemble(
         contacts, path, n_contacts=FEW, n_replicas=4, seed=1, **machine.keywords("reset")
     )
     breaks = sum(1 for _ in pilot) and pilot.result().breaks
+    monkeypatch.setattr(ensemble, "result", result)
+    monkeypatch.setattr(eq_model, "Ensemble", made)
     for times, number in ((1.9, FEW), (2.1, 2 * FEW), (9.9, 8 * FEW), (10.1, 10 * FEW)):
         monkeypatch.setattr("toolkit.verdict.budget.MOST_BREAKS", times * breaks)
-        taken[:] = [*taken, 1e-3]
-        sliders(machine, contacts, "reset", path, 10 * FEW, 7.0)
-        assert asked[-1] == number
+        assert [followed(1e3), followed(12.0)] == [number] * 2
+    assert followed(5.9) == 4 * FEW  # in half the time that those breaks take
+    for run_time, number in ((2.1, 4 * FEW), (2.5, 4 * FEW), (4.0, 2 * FEW), (1.9, 10 * FEW)):
+        taken.append(run_time)
+        assert followed(13.0) == number
 
 
 def test_a_delay_that_changes_the_force_alone_is_no_assumption_without_effect() -> None:

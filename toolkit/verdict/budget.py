@@ -27,8 +27,12 @@ NO_FORCES = (
     f"F_s and K* were not found in time, and without them no slider is followed: {MORE_TIME}"
 )
 # most breaks of all sliders, some 10 s at 25 ns each; where contacts wait while a mass moves, as it rings on them when
-# it sticks, some 8 s of the processor at 200 ns each; and where they break by heat, some 10 s at 800 ns each
-MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT = 4e8, 4e7, 1.2e7
+# it sticks, some 8 s of the processor at 200 ns each; where they break by heat, some 10 s at 800 ns each;
+# and s for them
+MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT, OF_MOST = 4e8, 4e7, 1.2e7, 10.0
+# breaks of each contact along a loading with which a few, that wait for less than a slip of the mass, are followed
+# where nothing else decides: four sliders of a thousand along 6.5 loadings take 4e8, some 50 s of the processor
+MOST_LIVES = 1.5e4
 # the least delay, in times of a slip; of K*: on softer springs the number of contacts decides nothing
 LONG_DELAY, SOFT = 3.0, 0.1
 # what a solver says of a slider that swings on, as its damping is small, and of the damping that ends it
@@ -113,6 +117,14 @@ def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlid
     return rule != "instant" and machine.spring < SOFT * rigid.critical_spring
 
 
+def few_are_followed(machine: Machine, contacts: Contacts, static: float) -> bool:
+    """Whether a few contacts that may break many times in a slip of the mass from this force take no more breaks than
+    are followed."""
+    loading = loading_of(machine, contacts, static)
+    lives = 1.0 + lives_in_a_slip(machine, contacts, static, loading)
+    return not contacts.held_in_time and lives <= MOST_LIVES
+
+
 def most_breaks(contacts: Contacts, rule: str) -> float:
     """Most breaks of all sliders of these contacts that are followed under this slip rule, or with a "mass"."""
     if contacts.held_in_time:
@@ -121,10 +133,18 @@ def most_breaks(contacts: Contacts, rule: str) -> float:
 
 
 def loading_of(machine: Machine, contacts: Contacts, static: float) -> float:
-    """The drive's way from no force to `static`, F_s/(N_c <k>) (a length), until contacts that broke in a slip bear the
-    slider again, and during a swing of the mass, which on a fast drive is most of it."""
-    waits = contacts.waiting_time + 2.0 * half_a_swing(machine)
-    return static / machine.spring + contacts.mean_threshold + machine.velocity * waits
+    """The drive's way from no force to `static`, F_s/(N_c <k>) (a length), and until contacts that broke in a slip bear
+    the slider again."""
+    return (
+        static / machine.spring + contacts.mean_threshold + way_without_contacts(machine, contacts)
+    )
+
+
+def way_without_contacts(machine: Machine, contacts: Contacts) -> float:
+    """The drive's way while contacts wait and the mass, which they do not hold, swings once (a length): 0 without a
+    delay. On a fast drive it is most of the way from slip to slip."""
+    waits = contacts.waiting_time
+    return machine.velocity * (waits + 2.0 * half_a_swing(machine)) if waits else 0.0
 
 
 def lives_in_a_slip(machine: Machine, contacts: Contacts, force: float, way: float) -> float:

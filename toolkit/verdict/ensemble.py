@@ -13,7 +13,12 @@ from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
 from toolkit.results.slips import late_slips, main_slips, shrinks_by, spread_of
 from toolkit.scene.scale import of_contacts
-from toolkit.verdict.budget import MORE_TIME, lives_in_a_slip, loading_of, most_breaks
+from toolkit.verdict.budget import (
+    MORE_TIME,
+    OF_MOST,
+    most_breaks,
+    way_without_contacts,
+)
 from toolkit.verdict.machine import (
     POINTS,
     Behaviour,
@@ -21,7 +26,6 @@ from toolkit.verdict.machine import (
     Machine,
     RigidSlider,
     first_of,
-    half_a_swing,
     last_of,
     not_followed,
     with_slips,
@@ -33,9 +37,7 @@ SLIDERS, CONTACTS, SEED = 4, 20_000, 1
 LOADINGS = 6.5
 # most contacts of a slider that is followed
 MOST_CONTACTS = 2_000_000
-# breaks of all sliders of FEW contacts each that wait while a mass moves: some 40 s of the processor at 130 ns each
-MOST_OF_FEW = 3e8
-# contacts whose sliders tell how long all of them would take; s that there are where nothing else decides
+# contacts whose sliders tell how long all of them would take; s that there are, and are no noise of a busy machine
 FEW, SHORT = 1_000, 2.0
 # mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
 SLID = 10.0
@@ -44,17 +46,9 @@ SLID = 10.0
 LATE, RINGS = 10, 0.3
 # times the drive's way on which the spring regains what a slip took, after which, without another, slips are over
 WITHOUT = 1.5
+# times the error of fewer contacts than there are, below which their slips may be chance, and more of them slide
+SURE = 2.0
 NOT_SLID = "their path ended before they slid or slipped"
-
-
-def few_are_followed(machine: Machine, contacts: Contacts, static: float) -> bool:
-    """Whether a slider with mass of FEW contacts, which may break many times in a slip from this force, takes no more
-    breaks than MOST_OF_FEW."""
-    if contacts.held_in_time:
-        return False
-    loading = loading_of(machine, contacts, static)
-    lives = 1.0 + lives_in_a_slip(machine, contacts, static, loading)
-    return SLIDERS * FEW * LOADINGS * lives <= MOST_OF_FEW
 
 
 def sliders(
@@ -85,18 +79,20 @@ def sliders(
         if pilot is None:
             raise InputError(f"{FEW:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
         remaining = max(seconds - pilot.run_time, 0.0)
-        times = min(remaining / pilot.run_time, most_breaks(contacts, rule) / max(pilot.breaks, 1))
+        most = most_breaks(contacts, rule)
+        # what a pilot takes in a moment tells more of a busy machine than of the contacts
+        took = pilot.run_time if pilot.run_time > SHORT else OF_MOST * pilot.breaks / most
+        times = min(remaining / max(took, 1e-9), most / max(pilot.breaks, 1))
         if number > times * FEW and times <= 1.0:
             if few_will_do:
                 return pilot
-            needed = pilot.run_time * number / FEW
+            needed, breaks = took * number / FEW, pilot.breaks * number / FEW
             why = f"would take some {needed:,.2g} s, where {remaining:.0f} s are left: {MORE_TIME}"
             if needed <= remaining:
-                breaks = pilot.breaks * number / FEW
                 why = f"break some {breaks:.1g} times, more than are followed here"
             raise InputError(f"{number:,} contacts {why}")
         if number > times * FEW:
-            # by powers of 2, as the pilot's time differs from run to run, and answers should not
+            # by powers of 2, as the time differs from run to run, and answers should not
             number = FEW * 2 ** int(np.log2(times))
     all_of_them = eq_model.Ensemble(contacts, path, n_contacts=number, **asked)
     found = _until(all_of_them, over + SHORT)
@@ -141,8 +137,7 @@ def follow_by_contacts(
     smaller = all_slips - found.slips.drive.size
     slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
-    # the drive's way while contacts are out, and while the mass swings
-    waits = machine.velocity * (contacts.waiting_time + 2.0 * half_a_swing(machine))
+    waits = way_without_contacts(machine, contacts)
     slipped = common > 1 and may_go_on(found, machine.spring, waits, 0)
     before = after = float(force[-1])
     error, many = float(found.force_standard_error[-1]), None
@@ -157,6 +152,8 @@ def follow_by_contacts(
             few = sliders(machine, contacts, rule, path, FEW, SHORT)
             few = replace(few, slips=main_slips(few.slips))
         error += _too_early(found, few, unit)
+        if before - after < SURE * error:
+            return not_followed(rule, f"{number:,} contacts slip, perhaps as they are so few")
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
     # at least the drive's way in which contacts that broke together come back: they do so ever less together

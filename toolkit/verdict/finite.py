@@ -13,7 +13,13 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.results.slips import are_fading, large_slips, main_slips, swing_beyond_slips
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
-from toolkit.verdict.budget import LONG_DELAY, PlannedDrive, lives_in_a_slip, most_breaks
+from toolkit.verdict.budget import (
+    LONG_DELAY,
+    PlannedDrive,
+    lives_in_a_slip,
+    most_breaks,
+    way_without_contacts,
+)
 from toolkit.verdict.ensemble import (
     FEW,
     NOT_SLID,
@@ -26,7 +32,7 @@ from toolkit.verdict.ensemble import (
     trace_of,
     with_late_slips,
 )
-from toolkit.verdict.machine import Behaviour, Finite, Machine, half_a_swing, slip_duration
+from toolkit.verdict.machine import Behaviour, Finite, Machine, slip_duration
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
@@ -116,12 +122,8 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     """As `follow_finite`, with contacts that re-form at once pulled `above` the force of infinitely many, and `sliding`
     along a part of that at most, both in mean thresholds times N^(-2/3)."""
     until = time.monotonic() + seconds
-    machine, contacts, infinite, static = (
-        asked.machine,
-        asked.contacts,
-        asked.infinite,
-        asked.static,
-    )
+    machine, contacts = asked.machine, asked.contacts
+    infinite, static = asked.infinite, asked.static
     from eq_model.engine import breaks_by_heat
 
     rule, slips = infinite.rule, infinite.kind == "stick-slip"
@@ -129,8 +131,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     present = max(round(asked.number), 1)
     mean = contacts.mean_threshold
     heavy = rule == "mass"
-    # the drive's way while contacts are out, and while the mass swings
-    waits = machine.velocity * (contacts.waiting_time + 2.0 * half_a_swing(machine) * heavy)
+    waits = way_without_contacts(machine if heavy else replace(machine, mass=None), contacts)
     # with a delay far above the time of a slip (see `may_follow`) contacts are out until the slip is over
     lasts = slip_duration(machine, static) if heavy else 0.0
     outlasted = heavy and contacts.waiting_time >= LONG_DELAY * lasts > 0.0

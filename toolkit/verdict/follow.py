@@ -9,10 +9,9 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise
-from toolkit.verdict.budget import NO_TIME, late, loading_of, may_follow
+from toolkit.verdict.budget import NO_TIME, few_are_followed, late, loading_of, may_follow
 from toolkit.verdict.ensemble import (
     LOADINGS,
-    few_are_followed,
     follow_by_contacts,
     kind_of,
     without_heat,
@@ -173,7 +172,7 @@ def _by_distribution(
         lengths = [*lengths, settled]
     enough = np.inf  # where the slider will have slipped often enough, as its slips tell
     for given in lengths:
-        length = min(given, enough)
+        length = min(given, enough, settled) if swings else min(given, enough)
         if swings and length < settled:
             continue
         path = begin + np.linspace(0.0, length, machine.points(length))
@@ -200,7 +199,7 @@ def _by_distribution(
         if found.kind != "undecided" or not solved.success:
             break
         enough = np.inf
-        if solved.period is not None and found.slips < ENOUGH_SLIPS:
+        if solved.period is not None and found.slips < ENOUGH_SLIPS and not swings:
             more = ENOUGH_SLIPS - found.slips + PART_OF_PERIOD
             enough = float(solved.slips.drive[-1]) + more * solved.period - begin
     return found
