@@ -210,12 +210,13 @@ def test_the_number_of_contacts_hangs_on_their_breaks_and_no_tenth_of_a_pilots_t
 ) -> None:
     """On a busy machine a pilot takes longer, and the answer is to be the same: numbers are FEW times a power of 2, by
     the breaks of a pilot that takes a moment, and by the time of one that takes longer."""
-    machine, asked, taken = Machine(1e-3, None, 0.0, 1.0), list[int](), [0.9]
+    machine, asked, taken, clock = Machine(1e-3, None, 0.0, 1.0), list[int](), [0.9], [0.0]
     contacts, path = Contacts(gaussian(1.0, 0.3)), np.linspace(0.0, 3000.0, 5)
     ensemble = eq_model.Ensemble
     own_result = ensemble.result
 
     def result(followed: Any) -> Any:
+        clock[0] += taken[-1]
         return replace(own_result(followed), run_time=taken[-1])
 
     def made(*arguments: Any, n_contacts: int, **named: Any) -> Any:
@@ -231,6 +232,7 @@ def test_the_number_of_contacts_hangs_on_their_breaks_and_no_tenth_of_a_pilots_t
     )
     breaks = sum(1 for _ in pilot) and pilot.result().breaks
     monkeypatch.setattr(ensemble, "result", result)
+    monkeypatch.setattr(time, "process_time", lambda: clock[0])
     monkeypatch.setattr(eq_model, "Ensemble", made)
     for times, number in ((1.9, FEW), (2.1, 2 * FEW), (9.9, 8 * FEW), (10.1, 10 * FEW)):
         monkeypatch.setattr("toolkit.verdict.budget.MOST_BREAKS", times * breaks)

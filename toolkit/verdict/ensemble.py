@@ -75,13 +75,15 @@ def sliders(
         # makes the kernels and tables, too, whose time does not count
         following = eq_model.Ensemble(contacts, few_points, n_contacts=FEW, **asked)
         over = time.monotonic() + max(seconds, SHORT)
+        spent = time.process_time()
         pilot = _until(following, over)
         if pilot is None:
             raise InputError(f"{FEW:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
         remaining = max(seconds - pilot.run_time, 0.0)
         most = most_breaks(contacts, rule)
-        # what a pilot takes in a moment tells more of a busy machine than of the contacts
-        took = pilot.run_time if pilot.run_time > SHORT else OF_MOST * pilot.breaks / most
+        took = min(pilot.run_time, time.process_time() - spent)  # on a busy machine the latter
+        if took < SHORT:  # which tells less than the breaks do
+            took = OF_MOST * pilot.breaks / most
         times = min(remaining / max(took, 1e-9), most / max(pilot.breaks, 1))
         if number > times * FEW and times <= 1.0:
             if few_will_do:
