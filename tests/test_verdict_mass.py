@@ -30,12 +30,11 @@ from toolkit.verdict.budget import (
 from toolkit.verdict.ensemble import (
     FEW,
     follow_by_contacts,
-    kind_of,
     sliders,
 )
 from toolkit.verdict.files import friction, plain
 from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import follow
+from toolkit.verdict.follow import follow, kind_of
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.machine import (
@@ -45,7 +44,6 @@ from toolkit.verdict.machine import (
     RigidSlider,
     half_a_swing,
     not_followed,
-    rigid_slider,
     slip_duration,
 )
 from toolkit.verdict.of_area import with_more
@@ -268,7 +266,7 @@ def test_more_contacts_keep_the_error_of_heat_that_is_left_out() -> None:
     few = of_a_mass("stick-slip", 0.8, contacts=1000, error=0.3, heat_left_out=0.25)
     more = Finite("mass", 2000, "stick-slip", before=0.8, before_error=1e-3, after=-0.4)
     more = replace(more, after_error=1e-3, period=1e3, period_error=1.0, slips=3.0)
-    told = with_more(few, more, 1.0, 1e-3)
+    told = with_more(few, more, 1.0)
     assert told.contacts == 2000 and told.error == pytest.approx(0.251)
     assert told.message.endswith("2,000 contacts without heat")
     assert "heat is left out: it would change the force by" in "\n".join(dependence(of(told)))
@@ -451,8 +449,11 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     assert finite.kind == "stick-slip" and finite.before == pytest.approx(found.before, abs=0.02)
     told = follow_finite(machine, contacts, 5e3, never, rigid.static, 1e4)
     assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.03)
-    # but not where infinitely many were seen to slip, perhaps until they slide
+    # also where infinitely many were seen to slip, perhaps until they slide, but not where there is no time for more
     seen = replace(never, slips=9)
+    told = follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4)
+    assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.01)
+    monkeypatch.setattr("toolkit.verdict.ensemble.DOUBLINGS", 0)
     assert follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4).kind == "unknown"
 
 
@@ -486,7 +487,12 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     assert found.after == pytest.approx(steady, abs=found.error) and found.error < 0.1
     narrow = Contacts(gaussian(1.0, 0.4), delay=Delay(delay))
     machine = replace(machine, mass=mass / 9.0, damping=machine.damping / 3.0)
+    settled = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
+    monkeypatch.setattr("toolkit.verdict.ensemble.DOUBLINGS", 0)  # as where there is no time
     found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
+    # of the transient nothing is told as if it lasted: its mean has what separates it from the slips to come
+    assert settled.kind == "stick-slip" and settled.slips > 4 * found.slips
+    assert abs(found.before - settled.before) < 3.0 * (found.error + settled.error)
     said = re.search(r"each drop ([\d.]+)% smaller than the one before", found.message)
     assert found.kind == "stick-slip" and said and 4.0 < float(said[1]) < 20.0
     # the sentence gives means of late slips, and those to come are smaller
@@ -690,18 +696,6 @@ def test_rules_that_agree_on_slips_and_not_on_their_drop_say_so() -> None:
         both = (*each, replace(each[0], rule="reform-after", after=after))
         lines = dependence(replace(told, answers=(replace(told.own, behaviours=both),)))
         assert [line for line in lines if line.endswith(end)]
-
-
-def test_smooth_sliding_that_still_swings_is_told_at_its_steady_force_with_what_swings() -> None:
-    """Nine slips, each a quarter smaller than the one before, and a heavy damping: the force at the path's end stood
-    for that of sliding, 0.4714 +- 0.0029, where F_k and what the damping bears are 0.4884."""
-    contacts, machine = Contacts(gaussian(1.0, 0.4), delay=Delay(0.2)), Machine(0.5, 2e-5, 5e-3, 1)
-    steady = master.steady_state(contacts, velocity=1.0)
-    found = master.propensity(contacts, velocity=1.0, tolerance=1e-3)
-    slides = follow(machine, contacts, "mass", rigid_slider(contacts, steady, found, 2e4), 1e4)
-    assert slides.kind == "smooth" and slides.slips == 9
-    assert slides.after == pytest.approx(steady.force + machine.damping, abs=1e-6)
-    assert 0.4884 - 0.4714 < slides.error < 0.2
 
 
 @pytest.mark.parametrize(

@@ -7,14 +7,22 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.drive import SLIP_FRACTION
+from origins.thresholds.law import Array
 
 # fewest values of which quartiles are told; of a slider, fewest slips of which the later half is told, else the last
 QUARTERED, HALVED = 8, 4
 # of a mean drop: slips that shrink by less from one third of the way to the next are not called fading, nor by less
 # than so many standard errors
 FADED, FADING = 0.05, 4.0
-# of a drop: less than this from one slip to the next is not told
-STILL = 2e-3
+# of a drop: less than this from one slip to the next is not told of FEW late slips, of more as much less
+STILL, FEW = 2e-3, 2
+# Means of two blocks of slips agree up to so many standard errors of their difference, and up to this part of a drop.
+AGREE, SAME = 2.0, 1e-3
+# Slips of each slider that tell of a limit cycle; where they differ by more than this part of a drop MANY, as one may
+# hang on some ten before it.
+ENOUGH, MANY, ALIKE = 8, 32, 0.05
+# times the drive's way on which the spring regains what a slip took, after which, without another, slips are over
+WITHOUT = 1.5
 
 
 @dataclass(frozen=True)
@@ -36,7 +44,7 @@ class Spread:
         return Spread(mean, std, low, high, self.number)
 
 
-def spread_of(values: npt.NDArray[np.float64]) -> Spread:
+def spread_of(values: Array) -> Spread:
     """The spread of two values or more."""
     ends = (0.25, 0.75) if values.size >= QUARTERED else (0.0, 1.0)
     low, high = np.quantile(values, ends)
@@ -48,23 +56,62 @@ def spread_of(values: npt.NDArray[np.float64]) -> Spread:
 class LateSlips:
     """Slips of all sliders of an ensemble once these have slipped for a while: `slips`, numbered as they were, and for
     each the way of the drive since the one before, `gaps` (lengths; none before a slider's first slip), of the sliders
-    `gaps_of`."""
+    `gaps_of`. Two `blocks` of them, one after the other, differ where the slips are still those of a transient; each
+    slider has had `common` slips or more."""
 
     slips: Any
-    gaps: npt.NDArray[np.float64]
+    gaps: Array
     gaps_of: npt.NDArray[np.int_]
+    common: int
+    blocks: tuple["LateSlips", ...] = ()
 
     def mean(self, name: str) -> tuple[float, float]:
-        """Mean of a field over the sliders, each of its own slips, and the standard error of that, no less than if all
-        slips were independent; inf for one slider."""
-        return _mean_of(getattr(self.slips, name), self.slips.replica)
+        """Mean of a field over the sliders, each of its own slips, and the error of that: its standard error, no less
+        than if all slips were independent, inf for one slider. Where the slips are not `settled`, with what is left:
+        by how much the blocks differ, and few slips among each other."""
+        mean, error = _mean_of(getattr(self.slips, name), self.slips.replica)
+        each = [_mean_of(getattr(one.slips, name), one.slips.replica) for one in self.blocks]
+        return mean, float(np.hypot(error, self._left(getattr(self.slips, name), each)))
 
     def period(self) -> tuple[float, float]:
-        """Mean gap and its standard error, as `mean`."""
-        return _mean_of(self.gaps, self.gaps_of)
+        """Mean gap and its error, as `mean`."""
+        mean, error = _mean_of(self.gaps, self.gaps_of)
+        each = [_mean_of(one.gaps, one.gaps_of) for one in self.blocks if one.gaps.size]
+        return mean, float(np.hypot(error, self._left(self.gaps, each)))
+
+    @property
+    def settled(self) -> bool:
+        """Whether these are the slips of a limit cycle: both blocks agree, and slips are many, or alike."""
+        names = "force_before", "drop"
+        each = [
+            [_mean_of(getattr(one.slips, of), one.slips.replica) for one in self.blocks]
+            for of in names
+        ]
+        return not self._few and not any(self._drift(one) for one in each)
+
+    @property
+    def _few(self) -> bool:
+        """Whether each slider has had too few slips to tell of a limit cycle."""
+        drop = self.slips.drop
+        apart = drop.size > 1 and bool(drop.std(ddof=1) > ALIKE * drop.mean())
+        return self.common < (MANY if apart else ENOUGH)
+
+    def _left(self, values: Array, each: list[tuple[float, float]]) -> float:
+        """What a transient leaves unknown in the mean of these values, with the means and errors of the blocks."""
+        scatter = float(values.std(ddof=1)) if self._few and values.size > 1 else 0.0
+        return max(self._drift(each), scatter)
+
+    def _drift(self, each: list[tuple[float, float]]) -> float:
+        """By how much the means of both blocks differ where that is no chance, else 0."""
+        if len(each) < 2:
+            return 0.0
+        (earlier, off), (later, more_off) = each
+        drift = abs(later - earlier)
+        least = SAME * abs(float(self.slips.drop.mean()))
+        return drift if drift > max(AGREE * float(np.hypot(off, more_off)), least) else 0.0
 
 
-def _mean_of(values: npt.NDArray[np.float64], replica: npt.NDArray[np.int_]) -> tuple[float, float]:
+def _mean_of(values: Array, replica: npt.NDArray[np.int_]) -> tuple[float, float]:
     """Mean of values of these sliders, and its standard error: see `LateSlips.mean`."""
     each = np.array([values[replica == one].mean() for one in np.unique(replica)])
     if each.size < 2:
@@ -75,12 +122,23 @@ def _mean_of(values: npt.NDArray[np.float64], replica: npt.NDArray[np.int_]) -> 
 
 def late_slips(slips: Any, sliders: int) -> LateSlips:
     """The later half of the slips that all of so many sliders have had, and those after; of fewer than HALVED the last
-    one of these alone, or the first where some have had none."""
+    one of these alone, or the first where some have had none, held against the one before it."""
     common = int(np.bincount(slips.replica, minlength=sliders).min())
-    kept = slips.number >= common // 2 if common >= HALVED else slips.number == max(common - 1, 0)
     gaps = np.diff(slips.drive, prepend=np.nan)
-    follow_one = kept & (slips.number > 0)
-    return LateSlips(_only(slips, kept), gaps[follow_one], slips.replica[follow_one])
+
+    def those(kept: npt.NDArray[np.bool_], *blocks: LateSlips) -> LateSlips:
+        follow_one = kept & (slips.number > 0)
+        return LateSlips(
+            _only(slips, kept), gaps[follow_one], slips.replica[follow_one], common, blocks
+        )
+
+    last = max(common - 1, 0)
+    if common < HALVED:
+        one_before = [those(slips.number == one) for one in (last - 1, last) if last]
+        return those(slips.number == last, *one_before)
+    first, late = common // 2, slips.number >= common // 2
+    later = slips.number >= (first + common + 1) // 2
+    return those(late, those(late & ~later), those(later))
 
 
 def are_fading(slips: Any) -> bool:
@@ -102,16 +160,35 @@ def are_fading(slips: Any) -> bool:
 
 def shrinks_by(slips: Any, sliders: int) -> float:
     """By which part of itself a drop is smaller than the one before it, over the later half of the slips, on average
-    over so many sliders; 0 where that is below STILL or below FADING standard errors of theirs, and of fewer slips than
-    HALVED."""
+    over so many sliders; 0 where that is below STILL (of FEW late slips, of more as much less) or below FADING standard
+    errors of theirs, and of fewer slips than HALVED."""
     common = int(np.bincount(slips.replica, minlength=sliders).min())
     if common < HALVED:
         return 0.0
     each = [slips.drop[slips.replica == one][common // 2 : common] for one in range(sliders)]
     slopes = np.polyfit(np.arange(common - common // 2), np.log(each).T, 1)[0]
-    least = max(STILL, FADING * float(slopes.std(ddof=1)) / sliders**0.5)
+    still = STILL * FEW / (common - common // 2)
+    least = max(still, FADING * float(slopes.std(ddof=1)) / sliders**0.5)
     part = -float(np.expm1(slopes.mean()))
     return part if part > least else 0.0
+
+
+def regained_at(slips: Any, spring: float, times: float) -> float:
+    """The drive's place at which this spring has regained `times` what each slip took."""
+    return float((slips.drive + times * slips.drop / spring).max())
+
+
+def may_go_on(found: Any, spring: float, settling: float, few: int) -> bool:
+    """Whether sliders that slip, some of them more than `few` times, may do so again beyond their path: this spring has
+    not regained what a slip took, and the slider not slid along `settling` since. One slip may begin a stick-slip."""
+    if not found.slips.drive.size or found.slips.number.max() < few:
+        return False
+    return regained_at(found.slips, spring, WITHOUT) + settling > float(found.path[-1])
+
+
+def are_lasting(slips: Any, sliders: int) -> bool:
+    """Whether the slips of so many sliders are those of a limit cycle, and do not shrink."""
+    return late_slips(slips, sliders).settled and not shrinks_by(slips, sliders)
 
 
 def swing_beyond_slips(found: Any, least: float) -> float:
@@ -142,6 +219,11 @@ def large_slips(slips: Any, least: float) -> Any:
     """The slips of an ensemble, numbered anew, that lower the force by `least` (a length, F/(N_c <k>)) or more: the
     jerks of few contacts that slide are smaller."""
     return _of(slips, np.asarray(slips.drop >= least))
+
+
+def slips_beyond(slips: Any, drive: float) -> Any:
+    """The slips of an ensemble, numbered anew, that begin beyond this place of the drive."""
+    return _of(slips, np.asarray(slips.drive > drive))
 
 
 def _of(slips: Any, kept: npt.NDArray[np.bool_]) -> Any:

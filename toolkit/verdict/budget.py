@@ -5,6 +5,7 @@ import os
 import re
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -167,3 +168,13 @@ def lives_in_a_slip(machine: Machine, contacts: Contacts, force: float, way: flo
     swings = max(most if swings_on else min(swings, most), 1.0)
     slipped = force / machine.spring * (1.0 + left)
     return swings * slipped / (mean + delay * slipped / lasts)
+
+
+def breaks_until(end: float, seen: Any, mean: float) -> float:
+    """How many breaks all sliders have up to this place of the drive, from those `seen`: as often along the way where
+    all have slipped, as a loading is like the one before it; else each contact at every `mean` threshold, as some
+    slide."""
+    began, seen_to = seen.path[[0, -1]]
+    if np.unique(seen.slips.replica).size == seen.forces.shape[0]:
+        return float(seen.breaks * (end - began) / (seen_to - began))
+    return float(seen.breaks + seen.contacts * (end - seen_to) / mean)

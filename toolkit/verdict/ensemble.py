@@ -11,7 +11,8 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
-from toolkit.results.slips import late_slips, main_slips, shrinks_by, spread_of
+from toolkit.results.sliding import has_slid, mean_forces, scatter_of
+from toolkit.results.slips import late_slips, main_slips, may_go_on, shrinks_by, spread_of
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.budget import (
     MORE_TIME,
@@ -39,15 +40,14 @@ LOADINGS = 6.5
 MOST_CONTACTS = 2_000_000
 # contacts whose sliders tell how long all of them would take; s that there are, and are no noise of a busy machine
 FEW, SHORT = 1_000, 2.0
-# mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
-SLID = 10.0
 # of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
 # more than so many mean thresholds (that of a thousand contacts scatters by some 0.1 of them)
 LATE, RINGS = 10, 0.3
-# times the drive's way on which the spring regains what a slip took, after which, without another, slips are over
-WITHOUT = 1.5
 # times the error of fewer contacts than there are, below which their slips may be chance, and more of them slide
 SURE = 2.0
+# Times that sliders whose slips are still those of a transient are pulled as far again, at most; and times as long as
+# the way so far takes that the next may.
+DOUBLINGS, LONGER = 5, 2.5
 NOT_SLID = "their path ended before they slid or slipped"
 
 
@@ -110,6 +110,31 @@ def _until(following: Any, over: float) -> Any:
     return following.result() if sum(1 for _ in following) == SLIDERS else None
 
 
+def until_settled(found: Any, machine: Machine, contacts: Contacts, rule: str, until: float) -> Any:
+    """These sliders, pulled as far again and again until their slips are those of a limit cycle or are over, as far as
+    there is time for, in s of the monotonic clock. Slips without a mass leave contacts new, or nearly so."""
+    import eq_model
+
+    asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
+    asked |= {"n_contacts": found.contacts // SLIDERS} | machine.keywords(rule)
+    settling = way_without_contacts(machine, contacts)
+    for _ in range(DOUBLINGS if rule == "mass" else 0):
+        main = main_slips(found.slips)
+        slip = np.bincount(main.replica, minlength=SLIDERS).all()
+        lasts = slip and may_go_on(replace(found, slips=main), machine.spring, settling, 0)
+        late = LONGER * found.run_time > until - time.monotonic()
+        if not lasts or late or late_slips(main, SLIDERS).settled:
+            break
+        end = 2.0 * float(found.path[-1]) - float(found.path[0])
+        further = np.linspace(found.path[-1], end, machine.points(end - found.path[0]) // 2 + 1)
+        path = np.append(found.path, further[1:])
+        longer = _until(eq_model.Ensemble(contacts, path, **asked), until)
+        if longer is None:
+            break
+        found = longer
+    return found
+
+
 def follow_by_contacts(
     machine: Machine,
     contacts: Contacts,
@@ -134,6 +159,9 @@ def follow_by_contacts(
     except InputError as refused:
         return not_followed(rule, str(refused))
     drive, force = trace_of(found, 0, machine.velocity)
+    found = until_settled(found, machine, contacts, rule, until)
+    if machine.points(np.ptp(found.path)) >= path.size:  # else few points would draw slower swings
+        drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     found = replace(found, slips=main_slips(found.slips))
     smaller = all_slips - found.slips.drive.size
@@ -147,7 +175,7 @@ def follow_by_contacts(
         many = Finite(rule, number, "stick-slip", drive=drive, force=force, smaller=smaller)
         many = with_late_slips(many, slips)
         before, after = many.before, many.after
-        error = max(many.before_error, many.after_error, machine.spring * many.period_error)
+        error = many.error
     if slipped and number < (rigid.contacts or np.inf):
         few = found
         if number > FEW:
@@ -159,13 +187,17 @@ def follow_by_contacts(
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
     # at least the drive's way in which contacts that broke together come back: they do so ever less together
-    late = found.forces[:, path >= path[-1] - max(length / LATE, waits)]
-    if not slipped and (swing := float(np.ptp(late, axis=1).max()) / unit) > RINGS:
+    length = found.path[-1] - found.path[0]
+    late = found.path >= found.path[-1] - max(length / LATE, waits)
+    forces = found.forces[:, late]
+    if not slipped and (swing := float(np.ptp(forces, axis=1).max()) / unit) > RINGS:
         return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
     if not slipped:
-        each = late.mean(axis=1)
+        each = mean_forces(found, late)
         before = after = float(each.mean())
-        error = float(each.std(ddof=1)) / SLIDERS**0.5 + 0.5 * float(np.ptp(late.mean(axis=0)))
+        error = float(each.std(ddof=1)) / SLIDERS**0.5 + 0.5 * float(np.ptp(forces.mean(axis=0)))
+        seen = slips.drive.size / SLIDERS
+        many = Finite(rule, number, "smooth", slips=seen, fluctuation=scatter_of(forces))
     return Behaviour(
         rule=rule,
         kind="stick-slip" if slipped else "smooth",
@@ -212,9 +244,9 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
     )
 
 
-def shrinking(finite: Finite) -> str:
+def shrinking(slider: Finite | Behaviour) -> str:
     """That its slips shrink, of which the means of late ones tell nothing; "" where they do not."""
-    part = finite.shrinks_by
+    part = slider.shrinks_by
     return f", each drop {part:.2%} smaller than the one before" if part else ""
 
 
@@ -243,45 +275,6 @@ def _too_early(found: Any, few: Any, unit: float) -> float:
     (force, off), (lower, more_off) = (each.slips.mean("force_before", 0) for each in (found, few))
     ratio = (number * SLIDERS / few.contacts) ** (2.0 / 3.0) - 1.0
     return max(least, float((abs(force - lower) + off + more_off) / ratio))
-
-
-def has_slid(found: Any, mean: float) -> bool:
-    """Whether each slider of an ensemble has moved by so many thresholds that its contacts have formed anew."""
-    return bool((found.positions[:, -1] - found.positions[:, 0]).min() >= SLID * mean)
-
-
-def regained_at(slips: Any, spring: float, times: float) -> float:
-    """The drive's place at which this spring has regained `times` what each slip took."""
-    return float((slips.drive + times * slips.drop / spring).max())
-
-
-def kind_of(solved: Any) -> str:
-    """What a solution's slider does: slips that die out end in smooth sliding. With a mass, of which F_k is not the
-    force, that is told only once they are over: until then the path ends at any force between two slips."""
-    verdict, slips = solved.regime.verdict, solved.slips
-    if verdict != "decaying transient":
-        return str(verdict)
-    silent = float(solved.path[-1] - slips.drive[-1])
-    goes_on = solved.period is not None and silent <= WITHOUT * solved.period
-    return "undecided" if goes_on and hasattr(slips, "duration") else "smooth"
-
-
-def may_go_on(found: Any, spring: float, settling: float, few: int) -> bool:
-    """Whether sliders that slip, some of them more than `few` times, may do so again beyond their path: this spring has
-    not regained what a slip took, and the slider not slid along `settling` since. One slip may begin a stick-slip."""
-    if not found.slips.drive.size or found.slips.number.max() < few:
-        return False
-    return regained_at(found.slips, spring, WITHOUT) + settling > float(found.path[-1])
-
-
-def breaks_until(end: float, seen: Any, mean: float) -> float:
-    """How many breaks all sliders have up to this place of the drive, from those `seen`: as often along the way where
-    all have slipped, as a loading is like the one before it; else each contact at every `mean` threshold, as some
-    slide."""
-    began, seen_to = seen.path[[0, -1]]
-    if np.unique(seen.slips.replica).size == SLIDERS:
-        return float(seen.breaks * (end - began) / (seen_to - began))
-    return float(seen.breaks + seen.contacts * (end - seen_to) / mean)
 
 
 def trace_of(found: Any, replica: int, velocity: float) -> tuple[Array, Array]:

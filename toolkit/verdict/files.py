@@ -72,7 +72,7 @@ def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
     """What the slider does under one rule, without its trace, which friction.csv has: forces with their error; `error`
     and `heat_left_out` stay in mean thresholds."""
     # traces are in friction.csv, and of the sliders "finite" tells
-    not_written = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders")
+    not_written = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders", "left")
     out = {name: value for name, value in asdict(behaviour).items() if name not in not_written}
     out |= {name: out[name] * force for name in ("before", "after")}
     return out | {"force_error": behaviour.error * mean * force}

@@ -10,12 +10,22 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
-from origins.thresholds.law import Array
-from toolkit.results.slips import are_fading, large_slips, main_slips, swing_beyond_slips
+from toolkit.results.sliding import has_slid, late_force, scatter_of
+from toolkit.results.slips import (
+    are_fading,
+    are_lasting,
+    large_slips,
+    main_slips,
+    may_go_on,
+    regained_at,
+    slips_beyond,
+    swing_beyond_slips,
+)
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
 from toolkit.verdict.budget import (
     LONG_DELAY,
     PlannedDrive,
+    breaks_until,
     lives_in_a_slip,
     most_breaks,
     way_without_contacts,
@@ -24,12 +34,9 @@ from toolkit.verdict.ensemble import (
     FEW,
     NOT_SLID,
     SLIDERS,
-    breaks_until,
-    has_slid,
-    may_go_on,
-    regained_at,
     sliders,
     trace_of,
+    until_settled,
     with_late_slips,
 )
 from toolkit.verdict.machine import Behaviour, Finite, Machine, slip_duration
@@ -59,10 +66,6 @@ SMALL = 0.02
 SETTLED = 0.5
 # times the drive's way on which the spring regains what a slip took: so far several more are seen where they go on
 SEVERAL = 3.5
-# part of what a drive adds to the spring's pull on a slider that sticks: a force that rises by more still rises
-STILL = 0.5
-# standard errors, by the scatter of the sliders, above which a rise is no chance
-JERKS = 4.0
 # mean thresholds, times N^(-2/3), by which the drive pulls contacts that re-form at once beyond the force of infinitely
 # many, one after the other until they slide at an even force: theirs is above it by 3 (thresholds 1 ± 0.2) to 9
 # (exponential ones, 16 on K = 1e-5), so that from LEAST_ABOVE on they may slide
@@ -146,7 +149,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             highest_force = max(highest_force, float(infinite.force.max(initial=0.0)))
         loading = highest_force / machine.spring + (1.0 + above * softness) * mean + waits
         end = LOADINGS * loading if slips else loading + BEYOND * mean
-        if slips and infinite.period:
+        if infinite.slips and infinite.period and (slips or infinite.kind == "undecided"):
             # a heavy slider may slip for longer than the drive loads its spring
             end = max(end, (infinite.first_slip or 0.0) + LOADINGS * infinite.period)
         longer = MANY_LOADINGS * loading
@@ -221,6 +224,9 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         except InputError as refused:
             told = Finite(rule, seen.contacts // SLIDERS, "unknown", message=str(refused))
             return with_late_slips(told, seen.slips)
+    if not settles:
+        found = until_settled(found, machine, contacts, rule, until)
+        path, steady = found.path, max(steady, float(np.ptp(found.path)) - settling)
     drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     if settles:
@@ -238,10 +244,15 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         return Finite(rule, present, "unknown", message=why)
     # contacts that re-form at once forget their start in many slips, as F falls from static to kinetic
     # and nobody knows how many of the slips that were seen of infinitely many are followed by others
-    if (flowing or infinite.slips) and infinite.kind == "undecided" and counts.any():
-        few = found.contacts // SLIDERS
-        why = f"{few:,} slip, perhaps only until they slide: what infinitely many do is not known"
-        return Finite(rule, present, "unknown", message=why)
+    if (flowing or infinite.slips) and infinite.kind == "undecided":
+        few, main = found.contacts // SLIDERS, main_slips(found.slips)
+        slips = are_lasting(main, SLIDERS)
+        if not slips and (counts.any() or infinite.slips):
+            why = (
+                f"{few:,} slip, perhaps only until they slide: what infinitely many do is not known"
+            )
+            return Finite(rule, present, "unknown", message=why if counts.any() else NOT_SLID)
+        found = replace(found, slips=main) if slips else found
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
     if not slips:
@@ -251,12 +262,15 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         if not go_on:
             more[:] = 0  # chance has given them some more, and they are over
         elif (more > 0).any() and are_fading(found.slips):
-            few, last = (
-                found.contacts // SLIDERS,
-                found.slips.drop[found.slips.number == counts.min() - 1].mean() / mean,
-            )
-            why = f"{of_contacts(few)} slip ever less, by {last:.2g} <x_s> at the end of the way, as infinitely many do"
+            who = of_contacts(found.contacts // SLIDERS)
+            last = found.slips.drop[found.slips.number == counts.min() - 1].mean() / mean
+            why = f"{who} slip ever less, by {last:.2g} <x_s> at the end of the way, as infinitely many do"
             return Finite(rule, present, "unknown", message=why)
+        elif not settles and more.min() < 1:
+            # some slip once more than others; those of a transient are over by the middle of the way
+            late = slips_beyond(found.slips, float(path[[0, -1]].mean()))
+            more = np.minimum(more, np.bincount(late.replica, minlength=SLIDERS))
+            found = replace(found, slips=late) if (more > 0).any() else found
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     followed, message = found.contacts // SLIDERS, ""
     if followed < present:
@@ -276,22 +290,10 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     # the part of the way along which the force is taken as that of steady sliding
     settled = path >= path[0] + steady
     forces = found.forces[:, settled]
-    # at each place between sliders, as all of them may still rise, or swing as one
-    finite = replace(finite, fluctuation=float(np.sqrt(forces.var(axis=0, ddof=1).mean())))
+    finite = replace(finite, fluctuation=scatter_of(forces))
     if rule == "mass":
         return finite
-    finite = _with_late_force(finite, machine, path[settled], forces)
+    late = late_force(forces, path[settled], machine.spring, SETTLED * BEYOND)
     moved = float((found.positions[:, -1] - found.positions[:, 0]).min())
-    return replace(finite, rises=finite.rises and moved < FAR * mean)
-
-
-def _with_late_force(finite: Finite, machine: Machine, drive: Array, forces: Array) -> Finite:
-    """With the mean of the sliders' forces, of shape (sliders, drive), and whether these still rise."""
-    each, rise = forces.mean(axis=1), forces[:, -1] - forces[:, 0]
-    jerks = JERKS * float(rise.std(ddof=1)) / SLIDERS**0.5  # of sliders that go on step by step
-    still = max(STILL * machine.spring * float(drive[-1] - drive[0]), jerks)
-    # no less than if each slider had another force at every mean threshold, in which its contacts form anew
-    least = finite.fluctuation / (SLIDERS * SETTLED * BEYOND) ** 0.5
-    error = max(float(each.std(ddof=1)) / SLIDERS**0.5, least)
-    rises = float(rise.mean()) > still
-    return replace(finite, late=float(each.mean()), late_error=error, rises=rises)
+    rises = late.rises and moved < FAR * mean
+    return replace(finite, late=late.mean, late_error=late.error, rises=rises)

@@ -9,11 +9,11 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise
+from toolkit.results.slips import WITHOUT
 from toolkit.verdict.budget import NO_TIME, few_are_followed, late, loading_of, may_follow
 from toolkit.verdict.ensemble import (
     LOADINGS,
     follow_by_contacts,
-    kind_of,
     without_heat,
 )
 from toolkit.verdict.machine import (
@@ -120,22 +120,23 @@ def _settled(
     found: Behaviour, machine: Machine, rigid: RigidSlider, contacts: Contacts
 ) -> Behaviour:
     """Smooth sliding whose force still changes at the path's end at F_k and what the damping bears, to which it tends
-    once contacts that began together have forgotten it. With a mass what still swings is part of the error. Exact
+    once contacts that began together have forgotten it. With a mass what still swings is the error, no less than what
+    slips that shrink leave, as contacts that come back together hold it for less than from one point to the next. Exact
     thresholds may keep their order: the force is told as it is."""
     if found.kind != "smooth" or not found.drive.size:
         return found
     mean, waits = contacts.mean_threshold, machine.velocity * contacts.waiting_time
     late = found.drive >= found.drive[-1] - max(found.drive[-1] / SETTLED_IN, waits)
     change = float(np.ptp(found.force[late])) / mean
-    if change <= found.error:
+    if machine.mass is None and change <= found.error:
         return found
     if contacts.thresholds.atoms[0].size:
         return replace(found, error=found.error + change)
     steady = rigid.kinetic + machine.damping * machine.velocity
     error = max(found.error, rigid.kinetic_error / mean)
     if machine.mass is not None:
-        error += max(change, abs(found.after - steady) / mean)
-    return replace(found, before=steady, after=steady, error=error)
+        error = max(error, change, abs(found.after - steady) / mean)
+    return replace(found, before=steady, after=steady, error=max(error, found.left / mean))
 
 
 def _damped(
@@ -191,11 +192,9 @@ def _by_distribution(
             return not_followed(rule, why or str(error))
         if found.slips and not is_precise(solved):
             break  # what the shorter path told stands
-        told = _behaviour(rule, solved, machine.velocity)
+        swings = kind_of(solved) == "smooth" and length < settled
+        told = _behaviour(rule, solved, machine.velocity, SWINGING if swings else "")
         found = replace(told, cut=solved.path.size < path.size)
-        swings = found.kind == "smooth" and length < settled
-        if swings:
-            found = replace(found, kind="undecided", message=SWINGING)
         if found.kind != "undecided" or not solved.success:
             break
         enough = np.inf
@@ -242,8 +241,9 @@ def _after_forgetting(
     )
 
 
-def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
-    """What the solution of a soft slider says: no figure where its force is not known."""
+def _behaviour(rule: str, solved: Any, velocity: float, open_why: str = "") -> Behaviour:
+    """What the solution of a soft slider says: no figure where its force is not known. `open_why` : why it is not known
+    whether the slider will slip again; "" where that is to be seen."""
     if not is_precise(solved):
         why = solved.message
         if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
@@ -251,12 +251,16 @@ def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
         unknown = not_followed(rule, why.partition("; take eq_model")[0])
         unknown = replace(unknown, heat_left_out=solved.heat_left_out)
         return replace(unknown, error=solved.force_error, run_time=solved.run_time)
-    slips, kind = solved.slips, kind_of(solved)
+    slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
     last = float(solved.force[-1]) if solved.force.size else float("nan")
     before, after = last, last
     if slips.drive.size and kind in ("stick-slip", "undecided"):
         last = slips.main[-1]  # the last one may be of a few contacts alone
         before, after = float(slips.force_before[last]), float(slips.force_after[last])
+    shrinks, left = max(-(solved.regime.trend or 0.0), 0.0), 0.0
+    if shrinks and solved.period:  # drops go on to shrink as they did
+        silent = float(solved.path[-1] - slips.drive[-1])
+        left = float(slips.drop[-1] * (1.0 - shrinks) ** (silent / solved.period))
     drive, force = with_slips(solved, velocity)
     return Behaviour(
         rule=rule,
@@ -267,12 +271,25 @@ def _behaviour(rule: str, solved: Any, velocity: float) -> Behaviour:
         slips=slips.drive.size,
         error=solved.force_error,
         success=bool(solved.success or (kind != "undecided" and solved.force_error < ENOUGH)),
-        message=solved.message if not solved.success else solved.regime.reason,
+        message=open_why or (solved.regime.reason if solved.success else solved.message),
         run_time=solved.run_time,
         slip_time=last_of(slips, "duration"),
         top_speed=last_of(slips, "top_speed"),
         first_slip=first_of(slips),
         heat_left_out=solved.heat_left_out,
+        shrinks_by=shrinks,
+        left=left,
         drive=drive,
         force=force,
     )
+
+
+def kind_of(solved: Any) -> str:
+    """What a solution's slider does: slips that die out end in smooth sliding. With a mass, of which F_k is not the
+    force, that is told only once they are over: until then the path ends at any force between two slips."""
+    verdict, slips = solved.regime.verdict, solved.slips
+    if verdict != "decaying transient":
+        return str(verdict)
+    silent = float(solved.path[-1] - slips.drive[-1])
+    goes_on = solved.period is not None and silent <= WITHOUT * solved.period
+    return "undecided" if goes_on and hasattr(slips, "duration") else "smooth"

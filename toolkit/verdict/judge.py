@@ -145,8 +145,8 @@ def _with_more(own: Answer, finite: tuple[Finite, ...]) -> Answer:
     """The own reading's answer with the numbers of more contacts, where fewer told what its slider does."""
     if own.machine is None or not finite:
         return own
-    pulled = own.contacts.mean_threshold, own.machine.spring
-    more = [with_more(*pair, *pulled) for pair in zip(own.behaviours, finite, strict=False)]
+    unit = own.contacts.mean_threshold
+    more = [with_more(*pair, unit) for pair in zip(own.behaviours, finite, strict=False)]
     return replace(own, behaviours=(*more, *own.behaviours[len(more) :]))
 
 

@@ -203,6 +203,12 @@ class Finite:
     smaller: int = 0
     shrinks_by: float = 0.0
 
+    @property
+    def error(self) -> float:
+        """Of the forces of its slips (a length), no less than of the period, each as a part of itself."""
+        period = abs(self.before) * self.period_error / self.period if self.period else 0.0
+        return max(self.before_error, self.after_error, period)
+
 
 @dataclass(frozen=True)
 class Behaviour:
@@ -219,10 +225,13 @@ class Behaviour:
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
-        sliders, of the forces or of K times the period, and what fewer contacts than there are may change
+        sliders, of the forces or as large a part of these as of the period, and what fewer contacts than there are may
+        change
     cut : whether the path was not followed to its end
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of `error`;
         None where there is no heat, or it was followed
+    shrinks_by : part of itself by which a drop is smaller than the one before it; 0 where drops do not shrink
+    left : the drop of slips that go on to shrink so at the path's end, F/(N_c <k>) (a length)
     drive, force : the trace, with each slip at its own place
     slip_drive, slip_force : the trace of one slip and of the swing after it, densely; empty where it is not looked at
     """
@@ -245,6 +254,8 @@ class Behaviour:
     sliders: Finite | None = None
     cut: bool = False
     heat_left_out: float | None = None
+    shrinks_by: float = 0.0
+    left: float = 0.0
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
     slip_drive: Array = field(default_factory=lambda: np.empty(0))

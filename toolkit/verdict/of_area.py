@@ -267,20 +267,25 @@ def falls(high: str, low: str, drop: float, unit: str, scatter: str = "") -> str
     return f"{high}{scatter} down {end}"
 
 
-def with_more(behaviour: Behaviour, finite: Finite, unit: float, spring: float) -> Behaviour:
+def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
     """A behaviour that fewer sliders of the ensemble told with the numbers of these, of more contacts; `unit`: the mean
-    threshold, a length; `spring`: of the machine, K/(N_c <k>). Where they are all that there are, their error is that
+    threshold, a length. Where they are all that there are, their error is that
     of their scatter alone."""
-    fewer = behaviour.contacts
-    same = finite.kind == behaviour.kind == "stick-slip" and finite.period is not None
-    if fewer is None or not same or finite.contacts <= fewer:
+    fewer, slip = behaviour.contacts, finite.kind == "stick-slip" and finite.period is not None
+    more = fewer is not None and behaviour.kind == "stick-slip" and finite.contacts > fewer
+    # or with those of all contacts, where what infinitely many do is not known
+    seen = behaviour.kind == "undecided" and behaviour.slips and not finite.message
+    if not slip or not (more or seen):
         return behaviour
-    error = max(finite.before_error, finite.after_error, spring * finite.period_error) / unit
+    error = finite.error / unit
     error += behaviour.heat_left_out or 0.0
     if finite.message:
-        error += behaviour.error * (fewer / finite.contacts) ** (2.0 / 3.0)
+        error += behaviour.error * ((fewer or 0) / finite.contacts) ** (2.0 / 3.0)
     return replace(
         behaviour,
+        kind="stick-slip",
+        success=True,
+        cut=False,
         before=finite.before,
         after=finite.after,
         period=finite.period,

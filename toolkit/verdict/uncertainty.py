@@ -11,7 +11,8 @@ from origins.samples.from_samples import sampled_parts
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.budget import LONGER
-from toolkit.verdict.machine import Behaviour
+from toolkit.verdict.ensemble import shrinking
+from toolkit.verdict.machine import Behaviour, critical_damping
 
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3
@@ -176,3 +177,23 @@ def unsure_of_springs(own: Answer) -> list[str]:
     return [
         f"K* = {said} by these samples: infinitely many contacts of other samples may slip on this spring"
     ]
+
+
+def once_over(answer: Answer, slider: Behaviour) -> str:
+    """How many slips came before smooth sliding, by how much each was smaller than the one before, and what they leave
+    where the path ends; "" where they did not shrink one by one."""
+    if not slider.shrinks_by:
+        return ""
+    left = slider.error * answer.contacts.mean_threshold * answer.scale.force
+    swings = (
+        f"swings of {written(left, answer.scale.force_unit, digits=2)} are left where the path ends"
+    )
+    return f" once slips have died out: {slider.slips} were seen{shrinking(slider)}, and {swings}"
+
+
+def of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:
+    """That a damping was taken where none is given, as the slider rings for too long without one."""
+    if behaviour.damping is None or answer.machine is None:
+        return ""
+    part = behaviour.damping / critical_damping(answer.machine)
+    return f", with {part:.0%} of critical damping, as none is given"

@@ -28,7 +28,7 @@ from toolkit.verdict.kinds import (
     others,
     without_delay,
 )
-from toolkit.verdict.machine import Behaviour, critical_damping
+from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import (
     apart,
     behaved,
@@ -50,6 +50,8 @@ from toolkit.verdict.table import (
 )
 from toolkit.verdict.uncertainty import (
     numerical_errors,
+    of_assumed_damping,
+    once_over,
     other_samples,
     sliding_force_of,
     unsure_of_springs,
@@ -254,7 +256,9 @@ def _behaved(
     after = [one.after * scale.force for one in alike]
     if kind == "smooth":
         said, differs = with_error(after), False
-        if not shown_error:  # as F_k stands in the table
+        if last.shrinks_by and error > max(after):  # no error of the force, but what still swings
+            said = span(after, scale.force_unit)
+        elif not shown_error:  # as F_k stands in the table
             uncertainty = widest_uncertainty(verdict)
             sliding = [sliding_force_of(verdict, answer, one) * scale.force for one in alike]
             said = span(sliding, scale.force_unit)
@@ -262,12 +266,14 @@ def _behaved(
         if bare:
             return said
         beside = f"{of_damping(answer, last, differs)}{without_delay(answer, last)}"
-        return f"smooth at {said}{whom}{beside}{_of_assumed_damping(answer, last)}"
+        beside += once_over(answer, last)
+        return f"smooth at {said}{whom}{beside}{of_assumed_damping(answer, last)}"
     high = with_error([one.before * scale.force for one in alike])
     low = span(after, scale.force_unit, shown_error)
     fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
+        seen = seen.replace(",", f"{shrinking(last)},")
         what = "whether it goes on is not known"
         what += f"; {LONGER}" * ("wall_time" in last.message)
         return f"not decided: {seen} from {fall}, and {what}"
@@ -286,12 +292,4 @@ def _behaved(
         said += f" every {every}, {seconds} at {written(verdict.velocity, speed_unit(verdict))}"
     if last.sliders is not None and (shrinks := shrinking(last.sliders)):
         said += f"{shrinks}, so that they may die out"
-    return said + _of_assumed_damping(answer, last)
-
-
-def _of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:
-    """That a damping was taken where none is given, as the slider rings for too long without one."""
-    if behaviour.damping is None or answer.machine is None:
-        return ""
-    part = behaviour.damping / critical_damping(answer.machine)
-    return f", with {part:.0%} of critical damping, as none is given"
+    return said + of_assumed_damping(answer, last)
