@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import signal
+import time
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -19,7 +20,7 @@ from toolkit.scene.laws import THRESHOLDS
 from toolkit.scene.scene import load_scene
 from toolkit.stability import laws, sliders, speeds, surfaces, thresholds
 from toolkit.stability.case import Answer, Case, Question, Row, Truth, judged, rows
-from toolkit.stability.scene_map import numbers, scene_map, times, trusted
+from toolkit.stability.scene_map import not_pushed, numbers, scene_map, times, trusted
 from toolkit.stability.table import VERDICTS, extreme_cases, stability, summary
 from toolkit.stability.work import within_work
 
@@ -76,6 +77,17 @@ def test_a_wrong_answer_is_found_by_the_other_solver() -> None:
     assert [row.solver for row in found] == ["master", "ensemble"]
     assert {row.verdict for row in found} == {"wrong"}
     assert all(row.error == pytest.approx(0.1) for row in found)
+
+
+def test_the_time_of_an_answer_is_that_of_its_work() -> None:
+    """Not of the clock, which on a busy machine is many times as much."""
+
+    def ask() -> Answer:
+        time.sleep(0.2)
+        return Answer(1.0, 0.0)
+
+    (row,) = rows(Question("", "asleep", "steady_state", ask, lambda: Truth(1.0, 0.0, "known")))
+    assert row.verdict == "exact" and row.run_time < 0.1
 
 
 @dataclass
@@ -208,10 +220,15 @@ def test_cases_of_rate_and_state_and_of_barriers() -> None:
 def test_numbers_of_a_scene() -> None:
     scene = {
         "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "seed": 3}, "start": 0.0},
-        "drive": {"spring": "50 N/m", "to": 3.0, "points": 10, "turns": [1.0, 2.0]},
+        "drive": {"spring": "50 N/m", "to": 3.0, "points": 10, "turns": [1.0, 2.0], "damping": 0.0},
+        "master": {},
         "eq": {"contacts": 100},
     }
-    assert list(numbers(scene)) == [("contacts.thresholds.mean", 1.0), ("drive.spring", "50 N/m")]
+    asked = {"contacts.thresholds.mean": 1.0, "drive.spring": "50 N/m", "master.tolerance": 1e-8}
+    assert dict(numbers(scene)) == asked
+    kept = {line.split(": ")[1] for line in not_pushed(scene)}
+    far = "contacts.thresholds.seed, drive.to, drive.points"
+    assert kept == {far, "drive.turns", "contacts.start, drive.damping", "eq.contacts"}
     assert times("50 N/m", 1e-3) == "0.05 N/m"
     assert times(0.2, 10.0) == 2.0
 

@@ -66,7 +66,8 @@ class Row:
     error : largest difference from the truth, in mean thresholds (or the unit of the case's name); nan where refused,
         or where invariants alone are known
     floor : what the truth itself is good for there, below which `error` says nothing
-    claim : what the solver says of its error there; run_time : in s; road : of the truth; said : the solver's message
+    claim : what the solver says of its error there; run_time : in CPU-s
+    road : of the truth; said : the solver's message
     """
 
     group: str
@@ -199,13 +200,13 @@ def rows(case: Case | Question) -> list[Row]:
 
 
 def _timed(ask: Callable[[], Answer]) -> tuple[Answer | str, float]:
-    """An answer, or the text of its refusal, and the run time in s."""
-    began = time.perf_counter()
+    """An answer, or the text of its refusal, and its CPU time in s, as a busy machine takes longer by the clock."""
+    began = time.process_time()
     try:
         answer: Answer | str = ask()
     except InputError as refusal:
         answer = str(refusal)
-    return answer, time.perf_counter() - began
+    return answer, time.process_time() - began
 
 
 def _row(

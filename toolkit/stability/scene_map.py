@@ -13,6 +13,7 @@ import numpy as np
 from origins.errors import InputError
 from toolkit.processes.signals import TooMuchWork, no_longer_than
 from toolkit.scene.scene import Scene, load_scene
+from toolkit.scene.tables import MasterTable
 from toolkit.stability.case import Case, Row
 from toolkit.stability.table import VERDICTS, answered, uncounted
 from toolkit.stability.table import line as row_as_line
@@ -22,10 +23,14 @@ LETTERS = dict(zip(VERDICTS, "etslrw", strict=True))  # of verdicts in the pictu
 DECADES = 6  # how far a number is pushed, each way
 # what says how a scene is computed, not what it is; a seed or a number of points has no decades
 _COMPUTED = {"points", "seed", "number", "step", "area", "to", "histograms", "degree", "resamples"}
-_TABLES = ("contacts", "drive")
+_TABLES = ("contacts", "drive", "master")
+# why a number is not pushed
+_FAR = "how far, how finely or over which area is asked"
+_ZERO, _LIST = "zero has no decades", "lists are not pushed"
 _QUANTITY = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(\s+\S.*)")  # such as "50 N/m"
 _POINTS = 24  # of the path, at which both solvers are compared
 _CONTACTS = 5_000  # of the ensemble
+_ALWAYS = f"the ensemble is a second road of {_CONTACTS:,} contacts here; precision tells what others cost and give"
 # N K³ below which contacts that are so few slip on springs on which infinitely many slide (docs/sliders.md)
 _ENOUGH = 50.0
 _BEFORE = 0.9  # of the drive up to the first slip: beyond, ensembles of another size slip elsewhere
@@ -68,9 +73,12 @@ def scene_map(
         more = np.inf if scene.wall_time is None else scene.wall_time - took
         return float(min(WORK - worked, more * worked / max(took, 1e-3)))
 
+    tables = tomllib.loads(scene.text)
+    all_numbers = list(numbers(tables))
+    for line in not_pushed(tables):
+        say(line)
     say("as it is")
     asked("as it is", "x 1", {})
-    all_numbers = list(numbers(tomllib.loads(scene.text)))
     for done, (key, value) in enumerate(all_numbers):
         say(f"{key} = {value}")
         for sign in (-1, 1):
@@ -203,25 +211,53 @@ def first_slip(scene: Scene, path: Any, keywords: Mapping[str, Any]) -> float:
 
 
 def numbers(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Keys of [contacts] and [drive], such as "contacts.thresholds.std", with their numbers, or texts of a number with
-    its unit."""
+    """Keys of [contacts], [drive] and [master], such as "contacts.thresholds.std", with their numbers, or texts of a
+    number with its unit."""
+    for key, value in _numbers_of(tables):
+        if not _why_not(key, value):
+            yield key, value
+
+
+def not_pushed(tables: Mapping[str, Any]) -> Iterator[str]:
+    """Which numbers of a scene a map leaves as they are, and why, a line for each reason."""
+    kept = dict[str, list[str]]()
+    for key, value in _numbers_of(tables):
+        if why := _why_not(key, value):
+            kept.setdefault(why, []).append(key)
+    if "eq" in tables:
+        kept[_ALWAYS] = [f"eq.{name}" for name in tables["eq"]] or ["eq"]
+    for why, keys in kept.items():
+        yield f"not pushed: {', '.join(keys)}: {why}"
+
+
+def _why_not(key: str, value: Any) -> str:
+    """Why a number is not pushed; "" where it is."""
+    if key.rsplit(".", 1)[-1] in _COMPUTED:
+        return _FAR
+    if isinstance(value, list):
+        return _LIST
+    return "" if value else _ZERO
+
+
+def _numbers_of(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """All keys with numbers, or with lists of numbers, and the tolerance where [master] stands without one."""
     for table in _TABLES:
-        yield from _numbers_in(table, tables.get(table, {}))
+        own = tables.get(table, {})
+        if table == "master" and table in tables:
+            own = {"tolerance": MasterTable().tolerance} | own
+        yield from _numbers_in(table, own)
 
 
 def _numbers_in(key: str, value: Any) -> Iterator[tuple[str, Any]]:
-    if key.rsplit(".", 1)[-1] in _COMPUTED or isinstance(value, bool):
-        return
     if isinstance(value, Mapping):
         for name, inner in value.items():
             yield from _numbers_in(f"{key}.{name}", inner)
-    elif isinstance(value, list):
-        if value and all(isinstance(inner, Mapping) for inner in value):
-            for place, inner in enumerate(value):
-                yield from _numbers_in(f"{key}[{place}]", inner)
-    elif (isinstance(value, int | float) and value) or (
-        isinstance(value, str) and _QUANTITY.fullmatch(value)
-    ):
+    elif isinstance(value, list) and any(isinstance(inner, Mapping) for inner in value):
+        for place, inner in enumerate(value):
+            yield from _numbers_in(f"{key}[{place}]", inner)
+    elif isinstance(value, bool):
+        return
+    elif isinstance(value, int | float | list) or _QUANTITY.fullmatch(str(value)):
         yield key, value
 
 

@@ -73,7 +73,7 @@ def line(row: Row) -> str:
     ]
     against = row.road or row.said
     head = f"  {row.case:{_WIDE}}{row.solver:19}{row.verdict:20}{'  '.join(numbers)}"
-    return f"{head}{row.run_time:9.2g} s  {against}"
+    return f"{head}{row.run_time:9.2g} CPU-s  {against}"
 
 
 def summary(found: Iterable[Row]) -> str:
@@ -83,7 +83,7 @@ def summary(found: Iterable[Row]) -> str:
 
 
 def columns(found: Sequence[Row]) -> dict[str, list[Any]]:
-    """The columns of a CSV file by their heads: a row a line; lengths in mean thresholds, times in s."""
+    """The columns of a CSV file by their heads: a row a line; lengths in mean thresholds, CPU times in s."""
     units = {"error": "mean thresholds", "floor": "mean thresholds", "claim": "mean thresholds"}
     units["run_time"] = "s"
     names = [field.name for field in fields(Row)]
