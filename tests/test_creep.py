@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 import master
-from master.rate_state.stability import transform
+from master.rate_state.critical_spring import transform
 from master.soft.in_time.creep import Creep, Offset
 from master.steady.response import is_stable, response
 from origins import Contacts, InputError, Thermal, gaussian

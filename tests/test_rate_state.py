@@ -12,10 +12,10 @@ from scipy import optimize, stats
 
 import eq_model
 import master
+from master.rate_state.critical_spring import critical_spring_of
 from master.rate_state.law import EvolutionLaw, RateStateLaw, remaining_of_step
 from master.rate_state.reading import Reading, read_steps
 from master.rate_state.rests import healing_of, rest_of
-from master.rate_state.stability import critical_spring_of
 from master.rate_state.traces import Rest, VelocityStep, steps_about
 from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, strengthening
 from tests.scenes import ROUGH, refused, said, write

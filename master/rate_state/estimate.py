@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from master.rate_state.critical_spring import UNKNOWN, CriticalSpring, critical_spring_of
 from master.rate_state.law import EvolutionLaw, RateStateLaw
 from master.rate_state.reading import TWICE, Reading, read_steps
 from master.rate_state.rests import healing_of, rest_of
 from master.rate_state.result import CONSTANT, Misfit, Parameter, RateState, SpeedScan
 from master.rate_state.speeds import Slope, constant_between, fill_scan, slope_at
-from master.rate_state.stability import UNKNOWN, CriticalSpring, critical_spring_of
 from master.rate_state.traces import LIVES, SLOW_TOLERANCE, Rest, VelocityStep, is_slow, steps_about
 from master.steady.kinetic import kinetic_curve
 from origins import Contacts
