@@ -7,7 +7,7 @@ import sys
 import tomllib
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import msgspec
@@ -245,6 +245,34 @@ def of_function(function: Any) -> dict[str, Any]:
     parameters = inspect.signature(function).parameters
     named = {name: one for name, one in parameters.items() if one.kind is not one.VAR_KEYWORD}
     return {name: one.default for name, one in named.items() if name not in GIVEN}
+
+
+def test_the_front_page_of_the_site_shows_the_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first page is README, its first picture that of `mesofriction verdict`; mkdocs, which builds the pages, is
+    stood for by what docs/pages.py takes of it."""
+    kept = {}
+
+    class File:
+        @staticmethod
+        def generated(config: Any, address: str, content: str = "", abs_src_path: str = "") -> str:
+            kept[address] = content
+            return address
+
+    for module, name in {"config.defaults": "MkDocsConfig", "structure.files": "Files"}.items():
+        stand_in = SimpleNamespace(**{name: object, "File": File})
+        monkeypatch.setitem(sys.modules, f"mkdocs.{module}", stand_in)
+    pages = script("pages")
+    for name in ("gallery", "api"):
+        monkeypatch.setattr(pages, name, lambda *_: "")  # they read all scenes and rooms
+    assert "index.md" in pages.on_files([], None)
+    assert re.findall(
+        r"^nav:\n  - \w+: (\S+)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE
+    ) == ["index.md"]
+    shown = re.findall(r"!\[[^]]+\]\(([^)]+)\)", kept["index.md"])
+    assert shown[0] == "pictures/verdict.png" and all(
+        (DOCS / picture).is_file() for picture in shown
+    )
+    assert re.search(r"verdict\.png\)\n\n`mesofriction verdict`: does this", kept["index.md"])
 
 
 def test_page_has_a_section_for_every_table() -> None:
