@@ -23,7 +23,9 @@ from master.soft.inertia.solution import Energy
 from origins.errors import InputError
 from toolkit.pictures.axes import INK
 from toolkit.processes.ranks import cores_of
-from toolkit.results.report import report
+from toolkit.results.beside import deviation
+from toolkit.results.report import APART, agreeing, report
+from toolkit.results.verdicts import contradiction
 from toolkit.running.checkpoint import identity
 from toolkit.scene.scene import SHIPPED, shipped_scenes
 
@@ -365,7 +367,19 @@ NONE_SLIPS = (
 )
 
 
-@pytest.mark.parametrize(("law", "drive", "eq", "infinite", "why"), [FEW_SLIP, NONE_SLIPS])
+# a reset by 2 % of the contacts renews all of infinitely many, each time that these break
+FEW_RESET = (
+    WEAK_AND_STRONG,
+    {"to": 3.0, "points": 31, "spring": 0.5, "slip": "reset"},
+    {"contacts": 2000, "replicas": 3},
+    "undecided",
+    "slip 10 times (master equation), and sliders of 2,000 contacts 0.33 times on average",
+)
+
+
+@pytest.mark.parametrize(
+    ("law", "drive", "eq", "infinite", "why"), [FEW_SLIP, NONE_SLIPS, FEW_RESET]
+)
 @pytest.mark.usefixtures("no_picture")
 def test_contacts_that_contradict_the_master_equation_are_the_headline(
     capsys: Any, law: Any, drive: Any, eq: Any, infinite: str, why: str
@@ -375,6 +389,24 @@ def test_contacts_that_contradict_the_master_equation_are_the_headline(
     assert status == 1 and out[1].startswith("verdict disagree: infinitely many") and why in out[1]
     assert told["verdict"] == out[1].removeprefix("verdict ")
     assert told["master"]["verdict"] == infinite
+
+
+@pytest.mark.parametrize(("std", "slips"), [(0.1, True), (0.5, False)])
+def test_forces_on_a_spring_are_compared_up_to_the_first_slip(std: float, slips: bool) -> None:
+    """Both solvers agree up to there, or to the end of smooth sliding, where stronger contacts are told apart."""
+    law, drive = NARROW | {"std": std}, {"to": 6.0, "points": 61, "spring": 0.7}
+    asked = scene(law, drive=drive, eq={"contacts": 20_000, "replicas": 4, "seed": 2})
+    result = toolkit.run(asked)
+    told, places = deviation(result), np.append(result.eq.slips.drive, result.master.slips.drive)
+    assert bool(places.size) is slips
+    assert told.points.size == (result.eq.path < places.min(initial=np.inf)).sum() > 5
+    assert told.worst is not None and told.worst < APART / 2.0 and agreeing(result)
+    assert not contradiction(result) and "standard errors" not in "\n".join(report(result))
+    if slips:
+        return
+    other = toolkit.run(scene(law | {"mean": 1.1}, drive=drive)).master
+    apart = dataclasses.replace(result, master=other)
+    assert not agreeing(apart) and "they do not agree" in "\n".join(report(apart))
 
 
 @pytest.mark.usefixtures("no_picture")

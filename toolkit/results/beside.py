@@ -12,6 +12,8 @@ from toolkit.scene.interfaces import with_error
 from toolkit.scene.scale import spoken, with_scatter
 
 _FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
+# mean thresholds, times N^(-2/3), by which N contacts on a soft slider bear more than infinitely many (docs/sliders.md)
+_BEYOND = 16.0
 
 
 class Deviation(NamedTuple):
@@ -31,10 +33,9 @@ def deviation(result: Result) -> Deviation:
     the master equation's force is not known, whose error would allow any difference.
     The standard errors include the master equation's error and that of the ensemble's steps."""
     solved, eq = result.master, result.eq
-    if solved is None or eq is None or is_coupled(eq) or not is_precise(solved):
-        # a slip comes at a different X_T in each replica: in between their mean force is that of none of them
+    if solved is None or eq is None or not is_precise(solved):
         return Deviation(np.empty(0, np.intp), np.empty(0))
-    return apart(solved, eq, result.mean_threshold)
+    return (_before_slips if is_coupled(eq) else apart)(solved, eq, result.mean_threshold)
 
 
 def apart(solved: Any, eq: Any, mean_threshold: float) -> Deviation:
@@ -48,7 +49,26 @@ def apart(solved: Any, eq: Any, mean_threshold: float) -> Deviation:
     return Deviation(tell, (eq.force[tell] - solved.force[tell]) / allowed)
 
 
-NOT_COMPARED = "force not known, too few contacts or breaks, all at once, or a soft slider, whose slips are compared"
+def _before_slips(solved: Any, eq: Any, mean_threshold: float) -> Deviation:
+    """The same of contacts on a soft slider, up to the first slip of any slider: each slips at its own X_T, and in
+    between their mean force is that of none of them. What N contacts bear beyond infinitely many is no deviation."""
+    slips = np.append(solved.slips.drive, eq.slips.drive)
+    reached = np.maximum.accumulate(np.abs(eq.path - eq.path[0]))
+    first = np.searchsorted(reached, np.abs(slips - eq.path[0]).min(initial=np.inf))
+    tell = np.arange(min(int(first), solved.path.size))
+    # few sliders may agree by chance at a point, where their scatter is less than that of their contacts
+    scatter = np.maximum.accumulate(eq.force_standard_error)[tell]
+    tell = tell[np.isfinite(scatter)]
+    scatter = np.maximum(scatter[tell], mean_threshold * eq.contacts**-0.5)
+    allowed = scatter + eq.step_error[tell] + solved.force_error * mean_threshold
+    beyond = _BEYOND * (eq.contacts / len(eq.forces)) ** (-2.0 / 3.0) * mean_threshold
+    difference = eq.force[tell] - solved.force[tell]
+    return Deviation(
+        tell, np.sign(difference) * np.maximum(abs(difference) - beyond, 0.0) / allowed
+    )
+
+
+NOT_COMPARED = "force not known, too few contacts or breaks, all at once, or one soft slider alone"
 
 
 def slips_beside(result: Result) -> list[dict[str, Any]]:

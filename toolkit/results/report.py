@@ -70,7 +70,7 @@ def report(result: Any) -> list[str]:
         )
     if is_coupled(eq):
         lines.append(slip_line(result))
-    elif solved is not None and eq is not None:
+    if solved is not None and eq is not None and not (is_coupled(eq) and agreeing(result)):
         lines.append(f"eq less master: {_agreement(result)}")
     return [*lines, *(f"note    {note}" for note in result.notes)]
 
@@ -90,4 +90,5 @@ def _agreement(result: Any) -> str:
         chance += ", the rest is the paper's closure, which single contacts do not follow"
     elif apart >= APART:
         chance += ": they do not agree, please report it"
-    return f"at most {apart:.1f} standard errors over the path; {chance}"
+    where = "before the first slip" if is_coupled(result.eq) else "over the path"
+    return f"at most {apart:.1f} standard errors {where}; {chance}"

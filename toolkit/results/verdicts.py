@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.results.kinds import is_coupled
+from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.records import Result
 from toolkit.scene.scale import SHARED, of_contacts, written
 from toolkit.scene.scene import Scene
@@ -12,6 +12,9 @@ from toolkit.scene.scene import Scene
 # breaks of a slider that take some minutes, with a mass half an hour; the shortest way of a slider, in mean thresholds,
 # that shows whether it slides
 FOLLOWED, LEAST_DISTANCE = 1e10, 100.0
+# of the force before it: a slip that takes more is one of all contacts, whoever counts it; times as many of these as
+# the other solver has slips at all, and one more, are a contradiction; standard errors of a mean over sliders
+_LARGE, _TIMES, _CLEARLY = 0.5, 2.0, 4.0
 
 
 def contradiction(result: Result) -> str:
@@ -25,25 +28,46 @@ def disagreement(solved: Any, eq: Any) -> str:
 
     Smooth sliding is contradicted by any slip of the ensemble. Stick-slip is where no slider slips on a path on which
     the master equation has two slips or more: a single one may come later than the path's end, as N contacts slip late.
+    Any verdict is by slips of all contacts that are far more than the other solver has, as of a reset by a few of them.
     """
     if solved is None or solved.regime is None or eq is None or not is_coupled(eq):
         return ""
     number, slipped = len(eq.forces), np.unique(eq.slips.replica).size
-    each = of_contacts(eq.contacts // number)
-    said = (
-        f'disagree: infinitely many contacts are "{solved.regime.verdict}" (master equation), but'
-    )
-    if solved.regime.verdict == "smooth" and slipped:
+    many, verdict = of_contacts(eq.contacts // number), solved.regime.verdict
+    said = f'disagree: infinitely many contacts are "{verdict}" (master equation), but'
+    if verdict == "smooth" and slipped:
         return (
-            f"{said} {slipped} of {number} sliders of {each} slip: for so many contacts believe these; "
+            f"{said} {slipped} of {number} sliders of {many} slip: for so many contacts believe these; "
             "smooth sliding needs a stiffer spring, or more contacts"
         )
-    if solved.regime.verdict == "stick-slip" and solved.slips.drive.size > 1 and not slipped:
+    if verdict == "stick-slip" and solved.slips.drive.size > 1 and not slipped:
         return (
-            f"{said} none of {number} sliders of {each} slips: no avalanche breaks {eq.slip_fraction:.0%} of "
+            f"{said} none of {number} sliders of {many} slips: no avalanche breaks {eq.slip_fraction:.0%} of "
             "them, so that nothing is reset; these events are no stick-slip"
         )
+    if solved.path.size < eq.path.size or not is_precise(solved):
+        return ""
+    each = np.bincount(eq.slips.replica, minlength=number)
+    own, mean = solved.slips.drive.size, each.mean()
+    # of one slider the error is that of a count
+    error = _CLEARLY * float(each.std(ddof=1) if number > 1 else mean**0.5) / number**0.5
+    told = (
+        f"disagree: infinitely many contacts slip {own} times (master equation), and sliders of {many} "
+        f"{mean:.2g} times on average"
+    )
+    if _large(solved.slips) > _TIMES * (mean + error) + 1.0:
+        return (
+            f"{told}, as an avalanche of fewer than {eq.slip_fraction:.0%} of them resets nothing; these events "
+            "are no stick-slip"
+        )
+    if _large(eq.slips) / number - error > _TIMES * own + 1.0:
+        return f"{told}: for so many contacts believe these"
     return ""
+
+
+def _large(slips: Any) -> int:
+    """How many slips take more than _LARGE of the force."""
+    return int((np.abs(slips.drop) > _LARGE * np.abs(slips.force_before)).sum())
 
 
 def with_units(scene: Scene, regime: Any) -> str:
