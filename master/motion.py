@@ -10,6 +10,7 @@ import numpy.typing as npt
 from master.outcome import FaultError
 from origins import Drive
 from origins.thresholds.law import Array
+from origins.thresholds.numerical import clipped
 
 # By how much rounding may put an edge of panels beside the end of a leg: parts of the time to the next edge, and of the
 # time on the path. Edges that are nearer than 1e-12 of the time are one (master/renewal/edges.py).
@@ -71,7 +72,7 @@ class Motion:
 
     def leg(self, t: Array | float) -> npt.NDArray[np.intp]:
         """Index of the leg on which t lies; a knot belongs to the leg that it ends."""
-        return np.clip(np.searchsorted(self.times, t) - 1, 0, self.speeds.size - 1)
+        return clipped(np.searchsorted(self.times, t) - 1, 0, self.speeds.size - 1)
 
     def legs_between(self, edges: Array, slack: float) -> npt.NDArray[np.intp]:
         """Index of the leg between each two of these sorted times. FaultError where that is on two legs, by more than

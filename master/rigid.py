@@ -19,6 +19,7 @@ from master.survival.life import Life
 from origins import Contacts, Drive, InputError
 from origins.errors import refuse
 from origins.thresholds.law import Array
+from origins.thresholds.numerical import clipped
 
 # Longest path, in mean thresholds, and most lives of a contact on it: squares of lengths stay far from overflow.
 FURTHEST = 1e100
@@ -278,12 +279,12 @@ def _read(march: March, values: Array, t: Array) -> Array:
     # at a jump, a time that rounding puts just before it is read after it; elsewhere values are continuous
     rounded = ROUNDED * begin + SAME_TIME * (breaks_begin_own_leg + width.min(initial=np.inf))
     read_from = begin - np.where(_begin_at_jumps(march, rounded), rounded, 0.0)
-    panel = np.clip(np.searchsorted(read_from, t, "right") - 1, 0, begin.size - 1)
+    panel = clipped(np.searchsorted(read_from, t, "right") - 1, 0, begin.size - 1)
     # counted from the beginning of the leg, as the panels are: after a long hold times have few digits
     leg_begins = knots[
         np.searchsorted(knots, (begin - breaks_begin_own_leg + 0.5 * width)[panel], "right") - 1
     ]
-    place = np.clip((t - leg_begins - breaks_begin_own_leg[panel]) / width[panel], 0.0, 1.0)
+    place = clipped((t - leg_begins - breaks_begin_own_leg[panel]) / width[panel], 0.0, 1.0)
     return np.asarray(np.einsum("ij,ij->i", polynomials.values(place), values[panel]))
 
 

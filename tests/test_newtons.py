@@ -379,8 +379,9 @@ def test_a_wrong_unit_is_asked_for_by_its_key(capsys: Any) -> None:
     assert not any("stretches the spring" in line for line in said_first)
 
 
-def test_a_value_and_its_scatter_have_as_many_places(capsys: Any) -> None:
+def test_a_value_and_its_scatter_have_as_many_places(capsys: Any, monkeypatch: Any) -> None:
     """Those that the scatter leaves: of samples in newtons, with prefixes, too."""
+    monkeypatch.setattr("toolkit.judge.describe.RESAMPLES", 3)
     for value, error, told in (
         (6.637e6, 1.04e6, "6.6 ± 1.0 MN/m"),
         (12.34, 4.6, "12 ± 5 N/m"),

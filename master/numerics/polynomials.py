@@ -85,6 +85,8 @@ def lobatto(size: int) -> Points:
     return Points(np.concatenate([[-1.0], roots_jacobi(size - 2, 1, 1)[0], [1.0]]))
 
 
+# So many values are sooner computed one by one than as an array.
+FEW_VALUES = 8
 # Right Radau nodes on (0, 1].
 NODES: Array = np.append(0.5 * (roots_jacobi(DEGREE - 1, 1, 0)[0] + 1.0), 1.0)
 # Places midway between nodes, throughout the panel, at which its error is sampled.
@@ -113,3 +115,23 @@ SLOPES[:-1] = 2.0 * legendre.legder(np.eye(DEGREE + 1)) @ TO_LEGENDRE
 def legendre_sum(coefficients: Array, z: Array) -> Array:
     """Sums of Legendre polynomials, a row of coefficients for each row of z in [-1, 1]; as z."""
     return np.asarray(legendre.legval(z, coefficients.T[:, :, None], tensor=False))
+
+
+def legendre_at(series: Array, z: Array) -> Array:
+    """The value of a Legendre series at each z in [-1, 1], as z; series has the coefficients along its last axis, and
+    the axes of z before."""
+    if not 0 < z.size <= FEW_VALUES:
+        return np.asarray(legendre.legval(z, np.moveaxis(series, -1, 0), tensor=False))
+    each = zip(series.reshape(z.size, -1).tolist(), z.ravel().tolist(), strict=True)
+    return np.array([_clenshaw(one, at) for one, at in each]).reshape(z.shape)
+
+
+def _clenshaw(series: list[float], z: float) -> float:
+    """What legval does, to the same bits, by numbers: its steps of arrays take twenty times as long for one value."""
+    now, above = series[-2:]
+    for n in range(len(series) - 2, 0, -1):
+        now, above = (
+            series[n - 1] - above * (n / (n + 1)),
+            now + above * z * ((2 * n + 1) / (n + 1)),
+        )
+    return now + above * z

@@ -7,6 +7,7 @@ from numpy.polynomial import legendre
 
 from master.numerics import polynomials
 from origins.thresholds.law import Array
+from origins.thresholds.numerical import clipped
 
 # Coefficients of a panel's polynomial.
 SIZE = 12
@@ -107,7 +108,7 @@ class Table:
     def up_to(self, x: Array) -> Array:
         """Integral of the first function from the first edge to x, same shape as x."""
         whole = np.append(0.0, np.cumsum(self.widths * self._parts[0, 0]))
-        panel = np.clip(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)
+        panel = clipped(np.searchsorted(self.begin, x, "right") - 1, 0, self.begin.size - 1)
         distance = np.minimum(x, self.end[panel]) - self.begin[panel]
         # the mean up to x keeps its digits where x is close to an edge, unlike the integral
         gauss = polynomials.gauss(self._parts.shape[0])

@@ -24,6 +24,7 @@ from master.survival.life import Life
 from origins import Contacts
 from origins.start import SingleStart, Start
 from origins.thresholds.law import Array
+from origins.thresholds.numerical import clipped
 
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)
@@ -139,8 +140,8 @@ class Nodes(NamedTuple):
     def of(cls, ends: Array, pieces: Pieces) -> "Nodes":
         """From panels with these ends, shape (panels + 1,), and pieces; each lies on some panel."""
         last_panel = ends.size - 2
-        first = np.clip(np.searchsorted(ends, pieces.low, "right") - 1, 0, last_panel)
-        after = np.clip(np.searchsorted(ends, pieces.high, "left"), first + 1, last_panel + 1)
+        first = clipped(np.searchsorted(ends, pieces.low, "right") - 1, 0, last_panel)
+        after = clipped(np.searchsorted(ends, pieces.high, "left"), first + 1, last_panel + 1)
         # a part for each piece and each of its panels, from `first` to before `after`
         parts_of = after - first
         piece = np.repeat(np.arange(parts_of.size), parts_of)
@@ -149,8 +150,8 @@ class Nodes(NamedTuple):
         begin = ends[panel, None]
         width = np.maximum(np.diff(ends)[panel], TINY)[:, None]
         # the part's ends, as places on its panel
-        low = np.clip((pieces.low[piece, None] - begin) / width, 0.0, 1.0)
-        high = np.clip((pieces.high[piece, None] - begin) / width, 0.0, 1.0)
+        low = clipped((pieces.low[piece, None] - begin) / width, 0.0, 1.0)
+        high = clipped((pieces.high[piece, None] - begin) / width, 0.0, 1.0)
         lobatto = polynomials.lobatto(polynomials.PANEL_NODES)
         place = low + (high - low) * lobatto.nodes
         weight = (high - low) * lobatto.series[:, 0]
@@ -174,7 +175,7 @@ class BirthPanels(NamedTuple):
         nodes = Nodes.of(self.ends, pieces._replace(owner=np.arange(left.size)))
         births = self.at(nodes) * nodes.weight
         middle, width = (left + right)[nodes.target, None], (right - left)[nodes.target, None]
-        z = np.clip((2.0 * nodes.time - middle) / width, -1.0, 1.0)
+        z = clipped((2.0 * nodes.time - middle) / width, -1.0, 1.0)
         weights = (births[:, None] @ legendre.legvander(z, size - 1))[:, 0]
         return np.add.reduceat(weights, np.flatnonzero(np.diff(nodes.target, prepend=-1)))
 
@@ -200,6 +201,6 @@ def still_out(t: Array, delay: float, begin: Array | float, width: Array | float
     """Weights of a panel's breaks, at 0 and its nodes, in the number of contacts that broke on it and are out at times
     t, shape (..., DEGREE + 1): all that broke up to t, but for those up to one delay before, which have formed again.
     `begin` and `width` are the panel's, or broadcast against t."""
-    places = [np.clip((up_to - begin) / width, 0.0, 1.0) for up_to in (t, t - delay)]
+    places = [clipped((up_to - begin) / width, 0.0, 1.0) for up_to in (t, t - delay)]
     broken, re_formed = polynomials.values(np.stack(places))
     return np.asarray(broken - re_formed)

@@ -14,6 +14,7 @@ from master.numerics.polynomials import Pieces
 from master.renewal.births import BirthPanels, Births, Nodes, still_out
 from master.renewal.straight import Straight
 from origins.thresholds.law import Array
+from origins.thresholds.numerical import clipped
 
 # Places on a panel at which number and force are evaluated: its beginning, the nodes, and between.
 TARGETS: Array = np.concatenate([[0.0], polynomials.NODES, polynomials.CHECKS])
@@ -135,7 +136,7 @@ class Present:
         straight, end = self.straight(speed), np.minimum(ends[-1], t)[:, None]
         begin = np.minimum(np.maximum(ends[0], t - straight.longest)[:, None], end)
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
-        nodes = Nodes.of(ends, Pieces.between(np.clip(cuts, begin, end)))
+        nodes = Nodes.of(ends, Pieces.between(clipped(cuts, begin, end)))
         self._births.work += nodes.target.size
         return nodes, nodes.weight * self.look_up(speed, t[nodes.target, None] - nodes.time)
 

@@ -13,6 +13,7 @@ from master.survival.life import NO_SURVIVAL, TIE, Life, Survivors
 from origins.errors import refuse
 from origins.start import Start
 from origins.thresholds.law import Array
+from origins.thresholds.numerical import clipped
 
 # Allowed error of a table at its panels' ends, divided by the last coefficients; it is larger beside a square root.
 AT_ENDS = 10.0
@@ -122,9 +123,9 @@ class Straight:
         """E and K after lags in rows, from a table if there is one; each row lies within one smooth piece, as in
         History."""
         ends, middle = self._bounds, middle_of(lag)
-        after = np.clip(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
+        after = clipped(np.searchsorted(ends, middle, "right"), 1, ends.size - 1)
         holds = (middle < self._last) | (lag < self._last * (1.0 - TIE))
-        lag = np.clip(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
+        lag = clipped(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
         found = self._read(lag)
         return Survivors(found.survival * holds, found.force * holds * self.scale, found.error)
 

@@ -19,6 +19,7 @@ from numpy.polynomial import legendre
 
 from master.numerics import polynomials
 from origins.thresholds.law import Array
+from origins.thresholds.numerical import clipped
 
 # Coefficients of a panel's polynomial below this part of the largest are rounding, and would give roots of their own.
 ROUNDED = 1e-15
@@ -84,12 +85,12 @@ class LoadCurve:
 
     def panel(self, y: float | Array) -> npt.NDArray[np.intp]:
         """Index of the panel on which travels lie; an edge belongs to the panel that it ends."""
-        return np.clip(np.searchsorted(self.from_travel, y) - 1, 0, self.from_travel.size - 1)
+        return clipped(np.searchsorted(self.from_travel, y) - 1, 0, self.from_travel.size - 1)
 
     def _values(self, series: Array, y: float | Array) -> Array:
         panel = self.panel(y)
-        z = np.clip(2.0 * (y - self.from_travel[panel]) / self.width[panel] - 1.0, -1.0, 1.0)
-        return np.asarray(legendre.legval(z, np.moveaxis(series[panel], -1, 0), tensor=False))
+        z = clipped(2.0 * (y - self.from_travel[panel]) / self.width[panel] - 1.0, -1.0, 1.0)
+        return polynomials.legendre_at(series[panel], np.asarray(z))
 
     @cached_property
     def _slopes(self) -> Array:
@@ -182,8 +183,8 @@ class LoadCurve:
             [low, *self.from_travel[(self.from_travel > low) & (self.from_travel < high)], high]
         )
         loads = np.maximum.accumulate(self.force(places) + self.spring * places)
-        cell = np.clip(np.searchsorted(loads, load) - 1, 0, places.size - 2)
-        wanted = np.clip(load, loads[0], loads[-1])
+        cell = clipped(np.searchsorted(loads, load) - 1, 0, places.size - 2)
+        wanted = clipped(load, loads[0], loads[-1])
         below, above = places[cell], places[cell + 1]
         rounded = ROUNDED_LOAD * np.maximum(np.abs(loads[cell]), np.abs(loads[cell + 1]))
         narrowest = ROUNDED_LOAD * above

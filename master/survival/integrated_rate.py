@@ -43,7 +43,7 @@ class IntegratedRate:
         if self._duration.shape[1] == 1:
             return self._log_relaxed_time_on(np.arange(born.size), np.ones(1))
         births = np.stack([born, self._duration[:, :-1].sum(axis=1)])  # stretch, and time since
-        is_first = np.any(np.diff(births, prepend=np.nan) != 0.0, axis=0)
+        is_first = np.append(True, (births[:, 1:] != births[:, :-1]).any(axis=0))[: born.size]
         birth_of_each = np.cumsum(is_first) - 1
         on_last = np.zeros(self._duration.shape[1])
         on_last[-1] = 1.0
@@ -75,7 +75,7 @@ class IntegratedRate:
             own = contact[some, None]
             ends = self._stretch[own, which], self._stretch[own, which + 1]
             on_leg = self._mean_rate(*ends, threshold[some]) * self._duration[own, which]
-            first = np.flatnonzero(np.diff(some, prepend=-1))
+            first = np.flatnonzero(np.append(True, some[1:] != some[:-1]))
             total[some[first]] += np.add.reduceat(on_leg, first, axis=0)
         return np.log(np.maximum(total, np.exp(LEAST_LOG)))
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.numerical import clipped
 
 _ROUNDING = 1e-15  # weight at or below x = 0, or far out, that may be due to rounding
 # Relative change of a density that is finite and above 0 at its onset, up to 2e-6 of the way to the median: far above
@@ -154,11 +155,11 @@ class FrozenThresholds(ScipyDensity):
         return np.where(np.isnan(density), -np.inf, density)
 
     def _cdf(self, x: Array) -> Array:
-        below = np.clip(self._ask("cdf", x), 0.0, 1.0)
+        below = clipped(self._ask("cdf", x), 0.0, 1.0)
         return np.where((1.0 - below) * x <= 2.0 * self._mean, below, 1.0)
 
     def _sf(self, x: Array) -> Array:
-        above = np.clip(self._ask("sf", x), 0.0, 1.0)
+        above = clipped(self._ask("sf", x), 0.0, 1.0)
         return np.where(above * x <= 2.0 * self._mean, above, 0.0)
 
     def _logsf(self, x: Array) -> Array:

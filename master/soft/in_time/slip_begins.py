@@ -36,6 +36,7 @@ from scipy.optimize import minimize_scalar
 from master.soft.in_time.contacts import Trial
 from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Root, Steps
 from master.soft.in_time.unresolved import OF_BALANCE
+from origins.thresholds.numerical import clipped
 
 
 class OnsetControl(NamedTuple):
@@ -231,7 +232,7 @@ class SlipBegins:
             return 1.0
         # e-folds that break on a step of the size 1
         loss = np.log(holding / trial.kept) / size if trial.kept > 0.0 else np.inf
-        return float(np.clip(CONTROL.e_folds / loss, ONSET.least_shrink, 1.0))
+        return float(clipped(CONTROL.e_folds / loss, ONSET.least_shrink, 1.0))
 
     def _at_fold(self, size: float, longest_size: float) -> Root:
         """The step that takes the most time: that up to a fold or a kink of τ, where -τ is the least. Each call begins

@@ -15,6 +15,7 @@ from master.motion import Legs
 from master.survival.integrated_rate import IntegratedRate
 from origins import Contacts
 from origins.thresholds.law import Array
+from origins.thresholds.numerical import clipped
 
 # Width of a cell, in the square of the largest threshold, below which it is that of an exact threshold.
 EXACT_CELL = 1e-9
@@ -71,8 +72,8 @@ class ThresholdCells:
         thresholds stay, `least` is the largest |x| so far; where they grow, the place of the largest hazard so far."""
         edges, kernel, every = self.edges, self._kernel, np.arange(least.size)
         # of the cell in which the least threshold lies only the part beyond it counts; two edges follow, for _log_at
-        cut = np.clip(np.searchsorted(edges, least, "right") - 1, 0, edges.size - 3)
-        low = np.clip(least, edges[cut], edges[cut + 1])
+        cut = clipped(np.searchsorted(edges, least, "right") - 1, 0, edges.size - 3)
+        low = clipped(least, edges[cut], edges[cut + 1])
         if self._hot:
             next_two = (np.maximum(integrals[every, cut + k], kernel.LEAST) for k in (1, 2))
             log = self._log_at(low, cut, *map(np.log, next_two))
