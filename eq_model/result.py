@@ -154,21 +154,21 @@ class CoupledResult(EnsembleResult):
 class HeavySlips(CoupledSlips):
     """Slips of a slider with mass; arrays of shape (m,).
 
-    A slip is the fall of the spring's force that ends a stick: it begins as the slider becomes faster than the drive,
-    at a maximum of the force, and ends as it is as slow again, at the next minimum. The slider *sticks* where the
-    spring's force rises by 0.02 mean thresholds while the slider stays within two mean thresholds, at least
-    `slip_fraction` N contacts hold it and fewer break. From where it last stuck to the end of the fall contacts break
-    at least `slip_fraction` N times; the slider gets 1.5 times as fast as the drive, and the force falls by 0.02 mean
-    thresholds at least.
+    A slip is a swing down of the spring's force that ends a stick, from a maximum to the next minimum; rises and falls
+    within a level do not count. That level is 0.02 mean thresholds, or where contacts are few what chance does in
+    smooth sliding: six standard deviations of their force, some 2 N^(-1/2) mean thresholds where all N hold, at most
+    one. The slider *sticks* where the spring's force rises by 0.02 mean thresholds while the slider stays within two
+    mean thresholds, 0.02 N contacts at least hold it, and less than a share `slip_fraction` of these breaks. From where
+    it last stuck to the end of the swing at least that share breaks, and the slider is 1.5 times as fast as the drive
+    as the force falls by more than chance does.
 
-    So contacts count that break while a heavy slider still gathers speed, and falls that follow before the slider
-    sticks again, as when it swings back, belong to the same slip. In smooth sliding, where the speed only varies, it
-    does not stick. Neither does it by this measure where the force rises by less than 0.02 mean thresholds between two
-    slips; beside the chance variations of few contacts, some 0.3 N^(-1/2), slips as small could not be told.
+    So contacts count that break while a heavy slider still gathers speed, and swings that follow before the slider
+    sticks again, as when it swings back, belong to the same slip. A slider that sticks may ring, and no contact breaks.
+    Smaller falls, where the force of few contacts varies by chance, are not told as slips.
 
     Fields as in CoupledSlips, `drive`, X_T, as the slip begins, `force_before` and `force_after` of the spring, and
 
-    breaks : from where the slider last stuck to the end of the fall. duration : of the fall, times.
+    breaks : from where the slider last stuck to the end of the swing. duration : of the swing, times.
     top_speed : largest speed of the slider in it, lengths per time.
     """
 
@@ -222,8 +222,8 @@ class HeavyResult(CoupledResult):
     contact_force, contact_force_standard_error : F/(N_c <k>), mean over the replicas, shape (n,), lengths.
     velocity, velocity_standard_error : of the slider, mean over the replicas, shape (n,), lengths per time.
     contact_forces, velocities : of each replica, shape (replicas, n).
-    slips : from one stick to the next, see HeavySlips; avalanches : numbers of other falls of the spring's force, while
-        the slider is faster than the drive, in which contacts broke, by size as in CoupledResult.
+    slips : from one stick to the next, see HeavySlips; avalanches : numbers of other falls of the spring's force,
+        however small, while the slider is faster than the drive, in which contacts broke, by size as in CoupledResult.
     energy : by parts, at the path's points.
     """
 

@@ -64,9 +64,9 @@ def simulate(
         slip rule. Contacts form again relaxed where the slider then is, at once or after their delay. It starts at rest
         at X = 0 and X_T = F(0)/K.
     slip_fraction : float, optional
-        Smallest share of a replica's contacts that breaks in an avalanche that counts as a slip (with a mass, in a fall
-        of the spring's force while the slider is faster than the drive); None: 0.2. Before a
-        slip avalanches break up to 2 N^(-1/3) of them, 0.13 at N = 4,000.
+        Smallest share of a replica's contacts that breaks in an avalanche that counts as a slip (with a mass, of those
+        that held, in a swing down of the spring's force); None: 0.2. Before a slip avalanches break up to 2 N^(-1/3) of
+        them, 0.13 at N = 4,000.
     n_contacts, n_replicas : int
         Replicas differ in their random numbers only. Standard errors of coupled contacts are those between replicas.
     seed : int

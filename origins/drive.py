@@ -12,17 +12,18 @@ from origins.errors import between, finite_array, non_negative, one_of, refuse
 Array = npt.NDArray[np.float64]
 SlipRule = Literal["reset", "reform-after", "instant"]
 
-# A slip of a slider with mass is a fall of the spring's force, from where the slider becomes faster than the drive to
-# where it is as slow again, that ends a stick. The slider sticks where the force rises by RISE while it stays within
-# ROOM, SLIP_FRACTION of the contacts at least hold it and fewer break; from where it last stuck to the end of the fall
-# contacts break SLIP_FRACTION times each or more, the force falls by RISE and the slider gets FASTER times as fast as
-# the drive. RISE, in mean thresholds, is above the fluctuations of the force by few contacts.
+# A slip of a slider with mass is a swing down of the spring's force that ends a stick, from a maximum to a minimum
+# between which it does not rise by RISE, or by what chance does to few contacts (`eq_model.coupled.mass.chance`). The
+# slider sticks where the force rises by RISE while it stays within ROOM, RISE of all contacts at least hold it, which
+# is what that force takes, and SLIP_FRACTION of these break at most. From where it last stuck to the end of the swing
+# SLIP_FRACTION of those break at least, and the slider gets FASTER times as fast as the drive. RISE is in mean
+# thresholds.
 RISE = 0.02
 # In mean thresholds: contacts that hold are stretched from -1 to 1 of them at most.
 ROOM = 2.0
 # A slider that stuck and swings freely beyond the drive gets twice as fast as this.
 FASTER = 1.5
-# Fewest breaks per contact in a slip: below it some weak contacts break, and the others hold.
+# Fewest breaks in a slip, per contact that held before: below it some weak contacts break, and the others hold.
 SLIP_FRACTION = 0.2
 
 

@@ -51,9 +51,11 @@ class PlainSlider:
         self.clock = np.append(0.0, np.cumsum(np.abs(np.diff(self.places))) / drive.velocity)
         if drive.time is not None:
             self.clock = np.append(0.0, drive.time)
-        self.slips, self.begun, self.broken = list[list[float]](), None, 0
+        self.slips, self.begun = list[list[float]](), None
+        self.high, self.low, self.lead, self.rushed, self.slip = None, None, -np.inf, False, None
         self.seen = 0  # breaks but for those at the present place
         self.stuck, self.loose, self.rest = True, 0, (self.x, self.spring_force(self.x, 0.0), 0)
+        self.stuck_at, self.held = self.x, n
 
     form = PlainReplica.form  # from the same fields
 
@@ -95,7 +97,7 @@ class PlainSlider:
             if not signs[first]:
                 continue
             top, ends = speed(times[first:last]).max(), last < times.size
-            if first > 0 and ends and (fell or not self.slips_at(top, velocity)):
+            if first > 0 and ends and (fell or not (self.loosened() and top >= 1.5 * velocity)):
                 continue  # falls between two events, as a slider that sticks rings
             for i, falls, there in ((first, True, first > 0), (last, False, ends)):
                 if not there:
@@ -105,39 +107,82 @@ class PlainSlider:
                 self.turn(at, way(at), falls, velocity)
             self.top = max(self.top, top)
 
-    def slips_at(self, top: float, velocity: float) -> bool:
-        """Whether a fall that ends now, with this top speed, is a slip."""
-        return self.stuck and self.loose >= self.fraction * self.n and top >= 1.5 * velocity
+    def loosened(self) -> bool:
+        """Whether the next swing down is a slip."""
+        return self.stuck and self.loose >= max(self.fraction * self.held, 1)
 
     def turn(self, after: float, way: float, falls: bool, velocity: float) -> None:
         """From so much later, and so far ahead, the spring's force falls, or rises again."""
-        x, now = self.x + way, self.t + after
-        force = self.spring_force(x, now)
+        x, now, mean = self.x + way, self.t + after, self.contacts.mean_threshold
+        force, drive = self.spring_force(x, now), np.interp(now, self.clock, self.places)
+        lead = self.drive.spring * (1.5 * drive - x)
+        chance = self.chance(velocity)
+        level = max(0.02 * mean, chance)
         if falls:
-            self.begun, self.broken = (now, x, force), 0
-            return
-        if self.begun is None:
-            return
-        t, before, high = self.begun
-        slips = self.slips_at(self.top, velocity)
-        slips = slips and high - force >= 0.02 * self.contacts.mean_threshold
-        if slips:
-            drive = np.interp(t, self.clock, self.places)
-            self.slips.append([drive, before, x, high, force, self.loose, now - t])
-            self.stuck = False
-        if slips or self.broken:
-            self.rest = x, force, self.seen
-        self.begun, self.top = None, 0.0
+            self.begun = force
+            if self.low and force - self.low[2] >= level:
+                self.end_slip()
+                self.low = self.high = None
+            if not self.low and (self.high is None or force >= self.high[3]):
+                self.high, self.lead, self.rushed = (now, drive, x, force), lead, False
+            self.lead = max(self.lead, lead)
+        elif self.begun is not None:
+            self.rushed |= self.top >= 1.5 * velocity and self.begun - force >= chance
+            self.rushed |= self.lead - lead >= chance
+            drop, first = (
+                self.high[3] - force,
+                self.slip is None and self.rushed and self.loosened(),
+            )
+            if self.low or drop >= level:
+                if first:
+                    self.slip, self.stuck = self.breaks - self.loose, False
+                lower = not self.low or self.low[2] - force > 1e-3 * drop
+                self.low = (now, x, force, self.breaks) if lower else self.low
+                if first and not lower:
+                    self.low = (*self.low[:3], self.breaks)
+                if (first or lower) and (self.slip is not None or self.breaks > self.rest[2]):
+                    self.rest = x, force, self.seen
+            self.begun, self.top = None, 0.0
+
+    def end_slip(self) -> None:
+        """The present swing down is over."""
+        if self.slip is not None:
+            (begin, drive, before, high), (end, x, force, breaks) = self.high, self.low
+            self.slips.append([drive, before, x, high, force, breaks - self.slip, end - begin])
+        self.slip = None
+
+    def chance(self, velocity: float) -> float:
+        """Six standard deviations of the force of n contacts and one in steady sliding, from integrals over S."""
+        law, wait = self.contacts.thresholds, self.contacts.waiting_time * max(velocity, 0.0)
+        x = np.linspace(0.0, law.isf(1e-12), 20_001)
+        weight = law.pdf(x)
+        if len(law.atoms[0]):
+            x, weight = law.atoms[0], law.atoms[1]
+        k = self.contacts.relative_stiffness(x)
+        mean, force, square = (
+            (weight * part).sum() / weight.sum() for part in (x, 0.5 * k * x**2, k**2 * x**3 / 3.0)
+        )
+        each = square / (mean + wait) - (force / (mean + wait)) ** 2 + square / mean / self.n
+        return min(6.0 * (each / self.n) ** 0.5, mean)
 
     def watch(self) -> None:
         """Whether the slider sticks: contacts hold it in a narrow room, and few break, as the spring's force rises."""
         x, force, breaks = self.rest
-        now, mean = self.spring_force(self.x, self.t), self.contacts.mean_threshold
-        if self.zero.size < self.fraction * self.n or abs(self.x - x) > 2.0 * mean:
+        now, mean, holds = (
+            self.spring_force(self.x, self.t),
+            self.contacts.mean_threshold,
+            self.zero.size,
+        )
+        if self.x < self.stuck_at - 2.0 * mean:
+            self.stuck = False
+        few = holds < 0.02 * self.n or (self.stuck and holds < self.fraction * self.held)
+        if few or abs(self.x - x) > 2.0 * mean:
             self.rest = self.x, now, self.seen
         elif now - force >= 0.02 * mean:
-            if self.seen - breaks < self.fraction * self.n:
-                self.stuck, self.loose = True, self.breaks - self.seen
+            highest = self.low or self.high is None or now >= self.high[3]
+            if highest and self.seen - breaks < self.fraction * holds:
+                self.stuck, self.stuck_at, self.held = True, self.x, holds
+                self.loose = self.breaks - self.seen
             self.rest = self.x, now, self.seen
 
     def follow(self) -> Followed:
@@ -176,7 +221,6 @@ class PlainSlider:
                     for name in ("zero", "threshold", "k"):
                         setattr(self, name, np.delete(getattr(self, name), first))
                     self.breaks, self.loose = self.breaks + 1, self.loose + 1
-                    self.broken += 1
                     if delay is None:
                         self.form(1)
                     else:
@@ -188,6 +232,8 @@ class PlainSlider:
                     break
             force, held = self.spring_force(self.x, self.t), self.zero.size / self.n
             told.append([self.x, force, held, self.v, self.contact_force(self.x)])
+        if self.low and (self.begun is None or force > self.low[2]):
+            self.end_slip()
         return Followed(np.array(told).T, np.reshape(self.slips, (-1, 7)), self.breaks)
 
     def speeds(self) -> np.ndarray:

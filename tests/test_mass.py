@@ -169,14 +169,18 @@ def test_light_and_damped_sliders_follow_the_slip_rules(rule, delay):
     contacts, path = origins.Contacts(NARROW, delay=delay), np.linspace(0.5, 9.0, 86)
     asked = {"spring": 0.7, "n_contacts": 300, "seed": 3}
     limit = eq_model.simulate(contacts, path, slip=rule, **asked)
+    # the first slip from turn to turn, so close that the force between two points is within 1e-5 of theirs
+    fine = np.linspace(limit.slips.drive[0] - 0.1, limit.slips.drive[0] + 0.1, 20_001)
+    trace = eq_model.simulate(contacts, fine, slip=rule, **asked).force
+    top = int(np.argmax(trace))
     off, shifts = [], []
     for damping in (1e-4, 1e-5):
         found = eq_model.simulate(contacts, path, mass=1e-3 * damping**2, damping=damping, **asked)
         off.append(np.sort(np.abs(found.position - limit.position))[:-3].max())
-        shifts.append(np.abs(found.slips.drive[0] - limit.slips.drive[0]))
-        drop = found.slips.drop[0] / limit.slips.drop[0] - 1.0
+        shifts.append(np.abs(found.slips.drive[0] - fine[top]))
+        drop = found.slips.drop[0] / (trace[top] - trace[top:].min()) - 1.0
         assert abs(found.breaks - limit.breaks) <= 3 and abs(drop) < 20.0 * damping
-    assert off[1] < 0.2 * off[0] < 1e-3 and shifts[1] < 0.2 * shifts[0] < 1e-4
+    assert off[1] < 0.2 * off[0] < 1e-3 and shifts[1] < 0.3 * shifts[0] < 1e-4
 
 
 def test_on_a_soft_spring_a_slip_is_half_an_oscillation():
@@ -248,11 +252,11 @@ def test_the_nearest_of_changing_places(trend):
 
 
 def test_energies_and_falls_of_light_sliders_beyond_critical_damping():
-    """Where one contact returns while the slider is fast, and where the slider hardly moves against its damping."""
+    """Where one contact returns while the slider is fast, and where the slider hardly moves against its damping. What
+    a single contact takes from the force is no more than chance does."""
     one = origins.Contacts(origins.gaussian(1.0, 0.3), delay=origins.Delay(5e-6))
     found = pulled(one, [6000.0], 3e-4, 8e-12, n=1, damping=2.8e-5, velocity=400.0)
-    assert (found.slips.drop > 0.0).all() and found.slips.drop.size == 1
-    assert (found.slips.duration < 0.02).all() and found.avalanches.sum() > 5
+    assert found.slips.drop.size == 0 and found.avalanches.sum() > 5
     slow = pulled(CONTACTS["exponential"], [2.7], 0.16, 6e-7, damping=700.0, velocity=600.0)
     for result in (found, slow):
         assert np.abs(result.energy.imbalance).max() < 1e-10

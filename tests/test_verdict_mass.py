@@ -472,7 +472,7 @@ def test_slips_of_a_mass_that_shrink_are_smooth_sliding_only_once_they_are_over(
 def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     monkeypatch: Any,
 ) -> None:
-    """Contacts that wait long come back ever less together: two slips and then none were called stick-slip."""
+    """Contacts that wait long come back ever less together: a few slips and then none were called stick-slip."""
     never = not_followed("mass", "it is not solved here")
     monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
     delay = 40.0
@@ -481,7 +481,7 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     machine = Machine(0.05, mass, 0.2 * np.sqrt(0.05 * mass), 1.0)
     rigid = RigidSlider(0.55, 0.025, 0.0, 0.5, 1.0, contacts=4000)
     found = follow(machine, contacts, "mass", rigid, 1e4)
-    assert found.kind == "smooth" and found.slips == 2
+    assert found.kind == "smooth" and found.slips == 4
     # steady sliding at F_k, <x_s>^2 / (<x_s> + v delay) for an exponential law, and what the damping bears
     steady = 1.0 / (1.0 + delay) + machine.damping
     assert found.after == pytest.approx(steady, abs=found.error) and found.error < 0.1
@@ -491,7 +491,7 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     monkeypatch.setattr("toolkit.verdict.ensemble.DOUBLINGS", 0)  # as where there is no time
     found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
     # of the transient nothing is told as if it lasted: its mean has what separates it from the slips to come
-    assert settled.kind == "stick-slip" and settled.slips > 4 * found.slips
+    assert settled.kind == "stick-slip" and settled.slips > 2 * found.slips
     assert abs(found.before - settled.before) < 3.0 * (found.error + settled.error)
     said = re.search(r"each drop ([\d.]+)% smaller than the one before", found.message)
     assert found.kind == "stick-slip" and said and 4.0 < float(said[1]) < 20.0
@@ -679,13 +679,19 @@ def test_a_slip_that_lasts_longer_than_the_spring_is_loaded_is_waited_for() -> N
     assert found.before == pytest.approx(1.245, abs=0.05)
 
 
-def test_falls_of_few_contacts_each_are_not_told_as_slips() -> None:
+def test_slips_in_many_falls_of_few_contacts_each_are_those_of_infinitely_many() -> None:
     """Contacts come back while a slip goes on: of finitely many the force falls in steps, of which few break a fifth of
-    all contacts, and the force before these stood for that before the falls."""
+    all contacts. The slip is the swing from the maximum to the minimum, as of infinitely many."""
     contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(0.2))
     told = slips_of_infinitely_many(0.603, 0.077, 2.24, first=2.095)
     found = follow_finite(Machine(0.5, 2e-11, 5e-6, 1.0), contacts, 2e4, told, 0.5885, 1e4)
-    assert found.kind == "unknown" and "in falls of few of them each" in found.message
+    assert found.kind == "stick-slip" and found.slips >= 4.0
+    # the first maximum of finitely many forces is above that of their mean, by some N^(-2/3) of a threshold
+    few = 2.0 * 20_000.0 ** (-2.0 / 3.0)
+    assert found.before == pytest.approx(told.before, abs=4.0 * found.before_error + few)
+    assert found.after == pytest.approx(told.after, abs=4.0 * found.after_error + few)
+    assert found.period == pytest.approx(2.24, abs=4.0 * found.period_error + few / 0.5)
+    assert found.before_error < 0.002 and found.period_error < 0.02
 
 
 def test_rules_that_agree_on_slips_and_not_on_their_drop_say_so() -> None:

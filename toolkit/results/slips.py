@@ -23,6 +23,8 @@ AGREE, SAME = 2.0, 1e-3
 ENOUGH, MANY, ALIKE = 8, 32, 0.05
 # times the drive's way on which the spring regains what a slip took, after which, without another, slips are over
 WITHOUT = 1.5
+# of the largest drop: those that tell whether slips shrink
+LARGE = 0.5
 
 
 @dataclass(frozen=True)
@@ -159,14 +161,17 @@ def are_fading(slips: Any) -> bool:
 
 
 def shrinks_by(slips: Any, sliders: int) -> float:
-    """By which part of itself a drop is smaller than the one before it, over the later half of the slips, on average
+    """By which part of itself a large drop is smaller than the one before it, over the later half of these, on average
     over so many sliders; 0 where that is below STILL (of FEW late slips, of more as much less) or below FADING standard
-    errors of theirs, and of fewer slips than HALVED."""
-    common = int(np.bincount(slips.replica, minlength=sliders).min())
+    errors of theirs, and of fewer slips than HALVED. Contacts that have drawn apart slip in groups in between: drops
+    below LARGE of a slider's largest of late do not count."""
+    each = [slips.drop[slips.replica == one] for one in range(sliders)]
+    each = [drops[drops >= LARGE * drops[drops.size // 2 :].max(initial=0.0)] for drops in each]
+    common = min(drops.size for drops in each)
     if common < HALVED:
         return 0.0
-    each = [slips.drop[slips.replica == one][common // 2 : common] for one in range(sliders)]
-    slopes = np.polyfit(np.arange(common - common // 2), np.log(each).T, 1)[0]
+    late = np.log([drops[common // 2 : common] for drops in each])
+    slopes = np.polyfit(np.arange(common - common // 2), late.T, 1)[0]
     still = STILL * FEW / (common - common // 2)
     least = max(still, FADING * float(slopes.std(ddof=1)) / sliders**0.5)
     part = -float(np.expm1(slopes.mean()))

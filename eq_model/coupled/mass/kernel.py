@@ -19,6 +19,8 @@ from eq_model.coupled.mass.nearest import (
 from eq_model.coupled.mass.state import (
     CONTACT_FORCE,
     ENERGIES,
+    F_AFTER,
+    F_BEFORE,
     FORCE,
     HOLDING,
     POSITION,
@@ -26,13 +28,17 @@ from eq_model.coupled.mass.state import (
     SPEED,
     STORED,
     add,
-    begin_fall,
     contact_force,
-    end_fall,
     go_to,
     speed_limit,
     spring_force,
     stored,
+)
+from eq_model.coupled.mass.swings import (
+    begin_fall,
+    end_fall,
+    has_loosened,
+    take_slip,
     watch,
 )
 from eq_model.draws.supply import take
@@ -62,7 +68,7 @@ def _form(s, contacts, i, supply, mean, pull):  # type: ignore[no-untyped-def]
 def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
     """All contacts form at X = 0, where the slider rests."""
     s = slider[0]
-    s.stuck = True
+    s.stuck, s.held, pull.swing[F_BEFORE] = True, np.int64(pull.n), -np.inf
     for i in range(np.int64(pull.n)):
         _form(s, contacts, i, supply, pull.mean, pull)
 
@@ -117,8 +123,8 @@ def _return(s, contacts, pull):  # type: ignore[no-untyped-def]
 
 @bare
 def _end_leg(s, pull):  # type: ignore[no-untyped-def]
-    """Store the slider at the end of a leg and begin the next one. Returns whether a slip ends, as the drive becomes
-    faster than the slider."""
+    """Store the slider at the end of a leg and begin the next one. Returns whether a slip has ended, as the drive
+    becomes slower than the slider."""
     s.elapsed = pull.lasts[s.leg]
     out, k = pull.at_points, s.leg
     out[POSITION, k], out[HOLDING, k] = np.float64(s.at) + s.off, s.n_holding
@@ -132,9 +138,11 @@ def _end_leg(s, pull):  # type: ignore[no-untyped-def]
     if s.leg < pull.lasts.size:
         limit = speed_limit(pull.speeds[k + 1])
         if s.falling and s.speed <= limit:
-            slipped = end_fall(s, pull, 0.0, 0.0)
+            end_fall(s, pull, 0.0, 0.0)
         elif not s.falling and s.speed > limit:
-            begin_fall(s, pull, 0.0, 0.0, s.speed)
+            slipped = begin_fall(s, pull, 0.0, 0.0, s.speed)
+    elif not s.falling or out[FORCE, k] > pull.swing[F_AFTER]:
+        slipped = take_slip(s, pull)  # the path ends behind it
     return slipped
 
 
@@ -167,7 +175,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             elif side == 0:
                 motion = motion_of(s, pull, net, stiffness)
                 t, side = first_passage(motion, ahead, behind, most)
-                if not s.falling and s.stuck and s.loose >= pull.slip and s.loose != s.tried:
+                if not s.falling and s.loose != s.tried and has_loosened(s, pull):
                     # contacts broke before the slider was as fast as the drive: its next fall is the slip
                     early, top = first_top(motion)
                     limit = speed_limit(pull.speeds[unsigned(s.leg)])

@@ -15,13 +15,8 @@ from eq_model.coupled.mass.motion import (
     place_at,
     speed_at_break,
 )
-from eq_model.coupled.mass.state import (
-    TOP_SPEED,
-    begin_fall,
-    end_fall,
-    pass_time,
-    speed_limit,
-)
+from eq_model.coupled.mass.state import pass_time, speed_limit
+from eq_model.coupled.mass.swings import begin_fall, end_fall
 
 MOVED = 2  # what quick_move returns where no contact breaks
 
@@ -74,7 +69,7 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     travel_integral = t * t * (0.5 * v + t * (b2 * (1.0 / 3.0) + t * (b3 * 0.25 + t * b4 * 0.2)))
     pass_time(s, pull, t, travel if ends else level, speed, travel_integral, squares)
     if s.falling:
-        pull.fall[TOP_SPEED] = max(pull.fall[TOP_SPEED], speed)
+        s.top = max(s.top, speed)
     return MOVED if ends else side
 
 
@@ -137,7 +132,7 @@ def damped_move(s, pull, ahead, most, net, stiffness):  # type: ignore[no-untype
     top = max(v, speed)
     if a < 0.0 < later or (speed > limit) != s.falling or not speed > 0.0:
         return 0
-    if later < 0.0 < a and even > (pull.fall[TOP_SPEED] if s.falling else limit):
+    if later < 0.0 < a and even > (s.top if s.falling else limit):
         at = np.log(-p * slow / (q * fast)) / (fast - slow)
         top = drift + p * np.exp(slow * at) + q * np.exp(fast * at)
         if not s.falling and top > limit:
@@ -154,7 +149,7 @@ def damped_move(s, pull, ahead, most, net, stiffness):  # type: ignore[no-untype
     travel_integral = t * t * (0.5 * drift + p * twice) + q * (gone - t) / fast
     pass_time(s, pull, t, travel if ends else ahead, speed, travel_integral, squares)
     if s.falling:
-        pull.fall[TOP_SPEED] = max(pull.fall[TOP_SPEED], top)
+        s.top = max(s.top, top)
     return MOVED if ends else 1
 
 
@@ -169,7 +164,8 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
 
 @inlined
 def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
-    """Move for a time t in closed form, then a break (side 1 or -1) at `travel`. Returns whether a slip ends."""
+    """Move for a time t in closed form, then a break (side 1 or -1) at `travel`. Returns whether a slip has
+    ended."""
     there, drive = place_at(motion, t), pull.speeds[unsigned(s.leg)]
     speed = there.speed
     if side == 0:
@@ -179,11 +175,11 @@ def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
     integral, squares = motion_integrals(motion, t, there)
     slipped, limit, slower = False, speed_limit(drive), np.inf
     if s.falling:
-        slower, pull.fall[TOP_SPEED] = first_slower(motion, limit, t, pull.fall[TOP_SPEED])
+        slower, s.top = first_slower(motion, limit, t, s.top)
     pass_time(s, pull, t, travel, speed, integral, squares)
     if s.falling and slower < t:
-        slipped = end_fall(s, pull, t - slower, travel - place_at(motion, slower).travel)
+        end_fall(s, pull, t - slower, travel - place_at(motion, slower).travel)
     if not s.falling and speed > limit:
         faster, top = last_faster(motion, limit, t)
-        begin_fall(s, pull, t - faster, travel - place_at(motion, faster).travel, top)
+        slipped = begin_fall(s, pull, t - faster, travel - place_at(motion, faster).travel, top)
     return slipped

@@ -7,6 +7,7 @@ import numpy as np
 
 from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.coupled.ensemble import check_coupled, checked_slip_fraction, unit_of
+from eq_model.coupled.mass.chance import fall_by_chance
 from eq_model.result import SIZES, Energy, HeavySlips, means
 from origins import Contacts, Drive, identical
 from origins.drive import RISE, ROOM
@@ -38,8 +39,8 @@ class Legs(NamedTuple):
 
 class HeavySliders:
     """Follows replicas, a block each, on the slider with mass that `drive` pulls; a slip breaks at least
-    `slip_fraction` of the contacts (None: 0.2). `dropped` says, asked now and then, whether to give up the one that is
-    followed."""
+    `slip_fraction` of the contacts that held (None: 0.2). `dropped` says, asked now and then, whether to give up the
+    one that is followed."""
 
     MOST = 1 << 31  # largest number of contacts of a replica
     nothing = State()
@@ -159,6 +160,7 @@ class HeavySliders:
         balance = s["force"] / n / spring * unit
         pull.places[:], pull.speeds[:], pull.lasts[:] = self._legs(balance)
         pull.places[:] /= unit
+        pull.chance[:] = fall_by_chance(self._contacts, n, pull.speeds) / unit
         pull.speeds[:] /= unit
         pull.energy[:] = 0.0
         pull.energy[state.STORED, 0] = at_start = self._stored(s, contacts)
@@ -208,15 +210,17 @@ class HeavySliders:
             rate=drive.damping / (drive.mass or 1.0),
             mean=mean,
             wait=-1.0 if delay is None else delay.time,
-            slip=max(int(np.ceil(self.slip_fraction * n)), 1),
+            share=self.slip_fraction,
+            fewest=RISE * n,  # a mean threshold each
             room=ROOM * contacts.mean_threshold / self._unit,
             rise=RISE * contacts.mean_threshold / self._unit,
+            chance=np.empty(points),
             most_breaks=MOST_BREAKS,
             places=np.empty(points),
             speeds=np.empty(points),
             lasts=np.empty(points),
             at_points=np.empty((state.ENERGIES + 4, points)),
-            fall=np.zeros(8),
+            swing=np.zeros(8),
             slipped=np.zeros(8),
             falls=np.zeros(SIZES, np.int64),
             energy=np.zeros((4, 2)),

@@ -1,6 +1,5 @@
-"""The slider with mass and what pulls it: forces, energies, and falls of the spring's force."""
+"""The slider with mass and what pulls it: forces and energies."""
 
-from math import frexp
 from typing import NamedTuple
 
 import numpy as np
@@ -9,10 +8,9 @@ import numpy.typing as npt
 from eq_model.blocks import Whole
 from eq_model.compiling import inlined, unsigned
 from eq_model.coupled.mass.nearest import Nearest
-from origins.drive import FASTER
 from origins.thresholds.law import Array
 
-# Of a fall of the spring's force: X_T as it begins, X and K (X_T - X) as it begins and ends, and more
+# Of a swing down of the spring's force (`swings`): X_T as it begins, X and K (X_T - X) as it begins and ends, and more
 DRIVE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS, DURATION, TOP_SPEED = range(8)
 WORK, DAMPED, RELEASED, STORED = range(4)  # in Pull.energy
 # In Pull.at_points, with the energies of WORK to STORED behind them.
@@ -37,8 +35,21 @@ SLIDER = np.dtype(
         ("returns", np.int64),  # index after the last one
         ("falling", np.bool_),  # whether the slider is faster than the drive
         ("broken", np.int64),  # breaks since it is
+        ("force_before", np.float64),  # of the spring, as it became so
+        ("top", np.float64),  # largest speed since
+        ("low", np.bool_),  # whether the force is in a swing down, which no rise has ended yet
+        ("clock", np.float64),  # time since the force was at its highest before
+        ("lead", np.float64),  # largest K (FASTER X_T - X) since
+        (
+            "rushed",
+            np.bool_,
+        ),  # whether the slider has been faster than the drive since, by more than chance
+        ("slipping", np.bool_),  # whether the swing down is a slip
+        ("before_slip", np.int64),  # number of all breaks before it
         ("stuck", np.bool_),  # whether the slider has stuck since the last slip
-        ("loose", np.int64),  # breaks since it last stuck
+        ("stuck_at", np.float64),  # X as it last did
+        ("held", np.int64),  # number of contacts that held there
+        ("loose", np.int64),  # breaks since
         ("tried", np.int64),  # of these at the last fall without a break: the next is smaller
         ("rest", np.float64),  # X from which it may be sticking
         ("rest_force", np.float64),  # and the spring's force there
@@ -67,17 +78,19 @@ class Pull(NamedTuple):
     rate: float  # γ/M
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
     wait: float  # the delay, below 0 if there is none
-    slip: int  # fewest breaks of a fall of the force that is a slip
+    share: float  # fewest breaks in a slip, of those contacts that held before
+    fewest: float  # contacts that hold a slider
     room: float  # way in which a slider sticks
-    rise: float  # of the spring's force per N <k> meanwhile, and its least fall in a slip
+    rise: float  # of the spring's force per N <k> meanwhile
+    chance: Array  # by which that force falls by chance at most, on each leg
     most_breaks: int
     places: Array  # X_T where each leg of the drive begins
     speeds: Array  # its speed on each leg
     lasts: Array  # the time that it takes
     at_points: Array  # (9, legs), at the end of each leg
-    fall: Array  # (8,), the present fall of the spring's force, or the last one
+    swing: Array  # (8,), the present swing down of the spring's force, or the next one, of which the begin is known
     slipped: Array  # (8,), the last one that was a slip
-    falls: Whole  # numbers of those that are no slips in which 1, 2-3, 4-7, ... contacts broke
+    falls: Whole  # numbers of falls outside of slips in which 1, 2-3, 4-7, ... contacts broke
     energy: Array  # (4, 2): sums, and what rounding has taken from them; STORED by the contacts if the slider were `at`
 
 
@@ -126,62 +139,9 @@ def stored(s, pull):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _rest_at(s, x, force):  # type: ignore[no-untyped-def]
-    """From here on the slider may be sticking."""
-    s.rest, s.rest_force, s.rest_breaks = x, force, s.seen
-
-
-@inlined
-def watch(s, pull, force):  # type: ignore[no-untyped-def]
-    """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises;
-    it is `force` now. Fewer contacts than break in a slip do not hold it: a heavy slider that slowly breaks the last
-    ones, as it gathers speed, has begun to slip."""
-    x = np.float64(s.at) + s.off
-    if s.n_holding < pull.slip or abs(x - s.rest) > pull.room:
-        _rest_at(s, x, force)
-    elif force - s.rest_force >= pull.rise:
-        if s.seen - s.rest_breaks < pull.slip:
-            s.stuck, s.loose = True, s.breaks - s.seen
-        _rest_at(s, x, force)
-
-
-@inlined
 def speed_limit(drive):  # type: ignore[no-untyped-def]
     """The speed above which the spring's force falls. A drive that moves back to its first point counts as at rest."""
     return max(drive, 0.0)
-
-
-@inlined
-def begin_fall(s, pull, before, travel_before, top):  # type: ignore[no-untyped-def]
-    """A fall of the spring's force began so long before the present, when the slider was so far behind."""
-    fall, speed = pull.fall, pull.speeds[unsigned(s.leg)]
-    drive = pull.places[unsigned(s.leg)] + speed * (s.elapsed - before)
-    x = np.float64(s.at) + (s.off - travel_before)
-    fall[DRIVE], fall[X_BEFORE], fall[F_BEFORE] = drive, x, pull.spring * (drive - x)
-    fall[DURATION], fall[TOP_SPEED] = before, top
-    s.falling, s.broken = True, 0
-
-
-@inlined
-def end_fall(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
-    """It ended so long before the present. Returns whether it was a slip."""
-    fall, speed, size = pull.fall, pull.speeds[unsigned(s.leg)], s.broken
-    drive = pull.places[unsigned(s.leg)] + speed * (s.elapsed - before)
-    x = np.float64(s.at) + (s.off - travel_before)
-    fall[X_AFTER], fall[F_AFTER], fall[BREAKS] = x, pull.spring * (drive - x), s.loose
-    fall[DURATION] -= before
-    s.falling = False
-    slips = s.stuck and s.loose >= pull.slip and fall[TOP_SPEED] >= FASTER * speed
-    slips = slips and fall[F_BEFORE] - fall[F_AFTER] >= pull.rise
-    if slips:
-        for k in range(fall.size):
-            pull.slipped[k] = fall[k]
-        s.stuck = False
-    elif size > 0:
-        pull.falls[frexp(size)[1] - 1] += 1  # by the number of its bits
-    if slips or size > 0:  # a slider that sticks rings, and no contact breaks
-        _rest_at(s, x, fall[F_AFTER])
-    return slips
 
 
 @inlined
@@ -199,4 +159,4 @@ def pass_time(s, pull, t, travel, speed, travel_integral, squares):  # type: ign
     s.elapsed += t
     s.due -= t
     s.since += t
-    pull.fall[DURATION] += t
+    s.clock += t

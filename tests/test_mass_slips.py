@@ -1,0 +1,91 @@
+"""Slips of an ensemble with mass: the turning points of its own force, and none in smooth sliding of few contacts."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.stats
+
+import eq_model
+import origins
+
+GAUSSIAN = origins.gaussian(1.0, 0.4)
+LAWS = {
+    "gaussian": GAUSSIAN,
+    "exponential": scipy.stats.expon(),
+    "weibull": scipy.stats.weibull_min(4 / 3),
+}
+
+
+def turns_of(path: np.ndarray, force: np.ndarray, level: float) -> np.ndarray:
+    """X_T and force at each maximum, and the force at the minimum behind it, of swings down as large as the level."""
+    found, down, high, low = list[list[float]](), False, 0, 0
+    for k, now in enumerate(force.tolist()):
+        if not down:
+            high = k if now > force[high] else high
+            down = force[high] - now >= level
+            low = k
+        elif now < force[low]:
+            low = k
+        elif now - force[low] >= level:
+            found.append([path[high], force[high], force[low]])
+            down, high = False, k
+    return np.array(found)
+
+
+def simulate(contacts: Any, end: float, points: int, **asked: Any) -> Any:
+    given = {"n_replicas": 1, "seed": 1, "velocity": 1.0} | asked
+    return eq_model.simulate(contacts, np.linspace(end / points, end, points), **given)
+
+
+@pytest.mark.parametrize("delay, slips", [(0.2, 5), (2.0, 3)])
+def test_slips_that_begin_as_a_creep_are_the_turns_of_the_force(delay: float, slips: int) -> None:
+    """Far beyond critical damping each break of the creep is a fall of its own; by the force at points so close that
+    it hardly changes in between. The end of a swing is known to a thousandth of it."""
+    contacts = origins.Contacts(GAUSSIAN, delay=origins.Delay(delay))
+    machine = {"spring": 0.5, "mass": 2e-11, "damping": 5e-6}
+    found = simulate(contacts, 12.5, 100_000, n_contacts=20_000, **machine)
+    own = np.stack([found.slips.drive, found.slips.force_before, found.slips.force_after]).T
+    turns = turns_of(found.path, found.forces[0], 0.02)
+    assert own.shape == turns.shape and len(own) == slips
+    assert (np.abs(own - turns).max(axis=0) < [1e-3, 1e-4, 1e-3]).all()
+    assert (found.slips.breaks > 0.6 * 20_000).all() and (found.slips.drop > 0.3).all()
+
+
+def test_few_contacts_that_hold_at_a_time_slip_for_ever() -> None:
+    """One of 200 contacts would hold in smooth sliding, but those that slip come back together a delay later: of the
+    swings of the force, a few in a hundred may be so slow that the slider hardly gets faster than the drive."""
+    contacts = origins.Contacts(GAUSSIAN, delay=origins.Delay(200.0))
+    machine = {"spring": 0.5, "mass": 2e-3, "damping": 5e-3}
+    found = simulate(contacts, 10_000.0, 50_000, n_contacts=200, **machine)
+    turns = turns_of(found.path, found.forces[0], 0.06)
+    # before, the first slips are so large that the slider rings
+    seen = [np.abs(found.slips.drive - turn).min() < 1.0 for turn in turns[:, 0] if turn > 2500.0]
+    assert len(seen) > 70 and np.mean(seen) > 0.95
+    late = found.slips.drive[(found.slips.drop > 0.06) & (found.slips.drive > 2500.0)]
+    assert np.diff(late).max() < 2.0 * 205.0
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("n, loadings", [(50, 3000), (200, 2000), (2000, 200), (20_000, 20)])
+def test_smooth_sliding_of_few_contacts_has_no_slips(law: str, n: int, loadings: int) -> None:
+    """Damped, with delays of 0 to 30 loadings; the first ones, in which contacts forget their start, do not count."""
+    for spring, mass, damping, delay in [
+        (3.0, 1e-4, 0.5, 0.0), (1.0, 0.1, 1.0, 0.0), (3.0, 1e-4, 0.5, 1.0), (0.1, 1e-3, 5.0, 30.0),
+    ]:  # fmt: skip
+        contacts = origins.Contacts(LAWS[law], delay=origins.Delay(delay) if delay else None)
+        mean = contacts.mean_threshold
+        machine = {"spring": spring, "mass": mass, "damping": damping}
+        found = simulate(contacts, loadings * mean, 50, n_contacts=n, **machine)
+        settled = 5.0 * mean + (1.0 + 5.0 * damping) / spring
+        assert found.breaks > 0.01 * n * loadings
+        assert not (found.slips.drive > settled).any()
+
+
+def test_a_slider_that_sticks_rings_and_does_not_slip_again() -> None:
+    """Hardly damped: after each slip the force swings by more than the level, and no contact breaks."""
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.1), delay=origins.Delay(2.0))
+    found = simulate(contacts, 40.0, 20_000, n_contacts=2000, spring=0.3, mass=1e-4, damping=2e-4)
+    turns = turns_of(found.path, found.forces[0], 0.1)
+    assert 5 < found.slips.drive.size < 0.2 * len(turns)
+    assert (found.slips.breaks > 0.5 * 2000).all() and np.diff(found.slips.drive).min() > 2.0
