@@ -122,6 +122,20 @@ def test_a_soft_slider_tells_its_slips_beside_those_of_contacts(capsys: Any) -> 
     assert told["master"]["verdict"] == soft.regime.verdict
 
 
+@pytest.mark.usefixtures("no_picture")
+def test_heat_that_is_left_out_is_told_with_a_tolerance_and_without(capsys: Any) -> None:
+    warm = {"thresholds": NARROW, "thermal": {"law": "soft", "temperature": 2e-7}}
+    asked = {"contacts": warm, "drive": {"to": 150.0, "points": 4, "spring": 0.01, "velocity": 1.0}}
+    for table in ({}, {"tolerance": 1e-2}):
+        file = write(master=table, **asked)
+        status, page, _ = said(capsys, "run", file, "--out", "out")
+        told = json.loads(Path("out/summary.json").read_text())
+        note, message = toolkit.load("out").master.note, told["master"]["message"]
+        assert status == 0 and ("no tolerance was asked for" in message) == (not table)
+        assert note.startswith("heat is left out") and message.endswith(f"; {note}")
+        assert note in told["notes"] and f"note    {note}" in page
+
+
 def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:
     warm = {"thresholds": GAUSSIAN, "thermal": {"law": "soft", "temperature": 0.3}}
     sweep = {"velocity": [0.1, 1.0, 10.0], "temperature": [0.1, 0.3], "delay": 0.05}

@@ -40,6 +40,8 @@ class SoftSolution:
     period : distance of X_T between the last two main slips, a length, see Slips.main; None for fewer than two.
     run_time : s; nodes : number of instants at which number conservation was solved.
     success : whether force_error, and the error of `holding`, are at or below the requested tolerance.
+    note : what `message` says of how the slider was followed: heat that was left out, a delay that is taken as damping,
+        creep without steps in time; "" where there is nothing to say.
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of force_error;
         None where there is no heat, or it was followed.
     """
@@ -57,6 +59,7 @@ class SoftSolution:
     nodes: int
     success: bool
     message: str
+    note: str
     heat_left_out: float | None
 
     __repr__ = brief
@@ -115,8 +118,9 @@ def solve_soft(
 def without_heat(common: dict[str, Any], idle: Idle, change: float) -> dict[str, Any]:
     """Fields of a SoftSolution that tell of heat that was left out, and changes the force by at most so many mean
     thresholds."""
-    message = f"{common['message']}; {idle.message} {change:.1e} mean thresholds"
-    return {"message": message, "heat_left_out": change}
+    told = f"{idle.message} {change:.1e} mean thresholds"
+    note = f"{common['note']}; {told}" if common["note"] else told
+    return {"message": f"{common['message']}; {told}", "note": note, "heat_left_out": change}
 
 
 def common_fields(
@@ -144,5 +148,6 @@ def common_fields(
         "nodes": found.nodes,
         "success": success,
         "message": message,
+        "note": found.note,
         "heat_left_out": None,
     }

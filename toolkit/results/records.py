@@ -31,7 +31,8 @@ class SolvedRecord:
     that hold, `force_error` in mean thresholds, `run_time` in s.
 
     A soft slider's `path` is the drive's; `position` (n,) the slider's, `balance` the drive's position at t = 0,
-    `period` that of the slips, nan for fewer than two (lengths); `slips` and `regime` are those of master.solve.
+    `period` that of the slips, nan for fewer than two (lengths); `slips`, `regime` and `note`, None where it is empty,
+    are those of master.solve.
 
     Of a slider with mass `force` is the spring's; `contact_force` is that of the contacts, with an error of its own,
     `velocity` the slider's at each point, `energy` its energies by parts; `slips` have a `duration` and a `top_speed`.
@@ -52,6 +53,7 @@ class SolvedRecord:
     period: float | None = None
     slips: Any = None
     regime: Any = None
+    note: str | None = None
     velocity: Array | None = None
     contact_force: Array | None = None
     contact_force_error: float | None = None
@@ -69,6 +71,7 @@ def record_of(answer: Any) -> SolvedRecord:
     values: dict[str, Any] = {name: getattr(answer, name, None) for name in names}
     if values["slips"] is not None and values["period"] is None:
         values["period"] = np.nan
+    values["note"] = values["note"] or None
     return SolvedRecord(**values)
 
 

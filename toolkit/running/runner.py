@@ -137,6 +137,7 @@ def solve(
         )
     soft: Any = master if master is not None and master.regime is not None else None
     if soft is not None:
+        notes += [soft.note] if soft.note else []
         with shown("slip rules"):
             notes += beside_other_rules(scene, soft, deadline)
     if before:

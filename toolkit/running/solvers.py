@@ -134,6 +134,7 @@ def solve_master(
     if as_asked or not found.force_error <= 1e-3:
         return found
     said = f"error {found.force_error:.1e} of <x_s>; no tolerance was asked for"
+    said += f"; {found.note}" if found.note else ""
     return replace(found, success=True, message=said)
 
 
