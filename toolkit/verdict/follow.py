@@ -10,6 +10,7 @@ from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise
 from toolkit.results.slips import WITHOUT
+from toolkit.scene.scale import ROUNDING
 from toolkit.verdict.budget import NO_TIME, few_are_followed, late, loading_of, may_follow
 from toolkit.verdict.ensemble import (
     LOADINGS,
@@ -257,6 +258,7 @@ def _behaviour(rule: str, solved: Any, velocity: float, open_why: str = "") -> B
     if slips.drive.size and kind in ("stick-slip", "undecided"):
         last = slips.main[-1]  # the last one may be of a few contacts alone
         before, after = float(slips.force_before[last]), float(slips.force_after[last])
+        after = after if abs(after) > ROUNDING * abs(before) else 0.0
     shrinks, left = max(-(solved.regime.trend or 0.0), 0.0), 0.0
     if shrinks and solved.period:  # drops go on to shrink as they did
         silent = float(solved.path[-1] - slips.drive[-1])
