@@ -291,6 +291,8 @@ def test_compare_says_where_the_order_is_not_decided(capsys: Any) -> None:
     low, high = (guarded(end, "N/m", ends[1] - ends[0]) for end in ends)
     assert lines[0].endswith(f"K* is {low} to {high} for each")
     assert lines[-2].startswith("run times: strength ") and " s, amontons " in lines[-2]
+    each = [float(one) for one in re.findall(r"([\d.e+]+) s", lines[-2])]
+    assert "; the whole command " in lines[-2] and each[-1] >= sum(each[:-1]) * (1.0 - 0.05)
     assert not any("time" in line for line in lines[:-2])
 
     one = np.random.default_rng(1).normal(1.0, 0.2, 40).tolist()

@@ -2,6 +2,7 @@
 
 import argparse
 import textwrap
+import time
 import tomllib
 from contextlib import closing
 from dataclasses import asdict, replace
@@ -14,13 +15,7 @@ from origins.roughness.interface import Interface
 from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
-from toolkit.judge.describe import (
-    SHARED_NUMBERS,
-    Description,
-    describe,
-    in_units_of,
-    table_of,
-)
+from toolkit.judge.describe import SHARED_NUMBERS, Description, describe, in_units_of, table_of
 from toolkit.judge.files import comparison_rows, precision_rows, save_judgement
 from toolkit.judge.frontier import draw_picture as draw_precision
 from toolkit.pictures.thresholds import save_thresholds_picture as draw_law
@@ -47,6 +42,7 @@ from toolkit.scene.scene import SHIPPED, load_scene, read_scene, shipped_scenes
 from toolkit.scene.tables import did_you_mean
 from toolkit.scene.writing import written_out
 
+# the other ranks wait
 ON_ONE_RANK = (
     "copy",
     "cost",
@@ -57,7 +53,7 @@ ON_ONE_RANK = (
     "show",
     "stability",
     "verdict",
-)  # the other ranks wait
+)
 
 
 def scenes(arguments: argparse.Namespace) -> int:
@@ -176,7 +172,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     tolerance."""
     from toolkit.judge.lines import table
 
-    scenes: dict[str, Any] = {}
+    scenes, began = dict[str, Any](), time.monotonic()
     formats, changes = read_formats(arguments.format), read_changes(arguments.changes)
     for given in arguments.scene:
         with inside(given, {}):
@@ -188,6 +184,7 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     on_root(comm, lambda: check_folder(folder))  # before the work, not after it
     verdicts = judge.compare(list(scenes.values()), comm, comm is None or comm.Get_rank() == 0)
     lines, numbers = table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
+    lines[-1] += f"; the whole command {time.monotonic() - began:.2g} s"
     draw = partial(pictures.draw_comparison, verdicts)
     rows = comparison_rows(numbers["scenes"])
     on_root(comm, lambda: save_judgement(folder, "compare", draw, lines, numbers, rows, formats))

@@ -40,8 +40,6 @@ _HIGH, _MOST = 1.5, 0.98
 _LOW, _EACH = 2.8, 0.2
 # widths of the trace and of a slip in its own time; of P_c and the springs, of one reading and of several
 _SLIP_WIDE, _ONE_WIDE, _WIDE = (1.7, 1.0), (2.2, 1.0), (1.0, 1.0)
-
-
 _Traced = TypeVar("_Traced", Behaviour, Finite)
 
 
@@ -57,8 +55,7 @@ def draw_verdict(verdict: Verdict) -> Any:
     rows = figure.add_gridspec(1 + pulled, 1, height_ratios=[4.4] * pulled + [low])
     wide = _SLIP_WIDE if slips else (1.0,)
     places = _row(figure, rows[0], ("trace", "slip"), wide) if pulled else {}
-    wide = _WIDE if many > 1 else _ONE_WIDE
-    places |= _row(figure, rows[-1], ("thresholds", "springs"), wide)
+    places |= _row(figure, rows[-1], ("thresholds", "springs"), _WIDE if many > 1 else _ONE_WIDE)
     if pulled:
         _draw_trace(places["trace"], verdict, letters=80 if slips else 150)
     if slips:
@@ -71,7 +68,8 @@ def draw_verdict(verdict: Verdict) -> Any:
     # the page has the rest: numbers of infinitely many contacts and of other readings, and why not to trust it
     answer = re.sub(r" \([^()]*for infinitely many\)", "", sentence(verdict)).partition("; ")[0]
     doubt = ["do not trust this: the page says why"] * bool(warnings(verdict))
-    title = "\n".join(map(in_lines, [verdict.title, *doubt, answer]))
+    doubt = [*doubt, answer, *([] if pulled else _why_not_drawn(verdict))]
+    title = "\n".join(map(in_lines, [verdict.title, *doubt]))
     figure.suptitle(title, fontsize="medium", parse_math=False)
     return figure
 
@@ -158,6 +156,14 @@ def _drawn(verdict: Verdict) -> list[Behaviour]:
     """What the slider does under the rules whose force is known well enough to be drawn."""
     each = [one for one in verdict.own.behaviours if one.drive.size]
     return [one for one in each if one.error < _UNKNOWN or one.contacts is not None]
+
+
+def _why_not_drawn(verdict: Verdict) -> list[str]:
+    """Why there is no friction trace of a slider that a spring pulls."""
+    errors = [one.error for one in verdict.own.behaviours if one.drive.size]
+    known = f"its force is known to {min(errors, default=0.0):.2g} <x_s> only: see friction.csv"
+    why = known if errors else "no slider was followed"
+    return [f"no friction trace is drawn, as {why}"] * bool(verdict.own.machine)
 
 
 def _alike(behaviours: list[_Traced]) -> list[list[_Traced]]:
@@ -266,6 +272,8 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
     unit = scale.spring_unit
     name = {"N/m": "$K^*$", "N/m³": "$K^*/A$"}.get(unit, r"$K^*/(N_c\langle k\rangle)$")
     said = f"slips at least once below\nthe critical spring {name}"
+    if verdict.own.contacts.in_time:
+        said = f"steepest fall of the force of\na rigid slider as fast as the drive, {name}"
     name_axis(axes.xaxis, said, "" if unit == SHARED else unit)
 
 
