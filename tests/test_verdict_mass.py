@@ -524,7 +524,8 @@ def test_a_cause_is_told_only_where_it_was_followed() -> None:
 def test_a_slider_that_is_not_decided_is_told_with_its_mass_at_both_extremes_of_its_delay() -> None:
     """The delay is short below min(<x_s>/V, γ<x_s>/F_k), with V = 0.8/(K M)^(1/2) damped to 80 and γ/F_k = 0.0125."""
     undecided = not_followed("mass", NO_TIME)
-    both = of_a_mass("smooth", 0.5), replace(of_a_mass("stick-slip", 0.8), period=1200.0)
+    late = replace(of_a_mass("stick-slip", 0.8), period=1200.0, delay=30.0)
+    both = of_a_mass("smooth", 0.5), late
     found = of(undecided)
     hardly = WAITING.replace(delay=Delay(1e-6))  # so that F_k is that of contacts that do not wait
     told = replace(found, answers=(replace(found.own, extremes=both, contacts=hardly),))
@@ -540,10 +541,17 @@ def test_a_slider_that_is_not_decided_is_told_with_its_mass_at_both_extremes_of_
     text = page(told)
     (at_once,) = (one for one in text if "form again at once would make it" in one)
     assert "make it smooth at 0.5000 N_c<k> length" in at_once
-    (after,) = (one for one in text if "form again only after a slip would make it" in one)
+    (after,) = (
+        one for one in text if "form again only after 30 units of time would make it" in one
+    )
     assert "stick-slip: 0.8000 N_c<k> length down to -0.4000" in after and "every 1,200" in after
     (delay,) = (one for one in text if one.startswith("  the contacts' delay: "))
     assert "friction falls with the speed by more than the damping rises" in delay
+    loaded = "units of time, in which the drive loads the spring to F_s"  # F_s/(K v), 0.8/1e-3
+    assert f"its duration, and far below 800 {loaded}, as if after it" in delay
+    fast = replace(told.own.machine or Machine(1.0), velocity=1e4)
+    (delay,) = dependence(replace(told, answers=(replace(told.own, machine=fast),)))[:1]
+    assert "none as if after a slip, whose duration" in delay and f"is above 0.08 {loaded}" in delay
     assert [one["kind"] for one in plain(told)["readings"][0]["extremes"]] == [
         "smooth",
         "stick-slip",
@@ -572,7 +580,8 @@ def test_the_extremes_of_a_delay_keep_the_mass_and_are_asked_of_the_cheaper_solv
     asked("follow", first)
     asked("follow_by_contacts", after)
     own = Reading("own", True, contacts)
-    assert follow_extremes(machine, own, given, None, budget) == (first, after)
+    told = follow_extremes(machine, own, given, None, budget)
+    assert told == (replace(first, delay=0.0), replace(after, delay=delays[1]))
     # far above a slip of the damped mass from F_s, here longer than <x_s>/v = 1
     without = contacts.replace(delay=None)
     static = master.propensity(without).static_to_kinetic * master.steady_state(without).force
@@ -698,8 +707,12 @@ def test_rules_that_agree_on_slips_and_not_on_their_drop_say_so() -> None:
     """Both stick and slip, one by half as much as the other."""
     told = of(of_a_mass("stick-slip", 0.8))
     each = [replace(told.own.behaviours[0], rule="reset", after=0.0)]
-    for after, end in ((0.0, "all rules agree"), (0.4, "all rules agree, but not on the drop")):
-        both = (*each, replace(each[0], rule="reform-after", after=after))
+    apart = "0.8000 N_c<k> length down to 0 N_c<k> length every 800.0 length if a slip renews all contacts and "
+    apart += "0.8000 N_c<k> length down to 0.4000 N_c<k> length every 400.0 length if contacts re-form after the slip"
+    for after, end in ((0.0, "all rules agree"), (0.4, f"all stick and slip, between {apart}")):
+        each[0] = replace(each[0], period=800.0)
+        other = replace(each[0], rule="reform-after", after=after, period=1e3 * (0.8 - after))
+        both = (*each, other)
         lines = dependence(replace(told, answers=(replace(told.own, behaviours=both),)))
         assert [line for line in lines if line.endswith(end)]
 
@@ -756,3 +769,38 @@ def test_a_short_delay_that_is_not_solved_is_told_by_as_many_contacts_as_break_o
     )
     # without a delay each contact breaks at every threshold: the master equation alone takes such a slider
     assert follow(machine, contacts.replace(delay=None), "mass", rigid, 1e4) is never
+
+
+def test_a_slider_on_a_spring_above_that_of_the_table_says_why_it_slips() -> None:
+    """K* of contacts that wait is of one speed; the number of contacts is no cause of slips below it."""
+    told = of(of_a_mass("stick-slip", 0.9))
+    scale = replace(told.own.scale, contacts=20_000.0)
+    for spring, above in ((0.7, False), (0.9, True)):
+        machine = replace(told.own.machine or Machine(1.0), spring=spring)
+        lines = dependence(
+            replace(told, answers=(replace(told.own, machine=machine, scale=scale),))
+        )
+        assert above is any("on a spring above K* of the table" in one for one in lines)
+        assert above is any("N K³ = " in one for one in lines)
+
+
+def test_a_picture_without_a_friction_trace_says_why() -> None:
+    trace = {"drive": np.linspace(0.0, 9.0, 5), "force": np.full(5, 0.8)}
+    for error, told in ((0.5, True), (1e-3, False)):
+        figure = draw_verdict(of(of_a_mass("smooth", 0.8, error=error, **trace)))
+        title = figure.get_suptitle().replace("\n", " ")
+        assert ("no friction trace" in title) is told
+        assert ("as its force is known to 0.5 <x_s> only: see friction.csv" in title) is told
+    unknown = draw_verdict(of(not_followed("mass", NO_TIME)))
+    assert "as no slider was followed" in unknown.get_suptitle()
+
+
+def test_what_is_left_of_the_force_after_a_slip_by_rounding_is_none() -> None:
+    """The tail of P_c far beyond its support left 2.4e-176 fN of 6.3 mN."""
+    contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(0.2))
+    rigid = RigidSlider(0.59, 0.48, 0.0, 0.3, 1.0)
+    found = follow(
+        Machine(0.05, None, 0.0, 1.0), contacts, "reform-after", rigid, 1e4, in_time=0.03
+    )
+    assert found.kind == "stick-slip" and found.contacts is None
+    assert found.after == 0.0 and found.before == pytest.approx(0.634, abs=0.01)

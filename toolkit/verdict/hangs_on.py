@@ -5,11 +5,11 @@ from itertools import chain
 
 import numpy as np
 
+from origins.contacts import Contacts
 from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import of_temperature, remarks
 from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.budget import MORE_TIME
 from toolkit.verdict.ensemble import SLIDERS
 from toolkit.verdict.finite import ABOVE, SMALL
 from toolkit.verdict.kinds import (
@@ -20,21 +20,18 @@ from toolkit.verdict.kinds import (
     Line,
     by_reason,
     named,
-    not_decided,
-    of_a_stuck_slider,
     of_rules,
-    others,
-    out_of_time,
     sorted_texts,
 )
 from toolkit.verdict.machine import Finite, critical_damping
 from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
-from toolkit.verdict.table import drop_of, in_units, regained_by
-from toolkit.verdict.uncertainty import range_of_force, uncertainties_of
-from toolkit.verdict.undone import of_errors, unanswered
+from toolkit.verdict.table import HOLDING, drop_of, regained_by, speed_unit
+from toolkit.verdict.uncertainty import uncertainties_of
+from toolkit.verdict.undone import of_errors, of_readings, unanswered
 
-NEAR = 0.1  # of K*: on softer springs the number of contacts decides nothing
 RULE = "<rule>"
+# of F_s: by more than that a slip begins above it, and not by rounding or an error
+ABOVE_STATIC = 1e-3
 # N K³, K in N_c<k>, above which sliding on springs stiffer than K* is smooth (docs/sliders.md)
 SMOOTH_ABOVE = 50.0
 
@@ -43,63 +40,16 @@ def dependence(verdict: Verdict) -> list[str]:
     """What the verdict hangs on, the worst first: slip rule, readings, number of contacts; what was not answered."""
     lines = (
         of_rules(verdict),
-        _of_readings(verdict),
+        of_readings(verdict),
         _of_a_speed(verdict),
-        of_a_stuck_slider(verdict),
+        _of_a_stuck_slider(verdict),
+        _above_critical_spring(verdict),
         _of_a_mass(verdict),
         _of_contacts(verdict),
         unanswered(verdict),
         of_errors(verdict),
     )
     return sorted_texts(chain(*lines))
-
-
-def _of_readings(verdict: Verdict) -> Iterator[Line]:
-    """By how much the readings differ, and which of them say something else."""
-    answers, many = verdict.answers, len(verdict.answers)
-    if many < 2:
-        return
-    differ = others(verdict)
-    size = TURNS if differ else uncertainties_of(verdict).readings
-    springs = [
-        one.critical_spring.value * one.scale.spring
-        for one in answers
-        if not (one.critical_spring.unknown or one.critical_spring.lost)
-    ]
-    if len(springs) > 1:
-        factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
-        said = f"K* differs by a factor of {factor:.3g} over {len(springs)} readings"
-        said += f", and {range_of_force(verdict)}"
-        yield Line(size, f"threshold law, contact model and resolution: {said}")
-    for kind, names in differ.items():
-        yield Line(size, f"of these, {kind}: {', '.join(names)}")
-    missing = not_decided(verdict)
-    for why, names in by_reason((_why(one), one.name) for one in missing).items():
-        yield Line(size, f"not decided: {', '.join(names)}: {why}")
-    absent = {one.name for one in missing}
-    decided = [one for one in answers[1:] if {each.kind for each in one.behaviours} - {"undecided"}]
-    decided = [one for one in decided if one.name not in absent]
-    decided_rules = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
-    partly = [
-        answer.name
-        for answer in decided
-        if any(one.kind == "undecided" for one in answer.behaviours if one.rule in decided_rules)
-    ]
-    if partly:
-        said = "decided under some slip rules, and not under others"
-        yield Line(size, f"{said}: {', '.join(partly)}")
-    if verdict.own.machine is not None and decided and not differ:
-        all_say = f"the {len(decided)} others that were followed say"
-        all_say = "the other one says" if len(decided) == 1 else all_say
-        said = f"{all_say} what {verdict.own.name} says"
-        yield Line(NOTHING, f"not the reading: {said}")
-
-
-def _why(answer: Answer) -> str:
-    """Why a reading is not decided."""
-    if out_of_time(answer):
-        return f"out of time: {MORE_TIME}, or give fewer verdict.readings"
-    return in_units(answer.behaviours[0].message, answer.scale)
 
 
 def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
@@ -113,6 +63,73 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
             TURNS if decides else UNSIZED, f"the speed: {given}; {what}: give drive.velocity"
         )
     yield from (Line(UNSIZED, one) for one in of_temperature(own.contacts))
+
+
+def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
+    """Why the table's forces are not those of the slips, and why some of these begin above F_s."""
+    own = verdict.own
+    if own.machine is None:
+        return
+    static, slipping = own.static.value, [one for one in own.behaviours if one.slips]
+    above = max((abs(one.before) for one in slipping), default=0.0) > (1.0 + ABOVE_STATIC) * static
+    followed = own.contacts
+    if all(one.heat_left_out is not None for one in slipping):
+        followed = followed.replace(thermal=None)  # heat is no cause of what was found without it
+    if own.contacts.in_time:
+        apart = max((abs(abs(one.before) - static) for one in slipping), default=0.0) / static
+        yield Line(
+            apart,
+            "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
+            "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
+            f"before a slip{_why_above(followed) * above}{_of_waiting(own)}",
+        )
+    elif above and not own.contacts.start.is_single:
+        yield Line(
+            GENERAL,
+            "slips begin above F_s, which is of contacts as they start, with different stretches: after a slip all "
+            "start again at x = 0, and break more nearly together",
+        )
+
+
+def _why_above(contacts: Contacts) -> str:
+    """Why contacts on which time acts hold a slider that sticks to more than F_s."""
+    if set(contacts.held_in_time) - {"thermal"}:
+        return ", which is above F_s as contacts grow stronger while it sticks"
+    if contacts.thermal is not None:
+        return (
+            ", which is above F_s as heat breaks weak contacts while it sticks, and those that hold until the slip are "
+            "mostly strong"
+        )
+    return ", which is above F_s as all contacts hold a slider that sticks, and some wait where it slides"
+
+
+def _of_waiting(own: Answer) -> str:
+    """Why F_k of contacts that wait is small."""
+    if own.holding > HOLDING:
+        return ""
+    scale, mean = own.scale, own.contacts.mean_threshold
+    distance = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
+    waits, breaks = (written(one, scale.length_unit) for one in (distance, mean))
+    return (
+        f". F_k is that small as a contact waits while the drive goes on by {waits}, and breaks after {breaks}: "
+        f"{100.0 * own.holding:.2g}% of them hold"
+    )
+
+
+def _above_critical_spring(verdict: Verdict) -> Iterator[Line]:
+    """Why a slider on whose contacts time acts slips on a spring above K* of the table."""
+    own, speed = verdict.own, written(verdict.velocity, speed_unit(verdict))
+    late = own.critical_spring.unknown or own.critical_spring.lost
+    slips = any(one.kind == "stick-slip" for one in own.behaviours)
+    if not (slips and own.contacts.in_time and own.machine) or late or own.softer:
+        return
+    why = "one that sticks and slips has other speeds, and K* hangs on the speed"
+    if own.contacts.waiting_time:
+        why = "in a slip it is faster, and contacts that wait on a longer way let the force fall more steeply"
+    yield Line(
+        GENERAL,
+        f"the slider slips on a spring above K* of the table, which is of one at {speed}: {why}",
+    )
 
 
 def why_smooth(verdict: Verdict) -> list[str]:
@@ -175,11 +192,10 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
     own = verdict.own
     number, machine = own.scale.contacts, own.machine
     late = own.critical_spring.unknown or own.critical_spring.lost
-    soft = machine is None or late or machine.spring < NEAR * own.critical_spring.value
-    if number is not None and machine is not None and not soft:
+    if number is not None and machine is not None and not (late or own.softer):
         crowd = number * machine.spring**3
         yield Line(
-            UNSIZED if crowd < SMOOTH_ABOVE and not own.softer else GENERAL,
+            UNSIZED if crowd < SMOOTH_ABOVE else GENERAL,
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
             f"only where it is above some {SMOOTH_ABOVE:g}",
         )

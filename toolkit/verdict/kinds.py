@@ -5,19 +5,16 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
-from origins.contacts import Contacts
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.budget import LONGER, long_delay
 from toolkit.verdict.machine import NAMED, RULES, Behaviour, Machine, slip_duration, top_speed
-from toolkit.verdict.table import HOLDING
+from toolkit.verdict.table import drop_of
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
 # what turns the answer or leaves it open; what changes the forces nobody knows how much, which is taken for half of
 # them; what is said of all verdicts alike; what changes nothing
 TURNS, UNSIZED, GENERAL, NOTHING = float("inf"), 0.5, 0.0, -1.0
-# of F_s: by more than that a slip begins above it, and not by rounding or an error
-ABOVE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -164,10 +161,7 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
         )
         yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
     elif len(does) > 1 and "undecided" not in does.values():
-        drops = [one.before - one.after for one in own.behaviours]
-        apart = ", but not on the drop" * (max(drops) - min(drops) > WORTH_TELLING * max(drops))
-        said = f"not the slip rule, for infinitely many contacts: all rules agree{apart}"
-        yield Line(NOTHING, said)
+        yield _of_agreeing(own)
     elif own.extremes:
         said = "a slider with this one was not followed far enough"
         yield Line(TURNS, f"the contacts' delay: {said}{_of_short_delays(own)}")
@@ -185,6 +179,23 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
             if other.rule == "mass":
                 what = f"with one of {spoken(long_delay_of(own), own.scale.time_unit)}"
             yield _same_with(verdict, other, what)
+
+
+def _of_agreeing(own: Answer) -> Line:
+    """That rules agree; where it is only on whether the slider slips, between which slips."""
+    low, high = (choose(own.behaviours, key=drop_of) for choose in (min, max))
+    change = drop_of(high) - drop_of(low)
+    if change <= WORTH_TELLING * drop_of(high):
+        return Line(NOTHING, "not the slip rule, for infinitely many contacts: all rules agree")
+    force, length = (own.scale.force, own.scale.force_unit), own.scale.length_unit
+
+    def slips(one: Behaviour) -> str:
+        ends = (written(end * force[0], force[1], digits=4) for end in (one.before, one.after))
+        every = f" every {written(one.period, length, digits=4)}" if one.period else ""
+        return f"{' down to '.join(ends)}{every} if {NAMED[one.rule]}"
+
+    said = f"all stick and slip, between {slips(high)} and {slips(low)}"
+    return Line(change / drop_of(high), f"the slip rule, for infinitely many contacts: {said}")
 
 
 def _same_with(verdict: Verdict, other: Behaviour, what: str) -> Line:
@@ -221,7 +232,7 @@ def _what_decides(own: Answer) -> str:
 
 def _of_short_delays(own: Answer) -> str:
     """Beside which times the delay of a slider with mass is short or long: that in which it slides by <x_s> at the
-    top speed of a slip in which nothing holds, and that of the slip (docs/sliders.md)."""
+    top speed of a slip in which nothing holds, that of the slip, and that of its loading (docs/sliders.md)."""
     machine, mean, unit = own.machine, own.contacts.mean_threshold, own.scale.time_unit
     if machine is None or not machine.mass or own.static.unknown:
         return ""
@@ -229,11 +240,13 @@ def _of_short_delays(own: Answer) -> str:
     why, shortest = "in which a slip goes on by <x_s>", short_delay_of(own)
     if 0.0 < shortest < mean / fastest:
         why = "from which on friction falls with the speed by more than the damping rises"
+    loads = own.static.value / machine.spring / machine.velocity
     short, long = spoken(shortest or mean / fastest, unit), spoken(duration, unit)
-    return (
-        f". A delay far below {short}, {why}, acts as if contacts re-formed at once, one "
-        f"far above {long}, its duration, as if after it"
-    )
+    loaded = f"{spoken(loads, unit)}, in which the drive loads the spring to F_s"
+    after = f"one far above {long}, its duration, and far below {loaded}, as if after it"
+    if loads < duration:
+        after = f"none as if after a slip, whose duration, {long}, is above {loaded}"
+    return f". A delay far below {short}, {why}, acts as if contacts re-formed at once, {after}"
 
 
 def short_delay_of(own: Answer) -> float:
@@ -242,54 +255,3 @@ def short_delay_of(own: Answer) -> float:
     machine, mean = damped(own), own.contacts.mean_threshold
     in_touch = mean / (mean + machine.velocity * own.contacts.waiting_time)
     return min(mean / a_slip(own)[1], machine.damping * mean * in_touch / own.kinetic.value)
-
-
-def of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
-    """Why the table's forces are not those of the slips, and why some of these begin above F_s."""
-    own = verdict.own
-    if own.machine is None:
-        return
-    static, slipping = own.static.value, [one for one in own.behaviours if one.slips]
-    above = max((abs(one.before) for one in slipping), default=0.0) > (1.0 + ABOVE) * static
-    followed = own.contacts
-    if all(one.heat_left_out is not None for one in slipping):
-        followed = followed.replace(thermal=None)  # heat is no cause of what was found without it
-    if own.contacts.in_time:
-        apart = max((abs(abs(one.before) - static) for one in slipping), default=0.0) / static
-        yield Line(
-            apart,
-            "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
-            "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
-            f"before a slip{_why_above(followed) * above}{_of_waiting(own)}",
-        )
-    elif above and not own.contacts.start.is_single:
-        yield Line(
-            GENERAL,
-            "slips begin above F_s, which is of contacts as they start, with different stretches: after a slip all "
-            "start again at x = 0, and break more nearly together",
-        )
-
-
-def _why_above(contacts: Contacts) -> str:
-    """Why contacts on which time acts hold a slider that sticks to more than F_s."""
-    if set(contacts.held_in_time) - {"thermal"}:
-        return ", which is above F_s as contacts grow stronger while it sticks"
-    if contacts.thermal is not None:
-        return (
-            ", which is above F_s as heat breaks weak contacts while it sticks, and those that hold until the slip are "
-            "mostly strong"
-        )
-    return ", which is above F_s as all contacts hold a slider that sticks, and some wait where it slides"
-
-
-def _of_waiting(own: Answer) -> str:
-    """Why F_k of contacts that wait is small."""
-    if own.holding > HOLDING:
-        return ""
-    scale, mean = own.scale, own.contacts.mean_threshold
-    distance = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
-    waits, breaks = (written(one, scale.length_unit) for one in (distance, mean))
-    return (
-        f". F_k is that small as a contact waits while the drive goes on by {waits}, and breaks after {breaks}: "
-        f"{100.0 * own.holding:.2g}% of them hold"
-    )

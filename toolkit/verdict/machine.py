@@ -214,6 +214,7 @@ class Finite:
 class Behaviour:
     """What a slider does under one rule; forces F/(N_c <k>) and distances are lengths.
 
+    delay : of contacts, where another one than theirs was tried (a time); None: their own
     rule : "reset", "reform-after" or "instant"; "mass" where mass, damping and delay decide
     kind : "stick-slip", "smooth", or "undecided"
     before, after : spring force before and after a slip, the last main one (see Slips.main), also where it is
@@ -256,6 +257,7 @@ class Behaviour:
     heat_left_out: float | None = None
     shrinks_by: float = 0.0
     left: float = 0.0
+    delay: float | None = None
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
     slip_drive: Array = field(default_factory=lambda: np.empty(0))

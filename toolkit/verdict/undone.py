@@ -7,21 +7,23 @@ import numpy as np
 
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.budget import NO_FORCES
+from toolkit.verdict.budget import MORE_TIME, NO_FORCES
 from toolkit.verdict.follow import TOLERANCE_IN_TIME
 from toolkit.verdict.kinds import (
     GENERAL,
+    NOTHING,
     TURNS,
     Line,
     by_reason,
     named,
     not_decided,
+    others,
     out_of_time,
 )
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.readings import why_late
 from toolkit.verdict.table import in_units
-from toolkit.verdict.uncertainty import range_of_force
+from toolkit.verdict.uncertainty import range_of_force, uncertainties_of
 
 
 def unanswered(verdict: Verdict) -> Iterator[Line]:
@@ -33,6 +35,54 @@ def unanswered(verdict: Verdict) -> Iterator[Line]:
         if len(names) == 1:
             reason = reason.replace("they need", "it needs")
         yield Line(GENERAL, f"left out: {', '.join(names)}: {reason}")
+
+
+def of_readings(verdict: Verdict) -> Iterator[Line]:
+    """By how much the readings differ, and which of them say something else."""
+    answers, many = verdict.answers, len(verdict.answers)
+    if many < 2:
+        return
+    differ = others(verdict)
+    size = TURNS if differ else uncertainties_of(verdict).readings
+    springs = [
+        one.critical_spring.value * one.scale.spring
+        for one in answers
+        if not (one.critical_spring.unknown or one.critical_spring.lost)
+    ]
+    if len(springs) > 1:
+        factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
+        said = f"K* differs by a factor of {factor:.3g} over {len(springs)} readings"
+        said += f", and {range_of_force(verdict)}"
+        yield Line(size, f"threshold law, contact model and resolution: {said}")
+    for kind, names in differ.items():
+        yield Line(size, f"of these, {kind}: {', '.join(names)}")
+    missing = not_decided(verdict)
+    for why, names in by_reason((_why(one), one.name) for one in missing).items():
+        yield Line(size, f"not decided: {', '.join(names)}: {why}")
+    absent = {one.name for one in missing}
+    decided = [one for one in answers[1:] if {each.kind for each in one.behaviours} - {"undecided"}]
+    decided = [one for one in decided if one.name not in absent]
+    decided_rules = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}
+    partly = [
+        answer.name
+        for answer in decided
+        if any(one.kind == "undecided" for one in answer.behaviours if one.rule in decided_rules)
+    ]
+    if partly:
+        said = "decided under some slip rules, and not under others"
+        yield Line(size, f"{said}: {', '.join(partly)}")
+    if verdict.own.machine is not None and decided and not differ:
+        all_say = f"the {len(decided)} others that were followed say"
+        all_say = "the other one says" if len(decided) == 1 else all_say
+        said = f"{all_say} what {verdict.own.name} says"
+        yield Line(NOTHING, f"not the reading: {said}")
+
+
+def _why(answer: Answer) -> str:
+    """Why a reading is not decided."""
+    if out_of_time(answer):
+        return f"out of time: {MORE_TIME}, or give fewer verdict.readings"
+    return in_units(answer.behaviours[0].message, answer.scale)
 
 
 def undecided_readings(verdict: Verdict) -> list[str]:

@@ -72,8 +72,8 @@ def follow_extremes(
         after = follow_by_contacts(machine, waiting, "mass", loading, until, rigid)
         if "undecided" not in (at_once.kind, after.kind):
             return tuple(
-                replace(one, error=one.error + (heat or 0.0), heat_left_out=heat)
-                for one in (at_once, after)
+                replace(one, error=one.error + (heat or 0.0), heat_left_out=heat, delay=delay)
+                for one, delay in ((at_once, 0.0), (after, late))
             )
     return ()
 

@@ -111,11 +111,12 @@ def details(verdict: Verdict) -> list[str]:
 
 def _at_extremes(verdict: Verdict) -> list[str]:
     """The numbers of a slider with mass that is not decided with its contacts' delay at both extremes."""
-    own, when = verdict.own, ("at once", "only after a slip")
-    return [
-        f"contacts that form again {how} would make it {_behaved(verdict, own, one.kind, [one])}"
-        for how, one in zip(when, own.extremes, strict=False)
-    ]
+    own, told = verdict.own, list[str]()
+    for one in own.extremes:
+        how = f"only after {spoken(one.delay, own.scale.time_unit)}" if one.delay else "at once"
+        does = _behaved(verdict, own, one.kind, [one])
+        told.append(f"contacts that form again {how} would make it {does}")
+    return told
 
 
 def turned(verdict: Verdict) -> list[str]:
