@@ -1468,7 +1468,8 @@ def test_with_a_delay_the_headline_ends_with_the_reach_of_the_force_before_a_sli
     assert sentence(found).endswith("; F_k of the 3 readings is 400 mN to 1.20 N")
     assert said.endswith(f"; {told}")
     title = draw_verdict(found).get_suptitle()
-    assert title == "a\nstick-slip: 800 mN down to 500 mN"
+    without = "no friction trace is drawn, as no slider was followed"
+    assert title == f"a\nstick-slip: 800 mN down to 500 mN\n{without}"
 
 
 def test_what_the_verdict_hangs_on_is_sorted_by_how_much_it_changes(capsys: Any) -> None:
