@@ -27,7 +27,7 @@ from toolkit.running.solvers import within
 from toolkit.scene.of_samples import of_islands, of_samples, of_smoothing
 from toolkit.scene.scale import Scale, guarded, scale_of, written
 from toolkit.scene.scene import load_scene
-from toolkit.verdict import answers, judge, kinds
+from toolkit.verdict import answers, judge, kinds, uncertainty
 from toolkit.verdict.budget import NO_FORCES, NO_TIME, Budget, long_delay
 from toolkit.verdict.ensemble import follow_by_contacts, sliders
 from toolkit.verdict.files import plain
@@ -238,7 +238,7 @@ def test_a_heavy_slider_on_md_samples_is_answered_with_a_stated_damping(
 ) -> None:
     """Contacts of 2.5e8 N/m ring at 8 kHz under 0.1 kg, and none of that has to be known: after F_s the slider slides
     at F_k and what the damping bears, which is 2e-5 of it."""
-    monkeypatch.setattr(judge, "RESAMPLES", judge.FEWEST)
+    monkeypatch.setattr(uncertainty, "RESAMPLES", uncertainty.FEWEST)
     quantiles = stats.weibull_min(3.0).ppf((np.arange(150) + 0.5) / 150.0)
     law = {"kind": "from-samples", "f_s": list(quantiles), "unit": "nN", "stiffness": 5.0}
     stated = {"mean_stiffness": 5.0, "contact_density": 5e13}
@@ -586,7 +586,7 @@ def test_a_speed_that_is_left_out_and_a_temperature_of_a_room_in_celsius_are_ask
 
 
 def test_few_samples_are_told_on_the_page(capsys: Any, monkeypatch: Any) -> None:
-    monkeypatch.setattr(judge, "RESAMPLES", 4)
+    monkeypatch.setattr(uncertainty, "RESAMPLES", 4)
     tables = {"thresholds": {"kind": "from-samples", "x_s": [0.9, 1.0, 1.3]}}
     _, page, _ = judged(capsys, drive={"spring": 5.0}, verdict=RESET, **tables)
     assert "few thresholds" in page and "3 samples" in page
@@ -607,15 +607,15 @@ def test_where_k_star_takes_too_long_other_samples_tell_of_the_force_alone(
     capsys: Any, monkeypatch: Any
 ) -> None:
     """And where that is too late, too, the page says so; a surface is one sample, and a given law has none."""
-    monkeypatch.setattr(judge, "RESAMPLES", 4)
+    monkeypatch.setattr(uncertainty, "RESAMPLES", 4)
     law, begun, calls = {"kind": "from-samples", "x_s": [0.8, 0.9, 1.0, 1.1, 1.3]}, [], []
 
     def late(law: Any, count: int, work: Any, until: float) -> list[Any]:
         calls.append(work)
         return begun[-1](law, count, work, until=until) if len(calls) > 1 and begun else []
 
-    resampled = judge.of_resampled
-    monkeypatch.setattr(judge, "of_resampled", late)
+    resampled = uncertainty.of_resampled
+    monkeypatch.setattr(uncertainty, "of_resampled", late)
     tables = {"drive": {"spring": 5.0}, "verdict": RESET, "thresholds": law}
     _, page, found = judged(capsys, **tables)
     assert "other samples: no time was left to resample the 5 thresholds" in page
@@ -729,7 +729,7 @@ def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:
     def late(*arguments: Any, **named: Any) -> None:
         raise TimeIsUp
 
-    monkeypatch.setattr(judge, "of_resampled", late)
+    monkeypatch.setattr(uncertainty, "of_resampled", late)
     _, page, found = judged(capsys, verdict=RESET, **tables)
     assert page.splitlines()[2].startswith("stick-slip") and "other samples" in page
     assert found["readings"][0]["kinetic"]["sampling"] is None

@@ -15,6 +15,7 @@ import master
 from master.soft.inertia.run import SlipsInTime
 from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.scenes import said, write
+from toolkit.results.kinds import kind_of
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers, judge, kinds, with_mass
@@ -34,7 +35,7 @@ from toolkit.verdict.ensemble import (
 )
 from toolkit.verdict.files import friction, plain
 from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import follow, kind_of
+from toolkit.verdict.follow import follow
 from toolkit.verdict.hangs_on import dependence
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.machine import (
@@ -804,3 +805,35 @@ def test_what_is_left_of_the_force_after_a_slip_by_rounding_is_none() -> None:
     )
     assert found.kind == "stick-slip" and found.contacts is None
     assert found.after == 0.0 and found.before == pytest.approx(0.634, abs=0.01)
+
+
+def test_a_damping_that_nobody_gave_bears_no_large_part_of_an_answer() -> None:
+    """A tenth of critical damping bore 63 of 69 mN, told as the answer."""
+    contacts, machine = Contacts(gaussian(1.0, 0.4)), Machine(0.5, 5e-8, 0.0, 2e5)
+    rigid = RigidSlider(0.646, 0.5794, 1e-9, 0.22, 1.0)
+    found = follow(machine, contacts, "mass", rigid, 1e4, rings=True)
+    # 0.1 times 2 (K M)^(1/2) v = 6.3, beside F_k
+    said = f"would bear {6.325 / (6.325 + 0.5794):.0%} of its force: give drive.damping"
+    assert found.kind == "undecided" and found.message.endswith(said)
+    assert said in sentence(of(found))
+    slow = follow(replace(machine, velocity=2e2), contacts, "mass", rigid, 1e4, rings=True)
+    assert slow.kind == "smooth" and slow.damping == pytest.approx(0.2 * (0.5 * 5e-8) ** 0.5)
+    with_damping = follow(replace(machine, damping=slow.damping), contacts, "mass", rigid, 1e4)
+    assert with_damping.before == pytest.approx(6.325 + 0.5794, rel=0.01)
+    own = replace(of(found).own, scale=replace(of(found).own.scale, contacts=100.0))
+    assert judge._finite(SimpleNamespace(eq=None), own, *2 * [Budget(60.0, True)], print) == ()
+
+
+def test_contacts_of_the_area_are_given_up_once_the_time_is_over(monkeypatch: Any) -> None:
+    """Kernels of contacts that break by heat were compiled for 20 s after the end of a wall_time of 50 s."""
+
+    def compiled(*_: Any) -> Finite:
+        time.sleep(60.0)
+        raise AssertionError("it was not given up")
+
+    monkeypatch.setattr(judge, "follow_finite", compiled)
+    monkeypatch.setattr(judge, "SHORT", 0.1)
+    own = of(of_a_mass("stick-slip", 0.8)).own
+    own, over = replace(own, scale=replace(own.scale, contacts=100.0)), Budget(0.0, strict=True)
+    (told,) = judge._finite(SimpleNamespace(eq=None), own, over, over, print)
+    assert (told.kind, told.contacts, told.message) == ("unknown", 100, NO_TIME)

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from toolkit.results.slips import WITHOUT
+
 # of a slider with mass: the drive's work, and what becomes of it
 ENERGIES = "drive", "spring", "contacts", "kinetic", "damped", "released"
 
@@ -23,6 +25,17 @@ QUANTITIES = {name: quantity for quantity, names in _NAMES.items() for name in n
 def is_precise(solved: Any) -> bool:
     """Whether the force is known well enough to be drawn: to a tenth of <x_s>, where F_k is about half of it."""
     return bool(solved.success or solved.force_error < 0.1)
+
+
+def kind_of(solved: Any) -> str:
+    """What a solution's slider does: slips that die out end in smooth sliding. With a mass, of which F_k is not the
+    force, that is told only once they are over: until then the path ends at any force between two slips."""
+    verdict, slips = solved.regime.verdict, solved.slips
+    if verdict != "decaying transient":
+        return str(verdict)
+    silent = float(solved.path[-1] - slips.drive[-1])
+    goes_on = solved.period is not None and silent <= WITHOUT * solved.period
+    return "undecided" if goes_on and hasattr(slips, "duration") else "smooth"
 
 
 def is_coupled(eq: object) -> bool:

@@ -36,6 +36,8 @@ MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT, OF_MOST = 4e8, 4e7, 1.2e7
 MOST_LIVES = 1.5e4
 # the least delay, in times of a slip; of K*: on softer springs the number of contacts decides nothing
 LONG_DELAY, SOFT = 3.0, 0.1
+# why nothing is told of a slider that rings without a damping, where one that was taken bears much of its force
+NO_DAMPING = "no damping is given"
 # what a solver says of a slider that swings on, as its damping is small, and of the damping that ends it
 _SWINGS = re.compile(r"; sliding swings.*?; give one above [^ ,;]+")
 # s by which the pace is smoothed, as that of the first moments says little
@@ -82,6 +84,11 @@ def late(message: str) -> str:
     return (
         f"neither force nor slips are known in time: {MORE_TIME}{''.join(_SWINGS.findall(message))}"
     )
+
+
+def lacks_damping(message: str) -> bool:
+    """Whether a slider is not told of for want of a damping, by its message."""
+    return message.startswith(NO_DAMPING)
 
 
 def _expected_pace() -> float:

@@ -8,15 +8,18 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
-from toolkit.results.kinds import is_precise
-from toolkit.results.slips import WITHOUT
+from toolkit.results.kinds import is_precise, kind_of
 from toolkit.scene.scale import ROUNDING
-from toolkit.verdict.budget import NO_TIME, few_are_followed, late, loading_of, may_follow
-from toolkit.verdict.ensemble import (
-    LOADINGS,
-    follow_by_contacts,
-    without_heat,
+from toolkit.verdict.budget import (
+    NO_DAMPING,
+    NO_TIME,
+    few_are_followed,
+    lacks_damping,
+    late,
+    loading_of,
+    may_follow,
 )
+from toolkit.verdict.ensemble import LOADINGS, follow_by_contacts, without_heat
 from toolkit.verdict.machine import (
     Behaviour,
     Machine,
@@ -44,6 +47,8 @@ FIRST_WITH_DELAY = 9.0
 ROUGHLY = 1e-3
 # parts of critical damping tried where none is given and the slider rings for too long: tolerance; time of the first
 DAMPED, FIRST_DAMPED = {0.1: TOLERANCE, 1.0: ROUGHLY}, 0.25
+# part of a slider's force that a damping which nobody gave may bear
+ASSUMED = 0.1
 # of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider;
 # and s of it at most under a slip rule, which ordinary laws take a second for, and laws with many peaks minutes
 FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
@@ -113,7 +118,7 @@ def follow(
         return _after_forgetting(machine, contacts, rigid, found)
     if undamped:
         damped = _damped(machine, contacts, rigid, end - time.monotonic(), in_time)
-        return damped if damped.kind != "undecided" else found
+        return damped if damped.kind != "undecided" or lacks_damping(damped.message) else found
     return found
 
 
@@ -152,6 +157,10 @@ def _damped(
         found = follow(damped, contacts, "mass", rigid, seconds, in_time=in_time, at_once=tolerance)
         if found.kind != "undecided":
             break
+    borne = damped.damping * machine.velocity / (abs(found.before) or np.inf)
+    if found.kind != "undecided" and borne > ASSUMED:
+        said = f"{part:.0%} of critical, with which the slider would come to rest, would bear {borne:.0%} of its force"
+        return not_followed("mass", f"{NO_DAMPING}, and {said}: give drive.damping")
     return replace(found, damping=damped.damping)
 
 
@@ -284,14 +293,3 @@ def _behaviour(rule: str, solved: Any, velocity: float, open_why: str = "") -> B
         drive=drive,
         force=force,
     )
-
-
-def kind_of(solved: Any) -> str:
-    """What a solution's slider does: slips that die out end in smooth sliding. With a mass, of which F_k is not the
-    force, that is told only once they are over: until then the path ends at any force between two slips."""
-    verdict, slips = solved.regime.verdict, solved.slips
-    if verdict != "decaying transient":
-        return str(verdict)
-    silent = float(solved.path[-1] - slips.drive[-1])
-    goes_on = solved.period is not None and silent <= WITHOUT * solved.period
-    return "undecided" if goes_on and hasattr(slips, "duration") else "smooth"

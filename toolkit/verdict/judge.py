@@ -12,15 +12,14 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
-from origins.thresholds.law import Thresholds
-from toolkit.processes.signals import TimeIsUp
-from toolkit.running.resampled import like, of_resampled
+from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.running.solvers import within
 from toolkit.scene.scale import of_contacts, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
-from toolkit.verdict.budget import NO_FORCES, NO_TIME, WALL_TIME, Budget
+from toolkit.verdict.budget import NO_FORCES, NO_TIME, WALL_TIME, Budget, lacks_damping
+from toolkit.verdict.ensemble import SHORT
 from toolkit.verdict.finite import follow_finite
 from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
 from toolkit.verdict.islands import follow_islands, with_barriers
@@ -36,20 +35,19 @@ from toolkit.verdict.machine import (
 )
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
+from toolkit.verdict.uncertainty import RESAMPLED_TOLERANCE, with_sampling
 from toolkit.verdict.with_mass import closely, follow_extremes, follow_other_delay
 
 # of the time that is left, for the scene's own reading, and then for the number of its contacts
 OWN = 0.5
+# of the time that is left, for that number where there is no other reading; the picture of a slip has the rest
+NEARLY_ALL = 0.9
 # of a reading's time for a slider with mass; where that does not do, slip rules have the rest
 HEAVY = 0.8
 # of K* and F_s of readings other than the scene's own
 TOLERANCE = 1e-6
 # relative error of both that is not seen on the page, and not lowered with more work
 PRECISE = 1e-5
-# resampled laws of samples, the fewest whose scatter tells something, and the tolerance for these
-RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
-# s for the scatter of F_k alone, which of islands of 4,000 angles takes 3
-OF_FORCES = 10.0
 # s for a slider with mass and another delay than its own, which is no answer but what it hangs on
 OF_DELAY = 20.0
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long
@@ -102,7 +100,8 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         if reading.own:
             # first what takes a moment: sliders of all contacts may take all of the time
             turned = _turned(answers[0], budget.part(OWN))
-            finite = _finite(scene, answers[0], budget.part(OWN), progress)
+            share = OWN if many > 1 else NEARLY_ALL
+            finite = _finite(scene, answers[0], budget, budget.part(share), progress)
             answers[0] = _with_more(answers[0], finite)
             answers[0] = _with_a_slip(answers[0], budget.part(OWN))
     return Verdict(
@@ -119,26 +118,34 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
 
 
 def _finite(
-    scene: Scene, own: Answer, budget: Budget, progress: Callable[[str], None]
+    scene: Scene, own: Answer, every: Budget, part: Budget, progress: Callable[[str], None]
 ) -> tuple[Finite, ...]:
     """Sliders of as many contacts as the area holds, or as [eq] names, for each rule of the own reading, about within
-    the budget."""
+    this `part` of the time, and no longer than in all of it, `every`, or SHORT."""
     number = own.scale.contacts
     if number is None and scene.eq is not None:
         number = float(scene.eq.contacts)
     if number is None or own.machine is None or own.static.unknown:
         return ()
     found, contacts = list[Finite](), with_barriers(own.contacts)
-    for one in own.behaviours:
-        if one.sliders is not None and one.sliders.contacts == max(round(number), 1):
-            found.append(one.sliders)  # all of them were followed in place of infinitely many
-            continue
-        if one.rule == "instant" and contacts.waiting_time:
-            continue  # the last, of contacts without their delay
-        progress(f"sliders of {of_contacts(number)}, slip rule {one.rule}")
-        static, remaining = own.static.value, budget.remaining()
-        found.append(follow_finite(own.machine, contacts, number, one, static, remaining))
-    return tuple(found)
+    at_once = (
+        "instant" if contacts.waiting_time else ""
+    )  # with a delay the last, of contacts without one
+    each = [one for one in own.behaviours if one.rule != at_once and not lacks_damping(one.message)]
+    limit = max(every.remaining(), SHORT)
+    with suppress(TimeIsUp), no_longer_than(limit, remaining_time=every.remaining):
+        for one in each:
+            if one.sliders is not None and one.sliders.contacts == max(round(number), 1):
+                found.append(one.sliders)  # all of them were followed in place of infinitely many
+                continue
+            progress(f"sliders of {of_contacts(number)}, slip rule {one.rule}")
+            static, remaining = own.static.value, part.remaining()
+            found.append(follow_finite(own.machine, contacts, number, one, static, remaining))
+    late = [one.rule for one in each[len(found) :]]
+    return (
+        *found,
+        *(Finite(rule, max(round(number), 1), "unknown", message=NO_TIME) for rule in late),
+    )
 
 
 def _with_more(own: Answer, finite: tuple[Finite, ...]) -> Answer:
@@ -211,7 +218,7 @@ def _answer(
                 same or follow_islands(pulled, contacts, rule, before, seconds, rings, in_time)
             )
         unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
-        if machine is not None and unknown == ["mass"]:
+        if machine is not None and unknown == ["mass"] and not lacks_damping(behaviours[0].message):
             # no solver takes the slider with its mass, or not in time: its delay's extremes, else each slip rule, tell
             extremes = follow_extremes(machine, reading, behaviours[0], scale.contacts, budget)
             light = replace(machine, mass=None, damping=0.0)
@@ -225,7 +232,7 @@ def _answer(
                 behaviours.append(follow_other_delay(machine, contacts, scale.contacts, remaining))
         if sampled_parts(contacts.thresholds):
             quantities = [kinetic, static, critical]
-            kinetic, static, critical = _with_sampling(contacts, velocity, quantities, budget)
+            kinetic, static, critical = with_sampling(contacts, velocity, quantities, budget)
     why = NO_FORCES if critical.unknown else NO_TIME
     behaviours += [not_followed(rule, why) for rule in asked[len(behaviours) :]]
     return Answer(
@@ -265,34 +272,3 @@ def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:
     if late or precise or not np.isfinite(spring):
         return rough
     return master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
-
-
-def _with_sampling(
-    contacts: Contacts, velocity: float, quantities: list[Quantity], budget: Budget
-) -> list[Quantity]:
-    """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; F_k alone
-    where there is no time for enough of them, without it where that takes too long, too."""
-    import master
-
-    def kinetic_of(law: Thresholds) -> float:
-        return master.steady_state(like(contacts, law), velocity=velocity).force
-
-    def row(law: Thresholds) -> list[float]:
-        other, kinetic = like(contacts, law), kinetic_of(law)
-        found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
-        return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
-
-    until = time.monotonic() + budget.remaining()
-    rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
-    if len(rows) < FEWEST:  # F_k alone, which takes next to nothing beside K*
-        until = time.monotonic() + OF_FORCES
-        rows = of_resampled(
-            contacts.thresholds, RESAMPLES, lambda law: [kinetic_of(law)], until=until
-        )
-    if len(rows) < FEWEST:
-        return quantities
-    scatter = np.std(rows, axis=0, ddof=1)
-    scattered = [
-        replace(one, sampling=float(off)) for one, off in zip(quantities, scatter, strict=False)
-    ]
-    return [*scattered, *quantities[len(scattered) :]]

@@ -1,16 +1,21 @@
 """How well the numbers of a verdict are known: numerical errors, the scatter of other samples, the spread over the
 readings."""
 
+import time
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from origins.contacts import Contacts
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
+from origins.thresholds.law import Thresholds
+from toolkit.running.resampled import like, of_resampled
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
-from toolkit.verdict.budget import LONGER
+from toolkit.verdict.budget import LONGER, Budget
 from toolkit.verdict.ensemble import shrinking
 from toolkit.verdict.machine import Behaviour, critical_damping
 
@@ -20,6 +25,10 @@ SEEN = 1e-3
 WORTH_TELLING = 0.01
 # of the widest uncertainty of a force: a smaller difference of two forces is nothing that is known
 NO_NEWS = 0.01
+# resampled laws of samples, the fewest whose scatter tells something, and the tolerance for these
+RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
+# s for the scatter of F_k alone, which of islands of 4,000 angles takes 3
+OF_FORCES = 10.0
 
 
 class Uncertainties(NamedTuple):
@@ -197,3 +206,34 @@ def of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:
         return ""
     part = behaviour.damping / critical_damping(answer.machine)
     return f", with {part:.0%} of critical damping, as none is given"
+
+
+def with_sampling(
+    contacts: Contacts, velocity: float, quantities: list[Quantity], budget: Budget
+) -> list[Quantity]:
+    """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; F_k alone
+    where there is no time for enough of them, without it where that takes too long, too."""
+    import master
+
+    def kinetic_of(law: Thresholds) -> float:
+        return master.steady_state(like(contacts, law), velocity=velocity).force
+
+    def row(law: Thresholds) -> list[float]:
+        other, kinetic = like(contacts, law), kinetic_of(law)
+        found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
+        return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
+
+    until = time.monotonic() + budget.remaining()
+    rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
+    if len(rows) < FEWEST:  # F_k alone, which takes next to nothing beside K*
+        until = time.monotonic() + OF_FORCES
+        rows = of_resampled(
+            contacts.thresholds, RESAMPLES, lambda law: [kinetic_of(law)], until=until
+        )
+    if len(rows) < FEWEST:
+        return quantities
+    scatter = np.std(rows, axis=0, ddof=1)
+    scattered = [
+        replace(one, sampling=float(off)) for one, off in zip(quantities, scatter, strict=False)
+    ]
+    return [*scattered, *quantities[len(scattered) :]]
