@@ -353,6 +353,10 @@ def test_bad_input_is_one_line_and_leaves_nothing(command: str, capsys: Any) -> 
     assert "colour: unknown key" in refused(capsys, command, write(colour=1))
     line = refused(capsys, command, write(), "--out", "mine.toml/below")
     assert "out = 'mine.toml/below': " in line
+    assert os.listdir() == ["mine.toml"]
+
+
+def test_a_scene_without_a_solver_or_a_path_is_one_line_and_leaves_nothing(capsys: Any) -> None:
     assert "has neither [master] nor [eq]" in refused(capsys, "run", write(master=None))
     # of a machine: five loadings of a spring of 0.5 N_c<k> by contacts of mean threshold 1
     said = refused(capsys, "cost", write(master=None, drive={"spring": 0.5}))

@@ -103,6 +103,7 @@ def test_precision_of_a_law_on_a_path_that_turns_has_the_other_solver_as_witness
     assert 0.0 < errors[1e-2] < 1e-2 and errors[1e-6] < 1e-6
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_precision_of_a_surface_is_in_newtons(capsys: Any, monkeypatch: Any) -> None:
     """Of an area; with units = "N_c<k>", and of tolerances, in mean thresholds."""
     few = {"master": (1e-2, 1e-6), "explicit": (25.0,), "ensemble": (100.0,), "closest": (100.0,)}
@@ -176,6 +177,7 @@ def errors_of(found: Any, method: str) -> list[float]:
     return [p["error"] or 0.0 for p in found["points"] if p["method"] == method]
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_precision_of_a_slider_with_mass_has_both_solvers(capsys: Any, monkeypatch: Any) -> None:
     """Each is the other's road; where the master equation takes no mass, the largest ensemble is the reference."""
     short = {"master": (1e-2, 1e-4), "explicit": (25.0,), "closest": (100.0,)}
@@ -215,6 +217,7 @@ def test_work_is_cut_by_its_own_time_and_not_by_that_of_the_clock() -> None:
     time.sleep(0.01)  # the timer is off again
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_precision_of_a_sweep_is_that_of_a_path_at_its_speed(capsys: Any, monkeypatch: Any) -> None:
     """F(X) of a rigid slider, or the scene without its sweep; of both solvers, whose forces agree."""
     short = SHORT | {"master": (1e-2, 1e-6), "ensemble": (100.0, 3000.0)}

@@ -563,6 +563,7 @@ def test_slips_that_come_and_go_with_the_steps_have_a_finite_error():
         assert abs(solved - ensemble) < 4.0 * scatter + error
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_the_end_of_the_time_is_told_by_the_runs_own_parts(
     capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -587,6 +588,7 @@ def test_the_end_of_the_time_is_told_by_the_runs_own_parts(
     assert "7 of 9 rests were not followed" in found["message"] and "rest 3 of 9" in "".join(page)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_without_a_wall_time_what_is_known_after_two_minutes_of_work_is_the_answer(
     capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

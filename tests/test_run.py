@@ -32,7 +32,19 @@ from toolkit.scene.scene import SHIPPED, shipped_scenes
 EQ = {"contacts": 400, "replicas": 2, "seed": 1}
 NARROW = {"kind": "gaussian", "mean": 1.0, "std": 0.1}
 
+# whose pictures are looked at
+RENDERED = (
+    "test_what_is_saved_is_the_solvers_own_and_is_what_is_loaded",
+    "test_no_spring_is_stiff_enough_where_an_island_turns",
+)
+
 pytestmark = pytest.mark.usefixtures("in_a_folder")
+
+
+@pytest.fixture(autouse=True)
+def _rendered(request: pytest.FixtureRequest) -> None:
+    if request.function.__name__ not in RENDERED:
+        request.getfixturevalue("unrendered")
 
 
 @pytest.fixture

@@ -517,7 +517,10 @@ def test_wall_time_ends_the_making_of_tables(monkeypatch) -> None:
     assert not master.solve(contacts, [1.0], 1e-6, wall_time=1.5).path.size
 
 
-@pytest.mark.parametrize(("law", "spring"), [(origins.gaussian(1.0, 0.2), 0.5), (NARROW, 1.4)])
+@pytest.mark.parametrize(
+    ("law", "spring"),
+    [(origins.gaussian(1.0, 0.2), 0.5), pytest.param(NARROW, 1.4, marks=pytest.mark.slow)],
+)
 def test_the_error_of_ten_thousand_slips_is_known(law, spring, monkeypatch):
     """It was told as 9e-6 and 1.2e-5. Panels a thousand times coarser show errors that their own claim bounds; errors
     over hundreds of slips are those of test_reform_after.py."""

@@ -315,7 +315,14 @@ TOGETHER = {
 }
 
 
-@pytest.mark.parametrize("name", TOGETHER)
+# the kernel of Eyring's rates beside growth takes 13 s to compile; test_agreement holds soft heat beside growth
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] if case[0].thermal else [])
+        for name, case in TOGETHER.items()
+    ],
+)
 def test_the_ensemble_agrees(name):
     """At all points, in standard errors; a growth that is a tenth weaker does not agree."""
     contacts, drive = TOGETHER[name]

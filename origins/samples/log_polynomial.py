@@ -206,7 +206,8 @@ class LogPolynomial(Thresholds):
 
 def _inverse(matrix: Array) -> Array:
     scale = 1.0 / np.sqrt(np.diag(matrix) + 1e-300)
-    scaled = matrix * scale * scale[:, None] + 1e-12 * np.eye(scale.size)
+    scaled = matrix * scale * scale[:, None]
+    scaled.flat[:: scale.size + 1] += 1e-12  # of the diagonal
     return np.linalg.inv(scaled) * scale * scale[:, None]
 
 
