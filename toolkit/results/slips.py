@@ -25,6 +25,8 @@ ENOUGH, MANY, ALIKE = 8, 32, 0.05
 WITHOUT = 1.5
 # of the largest drop: those that tell whether slips shrink
 LARGE = 0.5
+# standard errors of a trend, by the scatter about it, from which on it is told
+TRENDED = 2.0
 
 
 @dataclass(frozen=True)
@@ -162,18 +164,23 @@ def are_fading(slips: Any) -> bool:
 
 def shrinks_by(slips: Any, sliders: int) -> float:
     """By which part of itself a large drop is smaller than the one before it, over the later half of these, on average
-    over so many sliders; 0 where that is below STILL (of FEW late slips, of more as much less) or below FADING standard
-    errors of theirs, and of fewer slips than HALVED. Contacts that have drawn apart slip in groups in between: drops
-    below LARGE of a slider's largest of late do not count."""
+    over so many sliders. 0 where that is below STILL (of FEW late slips, of more as much less), below FADING standard
+    errors of theirs or TRENDED by the scatter about the trend, and of fewer slips than HALVED. Contacts that have drawn
+    apart slip in groups in between: drops below LARGE of a slider's largest of late do not count."""
     each = [slips.drop[slips.replica == one] for one in range(sliders)]
     each = [drops[drops >= LARGE * drops[drops.size // 2 :].max(initial=0.0)] for drops in each]
     common = min(drops.size for drops in each)
     if common < HALVED:
         return 0.0
-    late = np.log([drops[common // 2 : common] for drops in each])
-    slopes = np.polyfit(np.arange(common - common // 2), late.T, 1)[0]
-    still = STILL * FEW / (common - common // 2)
-    least = max(still, FADING * float(slopes.std(ddof=1)) / sliders**0.5)
+    # three at least, of which a scatter is known
+    late = np.log([drops[min(common // 2, common - 3) : common] for drops in each])
+    steps = np.arange(late.shape[1]) - 0.5 * (late.shape[1] - 1)
+    slopes = np.polyfit(steps, late.T, 1)[0]
+    # drops that settle by turns larger and smaller, alike for all sliders, do not shrink
+    off = late.mean(axis=0) - late.mean() - slopes.mean() * steps
+    own = (off @ off / (steps.size - 2) / (steps @ steps)) ** 0.5
+    still = STILL * FEW / steps.size
+    least = max(still, FADING * float(slopes.std(ddof=1)) / sliders**0.5, TRENDED * own)
     part = -float(np.expm1(slopes.mean()))
     return part if part > least else 0.0
 

@@ -31,7 +31,8 @@ OF_DURATION, FOLLOWS = 0.1, 30.0
 
 @dataclass(frozen=True)
 class SlipsInTime(Slips):
-    """Slips of a slider with mass: falls of the spring's force that end a stick, as in eq_model.simulate.
+    """Slips of a slider with mass: falls of the spring's force that end a stick, as those of many contacts by
+    eq_model.simulate.
 
     time : when the slider begins to be faster than the drive; duration : until it is slower again, shape (n,)
     top_speed : largest dX/dt on the way (length per time), shape (n,)
