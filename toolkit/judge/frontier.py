@@ -1,6 +1,5 @@
 """Runs of methods by error and run time: which are worth their time, how steep, what is cheapest when; all drawn."""
 
-import textwrap
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -8,9 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from origins.thresholds.law import Array
+from toolkit.pictures.axes import DASHES, INK, MARKERS, OKABE_ITO, legend_above
 
-_STYLES = {"master": ("o", "#1f4e79"), "explicit": ("s", "#5dade2")}
-_STYLES |= {"ensemble": ("^", "#c0392b"), "closest": ("v", "#e59866")}
+_INKS = {"master": INK["master"], "explicit": OKABE_ITO[5], "ensemble": INK["eq"]}
+_INKS |= {"closest": OKABE_ITO[3]}
 _STEPS = 20  # for each decade of the error, of the places where methods are compared
 
 
@@ -110,7 +110,7 @@ def of_threads(found: list[dict[str, Any]]) -> list[str]:
 
 def draw_picture(found: dict[str, Any]) -> Any:
     """True error in its unit against run time in s, hollow marks for the errors that are claimed; a line joins
-    the runs that no cheaper one beats."""
+    the runs that no cheaper one beats, and pale marks are runs whose error the reference cannot tell from its own."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9, 6), layout="constrained")
@@ -119,7 +119,7 @@ def draw_picture(found: dict[str, Any]) -> Any:
         found["reference_error"],
         found["error_unit"].replace("<x_s>", r"$\langle x_s\rangle$"),
     )
-    for method, (marker, colour) in _STYLES.items():
+    for (method, colour), marker, dashes in zip(_INKS.items(), MARKERS, DASHES, strict=False):
         points = [point for point in found["points"] if point["method"] == method]
         if not points:
             continue
@@ -130,20 +130,16 @@ def draw_picture(found: dict[str, Any]) -> Any:
         axes.plot(run_time, above, marker, color=colour, label=method)
         axes.plot(run_time, np.where(error > floor, np.nan, floor), marker, color=colour, alpha=0.3)
         line = front(points, method, floor)
-        axes.plot(line.run_time, line.error, "-", color=colour, lw=1)
+        axes.plot(line.run_time, line.error, ls=dashes, color=colour, lw=1)
         if np.isfinite(claimed).any():
             label = f"{method}: its claim"
             axes.plot(run_time, claimed, marker, mfc="none", mec=colour, label=label)
     axes.set(xscale="log", yscale="log", xlabel="run time (CPU-seconds of one thread)")
-    axes.axhline(
-        floor, color="0.4", lw=0.8, label="the reference's own error, with runs at or below it"
-    )
+    axes.axhline(floor, color="0.4", lw=0.8, label="reference's error")
     if found["witness"] is not None:
         least = max(found["witness"]["standard_error"], 1e-9 * floor)  # 0 has no place
-        axes.axhline(least, color="0.4", lw=0.8, ls=":", label="no independent road tells below")
+        axes.axhline(least, color="0.4", lw=0.8, ls=":", label="independent road's error")
     axes.set_ylabel(f"largest error of $F$ over the path, in {unit}")
-    title = textwrap.fill(f"{found['title']}: against {found['reference']}", 90)
-    axes.set_title(title.replace("$", r"\$"), fontsize="medium")
     axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
+    legend_above(axes, f"{found['title']}: against {found['reference']}", 85)
     return figure
