@@ -8,18 +8,19 @@ import numpy as np
 
 import master
 import toolkit
+from toolkit.pictures.axes import MARKERS, OKABE_ITO
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# scene, its name on the page, ink, dashes: Greenwood-Williamson solid, Persson dashed
+# scene, its name on the page, ink, one for each law, and dashes: Greenwood-Williamson solid, Persson dashed
 SCENES = [
-    ("rough-gw-amontons", "GW, amontons", "#c0392b", "-"),
-    ("rough-gw-paper", "GW, paper", "#1f4e79", "-"),
-    ("rough-gw-strength", "GW, strength", "#2e7d32", "-"),
-    ("rough-gw-mixed", "GW, amontons, mixed", "#b9770e", "-"),
-    ("rough-persson-amontons", "Persson, amontons", "#c0392b", "--"),
-    ("rough-persson-paper", "Persson, paper", "#1f4e79", "--"),
+    ("rough-gw-amontons", "GW, amontons", OKABE_ITO[1], "-"),
+    ("rough-gw-paper", "GW, paper", OKABE_ITO[0], "-"),
+    ("rough-gw-strength", "GW, strength", OKABE_ITO[2], "-"),
+    ("rough-gw-mixed", "GW, amontons, mixed", OKABE_ITO[3], "-"),
+    ("rough-persson-amontons", "Persson, amontons", OKABE_ITO[1], "--"),
+    ("rough-persson-paper", "Persson, paper", OKABE_ITO[0], "--"),
 ]
 PICTURE = Path(__file__).parent / "pictures" / "rough_surfaces.png"
 
@@ -35,6 +36,12 @@ class Reading:
     propensity: Any
     path: np.ndarray
     force: np.ndarray
+
+    def style(self, points: int) -> dict[str, Any]:
+        """How its curve of so many points is drawn; marks, a few along it, tell curves apart without their colours."""
+        number = [name for _, name, *_ in SCENES].index(self.name)
+        marks = {"marker": MARKERS[number], "ms": 4.5, "markevery": (10 + 9 * number, points // 7)}
+        return {"color": self.ink, "ls": self.dashes, "lw": 1.4, **marks}
 
 
 def readings() -> list[Reading]:
@@ -91,7 +98,7 @@ def draw(found: list[Reading], path: Path) -> None:
     plot_loads(loads, found)
     plot_thresholds(thresholds, found)
     for reading in found:
-        force.plot(reading.path, reading.force, color=reading.ink, ls=reading.dashes, lw=1.4)
+        force.plot(reading.path, reading.force, **reading.style(reading.path.size))
     force.axhline(1.0, color="0.6", lw=0.8, zorder=0)
     force.set(
         title="the force as the slider sets off", xlabel=r"$X/\langle x_s\rangle$", ylabel="$F/F_k$"
@@ -115,7 +122,7 @@ def plot_loads(axes: "Axes", found: list[Reading]) -> None:
         load, bend = i.force_threshold(x) / i.mean_force_threshold, i.force_law
         steepness = np.where(x <= bend.at, bend.exponent, bend.above)
         density = law.pdf(x) * x / (steepness * load)
-        axes.plot(load, density, color=reading.ink, ls=reading.dashes, lw=1.4, label=reading.name)
+        axes.plot(load, density, **reading.style(load.size), label=reading.name)
     axes.set(
         title="how contacts share the load", xlabel="load of a contact / its mean", ylabel="density"
     )
@@ -132,14 +139,7 @@ def plot_thresholds(axes: "Axes", found: list[Reading]) -> None:
         x = np.sort(
             np.concatenate([np.linspace(0.0, 3.0, 1501), marks * (1 - 1e-9), marks * (1 + 1e-9)])
         )
-        axes.plot(
-            x,
-            law.pdf(x * mean) * mean,
-            color=reading.ink,
-            ls=reading.dashes,
-            lw=1.4,
-            label=reading.name,
-        )
+        axes.plot(x, law.pdf(x * mean) * mean, **reading.style(x.size), label=reading.name)
     axes.set(
         title="thresholds", xlabel=r"$x/\langle x_s\rangle$", ylabel=r"$\langle x_s\rangle\,P_c$"
     )

@@ -8,12 +8,15 @@ import eq_model
 import master
 import origins
 from master.paper.explicit import explicit_loop
+from toolkit.pictures.axes import DASHES, OKABE_ITO, legend_above, name_axis, style_of
 
 PICTURES = Path(__file__).parent / "pictures"
 CONTACTS = origins.Contacts(origins.gaussian(1.0, 0.2), origins.gaussian_start(0.0, 0.025))
 SPRING = 0.5
 NARROW, SIZES = origins.Contacts(origins.gaussian(1.0, 0.05)), (4_000, 32_000, 256_000)
-RULES = [("reset", "#1f4e79", "-"), ("reform-after", "#c0392b", "--"), ("instant", "#2e7d32", ":")]
+RULES = ("reset", "reform-after", "instant")
+MEAN = r"($\langle x_s\rangle$)"  # the unit of lengths, and of forces over N_c <k>
+FORCE = rf"force $F/(N_c\langle k\rangle)$ {MEAN}"
 
 
 def loop(amplitude: float, points: int = 601) -> np.ndarray:
@@ -52,12 +55,12 @@ def draw_holds() -> None:
     figure = Figure(figsize=(6, 3.8), layout="constrained")
     ax = figure.subplots()
     holds = np.logspace(0.0, 8.0, 17)
-    for temperature, ink in ((0.03, "#1f4e79"), (0.1, "#2e7d32"), (0.3, "#c0392b")):
+    for number, temperature in enumerate((0.03, 0.1, 0.3)):
         forces = [static_force(temperature, hold, 1e-5) for hold in holds]
-        ax.semilogx(holds, forces, "o-", color=ink, ms=3, lw=1.4, label=f"$T$ = {temperature}")
-    ax.set(xlabel=r"time of the hold, $1/\omega$", ylabel=r"static force $F/(N_c\langle k\rangle)$")
-    ax.set_title("soft contacts, after a hold")
-    ax.legend(fontsize="small")
+        label = rf"$T$ = {temperature} $\langle x_s\rangle^2$"
+        ax.semilogx(holds, forces, **style_of(number), ms=4, lw=1.4, label=label)
+    ax.set(xlabel=r"time of the hold ($1/\omega$)", ylabel=f"static {FORCE}")
+    legend_above(ax, "soft contacts, after a hold", 140)
     figure.savefig(PICTURES / "holds.png", dpi=130)
 
 
@@ -97,7 +100,7 @@ def draw_contacts() -> None:
     found = finite_numbers()
     mean, error = (np.array(rows) for rows in zip(*found, strict=True))
     scale = np.array(SIZES) ** (-2.0 / 3.0)
-    figure = Figure(figsize=(10, 3.6), layout="constrained")
+    figure = Figure(figsize=(10, 4.0), layout="constrained")
     axes = figure.subplots(1, 2)
     named = [
         *(f"$X_T$ of slip {k}" for k in (1, 2, 3)),
@@ -120,27 +123,20 @@ def draw_contacts() -> None:
         print(
             f"{name.replace('$', '')}: {at:.1e} ± {off:.1e} beside the master equation, {slope:.2f} N^(-2/3)"
         )
-        ax = axes[0] if k < 3 else axes[1]
-        ink = ("#1f4e79", "#2e7d32", "#c0392b", "#1f4e79", "#2e7d32", "0.2", "0.5", "0.7")[k]
-        ax.errorbar(
-            scale,
-            mean[:, k],
-            yerr=error[:, k],
-            fmt="o",
-            ms=3,
-            capsize=2,
-            lw=1,
-            color=ink,
-            label=name,
-        )
-        ax.plot([0.0, scale[0]], [at, at + slope * scale[0]], lw=1, color=ink)
+        ax, style = (axes[0], style_of(k)) if k < 3 else (axes[1], style_of(k - 3))
+        dashes = style.pop("ls")
+        bars = {"yerr": error[:, k], "ms": 4, "capsize": 2, "lw": 1, "ls": "none"}
+        ax.errorbar(scale, mean[:, k], **bars, **style, label=name)
+        ends = [at, at + slope * scale[0]]
+        ax.plot([0.0, scale[0]], ends, lw=1, ls=dashes, color=style["color"])
     for ax in axes:
         ax.axhline(0.0, color="0.6", lw=0.8, zorder=0)
-        ax.set(xlabel="$N^{-2/3}$", ylabel="$N$ contacts less infinitely many")
-        ax.ticklabel_format(style="sci", scilimits=(0, 0))
-        ax.legend(fontsize="small")
-    axes[0].set_title("where slips come")
-    axes[1].set_title("period, and fall of the force")
+        ax.set_xlim(left=0.0)
+        ax.locator_params(axis="x", nbins=5)
+        name_axis(ax.xaxis, "$N^{-2/3}$ of $N$ contacts", "")
+        name_axis(ax.yaxis, "$N$ contacts less infinitely many", r"$\langle x_s\rangle$")
+    legend_above(axes[0], "where slips come", 75)
+    legend_above(axes[1], "period, and fall of the force", 75)
     figure.savefig(PICTURES / "finite_numbers.png", dpi=130)
 
 
@@ -155,24 +151,17 @@ def main() -> None:
         print(
             f"turning at +-{amplitude}: the paper's closure is off by {np.abs(paper - exact).max():.3f}"
         )
-        ax.plot(path, exact, color="#1f4e79", lw=1.4, label="exact cohorts")
-        ax.plot(path, paper, color="#c0392b", lw=1.2, ls="--", label="paper's closure")
-        ax.set(
-            title=f"turns at ±{amplitude}",
-            xlabel="slider position $X$",
-            ylabel=r"force $F/(N_c\langle k\rangle)$",
-        )
-        ax.legend(loc="center" if amplitude > 1.0 else "lower right", fontsize="small")
+        ax.plot(path, exact, color=OKABE_ITO[0], lw=1.4, label="exact cohorts")
+        ax.plot(path, paper, color=OKABE_ITO[1], lw=1.4, ls=DASHES[1], label="paper's closure")
+        ax.set(xlabel=f"slider position $X$ {MEAN}", ylabel=FORCE)
+        legend_above(ax, f"turns at ±{amplitude}", 50)
     drive = np.linspace(0.0, 12.0, 1201)
-    for slip, ink, dashes in RULES:
+    for slip, ink, dashes in zip(RULES, OKABE_ITO, DASHES, strict=False):
         found = master.solve(CONTACTS, drive, spring=SPRING, slip=slip)
         print(f"{slip}: {found.regime.verdict}; {found.regime.reason}")
-        axes[2].plot(drive, found.force, color=ink, ls=dashes, lw=1.4, label=f'slip = "{slip}"')
-    title = f"soft slider, K = {SPRING} $N_c\\langle k\\rangle$"
-    axes[2].set(
-        title=title, xlabel="drive position $X_T$", ylabel=r"force $F/(N_c\langle k\rangle)$"
-    )
-    axes[2].legend(loc="lower right", fontsize="small", framealpha=1.0)
+        axes[2].plot(drive, found.force, color=ink, ls=dashes, lw=1.4, label=slip)
+    axes[2].set(xlabel=f"drive position $X_T$ {MEAN}", ylabel=FORCE)
+    legend_above(axes[2], f"soft slider, K = {SPRING} N_c<k>, by slip rule", 90)
     figure.savefig(PICTURES / "sliders.png", dpi=130)
     draw_holds()
     draw_contacts()

@@ -12,6 +12,7 @@ import eq_model
 import master
 import origins
 import toolkit
+from toolkit.pictures.axes import MARKERS, OKABE_ITO, legend_above
 from toolkit.scene.scene import SHIPPED
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -176,25 +177,27 @@ def draw_speeds() -> None:
     speeds = np.array(
         [1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 11.0, 11.5, 12.0, 12.5, 13.0, 14.0, 16.0]
     )
-    for half, ink in ((5.0, "#c0392b"), (20.0, "#2e7d32")):
+    for half, ink, mark in zip((5.0, 20.0), OKABE_ITO[1:], MARKERS, strict=False):
         runs = [[swing(speed, half, seed=seed) for seed in (1, 2)] for speed in speeds]
         label = f"500 contacts, half a period {half:g}"
-        ax.plot(speeds, np.mean(runs, axis=1), "o", ms=4, color=ink, label=label)
+        ax.plot(speeds, np.mean(runs, axis=1), mark, ms=5, mfc="none", color=ink, label=label)
     fine = np.r_[speeds[:-2], 12.9, 13.1, 14.0, 16.0]
     fine.sort()
     without = [swing_without_memory(speed) for speed in fine]
-    ax.plot(fine, without, color="#1f4e79", lw=1.3, label="friction $F_k$(present speed)")
+    ax.plot(fine, without, color=OKABE_ITO[0], lw=1.3, label="friction $F_k$(present speed)")
     spring, mass = machine(5.0)
     line = 2.0 * speeds * (spring * mass) ** 0.5
     ax.plot(speeds, line, ":", color="0.4", lw=1.2, label=r"$2v\,(KM)^{1/2}$: just comes to rest")
     smooth, kept = closed_speeds()
     ax.axvline(smooth, color="0.4", lw=1, ls="--", label="smooth sliding unstable below")
     ax.axvline(kept, color="0.4", lw=1, ls="-.", label="swings lose energy above")
-    ax.set(
-        xlabel="speed of the drive $v$", ylabel="largest less smallest spring force", ylim=(0, 1.5)
+    mean = r"\langle x_s\rangle"
+    force = rf"largest less smallest spring force ($N_c\langle k\rangle{mean}$)"
+    ax.set(ylabel=force, ylim=(0, 1.2))
+    ax.set_xlabel(
+        rf"speed of the drive $v$ (${mean}$ in a unit of time, of which the delay is {DELAY})"
     )
-    ax.set_title("stick-slip ends above a drive speed")
-    ax.legend(fontsize="small", loc="upper left", ncols=2)
+    legend_above(ax, "stick-slip ends above a drive speed", 90)
     figure.savefig(PICTURES / "critical_speed.png", dpi=130)
 
 

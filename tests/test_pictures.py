@@ -2,6 +2,7 @@
 and what is drawn against what."""
 
 import dataclasses
+import re
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +31,11 @@ from toolkit.pictures.thresholds import plot_density, plot_samples
 from toolkit.results.beside import deviation
 from toolkit.results.records import sample_curve
 from toolkit.scene.scale import written
+from toolkit.stability.table import VERDICTS
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.picture import draw_verdict
 
+ROOT = Path(__file__).parents[1]
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 EQ = {"contacts": 500, "replicas": 2, "seed": 1}
 HEAVY = {"to": 3.0, "points": 41, "spring": 0.5, "mass": 0.02, "velocity": 1e-3}
@@ -154,6 +157,15 @@ def test_curves_are_of_colours_by_okabe_and_ito_and_of_different_marks() -> None
     styles = [style_of(number) for number in range(12)]
     assert {one["color"] for one in styles} <= set(OKABE_ITO)
     assert len({one["marker"] for one in styles}) == 12
+
+
+def test_no_picture_has_colours_of_its_own() -> None:
+    """Colours are those of the palette, or greys."""
+    own = re.compile(r"""["'](#[0-9a-f]{6}|tab:\w+|red|green|blue|C\d)["']""", re.IGNORECASE)
+    files = [*(ROOT / "toolkit").rglob("*.py"), *(ROOT / "docs").glob("*.py")]
+    found = {(file.name, ink.lower()) for file in files for ink in own.findall(file.read_text())}
+    assert len(found) >= len(OKABE_ITO)
+    assert {ink for _, ink in found} <= {*OKABE_ITO, VERDICTS["refused"]}, found
 
 
 def test_a_narrow_peak_is_not_cut_and_samples_are_shown() -> None:
