@@ -236,7 +236,8 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     if isinstance(contacts, Contacts) and contacts.thermal is not None:
         if heavy:
             raise InputError(
-                f"contacts.thermal: {solver} takes T = 0; use master.solve, or leave it out"
+                f"contacts.thermal: {solver} takes T = 0; leave the heat out, as master.solve does itself where that "
+                "hardly changes the force, or leave out the mass"
             )
         if contacts.thermal.closure == "paper":
             raise InputError(
@@ -249,6 +250,10 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     own = isinstance(contacts, Contacts) and contacts.changing and not contacts.growing
     other = "" if heavy or (own and not contacts.ageing) else "master.solve"
     check_contacts(contacts, solver, tuple(takes), own_rates=True, other=other)
+    if heavy and contacts.reforming is not None:
+        raise InputError(
+            f"contacts.reforming: {solver} takes contacts that form again at x = 0; leave out reforming, or the mass"
+        )
     if contacts.reforming is not None and (drive.slip != "instant" or contacts.delay is not None):
         raise InputError(
             "contacts.reforming: contacts that form again stretched after an avalanche would pull "
@@ -257,5 +262,10 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     back = np.flatnonzero(np.diff(drive.path) < 0.0)
     if back.size:
         at = int(back[0]) + 1
-        hint = f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn"
+        why = "it tells slips by falls of the spring's force, which the way back makes, too"
+        if not heavy:
+            why = "contacts wait in the order in which the slider breaks them ahead"
+        hint = f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn: {why}"
+        if not (heavy and set(contacts.laws) - {"delay"}):
+            hint += "; use master.solve, which takes turns"
         refuse(f"path[{at}]", drive.path[at], hint)
