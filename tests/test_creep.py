@@ -1,5 +1,6 @@
 """Steady creep of a slider on a soft spring, whose contacts heat breaks; and when it is not told."""
 
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar
@@ -156,14 +157,25 @@ def test_creep_backward_is_that_forward() -> None:
 
 def test_on_the_spring_of_a_machine_the_force_is_the_kinetic_one() -> None:
     """A million thresholds: F rises with the drive, and then as V/v = 1/(1 + e^-s), to F_k. On the way it is F_k at the
-    speed of the slider, which is at X = X_T - F/K: so it creeps in its time."""
-    path = np.array([0.0, 2.5e5, 4.4e5, 4.41e5, 5e5, 5.01e5, 5.5e5, 5.51e5, 2e6])
+    speed of the slider, which is at X = X_T - F/K: so it creeps in its time. A path that ends on the way is told
+    how far to drive until F is F_k to the tolerance."""
+    on_the_way = master.solve(CREEPING, [5e5], 1e-2, velocity=1e-4, spring=SOFTEST).regime
+    said = re.search(
+        r"to the tolerance, only from X_T = (\S+) on, .*; drive as far", on_the_way.reason
+    )
+    assert on_the_way.verdict == "undecided" and said is not None, on_the_way.reason
+    there = float(said[1])
+    path = np.array(
+        [0.0, 2.5e5, 4.4e5, 4.41e5, 5e5, 5.01e5, 0.99 * there, there, 5.5e5, 5.51e5, 2e6]
+    )
     told = master.solve(CREEPING, path, 1e-2, velocity=1e-4, spring=SOFTEST)
     assert told.success and told.regime.verdict == "smooth", told.message
     assert told.force[-1] == pytest.approx(kinetic(CREEPING, 1e-4), rel=1e-6)
     assert told.force[1] == pytest.approx(SOFTEST * path[1], abs=1e-3)
+    before, at = kinetic(CREEPING, 1e-4) - told.force[6:8]
+    assert at <= 1e-2 < before < 2e-2
     position = path - told.force / SOFTEST
-    for near, far in ((2, 3), (4, 5), (6, 7)):  # at 0.03, 0.4 and 0.9 times the drive's speed
+    for near, far in ((2, 3), (4, 5), (8, 9)):  # at 0.03, 0.4 and 0.9 times the drive's speed
         speed = 1e-4 * (position[far] - position[near]) / (path[far] - path[near])
         force = 0.5 * (told.force[near] + told.force[far])
         assert kinetic(CREEPING, speed) == pytest.approx(force, abs=1e-4)

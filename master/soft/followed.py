@@ -51,6 +51,8 @@ class Followed(NamedTuple):
     stopped_because : why the path was not followed to its end, or steps were not halved further
     of_holding : the error of the share that holds (its size is a share of the contacts), and its source
     note : what is to be said of how it was followed, "" where nothing is
+    steady_from : X_T from which on F is within the tolerance of steady sliding's, where a slider creeps to the end of
+        the path; None where it does not, or is not known to
     fractions_broken : array, of the contacts in each slip, nan where unknown; empty where none is known
     """
 
@@ -65,6 +67,7 @@ class Followed(NamedTuple):
     of_holding: ErrorPart = ErrorPart("the share that holds", 0.0)
     fractions_broken: Array = np.empty(0)
     note: str = ""
+    steady_from: float | None = None
 
     @property
     def holding_error(self) -> float:

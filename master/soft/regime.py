@@ -231,6 +231,13 @@ def _lacking(
     spring = float(drive.spring or 0.0)
     if not ages and spring >= critical:
         return ""
+    if found.steady_from is not None:  # known to creep on without slips
+        last_step = float(drive.path[-1] - np.append(found.balance, drive.path)[-2])
+        if last_step * (found.steady_from - drive.path[-1]) <= 0.0:
+            return ""
+        # four digits are rounded by up to 5e-4, and must not lie before it
+        where = f"from X_T = {1.0005 * found.steady_from:.4g} on, as it creeps there"
+        return f", but F is that of steady sliding, to the tolerance, only {where}; drive as far"
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)
     if motion is None or not moving.size or not (ages or "thermal" in contacts.laws):

@@ -85,10 +85,12 @@ SLOPES, NO_TIME = 65, 1e-300
 
 
 class Crept(NamedTuple):
-    """How a slider goes on by steady creep: its sections up to the end of the path, and the error of F (a length)."""
+    """How a slider goes on by steady creep: its sections up to the end of the path, the error of F (a length), and the
+    time from which on F is within the tolerance of F_k at the drive's speed, also beyond that end."""
 
     sections: list[list[Node]]
     error: float
+    steady_from: float
 
 
 class Offset(NamedTuple):
@@ -157,14 +159,15 @@ class Creep:
         steady = self._steady(nodes, distance)
         if steady is None:
             return None
-        sections = self._sections(last, steady.log_speed, steady.table)
+        sections, steady_from = self._sections(last, steady.log_speed, steady.table)
         # the slider's own way to the end may be shorter than the drive's
         distance_ahead = sign * (sections[-1][-1].position - last.position)
         if distance_ahead < distance_of_steps or not self._stable(steady.log_speed):
             return None
         error = max(steady.offset.at_step_0(self._offset_of_longer_steps), steady.lag)
         self._offset_of_longer_steps = steady.offset
-        return Crept(sections, float(error + steady.offset.variation + steady.table.error))
+        error += steady.offset.variation + steady.table.error
+        return Crept(sections, float(error), steady_from)
 
     def _steady(self, nodes: list[Node], distance: float) -> SteadyCreep | None:
         """Whether creep is steady along the last part of the way of these nodes, but for its stability: it goes
@@ -239,9 +242,11 @@ class Creep:
                 return table
         return None
 
-    def _sections(self, begin: Node, log_speed: float, table: KineticTable) -> list[list[Node]]:
+    def _sections(
+        self, begin: Node, log_speed: float, table: KineticTable
+    ) -> tuple[list[list[Node]], float]:
         """The sections from this node, at this ln V, to the end of the drive's path: V(s) as at the head, and the time
-        by an integral over s. On the second one, if there is time left, V is the drive's speed."""
+        by an integral over s. On the second one, if there is time left, V is the drive's speed. And `steady_from`."""
         drive, sign, end = np.log(self._speed), self._sign, float(self._motion.times[-1])
         first_log_ratio = log_speed - drive  # ln V_0/v
         s = np.arange(0.0, abs(first_log_ratio) + CREEP.s_at_end, CREEP.s_per_step)
@@ -254,6 +259,7 @@ class Creep:
         )
         time = begin.time + make_interp_spline(s, time_per_s, k=5).antiderivative()(s)
         force = sign * table.force(log_ratio + drive)
+        steady_from = float(time[np.argmax(np.abs(force - force[-1]) <= self._tolerance)])
         if time[-1] > end:
             at_end = make_interp_spline(time, np.stack([s, force], axis=1), k=3)(end)
             until = time < end
@@ -264,7 +270,7 @@ class Creep:
         sections = [self._section(s, time, force)]
         if time[-1] < end:
             sections.append(self._section(s[:2], np.array([time[-1], end]), force[[-1, -1]]))
-        return sections
+        return sections, steady_from
 
     def _section(self, s: Array, time: Array, force: Array) -> list[Node]:
         """Nodes in whose `sizes_so_far` s stands, over which answer/reading.py interpolates; all contacts hold."""
@@ -280,12 +286,6 @@ def creep_of(
     if motion is None or not may_creep(contacts, motion):
         return None
     return Creep(contacts, drive, motion, tolerance)
-
-
-def creeps(motion: Motion | None, since: float) -> str:
-    """In words, that the slider creeps steadily since a time."""
-    drive = float("nan") if motion is None else float(motion.at(np.array(since)))
-    return f"from X_T = {drive:.6g} on it creeps, at the speed at which F is that of steady sliding"
 
 
 def may_creep(contacts: Contacts, motion: Motion | None) -> bool:

@@ -1,16 +1,17 @@
 """Refining: the whole path solved again and again, with steps halved each time, until force and holding are known."""
 
 import time
+from typing import Any
 
 import numpy as np
 
-from master.motion import drive_motion
+from master.motion import Motion, drive_motion
 from master.outcome import FaultError, Progress, StoppedError
 from master.soft.followed import Followed
 from master.soft.in_time.answer.extrapolation import extrapolated
 from master.soft.in_time.changing import MEMORIES
 from master.soft.in_time.contacts import COMPARED, MOST_STEPS, MOST_WORK, ContactsInSteps
-from master.soft.in_time.creep import creep_of, creeps, may_creep
+from master.soft.in_time.creep import creep_of, may_creep
 from master.soft.in_time.decohered import decohered
 from master.soft.in_time.idle_heat import or_without_heat
 from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
@@ -109,7 +110,7 @@ def refined(
         sliders = [*sliders[-2:], slider]
         found = extrapolated(sliders, contacts, drive, balance, asked)
         if slider.creeps_from is not None:
-            found = found._replace(note=creeps(motion, slider.creeps_from))
+            found = found._replace(**_creeping(slider, motion))
         progress(found.error)
         if best is None or found.largest_error <= best.largest_error:
             best = found
@@ -121,6 +122,17 @@ def refined(
         if best.largest_error <= tolerance or as_good_as_memory or too_many:
             return best
         halvings += 1
+
+
+def _creeping(slider: Slider, motion: Motion | None) -> dict[str, Any]:
+    """What is to be said of a slider that creeps steadily to the end of its path, and the position of the drive from
+    which on its force is that of steady sliding."""
+    if motion is None or slider.creeps_from is None:
+        return {}
+    since, end = motion.at(np.array([slider.creeps_from, motion.times[-1]])).tolist()
+    steady_from = end + motion.speeds[-1] * (slider.steady_from - motion.times[-1])
+    note = f"from X_T = {since:.6g} on it creeps, at the speed at which F is that of steady sliding"
+    return {"note": note, "steady_from": float(steady_from)}
 
 
 def halvings_needed(contacts: Contacts, drive: Drive, tolerance: float) -> int:

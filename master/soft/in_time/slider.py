@@ -45,6 +45,7 @@ class Slider:
         first contacts that come back hold a soft spring for a moment, and slip: how often depends on where steps end
     creep : how the slider goes on without steps once its speed changes slowly; None where that is not known
     creeps_from : the time from which on it goes on so; None where it never does
+    steady_from : that from which on F is that of steady sliding at the drive's speed, inf where none is known
     decohered : what a long slip under "instant" leads to; None where that is not known
     slips : in order
     """
@@ -63,6 +64,7 @@ class Slider:
         self.contacts, self.motion, self._least_drop = contacts, motion, least_drop
         self._decohered, self._creep = decohered, creep
         self.creeps_from: float | None = None
+        self.steady_from = np.inf
         self._halvings_to_come = max(needed - contacts.halvings, 0)
         self._rule, self.spring = drive.slip, float(drive.spring or 0.0)
         self._size = 0.5**contacts.halvings  # of a step
@@ -149,7 +151,7 @@ class Slider:
         crept = creep.from_here(nodes, contacts.most_steps - contacts.steps)
         if crept is None:
             return False
-        self.creeps_from = contacts.now
+        self.creeps_from, self.steady_from = contacts.now, crept.steady_from
         contacts.unresolved.note(OF_CREEP, crept.error, contacts.now)
         self.sections += crept.sections
         end = crept.sections[-1][-1]
