@@ -739,6 +739,12 @@ def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:
     assert 0.4 < found["readings"][0]["kinetic"]["value"] < 0.7
 
 
+GROWING = {
+    "thermal": {"law": "soft", "temperature": 0.03, "attempt_frequency": 1e3},
+    "strengthening": {"beta": 0.03, "time": 1.0},
+}
+
+
 def test_a_page_is_written_of_what_is_known_where_f_s_is_too_late(
     capsys: Any, monkeypatch: Any
 ) -> None:
@@ -759,6 +765,12 @@ def test_a_page_is_written_of_what_is_known_where_f_s_is_too_late(
         assert re.search(r"slips at least once below the spring K\* +not known", page)
         assert ("K* is infinite: all contacts break at one value, x = 1" in page) is known
         assert ("F_s of exact values may take a minute" in page) is known
+        assert all(line.strip() for line in found["hangs_on"])
+    contacts, drive = {"thresholds": GAUSSIAN} | GROWING, {"spring": 0.5}
+    _, page, found = judged(capsys, contacts=contacts, drive=drive, master=None, wall_time=1e4)
+    assert "grow and break by heat may take minutes: raise wall_time" in page
+    assert "or run the scene with [eq], which needs neither" in page
+    assert all(line.strip() for line in found["hangs_on"])
 
 
 # a slider on a spring far below K*, for which the master equation is given no time

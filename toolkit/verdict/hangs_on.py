@@ -78,7 +78,7 @@ def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
     if own.contacts.in_time:
         apart = max((abs(abs(one.before) - static) for one in slipping), default=0.0) / static
         yield Line(
-            apart,
+            UNSIZED if own.static.unknown else apart,
             "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
             "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
             f"before a slip{_why_above(followed) * above}{_of_waiting(own)}",

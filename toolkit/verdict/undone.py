@@ -30,7 +30,8 @@ def unanswered(verdict: Verdict) -> Iterator[Line]:
     """What of the own reading was too late, and readings without an answer."""
     if verdict.own.critical_spring.unknown:
         why = why_late(verdict.own.contacts)
-        yield Line(TURNS, "; ".join([*([] if verdict.own.machine else [NO_FORCES]), *why]))
+        if said := "; ".join([*([] if verdict.own.machine else [NO_FORCES]), *why]):
+            yield Line(TURNS, said)
     for reason, names in by_reason(_left_out(verdict)).items():
         if len(names) == 1:
             reason = reason.replace("they need", "it needs")
