@@ -68,18 +68,18 @@ def sliders(
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
     asked |= machine.keywords(rule)
-    pilot, over = None, time.monotonic() + max(seconds, SHORT)
+    pilot, left = None, max(seconds, SHORT)
     if number > FEW:
         # points beyond the usual ones take as long however many contacts there are
         few_points = np.unique(np.append(path[:: -(-path.size // POINTS)], path[-1]))
         # makes the kernels and tables, too, whose time does not count
         following = eq_model.Ensemble(contacts, few_points, n_contacts=FEW, **asked)
-        over = time.monotonic() + max(seconds, SHORT)
         spent = time.process_time()
-        pilot = _until(following, over)
+        pilot = _within(following, left)
         if pilot is None:
             raise InputError(f"{FEW:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
         remaining = max(seconds - pilot.run_time, 0.0)
+        left = max(remaining, SHORT)
         most = most_breaks(contacts, rule)
         took = min(pilot.run_time, time.process_time() - spent)  # on a busy machine the latter
         if took < SHORT:  # which tells less than the breaks do
@@ -97,16 +97,19 @@ def sliders(
             # by powers of 2, as the time differs from run to run, and answers should not
             number = FEW * 2 ** int(np.log2(times))
     all_of_them = eq_model.Ensemble(contacts, path, n_contacts=number, **asked)
-    found = _until(all_of_them, over + SHORT)
+    found = _within(all_of_them, left)
     if found is None and not (few_will_do and pilot):
         raise InputError(f"{number:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
     return found or pilot
 
 
-def _until(following: Any, over: float) -> Any:
-    """The result of an ensemble of all its sliders; None where these are not done by then, in s of the monotonic clock,
-    and are given up."""
-    following.interrupted = lambda: time.monotonic() > over
+def _within(following: Any, seconds: float) -> Any:
+    """The result of an ensemble of all its sliders; None where these take more than so many s of the clock, and of the
+    processor, which a busy machine has for others, too: they are given up."""
+    clock, work = time.monotonic(), time.process_time()
+    following.interrupted = lambda: (
+        min(time.monotonic() - clock, time.process_time() - work) > seconds
+    )
     return following.result() if sum(1 for _ in following) == SLIDERS else None
 
 
@@ -128,7 +131,7 @@ def until_settled(found: Any, machine: Machine, contacts: Contacts, rule: str, u
         end = 2.0 * float(found.path[-1]) - float(found.path[0])
         further = np.linspace(found.path[-1], end, machine.points(end - found.path[0]) // 2 + 1)
         path = np.append(found.path, further[1:])
-        longer = _until(eq_model.Ensemble(contacts, path, **asked), until)
+        longer = _within(eq_model.Ensemble(contacts, path, **asked), until - time.monotonic())
         if longer is None:
             break
         found = longer
