@@ -198,6 +198,18 @@ def may_go_on(found: Any, spring: float, settling: float, few: int) -> bool:
     return regained_at(found.slips, spring, WITHOUT) + settling > float(found.path[-1])
 
 
+def left_of_slips(found: Any, slips: Any, shrinks: float) -> float:
+    """The drop that slips of these sliders have at the path's end if each goes on to be smaller than the one before by
+    so large a part of itself (a length); 0 where none does."""
+    if not shrinks:
+        return 0.0
+    last = slips.number == slips.number.max()
+    own = slips.replica == slips.replica[last][0]
+    period = float(np.diff(slips.drive[own][-2:])[0])
+    silent = float(found.path[-1] - slips.drive[own][-1])
+    return float(slips.drop[own][-1] * (1.0 - shrinks) ** (silent / period))
+
+
 def are_lasting(slips: Any, sliders: int) -> bool:
     """Whether the slips of so many sliders are those of a limit cycle, and do not shrink."""
     return late_slips(slips, sliders).settled and not shrinks_by(slips, sliders)
@@ -213,6 +225,15 @@ def swing_beyond_slips(found: Any, least: float) -> float:
     if float(found.forces[late].max()) < highest + least:
         return 0.0
     return float(np.ptp(found.forces[late], axis=1).min())
+
+
+def slips_to_tell(slips: Any, lasts: bool) -> npt.NDArray[np.int_]:
+    """Indices of a solution's slips whose means tell of all: the last main one, as others may be of a few contacts
+    alone; where they go on for ever, and differ in size, those of the later half."""
+    later = slips.main[slips.main.size // 2 :]
+    drops = slips.drop[later]
+    several = lasts and later.size > 2 and np.ptp(drops) > ALIKE * drops.mean()
+    return np.asarray(later if several else slips.main[-1:])
 
 
 def main_slips(slips: Any) -> Any:

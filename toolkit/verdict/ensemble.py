@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,15 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
 from toolkit.results.sliding import has_slid, mean_forces, scatter_of
-from toolkit.results.slips import late_slips, main_slips, may_go_on, shrinks_by, spread_of
+from toolkit.results.slips import (
+    late_slips,
+    left_of_slips,
+    main_slips,
+    may_go_on,
+    shrinks_by,
+    spread_of,
+)
+from toolkit.results.traces import trace_of
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.budget import (
     MORE_TIME,
@@ -29,7 +36,6 @@ from toolkit.verdict.machine import (
     first_of,
     last_of,
     not_followed,
-    with_slips,
 )
 
 # sliders, which differ by chance; contacts of each where the ensemble takes the place of the master equation
@@ -48,6 +54,8 @@ SURE = 2.0
 # Times that sliders whose slips are still those of a transient are pulled as far again, at most; and times as long as
 # the way so far takes that the next may.
 DOUBLINGS, LONGER = 5, 2.5
+# part of themselves that slips which fade leave after as many more, below which they are not told as stick-slip
+FADED = 0.5
 NOT_SLID = "their path ended before they slid or slipped"
 
 
@@ -113,18 +121,19 @@ def _within(following: Any, seconds: float) -> Any:
     return following.result() if sum(1 for _ in following) == SLIDERS else None
 
 
-def until_settled(found: Any, machine: Machine, contacts: Contacts, rule: str, until: float) -> Any:
-    """These sliders, pulled as far again and again until their slips are those of a limit cycle or are over, as far as
-    there is time for, in s of the monotonic clock. Slips without a mass leave contacts new, or nearly so."""
+def until_settled(
+    found: Any, machine: Machine, contacts: Contacts, rule: str, until: float, settling: float
+) -> Any:
+    """These sliders, pulled as far again and again until their slips are those of a limit cycle or are over, see
+    `may_go_on`, as far as there is time for, in s of the monotonic clock. Slips without a mass leave contacts new, or
+    nearly so."""
     import eq_model
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
     asked |= {"n_contacts": found.contacts // SLIDERS} | machine.keywords(rule)
-    settling = way_without_contacts(machine, contacts)
     for _ in range(DOUBLINGS if rule == "mass" else 0):
         main = main_slips(found.slips)
-        slip = np.bincount(main.replica, minlength=SLIDERS).all()
-        lasts = slip and may_go_on(replace(found, slips=main), machine.spring, settling, 0)
+        lasts = may_go_on(replace(found, slips=main), machine.spring, settling, 0)
         late = LONGER * found.run_time > until - time.monotonic()
         if not lasts or late or late_slips(main, SLIDERS).settled:
             break
@@ -162,7 +171,8 @@ def follow_by_contacts(
     except InputError as refused:
         return not_followed(rule, str(refused))
     drive, force = trace_of(found, 0, machine.velocity)
-    found = until_settled(found, machine, contacts, rule, until)
+    waits = way_without_contacts(machine, contacts)
+    found = until_settled(found, machine, contacts, rule, until, waits)
     if machine.points(np.ptp(found.path)) >= path.size:  # else few points would draw slower swings
         drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
@@ -170,15 +180,12 @@ def follow_by_contacts(
     smaller = all_slips - found.slips.drive.size
     slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
-    waits = way_without_contacts(machine, contacts)
     slipped = common > 1 and may_go_on(found, machine.spring, waits, 0)
-    before = after = float(force[-1])
-    error, many = float(found.force_standard_error[-1]), None
+    kind, many = "stick-slip" if slipped else "smooth", None
     if slipped:
-        many = Finite(rule, number, "stick-slip", drive=drive, force=force, smaller=smaller)
+        many = Finite(rule, number, kind, drive=drive, force=force, smaller=smaller)
         many = with_late_slips(many, slips)
-        before, after = many.before, many.after
-        error = many.error
+        before, after, error = many.before, many.after, many.error
     if slipped and number < (rigid.contacts or np.inf):
         few = found
         if number > FEW:
@@ -195,23 +202,36 @@ def follow_by_contacts(
     forces = found.forces[:, late]
     if not slipped and (swing := float(np.ptp(forces, axis=1).max()) / unit) > RINGS:
         return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
+    shrinks = shrinks_by(slips, SLIDERS)
+    if many and (1.0 - shrinks) ** common < FADED:
+        # means of slips that fade tell nothing of those to come, nor is it known whether these end
+        kind, fades = "undecided", "their slips still fade where the path ends"
+        many = replace(many, kind="unknown", message=fades)
+        last = [slips.mean(f"force_{when}", common - 1) for when in ("before", "after")]
+        (before, error), (after, _) = last
     if not slipped:
         each = mean_forces(found, late)
         before = after = float(each.mean())
         error = float(each.std(ddof=1)) / SLIDERS**0.5 + 0.5 * float(np.ptp(forces.mean(axis=0)))
+        # which contacts that come back together hold for less than from one point to the next
+        error += left_of_slips(found, slips, shrinks)
+        steady = rigid.kinetic + machine.damping * machine.velocity
+        if rule == "mass" and abs(before - steady) <= error:
+            before = after = steady
         seen = slips.drive.size / SLIDERS
         many = Finite(rule, number, "smooth", slips=seen, fluctuation=scatter_of(forces))
     return Behaviour(
         rule=rule,
-        kind="stick-slip" if slipped else "smooth",
+        kind=kind,
         before=before,
         after=after,
         period=many.period if many else None,
         slips=common,
         error=float(error / unit),
         success=True,
-        message=by_sliders(number) + (shrinking(many) if many else ""),
+        message=by_sliders(number) + (shrinking(many) if kind == "stick-slip" and many else ""),
         contacts=number,
+        shrinks_by=shrinks if kind != "stick-slip" else 0.0,
         sliders=many,
         run_time=found.run_time,
         slip_time=last_of(slips, "duration"),
@@ -278,14 +298,3 @@ def _too_early(found: Any, few: Any, unit: float) -> float:
     (force, off), (lower, more_off) = (each.slips.mean("force_before", 0) for each in (found, few))
     ratio = (number * SLIDERS / few.contacts) ** (2.0 / 3.0) - 1.0
     return max(least, float((abs(force - lower) + off + more_off) / ratio))
-
-
-def trace_of(found: Any, replica: int, velocity: float) -> tuple[Array, Array]:
-    """Drive, which moves at this `velocity`, and force of one slider of an ensemble, as a mean over several has no
-    drops."""
-    slips, own = found.slips, found.slips.replica == replica
-    names = ("drive", "force_before", "force_after", "duration")
-    each = {name: getattr(slips, name, None) for name in names}
-    one = SimpleNamespace(**{name: None if of is None else of[own] for name, of in each.items()})
-    pulled = SimpleNamespace(path=found.path, force=found.forces[replica], slips=one)
-    return with_slips(pulled, velocity)

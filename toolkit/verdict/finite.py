@@ -21,6 +21,7 @@ from toolkit.results.slips import (
     slips_beyond,
     swing_beyond_slips,
 )
+from toolkit.results.traces import trace_of
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
 from toolkit.verdict.budget import (
     LONG_DELAY,
@@ -35,7 +36,6 @@ from toolkit.verdict.ensemble import (
     NOT_SLID,
     SLIDERS,
     sliders,
-    trace_of,
     until_settled,
     with_late_slips,
 )
@@ -225,7 +225,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
             told = Finite(rule, seen.contacts // SLIDERS, "unknown", message=str(refused))
             return with_late_slips(told, seen.slips)
     if not settles:
-        found = until_settled(found, machine, contacts, rule, until)
+        found = until_settled(found, machine, contacts, rule, until, settling)
         path, steady = found.path, max(steady, float(np.ptp(found.path)) - settling)
     drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size

@@ -9,6 +9,8 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise, kind_of
+from toolkit.results.slips import slips_to_tell
+from toolkit.results.traces import with_slips
 from toolkit.scene.scale import ROUNDING
 from toolkit.verdict.budget import (
     NO_DAMPING,
@@ -29,7 +31,6 @@ from toolkit.verdict.machine import (
     last_of,
     not_followed,
     settling_distance,
-    with_slips,
 )
 
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time; and the error up to which
@@ -111,7 +112,7 @@ def follow(
     by_contacts &= contacts.thermal is None or found.heat_left_out is not None
     if by_contacts and (rule != "mass" or not found.success):
         other = follow_by_contacts(machine, cold, rule, loading, end, rigid)
-        if other.kind == "undecided":
+        if other.kind == "undecided" and not other.slips:
             return found
         return other if found.heat_left_out is None else without_heat(other, found.heat_left_out)
     if forgets:
@@ -203,8 +204,8 @@ def _by_distribution(
         if found.slips and not is_precise(solved):
             break  # what the shorter path told stands
         swings = kind_of(solved) == "smooth" and length < settled
-        told = _behaviour(rule, solved, machine.velocity, SWINGING if swings else "")
-        found = replace(told, cut=solved.path.size < path.size)
+        asked = machine.velocity, contacts.mean_threshold, SWINGING if swings else ""
+        found = replace(_behaviour(rule, solved, *asked), cut=solved.path.size < path.size)
         if found.kind != "undecided" or not solved.success:
             break
         enough = np.inf
@@ -251,9 +252,9 @@ def _after_forgetting(
     )
 
 
-def _behaviour(rule: str, solved: Any, velocity: float, open_why: str = "") -> Behaviour:
-    """What the solution of a soft slider says: no figure where its force is not known. `open_why` : why it is not known
-    whether the slider will slip again; "" where that is to be seen."""
+def _behaviour(rule: str, solved: Any, velocity: float, unit: float, open_why: str) -> Behaviour:
+    """What the solution of a soft slider says: no figure where its force is not known. `unit` : the mean threshold;
+    `open_why` : why it is not known whether the slider will slip again, "" where that is to be seen."""
     if not is_precise(solved):
         why = solved.message
         if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
@@ -263,24 +264,28 @@ def _behaviour(rule: str, solved: Any, velocity: float, open_why: str = "") -> B
         return replace(unknown, error=solved.force_error, run_time=solved.run_time)
     slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
     last = float(solved.force[-1]) if solved.force.size else float("nan")
-    before, after = last, last
+    before, after, period, error = last, last, solved.period, solved.force_error
     if slips.drive.size and kind in ("stick-slip", "undecided"):
-        last = slips.main[-1]  # the last one may be of a few contacts alone
-        before, after = float(slips.force_before[last]), float(slips.force_after[last])
+        shown = slips_to_tell(slips, kind == "stick-slip")
+        forces = slips.force_before[shown], slips.force_after[shown]
+        before, after = (float(one.mean()) for one in forces)
+        if shown.size > 1:
+            period = float(np.diff(slips.drive[shown]).mean())
+            error += float(slips.drop[shown].std()) / shown.size**0.5 / unit
         after = after if abs(after) > ROUNDING * abs(before) else 0.0
     shrinks, left = max(-(solved.regime.trend or 0.0), 0.0), 0.0
     if shrinks and solved.period:  # drops go on to shrink as they did
-        silent = float(solved.path[-1] - slips.drive[-1])
-        left = float(slips.drop[-1] * (1.0 - shrinks) ** (silent / solved.period))
+        silent = float(solved.path[-1] - slips.drive[-1]) / solved.period
+        left = float(slips.drop[-1] * (1.0 - shrinks) ** silent)
     drive, force = with_slips(solved, velocity)
     return Behaviour(
         rule=rule,
         kind=kind,
         before=before,
         after=after,
-        period=solved.period,
+        period=period,
         slips=slips.drive.size,
-        error=solved.force_error,
+        error=error,
         success=bool(solved.success or (kind != "undecided" and solved.force_error < ENOUGH)),
         message=open_why or (solved.regime.reason if solved.success else solved.message),
         run_time=solved.run_time,

@@ -284,17 +284,3 @@ def first_of(slips: Any) -> float | None:
     if hasattr(slips, "replica"):
         return float(slips.drive[slips.replica == slips.replica[0]][0])
     return float(slips.drive[slips.main[0]])
-
-
-def with_slips(solved: Any, velocity: float) -> tuple[Array, Array]:
-    """Drive and force at the path's points, and before and after each slip, so that no slip is drawn aslant; during
-    that of a mass, which takes time, the drive goes on at this `velocity`, perhaps past points of the path."""
-    slips = solved.slips
-    lasting = getattr(slips, "duration", None)
-    ends = slips.drive if lasting is None else slips.drive + velocity * lasting
-    drive = np.concatenate([solved.path, slips.drive, ends])
-    force = np.concatenate([solved.force, slips.force_before, slips.force_after])
-    # at one place of the drive: the points before the slip, its begin, its end
-    rank = np.repeat([0, 1, 2], [solved.path.size, slips.drive.size, slips.drive.size])
-    order = np.lexsort((rank, drive))
-    return drive[order], force[order]

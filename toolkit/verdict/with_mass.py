@@ -12,6 +12,7 @@ from origins.contacts import Contacts, Delay
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.signals import TimeIsUp
+from toolkit.results.traces import with_slips
 from toolkit.verdict.budget import Budget, loading_of, long_delay
 from toolkit.verdict.ensemble import SEED, follow_by_contacts
 from toolkit.verdict.follow import ROUGHLY, follow
@@ -23,7 +24,6 @@ from toolkit.verdict.machine import (
     not_followed,
     rigid_slider,
     slip_duration,
-    with_slips,
 )
 from toolkit.verdict.readings import Reading
 
