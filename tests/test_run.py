@@ -336,6 +336,12 @@ def test_failing_half_way_leaves_the_folder_as_it_was(monkeypatch: pytest.Monkey
     assert {name: Path("out", name).read_bytes() for name in os.listdir("out")} == before
 
 
+def column_of_forces(folder: Path, head: str) -> list[float]:
+    """This column of force.csv."""
+    with (folder / "force.csv").open(encoding="utf-8") as stream:
+        return [float(row[head]) for row in csv.DictReader(stream)]
+
+
 def test_a_slider_with_mass(tmp_path: Path) -> None:
     """Its speed, energies and the times of its slips are in the files and the picture, and are read again."""
     drive = {"to": 6.0, "points": 61, "spring": 0.3, "mass": 0.05, "damping": 0.05}
@@ -358,6 +364,7 @@ def test_a_slider_with_mass(tmp_path: Path) -> None:
         np.testing.assert_array_equal(found.slips.duration, known.slips.duration)
         np.testing.assert_array_equal(found.energy.released, known.energy.released)
         np.testing.assert_array_equal(found.energy.start, known.energy.start)
+    assert column_of_forces(tmp_path, "eq velocity [length/time]") == known.velocity.tolist()
     told = json.loads((tmp_path / "summary.json").read_text())["eq"]
     assert told["slips"] == known.slips.drive.size >= 2 and told["energy_imbalance"] < 1e-10
     assert told["slip_top_speed"] == known.slips.top_speed.max()
@@ -477,6 +484,7 @@ def test_the_motion_of_a_slider_with_mass_is_kept_with_the_master_equation(tmp_p
     master_with_mass = dataclasses.replace(result.master, **moving)
     toolkit.save(dataclasses.replace(result, master=master_with_mass), tmp_path / "out")
     same_bits(toolkit.load(tmp_path / "out").master, master_with_mass)
+    assert column_of_forces(tmp_path / "out", "master velocity [length/time]") == rows[0].tolist()
     assert (
         "motion  slips last 0.3 units of time on average, top speed 4 units of length per time"
         in report(toolkit.load(tmp_path / "out"))

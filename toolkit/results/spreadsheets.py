@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from origins.thresholds.law import Array
-from toolkit.results.kinds import is_coupled, is_precise
+from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
 
 # points of a path: more, some tens of megabytes, are in result.h5 alone
@@ -31,7 +31,8 @@ def has_force(result: Result) -> bool:
 
 
 def write_force(result: Result, path: Path) -> None:
-    """force.csv: a line for each point of the path, with each solver's force, its error and the fraction that holds."""
+    """force.csv: a line for each point of the path, with each solver's force, its error and the fraction that
+    holds, and of a slider with mass its velocity."""
     scale, mean, curves = result.scale, result.mean_threshold, result.curves
     soft = result.asked.drive is not None and result.asked.drive.spring is not None
     longest: Array = max((curve.path for curve in curves), key=len)
@@ -46,10 +47,14 @@ def write_force(result: Result, path: Path) -> None:
         error = solved.force_error * mean * scale.force
         columns[f"master force error {force}"] = np.full(solved.path.size, error)
         columns["master holding"] = solved.holding
+        if solved.velocity is not None:
+            columns[f"master velocity [{scale.speed_unit}]"] = solved.velocity
     if (eq := result.eq) is not None:
         columns[f"eq force {force}"] = eq.force * scale.force
         columns[f"eq force standard error {force}"] = eq.force_standard_error * scale.force
         columns["eq holding"] = eq.holding
+        if is_heavy(eq):
+            columns[f"eq velocity [{scale.speed_unit}]"] = eq.velocity
     write_rows({name: column.tolist() for name, column in columns.items()}, path)
 
 
