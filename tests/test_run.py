@@ -458,12 +458,17 @@ def test_a_run_says_where_the_slip_rule_decides() -> None:
         drive = {"to": 15.0, "points": 151, "spring": 0.95, "slip": rule}
         (note,) = toolkit.run(scene(wide, drive=drive, master=coarse)).notes
         assert 'decides: stick-slip with "reset", decaying transient with "reform-after"' in note
+    late = {"thresholds": wide, "delay": {"time": 1e-3}}  # each rule would take seconds to minutes
+    drive = {"to": 4.0, "points": 5, "spring": 0.95}
+    waits = toolkit.run(scene(contacts=late, drive=drive, master={"tolerance": 1e-2}))
+    assert waits.master.slips.drive.size and waits.notes == ()
     small = toolkit.run(
         scene(WEAK_AND_STRONG, drive={"to": 1.6, "points": 33, "spring": 0.5}, master=coarse)
     ).notes
     (share,) = (note for note in small if note.startswith("the first slip is small"))
     assert 0.001 < float(share.split(" by ")[1].split()[0]) < 0.03
-    assert toolkit.run(scene(wide, drive=drive | {"spring": 2.0}, master=coarse)).notes == ()
+    stiff = {"to": 15.0, "points": 151, "spring": 2.0, "slip": "instant"}
+    assert toolkit.run(scene(wide, drive=stiff, master=coarse)).notes == ()
     # slips by which all rules call it stick-slip
     soft = {"to": 8.0, "points": 33, "spring": 0.3, "slip": "reset"}
     alike = toolkit.run(scene(wide, drive=soft, master=coarse))
