@@ -368,6 +368,8 @@ def test_the_largest_part_of_an_error_under_a_spring_is_named(
     found = master.solve(LATE, np.linspace(0.0, 4.2, 9), tolerance, **drive)
     assert not found.success
     assert re.search(f"above the tolerance 1.0e-0[34], most of it that of {told}", found.message)
+    limited = "steps are not halved again, which takes 4" in found.message
+    assert limited == (name != "memory"), found.message
 
 
 def test_an_error_of_which_a_part_is_unknown_says_which() -> None:

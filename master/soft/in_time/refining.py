@@ -119,8 +119,12 @@ def refined(
         steps, work = MORE_STEPS * cohorts.steps, more_work * cohorts.work
         as_good_as_memory = found.largest_error < NEAR_MEMORY_ERROR * memory.error
         too_many = steps > MOST_STEPS or work > MOST_WORK
-        if best.largest_error <= tolerance or as_good_as_memory or too_many:
+        if best.largest_error <= tolerance or as_good_as_memory:
             return best
+        if too_many:
+            many = f"{steps:.0f} steps, above {MOST_STEPS:.0f}"
+            what = many if steps > MOST_STEPS else f"{work:.1e} operations, above {MOST_WORK:.0e}"
+            return best._replace(stopped_because=f"steps are not halved again, which takes {what}")
         halvings += 1
 
 
