@@ -155,6 +155,7 @@ def test_smooth_sliding_after_slips_that_shrink_is_told_at_f_k_with_what_is_left
     assert re.match(
         r"smooth at 0\.\d+ ± 0\.\d+ N.* once slips have died out: 9 were seen, each drop", said
     )
+    assert "swings of" not in said  # the error of the force says it
     # where they leave more than the force itself, that is no error of its mean
     left = replace(slides, error=0.8, before=1e-3, after=1e-3, slips=13)
     said = sentence(of(left))

@@ -193,11 +193,12 @@ def once_over(answer: Answer, slider: Behaviour) -> str:
     where the path ends; "" where they did not shrink one by one."""
     if not slider.shrinks_by:
         return ""
-    left = slider.error * answer.contacts.mean_threshold * answer.scale.force
-    swings = (
-        f"swings of {written(left, answer.scale.force_unit, digits=2)} are left where the path ends"
-    )
-    return f" once slips have died out: {slider.slips} were seen{shrinking(slider)}, and {swings}"
+    seen = f" once slips have died out: {slider.slips} were seen{shrinking(slider)}"
+    left = slider.error * answer.contacts.mean_threshold
+    if left <= slider.after:  # it stands beside the force as its error
+        return seen
+    swings = written(left * answer.scale.force, answer.scale.force_unit, digits=2)
+    return f"{seen}, and swings of {swings} are left where the path ends"
 
 
 def of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:
