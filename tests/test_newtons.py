@@ -401,7 +401,7 @@ def test_a_value_and_its_scatter_have_as_many_places(capsys: Any, monkeypatch: A
 
 
 def test_a_run_on_a_spring_is_told_in_newtons_and_metres(capsys: Any) -> None:
-    """Its regime, and how late the slips of the ensemble come."""
+    """Its regime, its period, and how late the slips of the ensemble come."""
     drive = {"spring": "1 kN/m", "area": 1e-6, "to": 1e-3, "points": 20}
     eq = {"contacts": 500, "replicas": 2}
     _, out, _ = said(capsys, "run", write(contacts={"thresholds": ROUGH}, drive=drive, eq=eq))
@@ -409,6 +409,7 @@ def test_a_run_on_a_spring_is_told_in_newtons_and_metres(capsys: Any) -> None:
     assert re.search(
         r"K = 1\.000 kN/m, a rigid slider as fast as the drive has K\* = \S+ .?N/m", page
     )
+    assert re.search(r"last period \d{3}\.\d µm: ", page)
     assert re.search(r"place in eq less that of the master equation: \S+ ± \S+ .m", page)
     assert "K = " in page and "N_c<k>, a rigid" not in page and " of <x_s>, " not in page
 

@@ -44,6 +44,7 @@ from toolkit.verdict.machine import (
 from toolkit.verdict.of_area import disagreeing, fall_of, late_force_of, with_more
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.table import in_units
+from toolkit.verdict.uncertainty import spring_to_digits
 from toolkit.verdict.with_mass import follow_other_delay
 from toolkit.verdict.words import page, sentence
 
@@ -124,7 +125,7 @@ def test_without_a_spring_it_says_below_which_one_the_interface_slips(capsys: An
     scale = scale_of(contacts, 1e-6)
     own = master.propensity(contacts).critical_spring * scale.spring
     springs = [one["critical_spring"]["value"] for one in found["readings"]]
-    said = guarded(own, "N/m", max(springs) - min(springs))
+    said = written(own, "N/m", max(springs) - min(springs), digits=4)
     assert status == 0 and f"slips on a spring softer than K* = {said} (from {said} to " in page
     assert found["readings"][0]["critical_spring"]["value"] == pytest.approx(own, rel=1e-5)
     # the material lacks the constant of the paper's law, and the page says so
@@ -559,9 +560,9 @@ def test_where_the_readings_decide_their_kinds_are_counted(capsys: Any) -> None:
     between = np.sqrt(np.prod(springs)) / surface.per_area(1.0)
     drive = {"spring": f"{between:.6g} N_c<k>"}
     _, page, _ = judged(capsys, thresholds=ROUGH, drive=drive, verdict=readings)
-    kinds = {"smooth by gw/amontons", "stick-slip by 1 of 1 others"}
+    kinds = {"smooth by gw/amontons", "stick-slip by 1 of 1 other readings"}
     if springs[0] > springs[1]:
-        kinds = {"stick-slip by gw/amontons", "smooth by 1 of 1 others"}
+        kinds = {"stick-slip by gw/amontons", "smooth by 1 of 1 other readings"}
     assert all(kind in page for kind in kinds)
 
 
@@ -662,6 +663,8 @@ def test_digits_are_those_that_the_uncertainty_leaves() -> None:
     assert written(0.254779, "N", 0.01) == "250 mN"
     # one digit more where the uncertainty is told elsewhere: heat of 0.03 % is not a step from 250 to 260 mN
     assert guarded(0.254979, "N", 0.1) == guarded(0.255056, "N", 0.1) == "255 mN"
+    springs = [spring_to_digits(one, "N/m", 1.11e5) for one in (1.853e4, 1.295e5)]
+    assert springs == ["19 kN/m", "130 kN/m"]
     assert guarded(0.254979, "N", 1e-6) == "255.0 mN" and guarded(0.254979, "N", 0.0) == "255 mN"
     assert written(0.254779, "N") == "255 mN"
     assert written(45297237.6, "N/m") == "45.3 MN/m"
@@ -1138,7 +1141,7 @@ def test_a_critical_spring_below_its_error_is_not_told() -> None:
         assert ("K*, which is not known" in text) == (machine is None)
         text, found = told(machine, sure, vague, answers.Quantity(3.0, 1e-6))
         assert "  K* of r1: not known, as it is as large as the number\n" in text
-        assert "2.00 N_c<k> to 3.00 N_c<k>" in text and "over 2 readings" in text
+        assert "2.0 N_c<k> to 3.0 N_c<k>" in text and "over 2 readings" in text
         assert found.success and "7.0" not in text
         (springs,) = (one for one in draw_verdict(found).axes if one.get_label() == "springs")
         assert [one.get_text() for one in springs.texts] == ["not known"]
@@ -1449,6 +1452,38 @@ def test_where_the_areas_contacts_slip_otherwise_by_the_rule_the_lines_below_tel
         found = answers.Verdict("a", "a", 1.0, (answer,), (slips, other), {}, 1.0)
         assert sentence(found) == told
         assert "stick-slip: 700 ± 1 mN down to 0 N with the 300 contacts" in page(found)[3]
+
+
+def test_readings_that_disagree_stand_in_a_headline_of_the_number_of_contacts() -> None:
+    """Of the readings that say something else of infinitely many it told below alone."""
+    slips = Finite("reset", 300, "stick-slip", 0.7, 1e-3, 0.0, 0.0, 5.0)
+    found = with_contacts(infinite("smooth", 0), slips, 1.1, 1.2)
+    begin, _, end = sentence(found).partition(
+        "; disagree: infinitely many would slide smoothly at "
+    )
+    assert begin == "300 contacts stick and slip, from 700 mN down to 0 N" and ";" not in end
+    *same, other = found.answers
+    other = replace(other, behaviours=(infinite("stick-slip", 5),))
+    found = replace(found, answers=(*same, other))
+    assert sentence(found).endswith(f"{end}; stick-slip by 1 of 2 other readings")
+
+
+def test_contacts_that_slip_now_and_then_are_told_so_wherever_they_are_told(
+    monkeypatch: Any,
+) -> None:
+    """The sentence said "smooth", and the list and the picture "now and then"."""
+    own = replace(infinite("smooth", 0), rule="instant", before=1.0, after=1.0)
+    finite = Finite("instant", 300, "now and then", 1.1, 1e-3, 0.9, 1e-3, 0.25, fluctuation=0.02)
+    finite = replace(finite, late=1.02, late_error=2e-3)
+    finite = replace(finite, drive=np.array([0.0, 1.0]), force=np.array([0.0, 1.0]))
+    found = with_contacts(own, finite)
+    said = "slips now and then, at 1.020 ± 0.002 N, fluctuating by ± 20 mN, with the 300 contacts of the area"
+    (told, *_), text = page(found)[3:], "\n".join(page(found))
+    assert told.strip() == f"{said} (smooth at 1.00 N for infinitely many)"
+    assert "300 contacts, if contacts re-form at once: slips now and then, from 1.100 " in text
+    assert "smooth at 1.02" not in text and text.count("now and then") == 3
+    legend = draw_verdict(found).axes[0].get_legend()
+    assert [one for one in legend.get_texts() if "at once: slips now and then" in one.get_text()]
 
 
 def test_the_widest_uncertainty_stands_in_the_headline() -> None:

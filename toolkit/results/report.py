@@ -8,7 +8,7 @@ from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.numbers import in_words
 from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import in_a_line, with_error
-from toolkit.scene.scale import spoken
+from toolkit.scene.scale import spoken, with_uncertainty
 
 APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
@@ -30,9 +30,12 @@ def report(result: Any) -> list[str]:
         took = f"{solved.run_time:.4f} s"
         lines.append(f"master  error {error}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None:
-        period = f"{with_error(solved.period, 2.0 * solved.slips.drive_error, 9)} {'m' * result.thresholds.in_metres}"
+        error = 2.0 * solved.slips.drive_error
+        period = with_error(solved.period, error, 9)
+        if result.thresholds.in_metres:
+            period = with_uncertainty(solved.period, error, "m")
         periodic = is_precise(solved) and solved.slips.period is not None
-        period_text = f", last period {period.strip()}" if periodic else ""
+        period_text = f", last period {period}" if periodic else ""
         lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
         if solved.energy is not None and solved.slips.drive.size and is_precise(solved):
             lasts = spoken(solved.slips.duration.mean(), result.scale.time_unit)

@@ -24,7 +24,7 @@ from toolkit.verdict.kinds import (
     sorted_texts,
 )
 from toolkit.verdict.machine import Finite, critical_damping
-from toolkit.verdict.of_area import apart, fall_of, fluctuating, late_force_of
+from toolkit.verdict.of_area import apart, does, fall_of, fluctuating, late_force_of
 from toolkit.verdict.table import HOLDING, drop_of, regained_by, speed_unit
 from toolkit.verdict.uncertainty import uncertainties_of
 from toolkit.verdict.undone import of_errors, of_readings, unanswered
@@ -267,7 +267,7 @@ def _not_followed(verdict: Verdict, many: Finite) -> float:
 
 def _of_finite(verdict: Verdict, finite: Finite) -> str:
     """What so many contacts do, in words; RULE stands for the slip rules under which they do so."""
-    said = f"{of_contacts(finite.contacts)}, if {RULE}: {finite.kind}"
+    said = f"{of_contacts(finite.contacts)}, if {RULE}: {does(finite)}"
     late = late_force_of(finite, verdict.own.kinetic.value, verdict.own.scale)
     beside = f" ({finite.message})" * bool(finite.message) + late
     if finite.kind == "smooth":

@@ -113,6 +113,11 @@ def verb(kinds: set[str]) -> str:
     return verbs.get(min(kinds), "slip now and then")
 
 
+def does(many: Finite) -> str:
+    """What so many contacts do, in the same words wherever it is told."""
+    return "slips now and then" if many.kind == "now and then" else many.kind
+
+
 def plain_fall(finite: Finite, force: float, unit: str) -> str:
     """The forces before and after a slip of so many contacts, without errors; "" where they slide."""
     if not np.isfinite(finite.after):
@@ -128,15 +133,11 @@ def behaved(verdict: Verdict, many: Finite) -> str:
         beside = fluctuating(many, scale)
         whose = f"{beside}{',' * bool(beside)} {whose}"
         if not np.isfinite(many.late):
-            return f"smooth{whose}"
-        force = sliding_force(many, scale)
-        return (
-            f"smooth, at {force} and still rising{whose}"
-            if many.rises
-            else f"smooth at {force}{whose}"
-        )
+            return f"{does(many)}{whose}"
+        still, comma = " and still rising" * many.rises, "," * (many.rises or many.kind != "smooth")
+        return f"{does(many)}{comma} at {sliding_force(many, scale)}{still}{whose}"
     if many.kind == "now and then":
-        return f"slips now and then, from {fall_of(many, scale)} {whose}"
+        return f"{does(many)}, from {fall_of(many, scale)} {whose}"
     said = f"stick-slip: {fall_of(many, scale)}"
     if shrinks := shrinking(many):  # the forces are those of late slips, not of those to come
         whose += f"{shrinks}, so that they may die out"

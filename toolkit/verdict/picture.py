@@ -20,7 +20,7 @@ from toolkit.scene.scale import SHARED, of_contacts, spoken
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.kinds import named
 from toolkit.verdict.machine import Behaviour, Finite, Machine
-from toolkit.verdict.of_area import apart
+from toolkit.verdict.of_area import apart, does
 from toolkit.verdict.with_mass import in_its_own_time
 from toolkit.verdict.words import sentence, warnings
 
@@ -104,7 +104,7 @@ def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
     followed = [finite for finite in apart(verdict).values() if finite.drive.size]
     for number, alike in enumerate(_alike(followed), start=len(drawn)):
         finite, rules = alike[0], named([one.rule for one in alike])
-        label = f"{of_contacts(finite.contacts)}, {rules}: {finite.kind}"
+        label = f"{of_contacts(finite.contacts)}, {rules}: {does(finite)}"
         # thin, and above the others, which it may follow for long, as one of these another
         style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
         style["ls"] = DASHES[(number - len(drawn)) % len(DASHES)]

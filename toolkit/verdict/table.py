@@ -1,7 +1,7 @@
 """The table of a verdict: each number, the scatter of other samples, the spread over the readings."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import zip_longest
 
 import numpy as np
@@ -11,7 +11,12 @@ from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.budget import NO_FORCES
 from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
-from toolkit.verdict.uncertainty import other_samples, widest_uncertainty
+from toolkit.verdict.uncertainty import (
+    other_samples,
+    spring_to_digits,
+    to_digits,
+    widest_uncertainty,
+)
 
 # of a force: a larger error of it is told beside it
 PRECISE = 1e-3
@@ -79,7 +84,8 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     else:
         with_spring = [one for one in answers if not one.critical_spring.lost]
         critical = [one.critical_spring for one in with_spring]
-        yield row(name, critical, [one.scale.spring for one in with_spring], scale.spring_unit)
+        springs = [one.scale.spring for one in with_spring]
+        yield row(name, critical, springs, scale.spring_unit, write=spring_to_digits)
     if own.machine is not None:
         springs = [one.scale.spring for one in answers]
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
@@ -99,9 +105,10 @@ def row(
     factors: Sequence[float],
     unit: str,
     uncertainty: float = 0.0,
+    write: Callable[[float, str, float], str] = guarded,
 ) -> list[str]:
     """A row: the own reading's value to a digit beyond that which the widest of the three uncertainties leaves;
-    `uncertainty` : the least that is taken for it, relative to the value."""
+    `uncertainty` : the least that is taken for it, relative to the value; `write` : as `guarded`."""
     if each[0].unknown:
         return [name, "not known", "", ""]
     values = [one.value * factor for one, factor in zip(each, factors, strict=True)]
@@ -112,8 +119,8 @@ def row(
     off = max(error, sampling, high - low if apart else 0.0, uncertainty * abs(values[0]))
     if not np.isfinite(off):
         off = uncertainty * abs(values[0])
-    ends = [guarded(value, unit, off) for value in (low, high)]
-    told = guarded(values[0], unit, off)
+    ends = [write(value, unit, off) for value in (low, high)]
+    told = write(values[0], unit, off)
     if off == sampling > _VAGUE * abs(values[0]):  # beside it, and with as many places
         told = written(values[0], unit, digits=2)
     return [
@@ -145,35 +152,23 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         uncertainty = max(widest_uncertainty(verdict), relative_error)
         before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
         # an error that other samples and readings do not hide is told beside its number
-        error = (
-            relative_error * abs(before)
-            if relative_error > max(PRECISE, widest_uncertainty(verdict))
-            else 0.0
-        )
+        shown = relative_error > max(PRECISE, widest_uncertainty(verdict))
+        error = relative_error * abs(before) * shown
         values = {"force before a slip": _with_error(before, force, uncertainty * before, error)}
-        if load:
-            over = to_digits(before / load, "", uncertainty * before / load, error / load)
-            values["force before a slip"] += f", {over} of the load"
+        values["force before a slip"] += _of_load(before, uncertainty, error, load)
         values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error)
         if (regained := regained_by(verdict, behaviour)) is not None:
             back = regained * scale.force
-            values["of it regained over a period"] = to_digits(
-                back, force, uncertainty * back, error
-            )
+            told = to_digits(back, force, uncertainty * back, error)
+            values["of it regained over a period"] = told
         if (mean_force := mean_over_slips(behaviour)) is not None:
             mean_force *= scale.force
-            values["mean force of stick-slip"] = to_digits(
-                mean_force, force, uncertainty * mean_force, error
-            )
-            if load:
-                over = to_digits(
-                    mean_force / load, "", uncertainty * mean_force / load, error / load
-                )
-                values["mean force of stick-slip"] += f", {over} of the load"
+            told = to_digits(mean_force, force, uncertainty * mean_force, error)
+            told += _of_load(mean_force, uncertainty, error, load)
+            values["mean force of stick-slip"] = told
         if behaviour.period is not None:
-            values["period"] = ", ".join(
-                period_of(verdict, behaviour.period, uncertainty, bool(error))
-            )
+            both = period_of(verdict, behaviour.period, uncertainty, bool(error))
+            values["period"] = ", ".join(both)
         if behaviour.slip_time is not None:
             values["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         whose = ", infinitely many contacts" * (behaviour.rule in few)
@@ -182,6 +177,14 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
             rows.setdefault((name + whose, value), []).append(rule)
     for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
+
+
+def _of_load(force: float, uncertainty: float, error: float, load: float | None) -> str:
+    """A force, with its relative uncertainty and its own error, as a part of the load; "" where none is known."""
+    if not load:
+        return ""
+    over = force / load
+    return f", {to_digits(over, '', uncertainty * over, error / load)} of the load"
 
 
 def _of_holding(answer: Answer) -> str:
@@ -211,12 +214,6 @@ def _with_error(value: float, unit: str, uncertainty: float, error: float) -> st
     return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty)
 
 
-def to_digits(value: float, unit: str, uncertainty: float, error: float) -> str:
-    """A value to the digit of an error that stands beside it or beside what it follows from; where none is (0), to
-    one digit more than its uncertainty leaves."""
-    return written(value, unit, error, digits=4) if error else guarded(value, unit, uncertainty)
-
-
 def _unfinished(behaviour: Behaviour) -> str:
     """What to add to the rule of slips that were seen and are not decided: whether the path is cut."""
     if behaviour.kind != "undecided":
@@ -243,13 +240,15 @@ def without_spring(verdict: Verdict) -> str:
     own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
     if not np.isfinite(spread):
         spread = 0.0
-    spread = max(spread, (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring)
-    said = f"slips on a spring softer than K* = {guarded(own, unit, spread)}"
     sampling = (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring
+    spread = max(spread, sampling)
+    said = f"slips on a spring softer than K* = {spring_to_digits(own, unit, spread)}"
     if sampling >= own:
         said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
     if len(springs) > 1:
-        ends = " to ".join(guarded(value, unit, spread) for value in (min(springs), max(springs)))
+        ends = " to ".join(
+            spring_to_digits(one, unit, spread) for one in (min(springs), max(springs))
+        )
         said += f" (from {ends} over {len(springs)} readings)"
     return f"{said}; give drive.spring for a verdict on a machine"
 

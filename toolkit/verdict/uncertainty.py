@@ -238,3 +238,14 @@ def with_sampling(
         replace(one, sampling=float(off)) for one, off in zip(quantities, scatter, strict=False)
     ]
     return [*scattered, *quantities[len(scattered) :]]
+
+
+def to_digits(value: float, unit: str, uncertainty: float, error: float) -> str:
+    """A value to the digit of an error that stands beside it or beside what it follows from; where none is (0), to
+    one digit more than its uncertainty leaves."""
+    return written(value, unit, error, digits=4) if error else guarded(value, unit, uncertainty)
+
+
+def spring_to_digits(value: float, unit: str, uncertainty: float) -> str:
+    """K* to the digits that its uncertainty leaves, two at least: readings may differ by orders of magnitude."""
+    return written(value, unit, uncertainty, digits=4 if 0.0 < uncertainty < np.inf else 3)

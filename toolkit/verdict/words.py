@@ -45,7 +45,6 @@ from toolkit.verdict.table import (
     in_units,
     speed_unit,
     table,
-    to_digits,
     without_spring,
 )
 from toolkit.verdict.uncertainty import (
@@ -54,6 +53,7 @@ from toolkit.verdict.uncertainty import (
     once_over,
     other_samples,
     sliding_force_of,
+    to_digits,
     unsure_of_springs,
     widest,
     widest_uncertainty,
@@ -94,10 +94,8 @@ def _answered(verdict: Verdict) -> str:
     own = verdict.own
     if own.machine is None:
         return without_spring(verdict)
-    if apart := _disagreement(verdict):
-        return apart
-    if extremes := of_extremes(verdict):
-        return extremes
+    if said := _disagreement(verdict) or of_extremes(verdict):
+        return "; ".join([said, *_by_others(verdict)])
     if len({one.kind for each in verdict.answers for one in each.behaviours} - {"undecided"}) > 1:
         return f"the assumptions decide: {', '.join(_kinds(verdict))}"
     return "; ".join(_by_rules(verdict, own))
@@ -145,12 +143,16 @@ def _kinds(verdict: Verdict) -> list[str]:
     groups = _groups(verdict.own)
     if len(groups) > 1:
         words = {"undecided": "not decided"}
-        return [f"{words.get(kind, kind)} if {_rules(alike)}" for kind, alike in groups.items()]
-    many = len(verdict.answers) - 1
-    own = [f"{kind} by {verdict.own.name}" for kind in groups]
-    return own + [
-        f"{kind} by {len(names)} of {many} others" for kind, names in others(verdict).items()
-    ]
+        own = [f"{words.get(kind, kind)} if {_rules(alike)}" for kind, alike in groups.items()]
+    else:
+        own = [f"{kind} by {verdict.own.name}" for kind in groups]
+    return own + _by_others(verdict)
+
+
+def _by_others(verdict: Verdict) -> list[str]:
+    """How many of the other readings say something else than the scene's own, by what they say."""
+    of_all = f"of {len(verdict.answers) - 1} other readings"
+    return [f"{kind} by {len(names)} {of_all}" for kind, names in others(verdict).items()]
 
 
 def _rules(alike: Sequence[Behaviour]) -> str:
