@@ -11,6 +11,7 @@ from numpy.polynomial import legendre
 from scipy import stats
 from scipy.integrate import solve_ivp
 
+import eq_model
 import master
 import origins
 from master.motion import Motion
@@ -496,7 +497,7 @@ def test_three_slips_of_a_machine() -> None:
 def test_identical_contacts_by_hand() -> None:
     """One contact of weight 1: an oscillator that holds until it is stretched by 1, and is out for the delay."""
     delay, spring, mass, damping = 0.4, 0.5, 0.2, 0.3
-    path = np.linspace(0.2, 12.0, 60)
+    path = np.linspace(0.2, 15.0, 75)
     t, state, hand, formed = 0.0, [0.0, 0.0], np.full(path.size, np.nan), 0.0
     while t < path[-1]:
 
@@ -521,8 +522,25 @@ def test_identical_contacts_by_hand() -> None:
     for way in (1.0, -1.0):
         found = solve(contacts, way * path, 1e-8, spring=spring, mass=mass, damping=damping)
         assert found.success, found.message
-        assert found.slips.drive.size == 2
+        assert found.slips.drive.size == 3
         np.testing.assert_allclose(found.position, way * hand, atol=1e-7)
+
+
+def test_two_slips_on_a_soft_spring_are_those_of_single_contacts() -> None:
+    """On 1e-5 of the contacts' stiffness, where a slip passes 1e5 thresholds; means over sliders of 8,000 contacts."""
+    contacts, path, sliders = delayed(5.0), [2e5], 16
+    machine = {"spring": 1e-5, "mass": 1e-7, "damping": 5e-7, "velocity": 100.0}
+    found = solve(contacts, path, 1e-3, **machine)
+    given: dict[str, Any] = {"n_contacts": 8_000, "n_replicas": sliders, "seed": 1}
+    drawn = eq_model.simulate(contacts, path, **machine, **given).slips
+    assert found.success, found.message
+    assert found.slips.drive.size == 2 and drawn.drive.size == 2 * sliders
+    for name in ("drive", "force_before", "force_after", "duration", "top_speed"):
+        each = np.stack(
+            [getattr(drawn, name)[drawn.replica == slider] for slider in range(sliders)]
+        )
+        error = each.std(axis=0, ddof=1) / sliders**0.5
+        assert (np.abs(each.mean(axis=0) - getattr(found.slips, name)) < 4.0 * error).all(), name
 
 
 def test_a_slider_that_is_pulled_back_does_the_same_backwards() -> None:
