@@ -3,6 +3,7 @@ and what is drawn against what."""
 
 import dataclasses
 import re
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -287,8 +288,10 @@ def test_a_mass_that_swings_between_the_points_of_the_path_is_drawn_as_dots(
     result = toolkit.run(
         scene(contacts=contacts, drive=drive | {"damping": 1e-5}, master=None, eq=EQ)
     )
-    for draw in (plot_force, plot_velocity, plot_position):
-        axes = draw(Figure().subplots(), result)
+    # drawn alike where it was cut short
+    for draw, success in product((plot_force, plot_velocity, plot_position), (True, False)):
+        eq = dataclasses.replace(result.eq, success=success)
+        axes = draw(Figure().subplots(), dataclasses.replace(result, eq=eq))
         of_slider = [line for line in axes.get_lines() if line.get_color() == INK["eq"]]
         swings = [line for line in of_slider if len(line.get_xdata()) >= points]
         assert swings and {line.get_marker() for line in swings} == {mark}

@@ -120,10 +120,10 @@ def _line_or_dots(
 ) -> tuple[dict[str, Any], str]:
     """The style of a curve, and what its label adds: dots where a slider with mass swings between the points of the
     path, since a line would draw slower swings that do not exist."""
-    # with mass, by the master equation
-    solved = getattr(curve, "velocity", None) is not None and is_precise(curve)
-    slips = slips_of(curve, replica)
-    if not (is_heavy(curve) or solved) or not hides_swings(curve.path, value, slips, speed):
+    if getattr(curve, "velocity", None) is None:  # without a mass
+        return style, ""
+    known, slips = is_heavy(curve) or is_precise(curve), slips_of(curve, replica)
+    if not known or not hides_swings(curve.path, value, slips, speed):
         return style, ""
     return style | {"ls": "", "marker": ".", "ms": 2.5}, "; dots, as it swings between points"
 
