@@ -225,7 +225,7 @@ def _unknown(verdict: Verdict, many: Finite) -> tuple[str, str]:
         fall = fall_of(many, verdict.own.scale)
         said = f"{of_contacts(many.contacts)}, if {RULE}: not known: {seen} of {fall} seen, and not followed further"
     elif own.contacts is None:
-        said = f"the number of contacts was not looked at if {RULE}"
+        said = f"what {of_contacts(many.contacts)} do if {RULE} is not known"
     else:
         said = f"{own.contacts:,} contacts stand for the {many.contacts:,} of the area if {RULE}"
     return f"{said}: {many.message}", many.rule

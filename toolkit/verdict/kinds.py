@@ -203,12 +203,13 @@ def _same_with(verdict: Verdict, other: Behaviour, what: str) -> Line:
     own = verdict.own
     (one,), scale, mean = own.behaviours, own.scale, own.contacts.mean_threshold
     change = abs(other.before - one.before)
-    if change <= max(WORTH_TELLING * abs(one.before), (one.error + other.error) * mean):
+    least = max(WORTH_TELLING * abs(one.before), (one.error + other.error) * mean)
+    if one.kind == other.kind and change <= least:
         return Line(NOTHING, f"not the contacts' delay: {what} it does the same")
     force = written(other.before * scale.force, scale.force_unit)
     where = f"{'at' if other.kind == 'smooth' else 'from'} {force}"
     said = (
-        f"{what} it is {other.kind}, too, but {where}"
+        f"{what} it is {other.kind}{', too, but' * (other.kind == one.kind)} {where}"
         f"{', as a slider without mass and damping tells' * (other.rule != 'mass')}"
     )
     return Line(change / abs(one.before), f"the contacts' delay: {said}")
