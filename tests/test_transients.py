@@ -43,6 +43,13 @@ def slips_of(force_before: np.ndarray) -> CoupledSlips:
     )
 
 
+def test_where_one_slider_never_slips_all_slips_of_the_others_tell() -> None:
+    """The first drop of each is three times as large as all others."""
+    three = slips_of(np.tile(np.append(1.0, np.full(19, 0.3)), (3, 1)))
+    mean, error = late_slips(three, 4).mean("drop")
+    assert mean == pytest.approx((1.0 + 19.0 * 0.3) / 20.0) and error > 0.1
+
+
 def test_the_error_of_late_slips_holds_what_a_transient_leaves() -> None:
     """Slips that fade to 1 by e^(-n/8), beside those that are there: the mean of the later half is off by more than
     chance, and its error says so; of few slips, of which one may be anything, by how much one differs from others."""

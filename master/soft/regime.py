@@ -236,7 +236,8 @@ def _lacking(
         if last_step * (found.steady_from - drive.path[-1]) <= 0.0:
             return ""
         # four digits are rounded by up to 5e-4, and must not lie before it
-        where = f"from X_T = {1.0005 * found.steady_from:.4g} on, as it creeps there"
+        later = found.steady_from + 5e-4 * abs(found.steady_from) * np.sign(last_step)
+        where = f"from X_T = {later:.4g} on, as it creeps there"
         return f", but F is that of steady sliding, to the tolerance, only {where}; drive as far"
     motion = drive_motion(drive, found.balance)
     moving = np.flatnonzero([] if motion is None else motion.speeds)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from origins.thresholds.law import Array
 from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
+from toolkit.results.slips import main_slips
 from toolkit.scene.interfaces import with_error
 from toolkit.scene.scale import spoken, with_scatter
 
@@ -72,7 +73,9 @@ NOT_COMPARED = "force not known, too few contacts or breaks, all at once, or one
 
 
 def slips_beside(result: Result) -> list[dict[str, Any]]:
-    """The master equation's slips in order, for a result of both solvers on a soft slider; else none.
+    """The master equation's slips in order, for a result of both solvers on a soft slider; else none. With a mass those
+    of a fifth of the largest or more of either: of smaller ones, in which part of the contacts that hold breaks while
+    most wait, each solver has its own.
 
     drive, drop : X_T and the fall of the force, lengths; mean_drive, drive_error and so on : mean and standard error of
     the same slip in the replicas, of which so many `have` it.
@@ -80,12 +83,16 @@ def slips_beside(result: Result) -> list[dict[str, Any]]:
     solved, eq = result.master, result.eq
     if solved is None or solved.slips is None or not is_coupled(eq) or not is_precise(solved):
         return []
-    found = []
-    for number, (drive, drop) in enumerate(zip(solved.slips.drive, solved.slips.drop, strict=True)):
-        if have := int((eq.slips.number == number).sum()):
-            slip = {"number": number, "drive": float(drive), "drop": float(drop), "have": have}
+    found, slips, of_eq = [], solved.slips, eq.slips
+    which = slips.main if is_heavy(eq) else np.arange(slips.drive.size)
+    if is_heavy(eq):
+        of_eq = main_slips(of_eq)
+    for number, each in enumerate(which.tolist()):
+        if have := int((of_eq.number == number).sum()):
+            slip: dict[str, Any] = {"number": number, "have": have}
             for own in ("drive", "drop"):
-                slip[f"mean_{own}"], slip[f"{own}_error"] = eq.slips.mean(own, number)
+                slip[own] = float(getattr(slips, own)[each])
+                slip[f"mean_{own}"], slip[f"{own}_error"] = of_eq.mean(own, number)
             found.append(slip)
     return found
 
@@ -104,6 +111,8 @@ def slip_line(result: Result) -> str:
     else:
         late = [f"{with_error(way / unit, error / unit, 2)} of <x_s>" for way, error in behind]
     if is_heavy(eq):
+        if smaller := eq.slips.number.size - main_slips(eq.slips).number.size:
+            line += f"; {smaller} of eq lower the force by less than a fifth of the largest"
         if eq.slips.number.size:
             lasts, fastest = eq.slips.duration.mean(), eq.slips.top_speed.max()
             line += f"; they last {spoken(lasts, result.scale.time_unit)} on average, "

@@ -126,7 +126,7 @@ def _mean_of(values: Array, replica: npt.NDArray[np.int_]) -> tuple[float, float
 
 def late_slips(slips: Any, sliders: int) -> LateSlips:
     """The later half of the slips that all of so many sliders have had, and those after; of fewer than HALVED the last
-    one of these alone, or the first where some have had none, held against the one before it."""
+    one of these alone, held against the one before it, or all where some sliders have had none."""
     common = int(np.bincount(slips.replica, minlength=sliders).min())
     gaps = np.diff(slips.drive, prepend=np.nan)
 
@@ -136,7 +136,9 @@ def late_slips(slips: Any, sliders: int) -> LateSlips:
             _only(slips, kept), gaps[follow_one], slips.replica[follow_one], common, blocks
         )
 
-    last = max(common - 1, 0)
+    if not common:
+        return those(np.ones(slips.number.size, bool))
+    last = common - 1
     if common < HALVED:
         one_before = [those(slips.number == one) for one in (last - 1, last) if last]
         return those(slips.number == last, *one_before)

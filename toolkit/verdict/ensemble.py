@@ -54,8 +54,8 @@ SURE = 2.0
 # Times that sliders whose slips are still those of a transient are pulled as far again, at most; and times as long as
 # the way so far takes that the next may.
 DOUBLINGS, LONGER = 5, 2.5
-# part of themselves that slips which fade leave after as many more, below which they are not told as stick-slip
-FADED = 0.5
+# part of themselves that slips which fade leave after so many more, below which they are not told as stick-slip
+FADED, FURTHER = 0.5, 32
 NOT_SLID = "their path ended before they slid or slipped"
 
 
@@ -181,7 +181,7 @@ def follow_by_contacts(
     slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
     slipped = common > 1 and may_go_on(found, machine.spring, waits, 0)
-    kind, many = "stick-slip" if slipped else "smooth", None
+    kind, many, too_early = "stick-slip" if slipped else "smooth", None, 0.0
     if slipped:
         many = Finite(rule, number, kind, drive=drive, force=force, smaller=smaller)
         many = with_late_slips(many, slips)
@@ -191,7 +191,7 @@ def follow_by_contacts(
         if number > FEW:
             few = sliders(machine, contacts, rule, path, FEW, SHORT)
             few = replace(few, slips=main_slips(few.slips))
-        error += _too_early(found, few, unit)
+        error += (too_early := _too_early(found, few, unit))
         if before - after < SURE * error:
             return not_followed(rule, f"{number:,} contacts slip, perhaps as they are so few")
     if not common and not has_slid(found, unit):
@@ -203,12 +203,12 @@ def follow_by_contacts(
     if not slipped and (swing := float(np.ptp(forces, axis=1).max()) / unit) > RINGS:
         return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
     shrinks = shrinks_by(slips, SLIDERS)
-    if many and (1.0 - shrinks) ** common < FADED:
+    if many and (1.0 - shrinks) ** FURTHER < FADED:
         # means of slips that fade tell nothing of those to come, nor is it known whether these end
         kind, fades = "undecided", "their slips still fade where the path ends"
         many = replace(many, kind="unknown", message=fades)
         last = [slips.mean(f"force_{when}", common - 1) for when in ("before", "after")]
-        (before, error), (after, _) = last
+        before, error, after = last[0][0], last[0][1] + too_early, last[1][0]
     if not slipped:
         each = mean_forces(found, late)
         before = after = float(each.mean())

@@ -259,7 +259,8 @@ class Creep:
         )
         time = begin.time + make_interp_spline(s, time_per_s, k=5).antiderivative()(s)
         force = sign * table.force(log_ratio + drive)
-        steady_from = float(time[np.argmax(np.abs(force - force[-1]) <= self._tolerance)])
+        off = np.flatnonzero(np.abs(force - force[-1]) > self._tolerance)
+        steady_from = float(time[off[-1] + 1 if off.size else 0])
         if time[-1] > end:
             at_end = make_interp_spline(time, np.stack([s, force], axis=1), k=3)(end)
             until = time < end
