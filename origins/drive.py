@@ -16,9 +16,9 @@ SlipRule = Literal["reset", "reform-after", "instant"]
 # between which it does not rise by RISE, or by what chance does to few contacts (`eq_model.coupled.mass.chance`). The
 # slider sticks where the force rises by RISE while it stays within ROOM, RISE of all contacts at least hold it, which
 # is what that force takes, and SLIP_FRACTION of these break at most. From where it last stuck to the end of the swing
-# SLIP_FRACTION of those break at least, and the slider gets FASTER times as fast as the drive. The master equation has
-# no chance: its swings end at the first minimum, and its contacts that hold or break are shares of all. RISE is in mean
-# thresholds.
+# SLIP_FRACTION of those break at least, and of those that hold in steady sliding at the drive's speed, and the slider
+# gets FASTER times as fast as the drive. The master equation has no chance: its swings end at the first minimum, and
+# its contacts that hold or break are shares of all. RISE is in mean thresholds.
 RISE = 0.02
 # In mean thresholds: contacts that hold are stretched from -1 to 1 of them at most.
 ROOM = 2.0

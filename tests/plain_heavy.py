@@ -97,7 +97,11 @@ class PlainSlider:
             if not signs[first]:
                 continue
             top, ends = speed(times[first:last]).max(), last < times.size
-            if first > 0 and ends and (fell or not (self.loosened() and top >= 1.5 * velocity)):
+            if (
+                first > 0
+                and ends
+                and (fell or not (self.loosened(velocity) and top >= 1.5 * velocity))
+            ):
                 continue  # falls between two events, as a slider that sticks rings
             for i, falls, there in ((first, True, first > 0), (last, False, ends)):
                 if not there:
@@ -107,9 +111,14 @@ class PlainSlider:
                 self.turn(at, way(at), falls, velocity)
             self.top = max(self.top, top)
 
-    def loosened(self) -> bool:
+    def loosened(self, velocity: float) -> bool:
         """Whether the next swing down is a slip."""
-        return self.stuck and self.loose >= max(self.fraction * self.held, 1)
+        return self.stuck and self.loose >= max(self.fraction * self.held, self.fewest(velocity), 1)
+
+    def fewest(self, velocity: float) -> float:
+        """Breaks in a slip: a fifth of the contacts that hold in steady sliding."""
+        mean, wait = self.contacts.mean_threshold, self.contacts.waiting_time
+        return self.n * max(0.02, min(self.fraction, 0.2) * mean / (mean + wait * abs(velocity)))
 
     def turn(self, after: float, way: float, falls: bool, velocity: float) -> None:
         """From so much later, and so far ahead, the spring's force falls, or rises again."""
@@ -131,7 +140,7 @@ class PlainSlider:
             self.rushed |= self.lead - lead >= chance
             drop, first = (
                 self.high[3] - force,
-                self.slip is None and self.rushed and self.loosened(),
+                self.slip is None and self.rushed and self.loosened(velocity),
             )
             if self.low or drop >= level:
                 if first:

@@ -9,7 +9,7 @@ import scipy.stats
 import eq_model
 import origins
 import toolkit
-from toolkit.results.beside import slip_line, slips_beside
+from toolkit.results.beside import slips_beside
 from toolkit.results.verdicts import contradiction
 
 GAUSSIAN = origins.gaussian(1.0, 0.4)
@@ -94,9 +94,9 @@ def test_a_slider_that_sticks_rings_and_does_not_slip_again() -> None:
     assert (found.slips.breaks > 0.5 * 2000).all() and np.diff(found.slips.drive).min() > 2.0
 
 
-def test_main_slips_are_those_of_the_master_equation() -> None:
-    """Behind each the slider sticks to the few contacts that do not wait, and slips again as these break, by less than
-    a twentieth of the force: such slips have no partner among those of which a fifth of all contacts breaks."""
+def test_slips_are_those_of_the_master_equation() -> None:
+    """Behind each the slider sticks to the few contacts that do not wait, and the force falls as these break, by less
+    than a twentieth: that is no slip, of which a fifth of the contacts that hold in steady sliding breaks."""
     drive = {"to": 4.0, "points": 41, "spring": 0.7, "mass": 1e-3, "damping": 1e-2, "velocity": 0.1}
     law = {"kind": "gaussian", "mean": 1.0, "std": 0.3}
     scene: dict[str, Any] = {"contacts": {"thresholds": law, "delay": {"time": 2.0}}}
@@ -104,9 +104,8 @@ def test_main_slips_are_those_of_the_master_equation() -> None:
     result = toolkit.run(scene | {"drive": drive})
     each = slips_beside(result)
     assert len(each) == result.master.slips.drive.size == 2
-    assert result.eq.slips.number.size >= 4 * 3
+    assert result.eq.slips.number.size == 4 * 2
     for slip in each:
         off = abs(slip["mean_drive"] - slip["drive"])
         assert off < 4.0 * slip["drive_error"] + result.master.force_error / drive["spring"], slip
-    assert "of eq lower the force by less than a fifth of the largest" in slip_line(result)
     assert not contradiction(result)

@@ -10,7 +10,7 @@ from eq_model.coupled.ensemble import check_coupled, checked_slip_fraction, unit
 from eq_model.coupled.mass.chance import fall_by_chance
 from eq_model.result import SIZES, Energy, HeavySlips, means
 from origins import Contacts, Drive, identical
-from origins.drive import RISE, ROOM
+from origins.drive import RISE, ROOM, SLIP_FRACTION
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 
@@ -161,6 +161,7 @@ class HeavySliders:
         pull.places[:], pull.speeds[:], pull.lasts[:] = self._legs(balance)
         pull.places[:] /= unit
         pull.chance[:] = fall_by_chance(self._contacts, n, pull.speeds) / unit
+        pull.fewest[:] = n * self._least_share(pull.speeds)
         pull.speeds[:] /= unit
         pull.energy[:] = 0.0
         pull.energy[state.STORED, 0] = at_start = self._stored(s, contacts)
@@ -183,6 +184,13 @@ class HeavySliders:
         scales = [1.0, 1.0, unit, unit, unit, unit, unit, 1.0, 1.0, unit]
         table = np.reshape(slips, (-1, 10)) * scales
         return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
+
+    def _least_share(self, speeds: Array) -> Array:
+        """Of all contacts, that breaks in a slip: SLIP_FRACTION of those that hold in steady sliding at these speeds,
+        while others wait, and RISE, which lower the force by as much, a mean threshold each."""
+        mean = self._contacts.mean_threshold
+        holding = mean / (mean + np.abs(speeds) * self._contacts.waiting_time)
+        return np.maximum(RISE, min(self.slip_fraction, SLIP_FRACTION) * holding)
 
     def _pulled(self) -> Pulled:
         """At X = 0, where the slider rests, and without legs."""
@@ -211,7 +219,7 @@ class HeavySliders:
             mean=mean,
             wait=-1.0 if delay is None else delay.time,
             share=self.slip_fraction,
-            fewest=RISE * n,  # a mean threshold each
+            fewest=np.empty(points),
             room=ROOM * contacts.mean_threshold / self._unit,
             rise=RISE * contacts.mean_threshold / self._unit,
             chance=np.empty(points),

@@ -79,7 +79,7 @@ class Pull(NamedTuple):
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
     wait: float  # the delay, below 0 if there is none
     share: float  # fewest breaks in a slip, of those contacts that held before
-    fewest: float  # contacts that hold a slider
+    fewest: Array  # breaks in a slip, on each leg
     room: float  # way in which a slider sticks
     rise: float  # of the spring's force per N <k> meanwhile
     chance: Array  # by which that force falls by chance at most, on each leg

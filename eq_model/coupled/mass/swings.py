@@ -21,7 +21,7 @@ from eq_model.coupled.mass.state import (
     X_AFTER,
     X_BEFORE,
 )
-from origins.drive import FASTER
+from origins.drive import FASTER, RISE
 
 # Share of a swing below which a second minimum does not count as lower: a slider that no contact holds comes close to
 # the force of its damping again and again, and the swing has ended where it first does.
@@ -49,7 +49,7 @@ def watch(s, pull, force):  # type: ignore[no-untyped-def]
     x = np.float64(s.at) + s.off
     if x < s.stuck_at - pull.room:
         s.stuck = False
-    fewest = max(pull.fewest, pull.share * s.held if s.stuck else 0.0)
+    fewest = max(RISE * pull.n, pull.share * s.held if s.stuck else 0.0)
     if s.n_holding < fewest or abs(x - s.rest) > pull.room:
         _rest_at(s, x, force)
     elif force - s.rest_force >= pull.rise:
@@ -62,7 +62,7 @@ def watch(s, pull, force):  # type: ignore[no-untyped-def]
 @inlined
 def has_loosened(s, pull):  # type: ignore[no-untyped-def]
     """Whether so many contacts have broken since the slider stuck that the next swing down is a slip."""
-    return s.stuck and s.loose >= max(pull.share * s.held, 1.0)
+    return s.stuck and s.loose >= max(pull.share * s.held, pull.fewest[unsigned(s.leg)], 1.0)
 
 
 @inlined
