@@ -169,8 +169,9 @@ def test_light_and_damped_sliders_follow_the_slip_rules(rule, delay):
     contacts, path = origins.Contacts(NARROW, delay=delay), np.linspace(0.5, 9.0, 86)
     asked = {"spring": 0.7, "n_contacts": 300, "seed": 3}
     limit = eq_model.simulate(contacts, path, slip=rule, **asked)
-    # the first slip from turn to turn, so close that the force between two points is within 1e-5 of theirs
-    fine = np.linspace(limit.slips.drive[0] - 0.1, limit.slips.drive[0] + 0.1, 20_001)
+    # the first slip from turn to turn, by points that are 1e-6 apart where it begins, and 1e-5 where it ends
+    near, far = np.linspace(-0.02, 0.02, 40_001), np.linspace(-0.1, 0.1, 20_001)
+    fine = limit.slips.drive[0] + np.union1d(near, far)
     trace = eq_model.simulate(contacts, fine, slip=rule, **asked).force
     top = int(np.argmax(trace))
     off, shifts = [], []
@@ -180,7 +181,7 @@ def test_light_and_damped_sliders_follow_the_slip_rules(rule, delay):
         shifts.append(np.abs(found.slips.drive[0] - fine[top]))
         drop = found.slips.drop[0] / (trace[top] - trace[top:].min()) - 1.0
         assert abs(found.breaks - limit.breaks) <= 3 and abs(drop) < 20.0 * damping
-    assert off[1] < 0.2 * off[0] < 1e-3 and shifts[1] < 0.3 * shifts[0] < 1e-4
+    assert off[1] < 0.2 * off[0] < 1e-3 and shifts[1] < 0.2 * shifts[0] < 1e-4
 
 
 def test_on_a_soft_spring_a_slip_is_half_an_oscillation():

@@ -13,7 +13,8 @@ from toolkit.scene.interfaces import with_error
 from toolkit.scene.scale import spoken, with_scatter
 
 _FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
-# mean thresholds, times N^(-2/3), by which N contacts on a soft slider bear more than infinitely many (docs/sliders.md)
+# mean thresholds, times N^(-2/3), by which N contacts on a soft slider bear more than infinitely many: the most that
+# was measured, of exponential thresholds on K = 1e-5 (2.4 of thresholds 1 ± 0.2, docs/sliders.md)
 _BEYOND = 16.0
 
 

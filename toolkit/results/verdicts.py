@@ -50,7 +50,7 @@ def disagreement(solved: Any, eq: Any) -> str:
         why = (
             f"no avalanche breaks {part}, so that nothing is reset; these events are no stick-slip"
         )
-        why = "no fall of their force is one that chance does not make" if heavy else why
+        why = "their force falls by no more than chance makes it" if heavy else why
         return f"{said} none of {number} sliders of {many} slips: {why}"
     if solved.path.size < eq.path.size or not is_precise(solved):
         return ""

@@ -128,9 +128,8 @@ def _finite(
     if number is None or own.machine is None or own.static.unknown:
         return ()
     found, contacts = list[Finite](), with_barriers(own.contacts)
-    at_once = (
-        "instant" if contacts.waiting_time else ""
-    )  # with a delay the last, of contacts without one
+    # the last behaviour is of contacts without their delay, where they have one
+    at_once = "instant" if contacts.waiting_time else ""
     each = [one for one in own.behaviours if one.rule != at_once and not lacks_damping(one.message)]
     limit = max(every.remaining(), SHORT)
     with suppress(TimeIsUp), no_longer_than(limit, remaining_time=every.remaining):

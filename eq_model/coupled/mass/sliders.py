@@ -186,8 +186,9 @@ class HeavySliders:
         return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
 
     def _least_share(self, speeds: Array) -> Array:
-        """Of all contacts, that breaks in a slip: SLIP_FRACTION of those that hold in steady sliding at these speeds,
-        while others wait, and RISE, which lower the force by as much, a mean threshold each."""
+        """The least share of all contacts that breaks in a slip, at these speeds of the drive: SLIP_FRACTION of the
+        share that holds in steady sliding, while the others wait; and no less than RISE, as the breaks of fewer cannot
+        lower the force by RISE, a mean threshold each."""
         mean = self._contacts.mean_threshold
         holding = mean / (mean + np.abs(speeds) * self._contacts.waiting_time)
         return np.maximum(RISE, min(self.slip_fraction, SLIP_FRACTION) * holding)

@@ -40,10 +40,8 @@ SLIDER = np.dtype(
         ("low", np.bool_),  # whether the force is in a swing down, which no rise has ended yet
         ("clock", np.float64),  # time since the force was at its highest before
         ("lead", np.float64),  # largest K (FASTER X_T - X) since
-        (
-            "rushed",
-            np.bool_,
-        ),  # whether the slider has been faster than the drive since, by more than chance
+        # whether the slider has been FASTER times as fast as the drive since, by more than chance
+        ("rushed", np.bool_),
         ("slipping", np.bool_),  # whether the swing down is a slip
         ("before_slip", np.int64),  # number of all breaks before it
         ("stuck", np.bool_),  # whether the slider has stuck since the last slip

@@ -122,9 +122,8 @@ def end_fall(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
             swing[X_AFTER], swing[F_AFTER], swing[DURATION] = x, force, s.clock - before
         if lower or begins:
             swing[BREAKS] = s.breaks - s.before_slip
-            if (
-                s.slipping or s.breaks > s.rest_breaks
-            ):  # a slider that sticks rings, and no contact breaks
+            # one that sticks may ring, and no contact breaks: it goes on to stick
+            if s.slipping or s.breaks > s.rest_breaks:
                 _rest_at(s, x, force)
     if size > 0 and not s.slipping:
         pull.falls[frexp(size)[1] - 1] += 1  # by the number of its bits
