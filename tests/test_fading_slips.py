@@ -15,9 +15,9 @@ from master.soft.slips import Slips
 from origins import Contacts, Delay, gaussian, identical, mixture
 from origins.drive import Drive
 from toolkit.results.slips import are_fading, main_slips, shrinks_by
-from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import follow
-from toolkit.verdict.machine import Behaviour, Machine, RigidSlider
+from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
 
 NARROW = Contacts(gaussian(1.0, 0.05))
 

@@ -16,12 +16,18 @@ from origins import Contacts, Delay, gaussian
 from toolkit.results.slips import are_lasting, late_slips, slips_beyond
 from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers
-from toolkit.verdict.ensemble import follow_by_contacts, shrinking
-from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import SWINGING, _behaviour, follow
-from toolkit.verdict.machine import Behaviour, Machine, RigidSlider, not_followed, rigid_slider
 from toolkit.verdict.of_area import with_more
-from toolkit.verdict.words import sentence
+from toolkit.verdict.sliders.ensemble import follow_by_contacts, shrinking
+from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.follow import SWINGING, _behaviour, follow
+from toolkit.verdict.sliders.machine import (
+    Behaviour,
+    Machine,
+    RigidSlider,
+    not_followed,
+    rigid_slider,
+)
+from toolkit.verdict.text.words import sentence
 
 WIDE = gaussian(1.0, 0.4)
 
@@ -203,7 +209,9 @@ def test_slips_that_fade_are_followed_until_they_are_over_and_open_until_then(
     work = own.energy.drive[:, -1] - own.energy.drive[:, 20]
     mean = work / (long[-1] - long[20])
     assert abs(mean.mean() - over.after) < 5.0 * mean.std(ddof=1) / 2.0 < over.error
-    monkeypatch.setattr("toolkit.verdict.ensemble.DOUBLINGS", 0)  # as where there is no time
+    monkeypatch.setattr(
+        "toolkit.verdict.sliders.ensemble.DOUBLINGS", 0
+    )  # as where there is no time
     fades = follow_by_contacts(*asked)
     number_of_last = fades.slips - 1
     assert fades.kind == "undecided" and fades.shrinks_by > 0.08 and fades.slips < 8
@@ -212,7 +220,7 @@ def test_slips_that_fade_are_followed_until_they_are_over_and_open_until_then(
     assert f"not decided: {fades.slips} slips were seen{shrinking(fades)}" in sentence(of(fades))
     # what follows in place of the master equation is told, though it is open
     never = not_followed("mass", "it is not solved here")
-    monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
     assert follow(machine, contacts, "mass", rigid, 1e4).slips == fades.slips
 
 

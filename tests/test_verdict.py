@@ -27,26 +27,27 @@ from toolkit.running.solvers import within
 from toolkit.scene.of_samples import of_islands, of_samples, of_smoothing
 from toolkit.scene.scale import Scale, guarded, scale_of, written
 from toolkit.scene.scene import load_scene
-from toolkit.verdict import answers, judge, kinds, uncertainty
-from toolkit.verdict.budget import NO_FORCES, NO_TIME, Budget, long_delay
-from toolkit.verdict.ensemble import follow_by_contacts, sliders
+from toolkit.verdict import answers, judge, uncertainty
 from toolkit.verdict.files import plain
-from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import follow
-from toolkit.verdict.islands import follow_islands, with_barriers
-from toolkit.verdict.machine import (
+from toolkit.verdict.of_area import disagreeing, fall_of, late_force_of, with_more
+from toolkit.verdict.picture import draw_verdict
+from toolkit.verdict.sliders.budget import NO_FORCES, NO_TIME, Budget, long_delay
+from toolkit.verdict.sliders.ensemble import follow_by_contacts, sliders
+from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.islands import follow_islands, with_barriers
+from toolkit.verdict.sliders.machine import (
     Behaviour,
     Finite,
     Machine,
     RigidSlider,
     not_followed,
 )
-from toolkit.verdict.of_area import disagreeing, fall_of, late_force_of, with_more
-from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.table import in_units
+from toolkit.verdict.text import kinds
+from toolkit.verdict.text.table import in_units
+from toolkit.verdict.text.words import page, sentence
 from toolkit.verdict.uncertainty import spring_to_digits
 from toolkit.verdict.with_mass import follow_other_delay
-from toolkit.verdict.words import page, sentence
 
 MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
 # contacts of which all numbers are stated
@@ -355,7 +356,7 @@ def test_one_slip_to_no_force_is_followed_until_it_is_known_whether_it_goes_on(
     assert found.kind == "stick-slip" and found.slips >= 3.0 and found.after == 0.0
     before = own.slips.mean("force_before", 3)[0]
     assert abs(found.before - before) < 0.02 and abs(spring * found.period - before) < 0.02
-    monkeypatch.setattr("toolkit.verdict.finite.SEVERAL", 1e6)  # too long for few, too
+    monkeypatch.setattr("toolkit.verdict.sliders.finite.SEVERAL", 1e6)  # too long for few, too
     cut = follow_finite(machine, contacts, 9e4, told, 1.0, 60.0)
     assert (cut.kind, cut.slips, cut.after) == ("unknown", 1.0, 0.0)
     assert "more than are followed here" in cut.message
@@ -408,7 +409,7 @@ def test_fewer_contacts_than_the_areas_are_pulled_as_far_as_they_need(monkeypatc
     all."""
     told = replace(infinite("smooth", 0), rule="instant", after=1.0)
     contacts, spring = Contacts(stats.expon()), 1e-3
-    monkeypatch.setattr("toolkit.verdict.budget.MOST_BREAKS", 5e6)
+    monkeypatch.setattr("toolkit.verdict.sliders.budget.MOST_BREAKS", 5e6)
     found = follow_finite(Machine(spring, None, 0.0, 1.0), contacts, 5e4, told, 1.0, 60.0)
     assert 2e4 < found.contacts < 4e4 and found.kind == "smooth" and not found.rises
     needed = (1.0 + 7.5 * found.contacts ** (-2 / 3)) / spring + 1.0 + 40.0
@@ -936,7 +937,7 @@ def test_contacts_of_a_slider_that_creeps_in_heat_are_not_followed_on_a_soft_spr
         assert told.kind == "unknown" and "breaks are more than are followed" in told.message
     # their pilot is given up, too, where the time is over: each of its sliders takes more than 10 ms. By the law of
     # rates whose kernel other tests compile, too: that of another takes half a minute
-    monkeypatch.setattr("toolkit.verdict.ensemble.SHORT", 0.01)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.SHORT", 0.01)
     warm = warm.replace(thermal=origins.Thermal("soft", 0.03, 1e10))
     with pytest.raises(InputError, match="1,000 contacts take more than 0 s: raise wall_time"):
         sliders(machine, warm, "reset", np.array([0.0, 1.3e5]), 10_000, seconds=0.0)
@@ -1227,7 +1228,7 @@ def test_a_short_delay_is_told_beside_contacts_without_one(capsys: Any, monkeypa
         return solve(*arguments, **named)
 
     monkeypatch.setattr(master, "solve", refused)
-    monkeypatch.setattr("toolkit.verdict.follow.few_are_followed", lambda *_: False)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow.few_are_followed", lambda *_: False)
     drive = {"spring": 0.01, "mass": 1e-4, "damping": 1e-4}
     contacts = {
         "thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.3},

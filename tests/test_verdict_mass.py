@@ -18,8 +18,13 @@ from tests.scenes import said, write
 from toolkit.results.kinds import kind_of
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
-from toolkit.verdict import answers, judge, kinds, with_mass
-from toolkit.verdict.budget import (
+from toolkit.verdict import answers, judge, with_mass
+from toolkit.verdict.files import friction, plain
+from toolkit.verdict.judge import verdict
+from toolkit.verdict.of_area import with_more
+from toolkit.verdict.picture import draw_verdict
+from toolkit.verdict.readings import Reading
+from toolkit.verdict.sliders.budget import (
     NO_TIME,
     Budget,
     late,
@@ -28,18 +33,15 @@ from toolkit.verdict.budget import (
     long_delay,
     may_follow,
 )
-from toolkit.verdict.ensemble import (
+from toolkit.verdict.sliders.ensemble import (
     FEW,
     follow_by_contacts,
     shrinking,
     sliders,
 )
-from toolkit.verdict.files import friction, plain
-from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import follow
-from toolkit.verdict.hangs_on import dependence
-from toolkit.verdict.judge import verdict
-from toolkit.verdict.machine import (
+from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.machine import (
     Behaviour,
     Finite,
     Machine,
@@ -48,13 +50,12 @@ from toolkit.verdict.machine import (
     not_followed,
     slip_duration,
 )
-from toolkit.verdict.of_area import with_more
-from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.readings import Reading
-from toolkit.verdict.table import in_units, table
+from toolkit.verdict.text import kinds
+from toolkit.verdict.text.hangs_on import dependence
+from toolkit.verdict.text.table import in_units, table
+from toolkit.verdict.text.words import page, sentence
 from toolkit.verdict.uncertainty import widest
 from toolkit.verdict.with_mass import closely, follow_extremes, in_its_own_time
-from toolkit.verdict.words import page, sentence
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
@@ -235,7 +236,7 @@ def test_the_number_of_contacts_hangs_on_their_breaks_and_no_tenth_of_a_pilots_t
     monkeypatch.setattr(time, "process_time", lambda: clock[0])
     monkeypatch.setattr(eq_model, "Ensemble", made)
     for times, number in ((1.9, FEW), (2.1, 2 * FEW), (9.9, 8 * FEW), (10.1, 10 * FEW)):
-        monkeypatch.setattr("toolkit.verdict.budget.MOST_BREAKS", times * breaks)
+        monkeypatch.setattr("toolkit.verdict.sliders.budget.MOST_BREAKS", times * breaks)
         assert [followed(1e3), followed(12.0)] == [number] * 2
     assert followed(5.9) == 4 * FEW  # in half the time that those breaks take
     for run_time, number in ((2.1, 4 * FEW), (2.5, 4 * FEW), (4.0, 2 * FEW), (1.9, 10 * FEW)):
@@ -441,7 +442,7 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     machine = Machine(spring=0.1, mass=1e-6, damping=3e-4, velocity=1.0)
     rigid = RigidSlider(0.9, 0.01, 0.0, 5.0, 1.0)
     never = not_followed("mass", "it is not solved here")
-    monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
     found = follow(machine, contacts, "mass", rigid, 1e4)
     assert found.kind == "stick-slip" and found.period == pytest.approx(69.4, abs=0.2)
     # K times the way from one slip to the next: by the delay nothing holds the slider, then contacts load the spring
@@ -455,7 +456,7 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     seen = replace(never, slips=9)
     told = follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4)
     assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.01)
-    monkeypatch.setattr("toolkit.verdict.ensemble.DOUBLINGS", 0)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.DOUBLINGS", 0)
     assert follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4).kind == "unknown"
 
 
@@ -476,7 +477,7 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
 ) -> None:
     """Contacts that wait long come back ever less together: a few slips and then none were called stick-slip."""
     never = not_followed("mass", "it is not solved here")
-    monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
     delay = 40.0
     contacts = Contacts(stats.expon(), delay=Delay(delay))
     mass = 0.05 * (0.3 * delay / np.pi) ** 2  # a slip takes 0.3 of the delay
@@ -490,7 +491,9 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     narrow = Contacts(gaussian(1.0, 0.4), delay=Delay(delay))
     machine = replace(machine, mass=mass / 9.0, damping=machine.damping / 3.0)
     settled = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
-    monkeypatch.setattr("toolkit.verdict.ensemble.DOUBLINGS", 0)  # as where there is no time
+    monkeypatch.setattr(
+        "toolkit.verdict.sliders.ensemble.DOUBLINGS", 0
+    )  # as where there is no time
     found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
     # of the transient nothing is told as if it lasted: its mean has what separates it from the slips to come
     assert settled.kind == "stick-slip" and settled.slips > 2 * found.slips
@@ -756,14 +759,14 @@ def test_a_short_delay_that_is_not_solved_is_told_by_as_many_contacts_as_break_o
     """A slider with a delay of a twentieth of its slip was not decided; all of its contacts are followed, or fewer, by
     their number of breaks and by no clock."""
     never = not_followed("mass", "it is not solved here")
-    monkeypatch.setattr("toolkit.verdict.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
     contacts, spring = Contacts(gaussian(1.0, 0.4), delay=Delay(0.05)), 0.01
     mass = spring / np.pi**2
     machine = Machine(spring, mass, 0.2 * np.sqrt(spring * mass), 1.0)
     rigid = RigidSlider(0.65, 0.58, 0.0, 0.3, 1.0, contacts=8000)
     every = follow(machine, contacts, "mass", rigid, 1e4)
     assert every.kind == "stick-slip" and every.contacts == 8000
-    monkeypatch.setattr("toolkit.verdict.budget.MOST_BREAKS_RINGING", 2e6)
+    monkeypatch.setattr("toolkit.verdict.sliders.budget.MOST_BREAKS_RINGING", 2e6)
     fewer = follow(machine, contacts, "mass", rigid, 1e4)
     assert fewer.contacts == 4 * FEW and fewer.before == pytest.approx(
         every.before, abs=fewer.error

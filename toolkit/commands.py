@@ -198,7 +198,7 @@ def verdict(arguments: argparse.Namespace) -> int:
     from toolkit.verdict.files import friction, plain
     from toolkit.verdict.judge import verdict as judged
     from toolkit.verdict.picture import draw_verdict
-    from toolkit.verdict.words import page
+    from toolkit.verdict.text.words import page
 
     formats = read_formats(arguments.format)
     scene = load_scene(arguments.scene, False, changes=read_changes(arguments.changes))

@@ -9,7 +9,7 @@ from toolkit.judge.describe import RESAMPLES, onset_in_words
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.scale import SHARED, guarded
 from toolkit.verdict.answers import Quantity
-from toolkit.verdict.table import in_columns, row
+from toolkit.verdict.text.table import in_columns, row
 
 # of a number: a larger error stands beside it
 PRECISE = 1e-3

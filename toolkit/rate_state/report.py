@@ -18,7 +18,7 @@ from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
 from toolkit.running.solvers import within
 from toolkit.scene.scene import Scene
-from toolkit.verdict.budget import Budget
+from toolkit.verdict.sliders.budget import Budget
 
 # s in which the command can work, where the scene gives no wall_time; what is known then is its answer
 WORK = 120.0

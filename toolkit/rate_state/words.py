@@ -7,7 +7,7 @@ import numpy as np
 from master.rate_state.result import CONSTANT, Parameter, RateState
 from toolkit.rate_state.judge import Judged
 from toolkit.scene.scale import spoken, with_uncertainty, written
-from toolkit.verdict.table import in_columns
+from toolkit.verdict.text.table import in_columns
 
 # of a number: a larger numerical error stands beside it
 RELATIVE = 0.01

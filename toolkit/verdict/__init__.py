@@ -1,1 +1,7 @@
-"""The verdict on an interface and its machine: does it stick and slip, how strongly, and what does that hang on?"""
+"""The verdict on an interface and its machine: does it stick and slip, how strongly, and what does that hang on?
+
+In reading order: `answers.py`, what a verdict holds; `sliders/`, what sliders do; `readings.py`, over what they are
+compared; `with_mass.py`, more of a slider with mass; `uncertainty.py` and `of_area.py`, how well the numbers are known,
+and what the contacts of the area do; `judge.py`, which asks all of these; `text/`, `files.py` and `picture.py`, which
+show what was found.
+"""

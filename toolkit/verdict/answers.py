@@ -9,7 +9,7 @@ from origins.contacts import Contacts
 from toolkit.results.html import as_table
 from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import Scale, of_contacts, with_uncertainty
-from toolkit.verdict.machine import Behaviour, Finite, Machine
+from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 
 
 @dataclass(frozen=True)

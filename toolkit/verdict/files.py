@@ -7,10 +7,10 @@ import numpy as np
 
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.hangs_on import dependence
-from toolkit.verdict.machine import Finite
 from toolkit.verdict.of_area import apart
-from toolkit.verdict.words import details, sentence, turned, warnings
+from toolkit.verdict.sliders.machine import Finite
+from toolkit.verdict.text.hangs_on import dependence
+from toolkit.verdict.text.words import details, sentence, turned, warnings
 
 
 def plain(verdict: Verdict) -> dict[str, Any]:

@@ -18,13 +18,14 @@ from toolkit.scene.scale import of_contacts, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
-from toolkit.verdict.budget import NO_FORCES, NO_TIME, WALL_TIME, Budget, lacks_damping
-from toolkit.verdict.ensemble import SHORT
-from toolkit.verdict.finite import follow_finite
-from toolkit.verdict.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
-from toolkit.verdict.islands import follow_islands, with_barriers
-from toolkit.verdict.kinds import damped, long_delay_of
-from toolkit.verdict.machine import (
+from toolkit.verdict.of_area import with_more
+from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
+from toolkit.verdict.sliders.budget import NO_FORCES, NO_TIME, WALL_TIME, Budget, lacks_damping
+from toolkit.verdict.sliders.ensemble import SHORT
+from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
+from toolkit.verdict.sliders.islands import follow_islands, with_barriers
+from toolkit.verdict.sliders.machine import (
     RULES,
     Behaviour,
     Finite,
@@ -33,8 +34,7 @@ from toolkit.verdict.machine import (
     not_followed,
     rigid_slider,
 )
-from toolkit.verdict.of_area import with_more
-from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
+from toolkit.verdict.text.kinds import damped, long_delay_of
 from toolkit.verdict.uncertainty import RESAMPLED_TOLERANCE, with_sampling
 from toolkit.verdict.with_mass import closely, follow_extremes, follow_other_delay
 

@@ -10,9 +10,9 @@ import numpy as np
 from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Verdict
-from toolkit.verdict.ensemble import by_sliders, shrinking
-from toolkit.verdict.finite import SMALL
-from toolkit.verdict.machine import Behaviour, Finite
+from toolkit.verdict.sliders.ensemble import by_sliders, shrinking
+from toolkit.verdict.sliders.finite import SMALL
+from toolkit.verdict.sliders.machine import Behaviour, Finite
 from toolkit.verdict.uncertainty import SEEN, widest_uncertainty
 
 # standard errors, and part of F_k, by which few contacts differ from infinitely many where it is told; the scatter of

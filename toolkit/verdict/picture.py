@@ -18,11 +18,11 @@ from toolkit.pictures.axes import (
 from toolkit.pictures.traces import hides_swings
 from toolkit.scene.scale import SHARED, of_contacts, spoken
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.kinds import named
-from toolkit.verdict.machine import Behaviour, Finite, Machine
 from toolkit.verdict.of_area import apart, does
+from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
+from toolkit.verdict.text.kinds import named
+from toolkit.verdict.text.words import sentence, warnings
 from toolkit.verdict.with_mass import in_its_own_time
-from toolkit.verdict.words import sentence, warnings
 
 # of the force, in mean thresholds: a trace of the master equation with a larger error is not drawn; one of the ensemble
 # is a slider's own, and its error that of fewer contacts than there are

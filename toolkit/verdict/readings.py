@@ -14,8 +14,8 @@ from toolkit.scene.interfaces import why_infinite
 from toolkit.scene.of_samples import of_listed_angles
 from toolkit.scene.scene import Scene, make_contacts
 from toolkit.scene.tables import DriveTable, read_table
-from toolkit.verdict.budget import MORE_TIME
-from toolkit.verdict.machine import RULES, machine_of
+from toolkit.verdict.sliders.budget import MORE_TIME
+from toolkit.verdict.sliders.machine import RULES, machine_of
 
 # contact model / threshold law; a third word names the regime of the summits, as in "gw/amontons/mixed"
 READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "persson/paper")

@@ -15,9 +15,9 @@ from origins.thresholds.law import Thresholds
 from toolkit.running.resampled import like, of_resampled
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
-from toolkit.verdict.budget import LONGER, Budget
-from toolkit.verdict.ensemble import shrinking
-from toolkit.verdict.machine import Behaviour, critical_damping
+from toolkit.verdict.sliders.budget import LONGER, Budget
+from toolkit.verdict.sliders.ensemble import shrinking
+from toolkit.verdict.sliders.machine import Behaviour, critical_damping
 
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3

@@ -13,11 +13,12 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.signals import TimeIsUp
 from toolkit.results.traces import with_slips
-from toolkit.verdict.budget import Budget, loading_of, long_delay
-from toolkit.verdict.ensemble import SEED, follow_by_contacts
-from toolkit.verdict.follow import ROUGHLY, follow
-from toolkit.verdict.islands import with_barriers
-from toolkit.verdict.machine import (
+from toolkit.verdict.readings import Reading
+from toolkit.verdict.sliders.budget import Budget, loading_of, long_delay
+from toolkit.verdict.sliders.ensemble import SEED, follow_by_contacts
+from toolkit.verdict.sliders.follow import ROUGHLY, follow
+from toolkit.verdict.sliders.islands import with_barriers
+from toolkit.verdict.sliders.machine import (
     Behaviour,
     Machine,
     first_of,
@@ -25,7 +26,6 @@ from toolkit.verdict.machine import (
     rigid_slider,
     slip_duration,
 )
-from toolkit.verdict.readings import Reading
 
 # how far a slip is shown, in times that it lasts: before its begin, and after it, where a swing with a tenth of
 # critical damping has fallen to a tenth; and points of that time

@@ -23,7 +23,7 @@ from toolkit.results.slips import (
 )
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
-from toolkit.verdict.budget import (
+from toolkit.verdict.sliders.budget import (
     LONG_DELAY,
     PlannedDrive,
     breaks_until,
@@ -31,7 +31,7 @@ from toolkit.verdict.budget import (
     most_breaks,
     way_without_contacts,
 )
-from toolkit.verdict.ensemble import (
+from toolkit.verdict.sliders.ensemble import (
     FEW,
     NOT_SLID,
     SLIDERS,
@@ -39,7 +39,7 @@ from toolkit.verdict.ensemble import (
     until_settled,
     with_late_slips,
 )
-from toolkit.verdict.machine import Behaviour, Finite, Machine, slip_duration
+from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, slip_duration
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")

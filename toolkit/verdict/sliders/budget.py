@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from origins.contacts import Contacts
-from toolkit.verdict.machine import (
+from toolkit.verdict.sliders.machine import (
     Machine,
     RigidSlider,
     critical_damping,

@@ -7,9 +7,16 @@ from typing import cast
 
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.budget import LONGER, long_delay
-from toolkit.verdict.machine import NAMED, RULES, Behaviour, Machine, slip_duration, top_speed
-from toolkit.verdict.table import drop_of
+from toolkit.verdict.sliders.budget import LONGER, long_delay
+from toolkit.verdict.sliders.machine import (
+    NAMED,
+    RULES,
+    Behaviour,
+    Machine,
+    slip_duration,
+    top_speed,
+)
+from toolkit.verdict.text.table import drop_of
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
 # what turns the answer or leaves it open; what changes the forces nobody knows how much, which is taken for half of

@@ -8,9 +8,9 @@ import numpy as np
 
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
-from toolkit.verdict.budget import NO_FORCES
-from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import apart, period_of, rows_of
+from toolkit.verdict.sliders.budget import NO_FORCES
+from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.uncertainty import (
     other_samples,
     spring_to_digits,

@@ -21,13 +21,13 @@ from toolkit.results.slips import (
 )
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import of_contacts
-from toolkit.verdict.budget import (
+from toolkit.verdict.sliders.budget import (
     MORE_TIME,
     OF_MOST,
     most_breaks,
     way_without_contacts,
 )
-from toolkit.verdict.machine import (
+from toolkit.verdict.sliders.machine import (
     POINTS,
     Behaviour,
     Finite,

@@ -7,9 +7,11 @@ import numpy as np
 
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.budget import MORE_TIME, NO_FORCES
-from toolkit.verdict.follow import TOLERANCE_IN_TIME
-from toolkit.verdict.kinds import (
+from toolkit.verdict.readings import why_late
+from toolkit.verdict.sliders.budget import MORE_TIME, NO_FORCES
+from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME
+from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.text.kinds import (
     GENERAL,
     NOTHING,
     TURNS,
@@ -20,9 +22,7 @@ from toolkit.verdict.kinds import (
     others,
     out_of_time,
 )
-from toolkit.verdict.machine import Behaviour
-from toolkit.verdict.readings import why_late
-from toolkit.verdict.table import in_units
+from toolkit.verdict.text.table import in_units
 from toolkit.verdict.uncertainty import range_of_force, uncertainties_of
 
 

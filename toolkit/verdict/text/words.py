@@ -14,21 +14,6 @@ from toolkit.scene.scale import (
     written,
 )
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.budget import LONGER
-from toolkit.verdict.ensemble import shrinking
-from toolkit.verdict.hangs_on import dependence, why_smooth
-from toolkit.verdict.kinds import (
-    a_slip,
-    delay_decides,
-    long_delay_of,
-    named,
-    not_decided,
-    of_damping,
-    of_extremes,
-    others,
-    without_delay,
-)
-from toolkit.verdict.machine import Behaviour
 from toolkit.verdict.of_area import (
     apart,
     behaved,
@@ -39,7 +24,22 @@ from toolkit.verdict.of_area import (
     verb,
     whom_of,
 )
-from toolkit.verdict.table import (
+from toolkit.verdict.sliders.budget import LONGER
+from toolkit.verdict.sliders.ensemble import shrinking
+from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.text.hangs_on import dependence, why_smooth
+from toolkit.verdict.text.kinds import (
+    a_slip,
+    delay_decides,
+    long_delay_of,
+    named,
+    not_decided,
+    of_damping,
+    of_extremes,
+    others,
+    without_delay,
+)
+from toolkit.verdict.text.table import (
     PRECISE,
     drop_of,
     in_units,
@@ -47,6 +47,7 @@ from toolkit.verdict.table import (
     table,
     without_spring,
 )
+from toolkit.verdict.text.undone import undecided_readings
 from toolkit.verdict.uncertainty import (
     numerical_errors,
     of_assumed_damping,
@@ -58,7 +59,6 @@ from toolkit.verdict.uncertainty import (
     widest,
     widest_uncertainty,
 )
-from toolkit.verdict.undone import undecided_readings
 
 
 def page(verdict: Verdict) -> list[str]:

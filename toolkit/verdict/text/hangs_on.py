@@ -10,9 +10,11 @@ from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import of_temperature, remarks
 from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.ensemble import SLIDERS
-from toolkit.verdict.finite import ABOVE, SMALL
-from toolkit.verdict.kinds import (
+from toolkit.verdict.of_area import apart, does, fall_of, fluctuating, late_force_of
+from toolkit.verdict.sliders.ensemble import SLIDERS
+from toolkit.verdict.sliders.finite import ABOVE, SMALL
+from toolkit.verdict.sliders.machine import Finite, critical_damping
+from toolkit.verdict.text.kinds import (
     GENERAL,
     NOTHING,
     TURNS,
@@ -23,11 +25,9 @@ from toolkit.verdict.kinds import (
     of_rules,
     sorted_texts,
 )
-from toolkit.verdict.machine import Finite, critical_damping
-from toolkit.verdict.of_area import apart, does, fall_of, fluctuating, late_force_of
-from toolkit.verdict.table import HOLDING, drop_of, regained_by, speed_unit
+from toolkit.verdict.text.table import HOLDING, drop_of, regained_by, speed_unit
+from toolkit.verdict.text.undone import of_errors, of_readings, unanswered
 from toolkit.verdict.uncertainty import uncertainties_of
-from toolkit.verdict.undone import of_errors, of_readings, unanswered
 
 RULE = "<rule>"
 # of F_s: by more than that a slip begins above it, and not by rounding or an error

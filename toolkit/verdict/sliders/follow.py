@@ -12,7 +12,7 @@ from toolkit.results.kinds import is_precise, kind_of
 from toolkit.results.slips import slips_to_tell
 from toolkit.results.traces import with_slips
 from toolkit.scene.scale import ROUNDING
-from toolkit.verdict.budget import (
+from toolkit.verdict.sliders.budget import (
     NO_DAMPING,
     NO_TIME,
     few_are_followed,
@@ -21,8 +21,8 @@ from toolkit.verdict.budget import (
     loading_of,
     may_follow,
 )
-from toolkit.verdict.ensemble import LOADINGS, follow_by_contacts, without_heat
-from toolkit.verdict.machine import (
+from toolkit.verdict.sliders.ensemble import LOADINGS, follow_by_contacts, without_heat
+from toolkit.verdict.sliders.machine import (
     Behaviour,
     Machine,
     RigidSlider,
