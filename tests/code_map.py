@@ -72,6 +72,18 @@ QUESTIONS = {
         "master:slips_of",
     ),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
+    "stick-slip, smooth or undecided: of a solution, by its slips; in one word; for a verdict": (
+        "master:regime",
+        "master:_by_slips",
+        "toolkit:kind_of",
+        "toolkit/verdict/sliders/follow.py:follow",
+    ),
+    "the period of slips: of a solution; of an ensemble's late slips; for a verdict; on its page": (
+        "master:Slips.period",
+        "toolkit:LateSlips",
+        "toolkit:_behaviour",
+        "toolkit:period_of",
+    ),
     "the rule of a slip at T = 0: reset; reform-after, in the slip and its births; instant": (
         "master:ColdSlider._reset",
         "master:ColdSlider._reform_after",
@@ -121,6 +133,11 @@ QUESTIONS = {
     ),
     "(GW3) and (GW4): exponential heights": ("origins:gw_elastic", "origins:gw_plastic"),
     "Gaussian heights, in metres": ("origins:from_moments", "origins:Summits"),
+    "a scene's surface to P_c: what is built; of its moments; area and load to thresholds": (
+        "toolkit:make_contacts",
+        "origins:from_moments",
+        "origins:_joined",
+    ),
     "Persson's stresses and thresholds": ("origins:persson", "origins:from_moments"),
     "the barrier of an island": ("origins:barrier",),
     "the draw of a threshold in the ensemble": ("eq_model:draw_thresholds",),
@@ -129,7 +146,13 @@ QUESTIONS = {
         "eq_model:_cold",
         "eq_model:_by_rate",
     ),
-    "an avalanche of the ensemble": ("eq_model:slide",),
+    "an avalanche of the ensemble": ("eq_model:_end_avalanche",),
+    "a slider with mass in the ensemble: the next place; when it is passed; a stick; a slip": (
+        "eq_model:nearest",
+        "eq_model:first_passage",
+        "eq_model:watch",
+        "eq_model:end_fall",
+    ),
     "heat on a spring in the ensemble: proposed breaks; windows": (
         "eq_model:proposed",
         "eq_model:_window",
@@ -200,14 +223,22 @@ def named(
 
 
 def answers() -> str:
-    """The rows of QUESTIONS; KeyError where a name stands nowhere."""
+    """The rows of QUESTIONS. A name is told by its room, or by its file where it stands in several of a room.
+
+    Raises KeyError where it stands nowhere, or in several files of a room of which none is named.
+    """
     found: dict[str, str] = {}
+    several = set[str]()
     for room in ROOMS:
         for file in sorted((ROOT / room).rglob("*.py")):
             for name, _ in named(ast.parse(file.read_text(encoding="utf-8"))):
-                place = f"`{file.relative_to(ROOT).as_posix()}:{name}`"
-                found.setdefault(f"{room}:{name}", place)
+                by_file = f"{file.relative_to(ROOT).as_posix()}:{name}"
+                place = found[by_file] = f"`{by_file}`"
+                several |= {f"{room}:{name}"} & found.keys()
+                found[f"{room}:{name}"] = place
     rows = []
+    for name in several:
+        del found[name]
     for question, names in QUESTIONS.items():
         where = names if isinstance(names, str) else ", ".join(found[name] for name in names)
         rows.append(f"| {question} | {where} |\n")

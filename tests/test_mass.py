@@ -12,7 +12,7 @@ from solving import oscillator
 import eq_model
 import origins
 from eq_model.compiling import compiled
-from eq_model.coupled.mass.nearest import EXACT, FAR, look_through, make_nearest, nearest, set_place
+from eq_model.coupled.mass.nearest import FAR, KNOWN, look_through, make_nearest, nearest, set_place
 
 NARROW = origins.gaussian(1.0, 0.1)
 ATOMS = origins.mixture([origins.identical(0.8), origins.identical(1.2)], [0.5, 0.5])
@@ -230,7 +230,7 @@ def _nearest_after(near, contacts, places, asked, found):  # type: ignore[no-unt
     for k in range(contacts.size):
         set_place(near, contacts[k], places[k])
         found[k] = nearest(near)
-        while asked[k] and near.at[EXACT] == 0:
+        while asked[k] and near.at[KNOWN] == 0:
             look_through(near)
             found[k] = nearest(near)
 

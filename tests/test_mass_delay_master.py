@@ -239,7 +239,7 @@ class Swinging:
         self.machine = Machine(1e-6, damping, 1e-3, 1.0)
         self.drive = DrivePath(Motion(np.array([0.0, 1e5]), np.array([0.0, 1e5])))
         self.contacts = Cohorts.at_start(delayed(0.1), Survival(WIDE))
-        self.past, self.energies, self.pull = PastBreaks(0.1, 1.0), (0.0, 0.0, 0.0), 0.5
+        self.past, self.energies, self.contact_force = PastBreaks(0.1, 1.0), (0.0, 0.0, 0.0), 0.5
         self.state, self.times = State(0.0, 0.0, 1.0), np.linspace(0.0, 1e5, 11)
 
     def asked(self, begin: float, end: float) -> slice:

@@ -167,12 +167,13 @@ def _joined(size: Thresholds, load: Bend, area: Bend, fields: dict[str, Any]) ->
     law, material, moments = fields["law"], fields["material"], fields["moments"]
     of_area = law == "strength"
     strength = material.needed("shear_strength" if of_area else "local_friction", f'law = "{law}"')
+    # at a break the force is mu times the load ("amontons", "paper"), or the shear strength times the area ("strength")
     force = (area if of_area else load).times(strength)
     if law == "paper":
         coefficient = material.needed("force_coefficient", 'law = "paper"')
         thresholds = Powered(size, force.times(coefficient**-0.5, 0.5))
         stiffness = coefficient * thresholds.mean()  # k = c x_s
-    else:
+    else:  # "amontons" and "strength": k follows from the area, and x_s = force/k
         given = material.stiffness(law)
         each = area.times(given.coefficient, given.exponent)
         stretch = force.times(1.0 / each.coefficient, exponent=-each.exponent)

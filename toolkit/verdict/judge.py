@@ -75,8 +75,9 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         if reading.contacts is not None:
             solved += 1
             progress(f"reading {solved} of {many}: {reading.name}")
-        # the scene's own is the answer; what it does not need is left to the number of contacts, and to the others
-        # of a delay too short for them to be followed nothing is left to the contacts: a time that is given is used
+        # the scene's own reading is the answer, and gets half of the time; what it leaves is for the other readings and
+        # the area's contacts. It gets all where it is the only one and a law depends on time, or contacts wait and the
+        # scene gives a wall_time
         waits = scene.wall_time is not None and bool(scene.contacts.waiting_time)
         alone = len(readings) == 1 and (bool(scene.contacts.held_in_time) or waits)
         # the others in order, twice their share, as most leave a part of it to those after them
@@ -128,7 +129,7 @@ def _finite(
     if number is None or own.machine is None or own.static.unknown:
         return ()
     found, contacts = list[Finite](), with_barriers(own.contacts)
-    # the last behaviour is of contacts without their delay, where they have one
+    # of a slider with mass that was not decided the last behaviour is that of contacts without their delay
     at_once = "instant" if contacts.waiting_time else ""
     each = [one for one in own.behaviours if one.rule != at_once and not lacks_damping(one.message)]
     limit = max(every.remaining(), SHORT)

@@ -6,9 +6,9 @@ from eq_model.compiling import bare, entry, inlined, unsigned
 from eq_model.coupled.mass.motion import first_passage, first_top
 from eq_model.coupled.mass.moves import MOVED, damped_move, motion_of, quick_move, slow_move
 from eq_model.coupled.mass.nearest import (
-    EXACT,
     FAR,
     FETCHED,
+    KNOWN,
     NEXT,
     WHO,
     fetch,
@@ -155,7 +155,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             return PATH_DONE
         ahead = np.float64(nearest(contacts.ahead) - s.at) - s.off
         behind = np.float64(nearest(contacts.behind) + s.at) + s.off
-        exact, exact_behind = contacts.ahead.at[EXACT] != 0, contacts.behind.at[EXACT] != 0
+        known, known_behind = contacts.ahead.at[KNOWN] != 0, contacts.behind.at[KNOWN] != 0
         remaining = pull.lasts[unsigned(s.leg)] - s.elapsed
         most, slipped = max(min(remaining, s.due), 0.0), False
         side = 1 if ahead <= 0.0 else -1 if behind <= 0.0 else 0
@@ -166,7 +166,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             if not s.falling:
                 watch(s, pull, pulled)
             s.seen = s.breaks
-            if exact if s.speed >= 0.0 else exact_behind:
+            if known if s.speed >= 0.0 else known_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
                 if side == 0:
                     side = damped_move(s, pull, ahead, most, net, stiffness)
@@ -181,14 +181,14 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                     limit = speed_limit(pull.speeds[unsigned(s.leg)])
                     if early < t and top > FASTER * limit:
                         t, side, most, s.tried = early, 0, early, s.loose
-                if side == 0 or (exact if side > 0 else exact_behind):
+                if side == 0 or (known if side > 0 else known_behind):
                     travel = ahead if side > 0 else -behind
                     slipped = slow_move(s, pull, motion, t, side, travel)
         forms = np.int64(-1)
         # at a bound, where the slider has not moved yet, the places are looked up
-        if side > 0 and not exact:
+        if side > 0 and not known:
             look_through(contacts.ahead)
-        elif side < 0 and not exact_behind:
+        elif side < 0 and not known_behind:
             look_through(contacts.behind)
         elif side != 0:
             forms = _break(s, contacts, side, pull)

@@ -3,9 +3,9 @@
 While no contact breaks or forms, the slider is a damped oscillator of stiffness S = K + (that of the contacts
 that hold), pulled by a drive of constant speed v. Its way since the last event is
 
-    w t + u(t) - u(0),    m u'' + c u' + S u = 0,    w = K v/S,
+    w t + u(t) - u(0),    M u'' + γ u' + S u = 0,    w = K v/S,
 
-u being its distance from where a slider without inertia would be. With s² = S/m, b = c/2m and s² - b² = ω²
+u being its distance from where a slider without inertia would be. With s² = S/M, b = γ/2M and s² - b² = ω²
 (or b² - s² = σ², where it does not ring)
 
     u(t) = u(0) C(t) + u'(0) D(t),    D = e^(-bt) sin(ωt)/ω,    C = D' + 2 b D,    C' = -s² D.

@@ -22,7 +22,7 @@ WIDEST = 32  # most bits of a horizon's distance
 # In Nearest.at: the next sorted key and their end; the first place and the bits of the horizon's distance; how many
 # came later; the bound; whether all before the horizon are known; the contact that is the nearest; and up to which key
 # places are fetched, with what became of them.
-NEXT, END, LOW, WIDTH, LATER, BOUND, EXACT, WHO, FETCHED, SUM = range(10)
+NEXT, END, LOW, WIDTH, LATER, BOUND, KNOWN, WHO, FETCHED, SUM = range(10)
 TOGETHER = 64  # places that are fetched together; a core waits for some ten at once
 
 
@@ -52,7 +52,7 @@ def make_nearest(n: int, width: float) -> Nearest:
 def nearest(near):  # type: ignore[no-untyped-def]
     """The nearest place if it is known, else the bound."""
     at = near.at
-    if at[EXACT] == 0:
+    if at[KNOWN] == 0:
         return at[BOUND]
     low, found = at[LOW], np.int64(FAR)
     while at[NEXT] < at[END]:
@@ -71,7 +71,7 @@ def nearest(near):  # type: ignore[no-untyped-def]
             break
         _remove_first(near)
     if found == FAR and low != FAR:
-        at[EXACT] = 0  # the bound is the horizon
+        at[KNOWN] = 0  # the bound is the horizon
         found = at[BOUND]
     return found
 
@@ -100,12 +100,12 @@ def set_place(near, contact, place):  # type: ignore[no-untyped-def]
 def _come_before(near, contact, place):  # type: ignore[no-untyped-def]
     """A contact comes to a place before the horizon, or before the bound."""
     at = near.at
-    if at[EXACT] == 0:
+    if at[KNOWN] == 0:
         at[BOUND] = place
         return
     if at[LATER] == near.heap.size:
         at[BOUND] = min(place, nearest(near))
-        at[EXACT] = 0
+        at[KNOWN] = 0
         return
     j = at[LATER]
     at[LATER] = j + 1
@@ -139,7 +139,7 @@ def look_through(near):  # type: ignore[no-untyped-def]
     low, most = np.int64(FAR), near.heap.size * np.int64(2)
     for i in range(unsigned(n)):
         low = min(low, near.places[i])
-    at[LOW], at[NEXT], at[LATER], at[EXACT], at[FETCHED] = low, 0, 0, 1, 0
+    at[LOW], at[NEXT], at[LATER], at[KNOWN], at[FETCHED] = low, 0, 0, 1, 0
     many = most + 1
     while (
         many > most

@@ -161,7 +161,7 @@ class HeavySliders:
         pull.places[:], pull.speeds[:], pull.lasts[:] = self._legs(balance)
         pull.places[:] /= unit
         pull.chance[:] = fall_by_chance(self._contacts, n, pull.speeds) / unit
-        pull.fewest[:] = n * self._least_share(pull.speeds)
+        pull.least_breaks[:] = n * self._least_share(pull.speeds)
         pull.speeds[:] /= unit
         pull.energy[:] = 0.0
         pull.energy[state.STORED, 0] = at_start = self._stored(s, contacts)
@@ -219,8 +219,8 @@ class HeavySliders:
             rate=drive.damping / (drive.mass or 1.0),
             mean=mean,
             wait=-1.0 if delay is None else delay.time,
-            share=self.slip_fraction,
-            fewest=np.empty(points),
+            slip_fraction=self.slip_fraction,
+            least_breaks=np.empty(points),
             room=ROOM * contacts.mean_threshold / self._unit,
             rise=RISE * contacts.mean_threshold / self._unit,
             chance=np.empty(points),

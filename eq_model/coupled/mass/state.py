@@ -26,32 +26,37 @@ SLIDER = np.dtype(
         ("force", np.float64),  # of the contacts if the slider were at `at`
         ("stiffness", np.float64),  # of the contacts that hold
         ("n_holding", np.int64),  # number of contacts that hold
-        ("breaks", np.int64),
+        ("breaks", np.int64),  # number of all breaks so far
         ("leg", np.int64),  # index of the drive's present leg
         ("elapsed", np.float64),  # time since that leg began
         ("due", np.float64),  # time until contacts form again after their delay
         ("since", np.float64),  # time since the last break that waits for its return
         ("returning", np.int64),  # index of the next return
         ("returns", np.int64),  # index after the last one
-        ("falling", np.bool_),  # whether the slider is faster than the drive
-        ("broken", np.int64),  # breaks since it is
-        ("force_before", np.float64),  # of the spring, as it became so
-        ("top", np.float64),  # largest speed since
-        ("low", np.bool_),  # whether the force is in a swing down, which no rise has ended yet
-        ("clock", np.float64),  # time since the force was at its highest before
-        ("lead", np.float64),  # largest K (FASTER X_T - X) since
+        # a fall of the spring's force: the slider is faster than the drive
+        ("falling", np.bool_),  # whether it is
+        ("broken", np.int64),  # breaks since the fall began
+        ("force_before", np.float64),  # of the spring where it began
+        ("top", np.float64),  # largest speed of the slider since then
+        # a swing down, of one fall or several: begins where the spring's force is largest
+        ("low", np.bool_),  # whether the force is in one, which no rise has ended yet
+        ("clock", np.float64),  # time since it began
+        ("lead", np.float64),  # largest K (FASTER X_T - X) since it began
         # whether the slider has been FASTER times as fast as the drive since, by more than chance
         ("rushed", np.bool_),
-        ("slipping", np.bool_),  # whether the swing down is a slip
-        ("before_slip", np.int64),  # number of all breaks before it
+        ("slipping", np.bool_),  # whether it is a slip
+        ("before_slip", np.int64),  # number of all breaks before the slip
+        # a stick: the slider is held while the spring's force rises
         ("stuck", np.bool_),  # whether the slider has stuck since the last slip
-        ("stuck_at", np.float64),  # X as it last did
+        ("stuck_at", np.float64),  # X where it last did
         ("held", np.int64),  # number of contacts that held there
-        ("loose", np.int64),  # breaks since
-        ("tried", np.int64),  # of these at the last fall without a break: the next is smaller
-        ("rest", np.float64),  # X from which it may be sticking
-        ("rest_force", np.float64),  # and the spring's force there
-        ("rest_breaks", np.int64),  # and the number of all breaks before
+        ("loose", np.int64),  # breaks since it last stuck
+        # `loose` at the last top of the speed that was looked at as the begin of a slip
+        ("tried", np.int64),
+        # from where on the slider may be sticking
+        ("rest", np.float64),  # X there
+        ("rest_force", np.float64),  # the spring's force there
+        ("rest_breaks", np.int64),  # number of all breaks up to there
         ("seen", np.int64),  # number of all breaks, but for those at the present place
     ]
 )
@@ -76,8 +81,8 @@ class Pull(NamedTuple):
     rate: float  # γ/M
     mean: float  # threshold at which k_i = <k>; 0 if all k_i are equal
     wait: float  # the delay, below 0 if there is none
-    share: float  # fewest breaks in a slip, of those contacts that held before
-    fewest: Array  # breaks in a slip, on each leg
+    slip_fraction: float  # least breaks in a slip, per contact that held where the slider stuck
+    least_breaks: Array  # number of contacts that at least break in a slip, on each leg
     room: float  # way in which a slider sticks
     rise: float  # of the spring's force per N <k> meanwhile
     chance: Array  # by which that force falls by chance at most, on each leg

@@ -49,11 +49,11 @@ def watch(s, pull, force):  # type: ignore[no-untyped-def]
     x = np.float64(s.at) + s.off
     if x < s.stuck_at - pull.room:
         s.stuck = False
-    fewest = max(RISE * pull.n, pull.share * s.held if s.stuck else 0.0)
-    if s.n_holding < fewest or abs(x - s.rest) > pull.room:
+    least_holding = max(RISE * pull.n, pull.slip_fraction * s.held if s.stuck else 0.0)
+    if s.n_holding < least_holding or abs(x - s.rest) > pull.room:
         _rest_at(s, x, force)
     elif force - s.rest_force >= pull.rise:
-        few = s.seen - s.rest_breaks < pull.share * s.n_holding
+        few = s.seen - s.rest_breaks < pull.slip_fraction * s.n_holding
         if few and (s.low or force >= pull.swing[F_BEFORE]):
             s.stuck, s.stuck_at, s.held, s.loose = True, x, s.n_holding, s.breaks - s.seen
         _rest_at(s, x, force)
@@ -62,7 +62,9 @@ def watch(s, pull, force):  # type: ignore[no-untyped-def]
 @inlined
 def has_loosened(s, pull):  # type: ignore[no-untyped-def]
     """Whether so many contacts have broken since the slider stuck that the next swing down is a slip."""
-    return s.stuck and s.loose >= max(pull.share * s.held, pull.fewest[unsigned(s.leg)], 1.0)
+    return s.stuck and s.loose >= max(
+        pull.slip_fraction * s.held, pull.least_breaks[unsigned(s.leg)], 1.0
+    )
 
 
 @inlined

@@ -40,8 +40,8 @@ class SlipsInTime(Slips):
         of a slip that fades without a swing, whose end, the speed of the drive, is reached slowly.
 
     The slider sticks where the force rises by 0.02 mean thresholds while it stays within two of them, a fifth of the
-    contacts at least hold it and fewer break. From where it last stuck to the end of the fall contacts break a fifth
-    times each or more, while the force falls by 0.02 mean thresholds and the slider gets 1.5 times as fast as the
+    contacts at least hold it and fewer break. From where it last stuck to the end of the fall there are 0.2 breaks per
+    contact or more, while the force falls by 0.02 mean thresholds and the slider gets 1.5 times as fast as the
     drive.
     """
 

@@ -1,6 +1,7 @@
 """A soft slider with a mass, M X'' + γ X' = K (X_T - X) - F, on the path of its drive.
 
-It is followed twice, with tolerances a few times apart, until the forces of both agree; their difference is the error.
+It is followed with ever smaller tolerances (TOLERANCES), until the forces of the last two runs agree. The error is
+their difference, twice that with a delay (SAFETY_OF_DELAY), and what both may miss alike (UNSEEN).
 """
 
 import time

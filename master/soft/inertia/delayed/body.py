@@ -60,7 +60,7 @@ class DelayedBody:
     contacts : cohorts that have formed up to now
     past : breaks up to now, which are the births to come
     energies : up to now
-    pull : force of the contacts at the end of the last panel (a length)
+    contact_force : F at the end of the last panel (a length)
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class DelayedBody:
         self.contacts = Cohorts.at_start(contacts, Survival(contacts.thresholds))
         self.past = PastBreaks(contacts.waiting_time, self.contacts.unbroken())
         self.past.kink(0.0)
-        self.energies, self.pull = Energies(0.0, 0.0, 0.0), 0.0
+        self.energies, self.contact_force = Energies(0.0, 0.0, 0.0), 0.0
         self._many = MANY
 
     def take_panel(
@@ -103,8 +103,8 @@ class DelayedBody:
         self.past.formed += formed
         self._go_to(end, contacts, spent, form_rest=not steady)
         self._check_number()
-        self.pull = float(panel.at(panel.end, FORCE))
-        self._check_force(self.pull)
+        self.contact_force = float(panel.at(panel.end, FORCE))
+        self._check_force(self.contact_force)
         if self.contacts.born.size > self._many:
             self.contacts = self.contacts.merged(OF_MERGING * self.accuracy, self.near(end.x))
             self._many = MANY + self.contacts.born.size
@@ -171,11 +171,11 @@ class DelayedBody:
         self.contacts = self.contacts.and_born(np.array([x]), np.array([fraction]), x)
 
     @property
-    def balance_of_spring(self) -> float:
+    def net_force(self) -> float:
         """K (X_T - X) - F, per N_c<k> (a length)."""
         response = self.contacts.response(np.array([self.state.x]))
-        pull = self.machine.spring * (float(self.drive.at(self.state.t)) - self.state.x)
-        return pull - float(response.force[0])
+        of_spring = self.machine.spring * (float(self.drive.at(self.state.t)) - self.state.x)
+        return of_spring - float(response.force[0])
 
     @property
     def hardly_any_holds(self) -> bool:

@@ -131,14 +131,14 @@ class Collocation:
         self,
         machine: Machine,
         contacts: Cohorts,
-        sliding: FastSliding,
+        law: FastSliding,
         past: PastBreaks,
         accuracy: float,
     ) -> None:
-        self._machine, self._contacts, self._sliding = machine, contacts, sliding
+        self._machine, self._contacts, self._law = machine, contacts, law
         self._past, self._accuracy = past, accuracy
         # shortest travel on a panel on which contacts form and break
-        self._shortest = LEAST_PASSAGE * sliding.passage
+        self._shortest = LEAST_PASSAGE * law.passage
 
     def solve(
         self, state: State, width: float, drive: Array, guess: Array, steady: bool = False
@@ -161,7 +161,7 @@ class Collocation:
             sliding = Sliding.FAST
         contacts = PullOnPanel(
             self._contacts,
-            self._sliding,
+            self._law,
             width,
             past.delay,
             state.x,

@@ -26,9 +26,9 @@ class PanelSearch:
     _last : the panel before, whose polynomial is the first guess on the next; None where there is none to go on from
     """
 
-    def __init__(self, body: DelayedBody, sliding: FastSliding) -> None:
+    def __init__(self, body: DelayedBody, law: FastSliding) -> None:
         """Before the first panel."""
-        self._body, self._sliding = body, sliding
+        self._body, self._law = body, law
         self.tried = 0
         self._width = np.inf
         self._last: TimePanel | None = None
@@ -95,7 +95,7 @@ class PanelSearch:
         guess = np.full(NODES.size, body.state.w)
         if last is not None and width < 2.0 * last.width:
             guess = last.slope(times, POSITION)
-        search = Collocation(body.machine, body.contacts, self._sliding, body.past, body.accuracy)
+        search = Collocation(body.machine, body.contacts, self._law, body.past, body.accuracy)
         return search.solve(body.state, width, body.drive.at(times), guess, self.steady)
 
     def _off_steady(self) -> float:
@@ -111,11 +111,11 @@ class PanelSearch:
             return np.inf
         direction = float(np.sign(w))
         speed, none = np.array([direction * w]), np.zeros(1)
-        of_speed = self._sliding.nearly_steady(speed, none, body.past.delay)
+        of_speed = self._law.nearly_steady(speed, none, body.past.delay)
         response = body.contacts.response(np.array([x]))
-        pull = direction * (body.balance_of_spring + float(response.force[0]))
+        pull = direction * (body.net_force + float(response.force[0]))
         rise = (pull - machine.damping * speed - of_speed.force) / (machine.mass + of_speed.by_rise)
-        steady = self._sliding.nearly_steady(speed, rise, body.past.delay)
+        steady = self._law.nearly_steady(speed, rise, body.past.delay)
         if float(steady.change[0]) > MOST_CHANGE:
             return np.inf
         force_off = abs(float(response.force[0]) - direction * float(steady.force[0]))
@@ -142,7 +142,7 @@ class PanelSearch:
         if self.steady:
             passing = body.machine.unit / max(abs(body.state.w), TINY)
             return WIDTHS.steady * max(passing, body.past.delay)
-        travel = WIDTHS.fast * LEAST_PASSAGE * self._sliding.passage
+        travel = WIDTHS.fast * LEAST_PASSAGE * self._law.passage
         width = travel / max(abs(body.state.w), TINY)
         swing = float(np.sqrt(body.machine.mass / body.machine.spring))
         return width if width < min(body.past.delay, WIDTHS.of_swing * swing) else 0.0
@@ -151,9 +151,9 @@ class PanelSearch:
         """The width up to which a panel on which contacts form and break ends before the slider stops; inf where it
         gets faster, or would stop within the way of such a panel."""
         machine, w = self._body.machine, self._body.state.w
-        slows = (machine.damping * w - self._body.balance_of_spring) / machine.mass
+        slows = (machine.damping * w - self._body.net_force) / machine.mass
         stops = w / slows if slows * w > 0.0 else np.inf
-        long = 0.5 * abs(w) * stops >= LEAST_PASSAGE * self._sliding.passage
+        long = 0.5 * abs(w) * stops >= LEAST_PASSAGE * self._law.passage
         return WIDTHS.of_stop * stops if long else np.inf
 
     def _too_many(self, width: float, missed: Missed | None) -> str:

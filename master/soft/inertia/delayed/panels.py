@@ -71,12 +71,12 @@ class OnPanels:
     """
 
     def __init__(
-        self, body: DelayedBody, sliding: FastSliding, record: Record, contacts: Contacts
+        self, body: DelayedBody, law: FastSliding, record: Record, contacts: Contacts
     ) -> None:
-        """Before the first panel; `sliding`: what the contacts' law says of a slider that passes many thresholds; the
+        """Before the first panel; `law`: what the contacts' law says of a slider that passes many thresholds; the
         record is told of falls of the spring's force."""
-        self._body, self._record, self._sliding = body, record, sliding
-        self.search = PanelSearch(body, sliding)
+        self._body, self._record, self._law = body, record, law
+        self.search = PanelSearch(body, law)
         self.turns = 0
         self._bends = list[float]()
         if contacts.start.is_single:
@@ -186,7 +186,7 @@ class OnPanels:
         if part.solved.sliding is not Sliding.SLOW:
             end = float(panel.at(panel.end, POSITION))
             solved = part.solved
-            born, weight = self._sliding.born(panel, solved.panel, solved.birth_rate, least_force)
+            born, weight = self._law.born(panel, solved.panel, solved.birth_rate, least_force)
             return contacts.moved(end).and_born(born, weight, end)
         return contacts.after(panel, part.birth_rate, least_force)
 

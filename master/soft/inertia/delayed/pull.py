@@ -51,7 +51,8 @@ class PullOnPanel:
 
     _contacts : those that have formed before it; _law : what their law says of a fast slider
     _width : of the panel; _delay : after which contacts form again
-    _first_place, _first_speed : X and dX/dt where the panel begins; _held_before : share that holds there
+    _first_place, _first_speed : X and dX/dt where the panel begins
+    _holding_before : share that holds there
     """
 
     def __init__(

@@ -98,7 +98,7 @@ class SmallSwings:
         given, damped, on_contacts = (float(each) for each in body.energies)
         unbroken = body.contacts.unbroken()
         self._seen.append(
-            Seen(at, spring, body.pull, unbroken, given, damped, on_contacts, body.state.w)
+            Seen(at, spring, body.contact_force, unbroken, given, damped, on_contacts, body.state.w)
         )
         if len(self._seen) < self._next_look:
             return None

@@ -96,7 +96,7 @@ class Swinging:
         does so already the motion is without it, and that time inf."""
         body, machine = self._body, self._body.machine
         stiff, rate = machine.spring + holding, machine.spring * body.drive.speed
-        given = machine.mass, machine.damping, stiff, body.balance_of_spring, rate
+        given = machine.mass, machine.damping, stiff, body.net_force, rate
         motion = Oscillation.of(*given, 0.0, body.state.w)
         quiet = QUIET * body.tolerance / (1.0 + machine.spring)
         if motion.size <= quiet:
