@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from scipy import optimize, stats
+from scipy import integrate, optimize, stats
 
 import eq_model
 import master
@@ -350,6 +350,83 @@ def test_the_master_equation_swings_below_the_same_spring() -> None:
         force = np.asarray(master.solve(contacts, path, 1e-3, **given).force)
         early, late = np.ptp(force[141:341]), np.ptp(force[641:841])
         assert late > 1.1 * early if grows else late < 0.9 * early, (spring, early, late)
+
+
+# thresholds with S = exp(-x^5), heat and strengthening of which the latter prevails at v = 1
+STEEP = 5.0
+BOTH = Contacts(
+    strengthening(Contacts(stats.weibull_min(STEEP)).thresholds, beta=0.1, time=1e-3),
+    thermal=Thermal("eyring", width=0.01, attempt_frequency=1e3),
+)
+
+
+def stiffness_of_both(wave_number: float) -> complex:
+    """-dF/dX of BOTH at v = 1 for a small disturbance e^(iqX) of steady sliding, with the number conserved, by
+    quadrature over the lives x and over thresholds at birth ξ: of contacts born together those hold whose ξ is above
+    x/g, by e^-A, A = ∫ h dx, h = ω exp[-(1 - x/gξ)/α]."""
+    alpha, wave = 0.01, 1j * wave_number
+    cells, width = np.linspace(0.0, 2.2, 400, endpoint=False), 2.2 / 400
+    x, threshold = np.linspace(0.0, 4.0, 1001), cells + 0.5 * width
+    growth = 1.0 + 0.1 * np.log1p(x / 1e-3)
+    met, density = x / growth, stats.weibull_min(STEEP).pdf
+    rate = 1e3 * np.exp(-(1.0 - np.minimum(met[:, None] / threshold, 1.0)) / alpha)
+    passed = integrate.cumulative_trapezoid(rate, x, axis=0, initial=0.0)
+    unmet = np.clip((cells + width - met[:, None]) / width, 0.0, 1.0)
+    holds = unmet * np.exp(-passed) * density(threshold) * width
+    held = holds.sum(axis=1)
+    born = 1.0 / np.trapezoid(held, x)
+    # of contacts that meet their threshold the rest was broken by heat before
+    of_met = [np.exp(-np.interp(one, threshold, row)) for one, row in zip(met, passed, strict=True)]
+    further, late = np.expm1(wave * x), np.exp(-wave * x)
+    rises = rate / (alpha * threshold * growth[:, None]) * further[:, None]
+    more = integrate.cumulative_trapezoid(rises, x, axis=0, initial=0.0)
+    fewer = density(met) * of_met / growth * further + (holds * more).sum(axis=1)
+    births = np.trapezoid(late * fewer, x) * born / np.trapezoid(held * late, x)
+    moved = np.trapezoid(late * (further * held - x * fewer), x) * born
+    return complex(-births * np.trapezoid(x * held * late, x) - moved)
+
+
+@pytest.mark.slow  # some 45 s
+def test_both_laws_on_springs_below_and_above_the_critical_one() -> None:
+    """Heat and strengthening: small disturbances decide by quadrature for the solved critical spring, not for
+    (b - a)/D_c, whose direct effect acts at once. Both solvers slow a slider down from where neither law acts: on half
+    of that spring it slips, by as much in both, on twice that it goes on smoothly. K* of its start tells neither."""
+    wave_numbers = np.geomspace(0.1, 60.0, 40)
+    imaginary = [stiffness_of_both(q).imag for q in wave_numbers]
+    (turn,) = np.flatnonzero(np.diff(np.sign(imaginary)))
+    wave_number = optimize.brentq(
+        lambda q: stiffness_of_both(q).imag, *wave_numbers[turn : turn + 2], rtol=1e-6
+    )
+    exact = stiffness_of_both(wave_number).real
+    found = master.rate_state(BOTH, 1.0, decades=0)
+    assert found.success and found.b.value > found.a.value > 0.0
+    off = abs(found.critical_spring_solved - exact)
+    assert off < found.critical_spring_solved_error < 0.2 * exact
+    assert found.critical_spring + 2.0 * found.critical_spring_error < exact
+    # at T = 0, and as they form, contacts of steady sliding are stretched by S(x)/<x_s>
+    contacts = BOTH.replace(start=stats.halfgennorm(STEEP))
+    begin, speeds, onward = contacts.start.mean(), np.geomspace(1e3, 1.0, 40), np.arange(1, 101)
+    for spring, slips in ((0.5 * exact, 1), (2.0 * exact, 0)):
+        slowing = np.full(40, 0.1 + 0.01 / spring)
+        drive = begin / spring + np.r_[0.0, np.cumsum(slowing)]
+        times = 1e-9 + np.r_[0.0, np.cumsum(slowing / speeds)]
+        path = np.r_[drive, drive[-1] + 0.05 * onward]
+        given: dict[str, Any] = {"spring": spring, "slip": "instant"}
+        given["time"] = np.r_[times, times[-1] + 0.05 * onward]
+        solved = master.solve(contacts, path, 5e-2, **given)
+        single = eq_model.simulate(contacts, path, n_contacts=40_000, n_replicas=1, seed=1, **given)
+        assert solved.success and solved.slips.drive.size == single.slips.drive.size == slips
+        assert solved.regime.critical_spring < 0.1 * spring
+        claim = solved.force_error * contacts.mean_threshold
+        if slips:
+            drops = [one.slips.force_before - one.slips.force_after for one in (solved, single)]
+            assert abs(drops[0] - drops[1]) < 0.01 < 0.1 * drops[0]
+            assert abs(solved.slips.drive - single.slips.drive) * spring < claim
+            continue
+        assert np.abs(solved.force - single.force).max() < claim + 0.01
+        for force in (solved.force, single.force):  # a wavelength and a half
+            assert np.ptp(force[-80:]) < 0.03
+            assert abs(force[-80:].mean() - found.kinetic_force) < 0.01
 
 
 def test_bad_input_is_refused_in_a_line() -> None:
