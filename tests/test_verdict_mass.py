@@ -556,11 +556,12 @@ def test_a_slider_that_is_not_decided_is_told_with_its_mass_at_both_extremes_of_
     assert "stick-slip: 0.8000 N_c<k> length down to -0.4000" in after and "every 1,200" in after
     (delay,) = (one for one in text if one.startswith("  the contacts' delay: "))
     assert "friction falls with the speed by more than the damping rises" in delay
-    loaded = "units of time, in which the drive loads the spring to F_s"  # F_s/(K v), 0.8/1e-3
-    assert f"its duration, and far below 800 {loaded}, as if after it" in delay
+    loaded = "units of time in which the drive loads the spring to F_s"  # F_s/(K v), 0.8/1e-3
+    assert f"of a slip, and far below the 800 {loaded}, only after the slip" in delay
     fast = replace(told.own.machine or Machine(1.0), velocity=1e4)
     (delay,) = dependence(replace(told, answers=(replace(told.own, machine=fast),)))[:1]
-    assert "none as if after a slip, whose duration" in delay and f"is above 0.08 {loaded}" in delay
+    assert "with no delay do they all re-form between one slip and the next" in delay
+    assert f"longer than the 0.08 {loaded}" in delay
     assert [one["kind"] for one in plain(told)["readings"][0]["extremes"]] == [
         "smooth",
         "stick-slip",

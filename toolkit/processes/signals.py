@@ -1,9 +1,11 @@
 """Start and end of a process: the launcher's environment, and signals, raised as exceptions or deferred."""
 
+import math
 import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
@@ -112,7 +114,7 @@ def no_longer_than(
 ) -> Iterator[None]:
     """Raise `over` within once so many seconds are over, of TooMuchWork CPU time, which does not hang on what else the
     machine does; in the main thread only, None for no limit. `remaining_time`, if given, says then how
-    many more there are.
+    many more there are. A limit within which this one is set holds again afterwards.
 
     A module that is being imported is imported first, as one that is half there is broken for good, as numba is.
     """
@@ -126,14 +128,23 @@ def no_longer_than(
             raise over
         signal.setitimer(over.timer, max(more, 0.1))
 
-    with _handled(ring, *([] if seconds is None else [over.number])) as before:
-        try:
-            if before:
-                signal.setitimer(over.timer, max(seconds or 0.0, 1e-6))
-            yield
-        finally:
-            if before:
-                signal.setitimer(over.timer, 0.0)
+    clock = time.monotonic if over.timer == signal.ITIMER_REAL else time.process_time
+    began, outer = clock(), 0.0
+    try:
+        with _handled(ring, *([] if seconds is None else [over.number])) as before:
+            try:
+                if before:
+                    outer = signal.getitimer(over.timer)[0]
+                    most = min(seconds or 0.0, outer or math.inf)
+                    signal.setitimer(over.timer, max(most, 1e-6))
+                yield
+            finally:
+                if before:
+                    signal.setitimer(over.timer, 0.0)
+    finally:
+        if outer:
+            # not at once, where who set this limit may still catch what is raised
+            signal.setitimer(over.timer, max(outer - (clock() - began), _REPEATED_AFTER))
 
 
 def _imports_in(frame: FrameType | None) -> int:

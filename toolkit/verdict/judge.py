@@ -30,6 +30,7 @@ from toolkit.verdict.sliders.machine import (
     Behaviour,
     Finite,
     Machine,
+    ends_before_a_slip,
     machine_of,
     not_followed,
     rigid_slider,
@@ -50,8 +51,9 @@ TOLERANCE = 1e-6
 PRECISE = 1e-5
 # s for a slider with mass and another delay than its own, which is no answer but what it hangs on
 OF_DELAY = 20.0
-# times as long as K* and F_s to the latter tolerance take to the former, of laws that take long
-LONGER = 12.0
+# times as long as K* and F_s to the latter tolerance take to the former, of laws that take long; and part of the time
+# that is left, for them: contacts that grow and break by heat take a hundred times as long
+LONGER, OF_MORE = 12.0, 0.25
 
 
 def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -> Verdict:
@@ -251,12 +253,14 @@ def _answer(
 
 
 def _without_slip(behaviours: list[Behaviour], contacts: Contacts, rule: str) -> Behaviour | None:
-    """What a slider does under this rule where it is known to slide without a slip, as no rule acts then. That is told
-    by "reset" alone, by which F falls to 0 in the smallest slip. None where it is not known, or soon found."""
+    """What a slider does under this rule where it is known to slide without a slip, or without one as far as it can be
+    followed, as no rule acts then. That is told by "reset" alone, by which F falls to 0 in the smallest slip. None
+    where it is not known, or soon found."""
     if not behaviours or behaviours[0].rule != "reset" or not contacts.in_time:
         return None
     first = behaviours[0]
     sure = first.kind == "smooth" and first.success and not first.slips and first.contacts is None
+    sure |= ends_before_a_slip(first)
     return replace(first, rule=rule, run_time=0.0) if sure else None
 
 
@@ -266,9 +270,12 @@ def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:
     import master
 
     rough = master.propensity(contacts, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
-    late = LONGER * rough.run_time > budget.remaining()
+    seconds = OF_MORE * budget.remaining()
+    late = LONGER * rough.run_time > seconds
     spring, off = rough.critical_spring, rough.critical_spring_error
     precise = off <= PRECISE * spring and rough.static_to_kinetic_error <= PRECISE
     if late or precise or not np.isfinite(spring):
         return rough
-    return master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
+    with suppress(TimeIsUp), no_longer_than(seconds):
+        return master.propensity(contacts, velocity=velocity, tolerance=TOLERANCE)
+    return rough

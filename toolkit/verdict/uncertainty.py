@@ -132,7 +132,8 @@ def numerical_errors(verdict: Verdict) -> list[str]:
     for one in own.behaviours:
         relative_error = one.error * mean / abs(one.before or np.nan)
         if 0.0 < relative_error < np.inf:
-            each = f"at most {relative_error:.0e}"
+            beyond = ", more than the force" if relative_error > 1.0 else ""
+            each = f"at most {relative_error:.0e}{beyond}"
             if one.contacts is not None:  # that of the ensemble is no bound
                 each = f"a standard error of {relative_error:.0e}, between sliders"
             groups.setdefault(each, []).append(one.rule)
@@ -189,16 +190,15 @@ def unsure_of_springs(own: Answer) -> list[str]:
 
 
 def once_over(answer: Answer, slider: Behaviour) -> str:
-    """How many slips came before smooth sliding, by how much each was smaller than the one before, and what they leave
-    where the path ends; "" where they did not shrink one by one."""
+    """How many slips came before smooth sliding, by how much each was smaller than the one before, and that what they
+    leave where the path ends is the error of the force; "" where they did not shrink one by one."""
     if not slider.shrinks_by:
         return ""
     seen = f" once slips have died out: {slider.slips} were seen{shrinking(slider)}"
     left = slider.error * answer.contacts.mean_threshold
-    if left <= slider.after:  # it stands beside the force as its error
-        return seen
-    swings = written(left * answer.scale.force, answer.scale.force_unit, digits=2)
-    return f"{seen}, and swings of {swings} are left where the path ends"
+    return seen + ", and the path ends while they swing by more than the force" * (
+        left > slider.after
+    )
 
 
 def of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:

@@ -281,8 +281,8 @@ class ContactsInSteps:
         """Raise StoppedError after too many steps, or too much work in them."""
         part = self.most_steps / MOST_STEPS
         if self.steps > self.most_steps or self.work > MOST_WORK * part**2:
-            when = f"{self.steps - 1} steps, which end at t = {self.now:.4g}"
-            raise StoppedError(f"contacts break and come back at too many different times: {when}")
+            ends = f"{self.steps - 1} steps lead to t = {self.now:.4g}"
+            raise StoppedError(f"{ends}, and more are not taken, however much time there is")
 
     def form_due(self) -> None:
         """Let all contacts that broke together one delay ago form now, as a cohort of their own."""

@@ -27,6 +27,8 @@ UNLISTED = 1.0 / 3.0
 # A delay is too long to be followed where the drive moves by this many mean thresholds in it, and the spring's force
 # rises by this part of one: in all of 8 cases with thresholds 1 +- 0.2 steps had no answer, below in none of 5.
 LONG_DELAY, LOADED = 30.0, 8e-3
+# What a refusal says that holds under each slip rule.
+NO_SLIP_YET = "no slip has come by then"
 # Thresholds at which the first breaks are looked at.
 QUANTILES = 2000
 # The next halving takes twice the steps, each of which has twice the groups, and where cells get finer, too, as many
@@ -103,7 +105,8 @@ def refined(
             if best is None:
                 if time.monotonic() <= until and not isinstance(why, FaultError):
                     hint = f"end the path sooner{or_without_heat(contacts, float(asked[-1]))}"
-                    refuse("path[-1]", drive.path[-1], f"{why}; {hint}")
+                    seen = f": {NO_SLIP_YET}" * (not slider.slips)
+                    refuse("path[-1]", drive.path[-1], f"{why}{seen}; {hint}")
                 asked = asked[asked <= cohorts.now]
                 best = extrapolated([slider], contacts, drive, balance, asked)
             return best._replace(stopped_because=str(why))

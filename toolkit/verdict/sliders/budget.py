@@ -22,7 +22,7 @@ from toolkit.verdict.sliders.machine import (
 WALL_TIME = 60.0
 MORE_TIME = f"raise wall_time (s, {WALL_TIME:.0f} where none is given)"
 LONGER = f"the command's --set wall_time={10 * WALL_TIME:.0f} gives it ten minutes"
-NO_TIME = f"no time was left: {MORE_TIME}"
+NO_TIME = f"wall_time is used up ({WALL_TIME:.0f} s where none is given): raise it"
 # why nothing is told of a slider, and of a reading other than the scene's own
 NO_FORCES = (
     f"F_s and K* were not found in time, and without them no slider is followed: {MORE_TIME}"
@@ -84,6 +84,13 @@ def late(message: str) -> str:
     return (
         f"neither force nor slips are known in time: {MORE_TIME}{''.join(_SWINGS.findall(message))}"
     )
+
+
+def too_long(needed: float, remaining: float) -> str:
+    """Why contacts that need so many s are not followed in those that remain."""
+    if not remaining:
+        return f"were not followed: {NO_TIME}"
+    return f"would take some {needed:,.2g} s, where {remaining:.2g} s are left: {MORE_TIME}"
 
 
 def lacks_damping(message: str) -> bool:

@@ -25,6 +25,7 @@ from toolkit.verdict.sliders.budget import (
     MORE_TIME,
     OF_MOST,
     most_breaks,
+    too_long,
     way_without_contacts,
 )
 from toolkit.verdict.sliders.machine import (
@@ -85,7 +86,7 @@ def sliders(
         spent = time.process_time()
         pilot = _within(following, left)
         if pilot is None:
-            raise InputError(f"{FEW:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
+            raise InputError(f"{FEW:,} contacts take more than {left:.0f} s: {MORE_TIME}")
         remaining = max(seconds - pilot.run_time, 0.0)
         left = max(remaining, SHORT)
         most = most_breaks(contacts, rule)
@@ -97,17 +98,16 @@ def sliders(
             if few_will_do:
                 return pilot
             needed, breaks = took * number / FEW, pilot.breaks * number / FEW
-            why = f"would take some {needed:,.2g} s, where {remaining:.0f} s are left: {MORE_TIME}"
+            why = too_long(needed, remaining)
             if needed <= remaining:
                 why = f"break some {breaks:.1g} times, more than are followed here"
             raise InputError(f"{number:,} contacts {why}")
         if number > times * FEW:
             # by powers of 2, as the time differs from run to run, and answers should not
             number = FEW * 2 ** int(np.log2(times))
-    all_of_them = eq_model.Ensemble(contacts, path, n_contacts=number, **asked)
-    found = _within(all_of_them, left)
+    found = _within(eq_model.Ensemble(contacts, path, n_contacts=number, **asked), left)
     if found is None and not (few_will_do and pilot):
-        raise InputError(f"{number:,} contacts take more than {seconds:.0f} s: {MORE_TIME}")
+        raise InputError(f"{number:,} contacts take more than {left:.0f} s: {MORE_TIME}")
     return found or pilot
 
 

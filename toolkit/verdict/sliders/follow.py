@@ -200,7 +200,7 @@ def _by_distribution(
             # nor what path to give instead: it is the verdict's own
             if key.startswith("path") or "end the path" in why:
                 why = why.partition("; ")[0]
-            return not_followed(rule, why or str(error))
+            return replace(not_followed(rule, why or str(error)), refused=True)
         if found.slips and not is_precise(solved):
             break  # what the shorter path told stands
         swings = kind_of(solved) == "smooth" and length < settled

@@ -233,6 +233,7 @@ class Behaviour:
         None where there is no heat, or it was followed
     shrinks_by : part of itself by which a drop is smaller than the one before it; 0 where drops do not shrink
     left : the drop of slips that go on to shrink so at the path's end, F/(N_c <k>) (a length)
+    refused : whether the master equation takes no such slider, for the reason in `message`
     drive, force : the trace, with each slip at its own place
     slip_drive, slip_force : the trace of one slip and of the swing after it, densely; empty where it is not looked at
     """
@@ -258,6 +259,7 @@ class Behaviour:
     shrinks_by: float = 0.0
     left: float = 0.0
     delay: float | None = None
+    refused: bool = False
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
     slip_drive: Array = field(default_factory=lambda: np.empty(0))
@@ -268,6 +270,13 @@ def not_followed(rule: str, why: str) -> Behaviour:
     """A behaviour that could not be found, and why."""
     nan = float("nan")
     return Behaviour(rule, "undecided", nan, nan, None, 0, float("inf"), False, why, 0.0)
+
+
+def ends_before_a_slip(found: Behaviour) -> bool:
+    """Whether a slider can be followed no further, however much time there is, and has not slipped by then."""
+    from master.soft.in_time.refining import NO_SLIP_YET
+
+    return found.message.endswith(NO_SLIP_YET)
 
 
 def last_of(slips: Any, name: str) -> float | None:

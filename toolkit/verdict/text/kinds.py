@@ -47,7 +47,12 @@ def by_reason(reasons: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
 
 
 def named(rules: Sequence[str]) -> str:
-    return " or ".join(NAMED[rule] for rule in rules)
+    """The slip rules in words, after an "if"."""
+    return (
+        "any slip rule acts"
+        if set(rules) == set(RULES)
+        else " or ".join(NAMED[rule] for rule in rules)
+    )
 
 
 def a_slip(own: Answer) -> tuple[float, float]:
@@ -163,9 +168,8 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
     own = verdict.own
     does = {one.rule: one.kind for one in own.behaviours}
     if len(set(does.values())) > 1:
-        each = ", ".join(
-            f"{kind} if {NAMED[rule]}" for rule, kind in does.items() if rule != "mass"
-        )
+        light = by_reason((kind, rule) for rule, kind in does.items() if rule != "mass")
+        each = ", ".join(f"{kind} if {named(rules)}" for kind, rules in light.items())
         yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
     elif len(does) > 1 and "undecided" not in does.values():
         yield _of_agreeing(own)
@@ -228,6 +232,10 @@ def _what_decides(own: Answer) -> str:
     if own.machine is not None and own.machine.mass is not None:
         missing = [*([] if own.machine.damping else ["drive.damping"]), *([delay] if delay else [])]
         give = f"; give {' and '.join(missing)}" * bool(missing)
+        if own.behaviours[
+            0
+        ].refused:  # says itself what to do, and more of the machine may not help
+            give = ", for the reason told here"
         said = f"That is without the mass: the slider with it, which would decide, was not followed{give}"
         return said + _of_short_delays(own) * (not delay)
     give = (
@@ -247,14 +255,16 @@ def _of_short_delays(own: Answer) -> str:
     duration, fastest = a_slip(own)
     why, shortest = "in which a slip goes on by <x_s>", short_delay_of(own)
     if 0.0 < shortest < mean / fastest:
-        why = "from which on friction falls with the speed by more than the damping rises"
+        why = "above which friction falls with the speed by more than the damping rises"
     loads = own.static.value / machine.spring / machine.velocity
     short, long = spoken(shortest or mean / fastest, unit), spoken(duration, unit)
-    loaded = f"{spoken(loads, unit)}, in which the drive loads the spring to F_s"
-    after = f"one far above {long}, its duration, and far below {loaded}, as if after it"
+    loaded = f"the {spoken(loads, unit)} in which the drive loads the spring to F_s"
+    at_once = f"With a delay far below {short}, {why}, contacts re-form in effect at once"
+    after = f"with one far above the {long} of a slip, and far below {loaded}, only after the slip"
     if loads < duration:
-        after = f"none as if after a slip, whose duration, {long}, is above {loaded}"
-    return f". A delay far below {short}, {why}, acts as if contacts re-formed at once, {after}"
+        never = "with no delay do they all re-form between one slip and the next"
+        return f". {at_once}; {never}, as a slip lasts {long}, longer than {loaded}"
+    return f". {at_once}; {after}"
 
 
 def short_delay_of(own: Answer) -> float:

@@ -32,7 +32,7 @@ _RUNG = 0.05
 WAITING = 0.02
 # what a solver advises where its error is above the tolerance
 _ADVICE = re.compile(
-    r"; (?:(?:shorten the path or )?loosen the tolerance|(?:end the path sooner, or )?(leave out the heat)"
+    r"; (?:tighten it|(?:shorten the path or )?loosen the tolerance|(?:end the path sooner, or )?(leave out the heat)"
     r"(?: or loosen the tolerance)?)"
 )
 
@@ -291,7 +291,8 @@ def in_units(message: str, scale: Scale) -> str:
     damping = scale.spring, {"N/m": "N s/m", "N/m³": "N s/m³"}.get(scale.spring_unit, "")
     of_damping = "falls with the speed by ", "the damping is ", "give one above "
     units = dict.fromkeys(of_damping, damping)
-    units |= {"X_T = ": (1.0, scale.length_unit), "lasts some ": (1.0, scale.time_unit)}
+    units |= dict.fromkeys(("X_T = ", "X = "), (1.0, scale.length_unit))
+    units |= dict.fromkeys(("lasts some ", "t = "), (1.0, scale.time_unit))
     for before, (factor, unit) in units.items():
         for number in re.findall(rf"{before}(\d[\d.]*(?:e[+-]?\d+)?)", message):
             text = written(factor * float(number), unit)

@@ -10,7 +10,7 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.readings import why_late
 from toolkit.verdict.sliders.budget import MORE_TIME, NO_FORCES
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME
-from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.sliders.machine import Behaviour, ends_before_a_slip
 from toolkit.verdict.text.kinds import (
     GENERAL,
     NOTHING,
@@ -123,7 +123,7 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
     for why, rules in by_reason(missed).items():
         most = max(errors[rule] for rule in rules)
-        yield Line(most, f"not as asked if {named(rules)}: {why}")
+        yield Line(most, f"not as asked if {named(rules)}: {why}{_instead(own, rules)}")
     yield from _of_heat(verdict)
     rough = [
         (in_units(one.message, scale), one.rule)
@@ -134,6 +134,16 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     for why, rules in by_reason(rough).items():
         most = max(errors[rule] for rule in rules)
         yield Line(most, f"the force is known roughly if {named(rules)}: {why}")
+
+
+def _instead(own: Answer, rules: list[str]) -> str:
+    """What is known of a slider that cannot be followed to a slip or to sliding, and what to do instead."""
+    if not any(ends_before_a_slip(one) for one in own.behaviours if one.rule in rules):
+        return ""
+    laws = [f"[contacts.{name}]" for name in own.contacts.held_in_time]
+    ask = f"leave out {' or '.join(laws)}, or " * (len(laws) > 1)
+    enough = "give a drive.spring on which it slips, or slides steadily, by then"
+    return f". F_k, F_s and K* of the table hold all the same; {ask}{enough}"
 
 
 def _not_solved(verdict: Verdict) -> str:

@@ -259,9 +259,7 @@ def _behaved(
     after = [one.after * scale.force for one in alike]
     if kind == "smooth":
         said, differs = with_error(after), False
-        if last.shrinks_by and error > max(after):  # no error of the force, but what still swings
-            said = span(after, scale.force_unit)
-        elif not shown_error:  # as F_k stands in the table
+        if not shown_error:  # as F_k stands in the table
             uncertainty = widest_uncertainty(verdict)
             sliding = [sliding_force_of(verdict, answer, one) * scale.force for one in alike]
             said = span(sliding, scale.force_unit)

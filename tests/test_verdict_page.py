@@ -1,0 +1,155 @@
+"""The page of `mesofriction verdict` says what ended it, what each number is worth, and what to do instead."""
+
+import re
+import time
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+import master
+from master.soft.in_time.refining import NO_SLIP_YET
+from origins import Contacts, Delay, gaussian
+from tests.scenes import said, write
+from toolkit.processes.signals import TimeIsUp, no_longer_than
+from toolkit.scene.scale import scale_of
+from toolkit.verdict import answers, judge
+from toolkit.verdict.sliders.budget import Budget, too_long
+from toolkit.verdict.sliders.machine import Machine, not_followed
+from toolkit.verdict.text import kinds
+from toolkit.verdict.text.table import in_units
+from toolkit.verdict.text.words import page
+
+pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
+
+HEAT = {"law": "eyring", "width": 0.03, "attempt_frequency": 1e12}
+GROWING = {"beta": 0.03, "time": 1.0}
+THRESHOLDS = {"kind": "gaussian", "mean": 1.0, "std": 0.3}
+
+
+def judged(capsys: Any, **tables: Any) -> str:
+    """The page of the command for a scene of these tables."""
+    _, out, _ = said(capsys, "verdict", write(**({"master": None, "wall_time": 1e4} | tables)))
+    return "\n".join(out)
+
+
+def test_where_steps_end_the_page_does_not_ask_for_more_time(
+    capsys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No slider has slipped by then, so that the same holds under all rules, and is not found out for each."""
+    monkeypatch.setattr("master.soft.in_time.contacts.MOST_STEPS", 80)
+    solve, asked = master.solve, list[str]()
+
+    def counted(*arguments: Any, **named: Any) -> Any:
+        asked.append(named["slip"])
+        return solve(*arguments, **named)
+
+    monkeypatch.setattr(master, "solve", counted)
+    contacts = {"thresholds": THRESHOLDS, "thermal": HEAT, "strengthening": GROWING}
+    told = judged(capsys, contacts=contacts, drive={"spring": 1e-3, "velocity": 1.0})
+    assert asked == ["reset"]
+    reason = r"20 steps lead to t = [\d.]+, and more are not taken, however much time there is"
+    assert re.search(rf"\nnot decided \({reason}: {NO_SLIP_YET}\)\n", told)
+    assert "wall_time" not in told and "end the path sooner" not in told
+    hint = "leave out [contacts.strengthening] or [contacts.thermal], or give a drive.spring"
+    assert hint in told and "F_k, F_s and K* of the table hold all the same" in told
+    assert "not as asked if any slip rule acts: 20 steps" in told
+    # in seconds where the scene is in metres
+    metres = scale_of(Contacts(gaussian(1.0, 0.3)), None)
+    metres = replace(metres, length_unit="m", time_unit="s")
+    assert "lead to t = 1,220 s, and X = 47.9 µm" in in_units(
+        "lead to t = 1218, and X = 4.78682e-05", metres
+    )
+
+
+def test_more_digits_of_k_that_take_long_are_given_up_and_the_first_ones_kept(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of contacts that grow and break by heat the finer tolerance takes a hundred times as long as the first one."""
+    find, contacts = master.propensity, Contacts(gaussian(1.0, 0.3))
+
+    def slow(*arguments: Any, tolerance: float, **named: Any) -> Any:
+        if tolerance < judge.RESAMPLED_TOLERANCE:
+            time.sleep(30.0)
+        found = find(*arguments, tolerance=tolerance, **named)
+        return replace(found, critical_spring_error=1e-4, run_time=1e-3)
+
+    monkeypatch.setattr(master, "propensity", slow)
+    began = time.monotonic()
+    found = judge._propensity(contacts, 1.0, Budget(0.4, strict=True))
+    assert time.monotonic() - began < 10.0
+    assert found.critical_spring_error == 1e-4 and found.critical_spring > 0.0
+
+
+def test_a_limit_of_time_within_another_leaves_that_as_it_was() -> None:
+    """The outer one holds again after the inner one, and ends that where it is over first."""
+    for inner, runs in ((0.02, 5.0), (5.0, 5.0)):
+        began = time.monotonic()
+        with pytest.raises(TimeIsUp), no_longer_than(0.1):
+            with pytest.raises(TimeIsUp), no_longer_than(inner):
+                time.sleep(runs)
+            time.sleep(5.0)
+        assert 0.09 < time.monotonic() - began < 4.0
+
+
+def test_a_time_that_is_used_up_is_not_compared_with_what_is_left() -> None:
+    assert (
+        too_long(0.021, 0.0).removesuffix(": raise it")
+        == "were not followed: wall_time is used up (60 s where none is given)"
+    )
+    assert too_long(40.0, 3.0).startswith("would take some 40 s, where 3 s are left: raise wall")
+
+
+def of_a_mass(machine: Machine, delay: float) -> answers.Answer:
+    """The answer of a slider with mass that slips, with contacts that wait so long."""
+    contacts, number = Contacts(gaussian(1.0, 0.3), delay=Delay(delay)), answers.Quantity(0.6, 1e-9)
+    slips = replace(
+        not_followed("mass", ""), kind="stick-slip", before=0.8, after=-0.2, slips=5, error=1e-6
+    )
+    scale = scale_of(contacts, None)
+    return answers.Answer("a", contacts, scale, number, number, number, machine, (slips,))
+
+
+def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
+    """A slip lasts π (M/K)^(1/2) = 0.314, far less than the 600 in which the drive loads this spring to F_s, or more
+    than the 0.06 on a faster drive."""
+    slow = kinds._of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1.0), 1e-3))
+    slow = slow.replace(" units of time", "")
+    assert re.fullmatch(
+        r"\. With a delay far below \S+, (in|above) which .*, contacts re-form in effect at once; with one far above "
+        r"the 0\.31\d of a slip, and far below the 600 in which the drive loads the spring to F_s, only after the slip",
+        slow,
+    )
+    fast = kinds._of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1e4), 1e-3))
+    assert (
+        "with no delay do they all re-form between one slip and the next, as a slip lasts" in fast
+    )
+    fast = fast.replace(" units of time", "")
+    assert fast.endswith("longer than the 0.06 in which the drive loads the spring to F_s")
+
+
+def test_what_the_solver_refuses_is_not_mended_by_a_damping_or_a_delay(capsys: Any) -> None:
+    """No slider with mass is followed with thresholds that grow: the page does not ask for more of the machine."""
+    contacts = {"thresholds": THRESHOLDS, "strengthening": GROWING}
+    drive = {"spring": 3.0, "mass": 1e-3, "velocity": 1.0}
+    told = judged(capsys, contacts=contacts, drive=drive)
+    assert "was not followed, for the reason told here. " not in told
+    (line,) = (one for one in told.splitlines() if one.startswith("  the slip rule: "))
+    assert line.endswith("was not followed, for the reason told here")
+    assert line.startswith("  the slip rule: smooth if any slip rule acts. ")
+    assert "give drive.damping" not in told
+    why = "the master equation follows a slider with mass at T = 0, with no law but a delay"
+    assert told.count(why) == 2  # in the headline and where what is left undone is listed
+
+
+def test_an_error_above_the_force_stands_beside_it() -> None:
+    """Swings that are left after slips that shrank are the error of the force of smooth sliding."""
+    answer = of_a_mass(Machine(0.5, 2e-5, 5e-3, 1.0), 0.2)
+    smooth = replace(answer.behaviours[0], kind="smooth", before=1e-3, after=1e-3)
+    smooth = replace(smooth, success=True, slips=13, shrinks_by=0.05, error=0.8)
+    own = replace(answer, behaviours=(smooth,), kinetic=answers.Quantity(1e-3, 1e-9))
+    text = page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0))
+    assert text[2].startswith("smooth at 0.0010 ± 0.80 N_c<k> length (")
+    assert "the path ends while they swing by more than the force" in text[2]
+    (line,) = (one for one in text if one.startswith("  forces of the slider under mass"))
+    assert line.endswith("at most 8e+02, more than the force")
