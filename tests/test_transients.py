@@ -4,6 +4,7 @@ of a transient is part of the error."""
 import re
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,22 +13,27 @@ from scipy import integrate, stats
 import eq_model
 import master
 from eq_model.result import CoupledSlips
-from origins import Contacts, Delay, gaussian
+from origins import Contacts, Delay, Thermal, gaussian
+from toolkit.results.rarer import rarer
 from toolkit.results.slips import are_lasting, late_slips, slips_beyond
 from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers
+from toolkit.verdict.files import plain
 from toolkit.verdict.of_area import with_more
-from toolkit.verdict.sliders.ensemble import follow_by_contacts, shrinking
+from toolkit.verdict.sliders.ensemble import follow_by_contacts
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import SWINGING, _behaviour, follow
+from toolkit.verdict.sliders.late import EVER_RARER, in_the_end, shrinking
 from toolkit.verdict.sliders.machine import (
     Behaviour,
+    Finite,
     Machine,
     RigidSlider,
     not_followed,
     rigid_slider,
 )
-from toolkit.verdict.text.words import sentence
+from toolkit.verdict.sliders.steady import friction_falls, slides_on
+from toolkit.verdict.text.words import page, sentence
 
 WIDE = gaussian(1.0, 0.4)
 
@@ -210,7 +216,7 @@ def test_slips_that_fade_are_followed_until_they_are_over_and_open_until_then(
     mean = work / (long[-1] - long[20])
     assert abs(mean.mean() - over.after) < 5.0 * mean.std(ddof=1) / 2.0 < over.error
     monkeypatch.setattr(
-        "toolkit.verdict.sliders.ensemble.DOUBLINGS", 0
+        "toolkit.verdict.sliders.ensemble.ROUNDS", (0, 0)
     )  # as where there is no time
     fades = follow_by_contacts(*asked)
     number_of_last = fades.slips - 1
@@ -240,3 +246,129 @@ def test_slips_of_several_sizes_are_told_by_their_mean() -> None:
     assert told.before == pytest.approx(sizes[late:].mean()) and told.after == 0.0
     assert told.period == pytest.approx(np.diff(slips.drive[late:]).mean())
     assert told.error > np.std(sizes[late:]) / slips.drop.size
+
+
+# of a tribologist's machine, 1.45 kN/m, 60 g, 0.546 N s/m, 22.4 s and 2.66 µm/s, in thresholds: contacts wait on a way
+# of 59 µm, and break on 5 nm
+RARE = Machine(1e-3, 1e-3 / 0.294**2, 1.99e-4, 1.0)
+RARE_CONTACTS = Contacts(WIDE, delay=Delay(11819.0))
+
+
+def test_friction_falls_with_the_speed_as_that_of_two_steady_states() -> None:
+    machine, contacts, off = Machine(0.5, 0.1, 0.1, 0.7), Contacts(WIDE, delay=Delay(3.0)), 1e-3
+    low, high = (master.steady_state(contacts, velocity=0.7 + sign * off).force for sign in (-1, 1))
+    falls = (low - high) / 2.0 / off
+    assert friction_falls(machine, contacts) == pytest.approx(falls, rel=1e-5)
+    assert friction_falls(machine, Contacts(WIDE)) == 0.0
+
+
+@pytest.mark.parametrize("part", [0.9, 1.1])
+def test_contacts_that_broke_together_draw_apart_on_springs_above_a_stiffness(part: float) -> None:
+    """Held against volleys of small size, e^(st): per unit of the slider's swing D = K + γs + Ms² and contacts that
+    hold, C, pull back, and so many come back a delay later that e^(-sτ) = (D - C)/(g D - C), g being the transform of
+    P_c; |e^(-sτ)| below 1 at s = iω is a volley that grows."""
+    unit, square, delay = WIDE.mean(), WIDE.moment(2), 4000.0
+    share = unit / (unit + delay)
+    least = share * square / (square - unit**2)
+    machine, contacts = replace(RARE, spring=part * least), Contacts(WIDE, delay=Delay(delay))
+    assert slides_on(machine, contacts) is (part > 1.0)
+    x, forms, swing = WIDE.isf((np.arange(200_000) + 0.5) / 200_000), share / unit, 1e-3
+    phase = np.exp(-1j * swing * x)
+    held = forms / (1j * swing) * (1.0 - ((1.0 + 1j * swing * x) * phase).mean())
+    pulls = machine.spring + 1j * swing * machine.damping - swing**2 * machine.mass
+    comes_back = (pulls - held) / (phase.mean() * pulls - held)
+    assert bool(abs(comes_back) > 1.0) is (part > 1.0)
+
+
+def test_sliding_is_not_called_stable_where_that_is_not_known() -> None:
+    assert slides_on(RARE, RARE_CONTACTS)
+    falls = friction_falls(RARE, RARE_CONTACTS)
+    assert not slides_on(replace(RARE, damping=0.99 * falls), RARE_CONTACTS)
+    assert slides_on(replace(RARE, damping=1.01 * falls), RARE_CONTACTS)
+    # swings that pass no threshold; no mass; no delay; contacts that age, form stretched or are linked
+    assert not slides_on(replace(RARE, mass=0.09 * RARE.spring), RARE_CONTACTS)
+    assert not slides_on(replace(RARE, mass=None), RARE_CONTACTS)
+    assert not slides_on(RARE, Contacts(WIDE))
+    for other in ({"reforming": 0.1}, {"stiffness": "linked"}, {"thermal": Thermal("soft", 0.01)}):
+        assert not slides_on(RARE, RARE_CONTACTS.replace(**other))
+
+
+def at_places(places: list[np.ndarray]) -> CoupledSlips:
+    """Slips of sliders at these places of the drive, all alike."""
+    slips = slips_of(np.ones((1, sum(map(len, places)))))
+    return replace(
+        slips,
+        replica=np.repeat(np.arange(len(places)), [len(one) for one in places]),
+        number=np.concatenate([np.arange(len(one)) for one in places]),
+        drive=np.concatenate(places),
+    )
+
+
+def test_slips_get_rarer_where_the_last_third_of_the_way_has_clearly_fewer() -> None:
+    chance = np.random.default_rng(5)
+    grow = at_places([np.cumsum(1.1 ** np.arange(40)) * chance.uniform(0.9, 1.1) for _ in range(4)])
+    end = float(grow.drive.max())
+    found = rarer(grow, 4, end)
+    assert found is not None and found.slips == 40.0 and found.way == end - grow.drive.min()
+    late = grow.drive > end - found.way / 3.0
+    assert found.last == pytest.approx(4.0 * found.way / 3.0 / late.sum())
+    assert found.first < 0.3 * found.last
+    # a cycle; the same of a start; chance; one slider that never slips; and two that go on, and two that do not
+    alike = [np.arange(60.0) for _ in range(4)]
+    started = [np.append(np.linspace(0.0, 0.9, 10), np.arange(1.0, 60.0)) for _ in range(4)]
+    by_chance = [np.sort(chance.uniform(0.0, 60.0, 40)) for _ in range(4)]
+    for places in (alike, started, by_chance, [*alike[:2], *(one[:20] for one in alike[:2])]):
+        assert rarer(at_places(places), 4, 60.0) is None
+    assert rarer(grow, 5, end) is None
+    none_left = rarer(at_places([np.arange(30.0) for _ in range(4)]), 4, 90.0)
+    assert none_left is not None and none_left.last == pytest.approx(120.0)
+
+
+def test_slips_that_get_ever_rarer_end_where_steady_sliding_is_stable() -> None:
+    """It was told as stick-slip every 160 µm, the mean of late slips: these come ever less often, and after 470 delays
+    of 1,500 no more. The force of sliding is F_k(v), of contacts of which a part h holds, and γ v."""
+    rigid = RigidSlider(0.56, 0.01, 0.0, 0.76, 1.0, 300)
+    found = follow_by_contacts(RARE, RARE_CONTACTS, "mass", 1.2e4, time.monotonic() + 1e4, rigid)
+    many = found.sliders
+    assert found.kind == EVER_RARER and many is not None and many.kind == EVER_RARER
+    assert many.rarer is not None and many.rarer.first < 0.5 * many.rarer.last
+    share = 1.0 / (1.0 + 11819.0 / WIDE.mean())
+    kinetic = answers.Quantity(share * WIDE.moment(2) / 2.0 / WIDE.mean(), 1e-9)
+    scale = scale_of(RARE_CONTACTS, None)
+    static = answers.Quantity(0.56, 1e-9)
+    own = answers.Answer(
+        "own", RARE_CONTACTS, scale, kinetic, static, static, RARE, (found,), holding=share
+    )
+    told = answers.Verdict("a", "a", 1.0, (own,), (many,), {}, 1.0)
+    said, text = sentence(told), "\n".join(page(told))
+    force = kinetic.value + RARE.damping
+    assert f"slips ever rarer, smooth in the end at {force:.2e} " in said
+    assert re.search(r"\d{3} slips a slider over 5\.\de\+06.*every 1\d,000 .*every \d\d,000 ", said)
+    usual = re.search(r"fluctuating by ± (\S+) N_c<k> length between slips", said)
+    assert usual is not None and 0.1 * force < float(usual[1]) < 100.0 * force
+    assert "stick-slip" not in text
+    assert "steady sliding is stable: friction falls with the speed by" in text
+    assert plain(told)["readings"][0]["behaviours"][0]["kind"] == "ever rarer"
+    assert plain(told)["finite"][0]["rarer"]["slips"] == many.slips
+
+
+def test_where_sliding_is_stable_slips_that_neither_end_nor_last_are_open() -> None:
+    """Of unlike slips nobody knows whether they end; alike they are those of a cycle, beside sliding that is stable,
+    and where it is not, slips that get rarer are told as such."""
+    chance = np.random.default_rng(3)
+    places = [np.arange(240.0) for _ in range(4)]
+    unlike = replace(at_places(places), force_before=chance.uniform(0.5, 1.5, 960))
+    finite = Finite("mass", 300, "stick-slip")
+    path = np.linspace(0.0, 240.0, 61)
+
+    def told(slips: CoupledSlips, machine: Machine = RARE) -> Finite:
+        found = SimpleNamespace(slips=slips, path=path, forces=np.zeros((4, 61)))
+        return in_the_end(finite, found, machine, RARE_CONTACTS)
+
+    assert told(unlike).kind == "unknown" and "steady sliding is stable" in told(unlike).message
+    assert told(at_places(places)).kind == "stick-slip"
+    swings = replace(RARE, damping=0.0)
+    assert told(unlike, swings) == finite
+    fewer = at_places([np.cumsum(1.04 ** np.arange(60)) for _ in range(4)])
+    assert told(fewer).kind == EVER_RARER
+    assert told(fewer, swings).kind == "stick-slip" and told(fewer, swings).rarer is not None

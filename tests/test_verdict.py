@@ -1369,6 +1369,10 @@ def test_the_areas_own_contacts_stand_in_the_headline_and_in_the_table() -> None
         first = "stick-slip: 700 ± 1 mN down to 0 N every 70.0 length, 70.0 time at 1.00 with the 300 contacts of "
         first += "the area (800 mN down to 500 mN for infinitely many)"
         assert said == (first if told else "stick-slip: 800 mN down to 500 mN")
+        if told:  # a mean that is known no better than itself has its error, on the page, too
+            found = with_contacts(own, replace(finite, period_error=69.0))
+            assert "every 70 ± 69 length, 70 ± 69 time at" in sentence(found)
+            assert "70 ± 69 length, 70 ± 69 time" in "\n".join(page(found))
         rows = dict(re.split(" {2,}", line)[:2] for line in text.splitlines() if "(reset)" in line)
         assert (rows.get("slips of 300 contacts, from (reset)") == "700 ± 1 mN down to 0 N") is told
         assert (rows.get("period of 300 contacts (reset)") == "70.0 length, 70.0 time") is told

@@ -36,11 +36,11 @@ from toolkit.verdict.sliders.budget import (
 from toolkit.verdict.sliders.ensemble import (
     FEW,
     follow_by_contacts,
-    shrinking,
     sliders,
 )
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import (
     Behaviour,
     Finite,
@@ -456,7 +456,7 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     seen = replace(never, slips=9)
     told = follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4)
     assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.01)
-    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.DOUBLINGS", 0)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.ROUNDS", (0, 0))
     assert follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4).kind == "unknown"
 
 
@@ -492,7 +492,7 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     machine = replace(machine, mass=mass / 9.0, damping=machine.damping / 3.0)
     settled = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
     monkeypatch.setattr(
-        "toolkit.verdict.sliders.ensemble.DOUBLINGS", 0
+        "toolkit.verdict.sliders.ensemble.ROUNDS", (0, 0)
     )  # as where there is no time
     found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
     # of the transient nothing is told as if it lasted: its mean has what separates it from the slips to come

@@ -94,11 +94,15 @@ class LateSlips:
         return not self._few and not any(self._drift(one) for one in each)
 
     @property
+    def alike(self) -> bool:
+        """Whether one takes as much of the force as another."""
+        drop = self.slips.drop
+        return drop.size < 2 or bool(drop.std(ddof=1) <= ALIKE * drop.mean())
+
+    @property
     def _few(self) -> bool:
         """Whether each slider has had too few slips to tell of a limit cycle."""
-        drop = self.slips.drop
-        apart = drop.size > 1 and bool(drop.std(ddof=1) > ALIKE * drop.mean())
-        return self.common < (MANY if apart else ENOUGH)
+        return self.common < (ENOUGH if self.alike else MANY)
 
     def _left(self, values: Array, each: list[tuple[float, float]]) -> float:
         """What a transient leaves unknown in the mean of these values, with the means and errors of the blocks."""

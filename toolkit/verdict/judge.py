@@ -35,6 +35,7 @@ from toolkit.verdict.sliders.machine import (
     not_followed,
     rigid_slider,
 )
+from toolkit.verdict.sliders.steady import slides_on
 from toolkit.verdict.text.kinds import damped, long_delay_of
 from toolkit.verdict.uncertainty import RESAMPLED_TOLERANCE, with_sampling
 from toolkit.verdict.with_mass import closely, follow_extremes, follow_other_delay
@@ -81,6 +82,8 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         # the area's contacts. It gets all where it is the only one and a law depends on time, or contacts wait and the
         # scene gives a wall_time
         waits = scene.wall_time is not None and bool(scene.contacts.waiting_time)
+        # nor where slips may end after hundreds of delays, which all contacts are followed for, if in time
+        waits |= bool(scene.contacts.waiting_time) and _slides_on(table, scene.contacts)
         alone = len(readings) == 1 and (bool(scene.contacts.held_in_time) or waits)
         # the others in order, twice their share, as most leave a part of it to those after them
         remaining_readings = len(readings) - number
@@ -118,6 +121,12 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         turned=turned,
         run_time=time.monotonic() - began,
     )
+
+
+def _slides_on(table: DriveTable, contacts: Contacts) -> bool:
+    """Whether the slider of these contacts is known to go on to slide once it does."""
+    machine = machine_of(table, contacts)
+    return machine is not None and slides_on(machine, contacts)
 
 
 def _finite(

@@ -1,25 +1,33 @@
 """What the contacts of the area do where that is not what infinitely many do: they slip or slide otherwise, or at
 clearly other forces."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from toolkit.results.slips import QUARTERED, Spread
-from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, written
+from toolkit.scene.scale import Scale, of_contacts, written
 from toolkit.verdict.answers import Verdict
-from toolkit.verdict.sliders.ensemble import by_sliders, shrinking
+from toolkit.verdict.sliders.ensemble import by_sliders
 from toolkit.verdict.sliders.finite import SMALL
+from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite
-from toolkit.verdict.uncertainty import SEEN, widest_uncertainty
+from toolkit.verdict.slips_in_words import (
+    WORTH_SHOWING,
+    does,
+    ever_rarer,
+    fall_of,
+    fluctuating,
+    period_with_scatter,
+    scatters,
+    sliding_force,
+    spacings,
+)
+from toolkit.verdict.uncertainty import SEEN
 
-# standard errors, and part of F_k, by which few contacts differ from infinitely many where it is told; the scatter of
-# four sliders is known to some 40 %
-CLEARLY, WORTH_SHOWING = 4.0, 0.01
-# of a mean: a standard deviation from slip to slip above which the range is told, as slips may be of several kinds
-WIDE = 0.3
+# standard errors by which few contacts differ from infinitely many where it is told; the scatter of four sliders is
+# known to some 40 %
+CLEARLY = 4.0
 
 
 def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
@@ -60,8 +68,10 @@ def _pairs(verdict: Verdict) -> Iterator[tuple[Behaviour, Finite]]:
 
 
 def _kinds_differ(verdict: Verdict, one: Behaviour, many: Finite) -> bool:
-    """Falls below SMALL mean thresholds are no slips of the slider."""
+    """Falls below SMALL mean thresholds are no slips of the slider, and slips that get ever rarer end in sliding."""
     small = SMALL * verdict.own.contacts.mean_threshold
+    if {one.kind, many.kind} == {"smooth", EVER_RARER}:
+        return False
     return one.kind != many.kind and not many.before - many.after < small
 
 
@@ -110,20 +120,8 @@ def verb(kinds: set[str]) -> str:
     if len(kinds) > 1:
         return "slip or slide otherwise, by the slip rule"
     verbs = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}
+    verbs[EVER_RARER] = "slip ever more rarely"
     return verbs.get(min(kinds), "slip now and then")
-
-
-def does(many: Finite) -> str:
-    """What so many contacts do, in the same words wherever it is told."""
-    return "slips now and then" if many.kind == "now and then" else many.kind
-
-
-def plain_fall(finite: Finite, force: float, unit: str) -> str:
-    """The forces before and after a slip of so many contacts, without errors; "" where they slide."""
-    if not np.isfinite(finite.after):
-        return ""
-    high, low = (written(end * force, unit) for end in (finite.before, finite.after))
-    return falls(high, low, (finite.before - finite.after) * force, unit)
 
 
 def behaved(verdict: Verdict, many: Finite) -> str:
@@ -136,72 +134,20 @@ def behaved(verdict: Verdict, many: Finite) -> str:
             return f"{does(many)}{whose}"
         still, comma = " and still rising" * many.rises, "," * (many.rises or many.kind != "smooth")
         return f"{does(many)}{comma} at {sliding_force(many, scale)}{still}{whose}"
+    if many.kind == EVER_RARER:
+        return ever_rarer(verdict, many, whose)
     if many.kind == "now and then":
         return f"{does(many)}, from {fall_of(many, scale)} {whose}"
     said = f"stick-slip: {fall_of(many, scale)}"
     if shrinks := shrinking(many):  # the forces are those of late slips, not of those to come
         whose += f"{shrinks}, so that they may die out"
+    if fewer := spacings(many, scale):
+        whose += f", ever rarer: {fewer}"
     if many.period is None:
         return f"{said} {whose}"
-    every, later = period_of(verdict, many.period)
+    every, later = period_with_scatter(verdict, many)
     speed = written(verdict.velocity, "m/s" if scale.length_unit == "m" else "")
-    return f"{said} every {every}{_of_periods(many, scale)}, {later} at {speed} {whose}"
-
-
-def scatters(many: Finite) -> bool:
-    """Whether the force of so many contacts, or their slips, differ along the path by WORTH_SHOWING of the mean."""
-    if many.kind != "stick-slip":
-        return many.fluctuation >= WORTH_SHOWING * abs(many.late)
-    each = ((many.befores, many.before), (many.drops, many.before), (many.periods, many.period))
-    return any(
-        one is not None and one.std >= WORTH_SHOWING * abs(mean or 0.0) for one, mean in each
-    )
-
-
-def fluctuating(many: Finite, scale: Scale) -> str:
-    """The standard deviation of the force of so many contacts that slide, along the path, and no error of the mean; ""
-    where it is small."""
-    if not scatters(many) or many.kind == "stick-slip":
-        return ""
-    return f", fluctuating by ± {_short(many.fluctuation * scale.force, scale.force_unit)}"
-
-
-def _scatter(each: Spread | None, least: float, unit: str, factor: float = 1.0) -> str:
-    """How a number differs from slip to slip, in brackets: by its standard deviation, or where that is WIDE of the mean
-    by the range, as slips of several kinds have no scatter about a mean; "" where it is below `least`."""
-    if each is None or each.std < least:
-        return ""
-    if each.std <= WIDE * abs(each.mean):
-        return f" (scatter ± {_short(each.std * factor, unit)})"
-    ends = " to ".join(_short(one * factor, unit) for one in (each.low, each.high))
-    return f" ({'half of them ' * (each.number >= QUARTERED)}{ends})"
-
-
-def _of_periods(many: Finite, scale: Scale) -> str:
-    """The scatter of the period, where it is WORTH_SHOWING of it or more."""
-    each = many.periods
-    return _scatter(each, WORTH_SHOWING * each.mean, scale.length_unit) if each is not None else ""
-
-
-def _short(value: float, unit: str) -> str:
-    """A number with two digits, as a scatter is known to a tenth at best."""
-    return written(float(f"{value:.1e}"), unit, digits=2)
-
-
-def period_of(
-    verdict: Verdict, period: float, uncertainty: float = 0.0, to_error: bool = False
-) -> tuple[str, str]:
-    """A period of the drive as a length and as a time, known to `uncertainty` of itself, or worse; `to_error` :
-    to the digit of that, which stands beside the forces."""
-    scale, uncertainty = verdict.own.scale, max(uncertainty, widest_uncertainty(verdict))
-    each = (period, scale.length_unit), (period / verdict.velocity, scale.time_unit)
-    every, later = (
-        written(one, unit, uncertainty * one, digits=4)
-        if to_error
-        else guarded(one, unit, uncertainty * one)
-        for one, unit in each
-    )
-    return every, later
+    return f"{said} every {every}, {later} at {speed} {whose}"
 
 
 def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
@@ -218,15 +164,10 @@ def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
         return {f"slips of {whose}": f"none{beside}"}
     rows = {f"slips of {whose}, from": fall_of(many, scale)}
     if many.kind == "stick-slip" and many.period is not None:
-        every, later = period_of(verdict, many.period)
-        rows[f"period of {whose}"] = f"{every}{_of_periods(many, scale)}, {later}"
+        rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, many))
+    if fewer := spacings(many, scale):
+        rows[f"slips of {whose} get ever rarer"] = fewer
     return rows
-
-
-def sliding_force(many: Finite, scale: Scale) -> str:
-    """The force at the end of the way, with its error."""
-    late, error = many.late * scale.force, many.late_error * scale.force
-    return with_scatter(late, error, scale.force_unit)
 
 
 def late_force_of(finite: Finite, kinetic: float, scale: Scale) -> str:
@@ -237,35 +178,6 @@ def late_force_of(finite: Finite, kinetic: float, scale: Scale) -> str:
     still = ", which still rises" * finite.rises
     beside = written(kinetic * scale.force, scale.force_unit)
     return f"; at the end they bear {sliding_force(finite, scale)}{still}, infinitely many {beside}"
-
-
-def fall_of(finite: Finite, scale: Scale) -> str:
-    """The mean forces before and after a slip of so many contacts, with their errors and their scatter; the fall in
-    place of the force after it where that scatters by itself."""
-    size, unit, factor = abs(finite.before), scale.force_unit, scale.force
-    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
-    high, low = (
-        with_scatter(mean * factor, error * factor if 1e-9 * size < error < np.inf else 0.0, unit)
-        for mean, error in means
-    )
-    drop = (finite.before - finite.after) * factor
-    scatter = [
-        _scatter(one, WORTH_SHOWING * size, unit, factor) for one in (finite.befores, finite.drops)
-    ]
-    if scatter[1] and finite.after and finite.drops is not None:
-        # slips of one kind have a mean; of several kinds it is no more than a size
-        alike = "±" in scatter[1]
-        fall = written(drop, unit, finite.drops.std * factor, 4) if alike else _short(drop, unit)
-        return f"{high}{scatter[0]} down by {fall}{scatter[1]}"
-    return falls(high, low, drop, unit, scatter[0])
-
-
-def falls(high: str, low: str, drop: float, unit: str, scatter: str = "") -> str:
-    """A force down to another, both as written, with their errors or without; by how much where they are written
-    alike. The `scatter` of the former stands behind it."""
-    alike = re.sub(r" ± \S+", "", high) == re.sub(r" ± \S+", "", low)
-    end = f"by {written(drop, unit, digits=2)}" if alike else f"to {low}"
-    return f"{high}{scatter} down {end}"
 
 
 def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:

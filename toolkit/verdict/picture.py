@@ -18,8 +18,9 @@ from toolkit.pictures.axes import (
 from toolkit.pictures.traces import hides_swings
 from toolkit.scene.scale import SHARED, of_contacts, spoken
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.of_area import apart, does
+from toolkit.verdict.of_area import apart
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
+from toolkit.verdict.slips_in_words import does, kind_of_trace
 from toolkit.verdict.text.kinds import named
 from toolkit.verdict.text.words import sentence, warnings
 from toolkit.verdict.with_mass import in_its_own_time
@@ -92,12 +93,13 @@ def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
     for number, same in enumerate(drawn):
         behaviour = same[0]
         style: dict[str, Any] = {"color": OKABE_ITO[number], "ls": DASHES[number], "lw": 1.3}
-        label = f"{named([one.rule for one in same])}: {_kind_of(behaviour)}"
+        label = f"{named([one.rule for one in same])}: {kind_of_trace(behaviour)}"
         lasts = behaviour.slip_time
         if lasts is not None and behaviour.after < 0.0 and not behaviour.slip_drive.size:
             # else the panel beside it shows that
-            swings = "below 0 the slider swings after a slip"
-            label += f" ({swings}, {spoken(lasts, scale.time_unit)} long)"
+            label += (
+                f" (below 0 the slider swings after a slip, {spoken(lasts, scale.time_unit)} long)"
+            )
         if not behaviour.success or behaviour.error >= _UNKNOWN:
             label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
         _draw_line(axes, verdict, behaviour, in_lines(label, letters), style)
@@ -143,13 +145,6 @@ def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour) -> None:
     name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
     name_axis(other.yaxis, "way of the slider", scale.length_unit)
     legend_above(axes, letters=60)
-
-
-def _kind_of(behaviour: Behaviour) -> str:
-    """What a trace shows, in words; of one that ends early, that it does."""
-    if behaviour.kind != "undecided":
-        return behaviour.kind
-    return "not decided, the path is cut" if behaviour.cut else "not decided"
 
 
 def _drawn(verdict: Verdict) -> list[Behaviour]:

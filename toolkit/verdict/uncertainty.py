@@ -16,7 +16,7 @@ from toolkit.running.resampled import like, of_resampled
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.budget import LONGER, Budget
-from toolkit.verdict.sliders.ensemble import shrinking
+from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Behaviour, critical_damping
 
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits

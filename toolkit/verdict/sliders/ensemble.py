@@ -11,14 +11,7 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import cores_of
 from toolkit.results.sliding import has_slid, mean_forces, scatter_of
-from toolkit.results.slips import (
-    late_slips,
-    left_of_slips,
-    main_slips,
-    may_go_on,
-    shrinks_by,
-    spread_of,
-)
+from toolkit.results.slips import late_slips, left_of_slips, main_slips, shrinks_by
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.sliders.budget import (
@@ -27,6 +20,13 @@ from toolkit.verdict.sliders.budget import (
     most_breaks,
     too_long,
     way_without_contacts,
+)
+from toolkit.verdict.sliders.late import (
+    SLIDERS,
+    in_the_end,
+    may_slip_again,
+    shrinking,
+    with_late_slips,
 )
 from toolkit.verdict.sliders.machine import (
     POINTS,
@@ -38,9 +38,10 @@ from toolkit.verdict.sliders.machine import (
     last_of,
     not_followed,
 )
+from toolkit.verdict.sliders.steady import slides_on
 
-# sliders, which differ by chance; contacts of each where the ensemble takes the place of the master equation
-SLIDERS, CONTACTS, SEED = 4, 20_000, 1
+# contacts of each slider where the ensemble takes the place of the master equation
+CONTACTS, SEED = 20_000, 1
 # lengths of the drive's path in loadings, from no force to the static one
 LOADINGS = 6.5
 # most contacts of a slider that is followed
@@ -52,11 +53,10 @@ FEW, SHORT = 1_000, 2.0
 LATE, RINGS = 10, 0.3
 # times the error of fewer contacts than there are, below which their slips may be chance, and more of them slide
 SURE = 2.0
-# Times that sliders whose slips are still those of a transient are pulled as far again, at most; and times as long as
-# the way so far takes that the next may.
-DOUBLINGS, LONGER = 5, 2.5
-# part of themselves that slips which fade leave after so many more, below which they are not told as stick-slip
-FADED, FURTHER = 0.5, 32
+# How often at most sliders whose slips are still those of a transient are pulled further, and how many times as far;
+# the latter where steady sliding is stable, as slips may end after hundreds of delays then. And how many times as long
+# as its share of a way the next may take.
+ROUNDS, AS_FAR, LONGER = (5, 3), (2, 4), 1.25
 NOT_SLID = "their path ended before they slid or slipped"
 
 
@@ -125,20 +125,24 @@ def until_settled(
     found: Any, machine: Machine, contacts: Contacts, rule: str, until: float, settling: float
 ) -> Any:
     """These sliders, pulled as far again and again until their slips are those of a limit cycle or are over, see
-    `may_go_on`, as far as there is time for, in s of the monotonic clock. Slips without a mass leave contacts new, or
-    nearly so."""
+    `may_slip_again`, as far as there is time for, in s of the monotonic clock. Slips without a mass leave contacts new,
+    or nearly so. Where steady sliding is stable slips of a settled look may end all the same, after hundreds of delays.
+    """
     import eq_model
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
     asked |= {"n_contacts": found.contacts // SLIDERS} | machine.keywords(rule)
-    for _ in range(DOUBLINGS if rule == "mass" else 0):
+    stable = slides_on(machine, contacts)
+    times, rounds = (AS_FAR[1], ROUNDS[1]) if stable else (AS_FAR[0], ROUNDS[0])
+    for _ in range(rounds if rule == "mass" else 0):
         main = main_slips(found.slips)
-        lasts = may_go_on(replace(found, slips=main), machine.spring, settling, 0)
-        late = LONGER * found.run_time > until - time.monotonic()
-        if not lasts or late or late_slips(main, SLIDERS).settled:
+        lasts = may_slip_again(replace(found, slips=main), machine, contacts, settling)
+        late = LONGER * times * found.run_time > until - time.monotonic()
+        if not lasts or late or (late_slips(main, SLIDERS).settled and not stable):
             break
-        end = 2.0 * float(found.path[-1]) - float(found.path[0])
-        further = np.linspace(found.path[-1], end, machine.points(end - found.path[0]) // 2 + 1)
+        end = float(found.path[0]) + times * float(np.ptp(found.path))
+        more = machine.points(end - found.path[0]) * (times - 1) // times
+        further = np.linspace(found.path[-1], end, more + 1)
         path = np.append(found.path, further[1:])
         longer = _within(eq_model.Ensemble(contacts, path, **asked), until - time.monotonic())
         if longer is None:
@@ -180,13 +184,13 @@ def follow_by_contacts(
     smaller = all_slips - found.slips.drive.size
     slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
-    slipped = common > 1 and may_go_on(found, machine.spring, waits, 0)
+    slipped = common > 1 and may_slip_again(found, machine, contacts, waits)
     kind, many, too_early = "stick-slip" if slipped else "smooth", None, 0.0
     if slipped:
         many = Finite(rule, number, kind, drive=drive, force=force, smaller=smaller)
         many = with_late_slips(many, slips)
         before, after, error = many.before, many.after, many.error
-    if slipped and number < (rigid.contacts or np.inf):
+    if slipped and number < (round(rigid.contacts) if rigid.contacts else np.inf):
         few = found
         if number > FEW:
             few = sliders(machine, contacts, rule, path, FEW, SHORT)
@@ -203,10 +207,10 @@ def follow_by_contacts(
     if not slipped and (swing := float(np.ptp(forces, axis=1).max()) / unit) > RINGS:
         return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
     shrinks = shrinks_by(slips, SLIDERS)
-    if many and (1.0 - shrinks) ** FURTHER < FADED:
-        # means of slips that fade tell nothing of those to come, nor is it known whether these end
-        kind, fades = "undecided", "their slips still fade where the path ends"
-        many = replace(many, kind="unknown", message=fades)
+    if many:
+        many = in_the_end(many, found, machine, contacts)
+        kind = "undecided" if many.kind == "unknown" else many.kind
+    if kind == "undecided":
         last = [slips.mean(f"force_{when}", common - 1) for when in ("before", "after")]
         before, error, after = last[0][0], last[0][1] + too_early, last[1][0]
     if not slipped:
@@ -240,37 +244,6 @@ def follow_by_contacts(
         drive=drive,
         force=force,
     )
-
-
-def with_late_slips(finite: Finite, slips: Any) -> Finite:
-    """With the forces of late slips, and how these differ from one to the next."""
-    late = late_slips(slips, SLIDERS)
-    (before, error), (after, after_error) = (
-        late.mean(f"force_{when}") for when in ("before", "after")
-    )
-    each = late.slips.force_before, late.slips.drop, late.gaps
-    befores, drops, periods = (spread_of(one) if one.size > 1 else None for one in each)
-    period, period_error = late.period()
-    return replace(
-        finite,
-        before=before,
-        before_error=error,
-        after=after,
-        after_error=after_error,
-        slips=slips.drive.size / SLIDERS,
-        period=period if late.gaps.size else None,
-        period_error=period_error if late.gaps.size else np.nan,
-        befores=befores,
-        drops=drops,
-        periods=periods,
-        shrinks_by=shrinks_by(slips, SLIDERS),
-    )
-
-
-def shrinking(slider: Finite | Behaviour) -> str:
-    """That its slips shrink, of which the means of late ones tell nothing; "" where they do not."""
-    part = slider.shrinks_by
-    return f", each drop {part:.2%} smaller than the one before" if part else ""
 
 
 def by_sliders(number: int, heat: float | None = None) -> str:

@@ -31,14 +31,8 @@ from toolkit.verdict.sliders.budget import (
     most_breaks,
     way_without_contacts,
 )
-from toolkit.verdict.sliders.ensemble import (
-    FEW,
-    NOT_SLID,
-    SLIDERS,
-    sliders,
-    until_settled,
-    with_late_slips,
-)
+from toolkit.verdict.sliders.ensemble import FEW, NOT_SLID, sliders, until_settled
+from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, slip_duration
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
@@ -286,7 +280,9 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         smaller = 0 if settles else all_slips - main.drive.size
         finite = with_late_slips(replace(finite, smaller=smaller), main)
         if not settles:
-            return finite
+            lasting = kind == "stick-slip" and rule == "mass" and not message
+            asked_of = replace(found, slips=main)
+            return in_the_end(finite, asked_of, machine, contacts) if lasting else finite
     # the part of the way along which the force is taken as that of steady sliding
     settled = path >= path[0] + steady
     forces = found.forces[:, settled]

@@ -22,6 +22,7 @@ from toolkit.verdict.sliders.budget import (
     may_follow,
 )
 from toolkit.verdict.sliders.ensemble import LOADINGS, follow_by_contacts, without_heat
+from toolkit.verdict.sliders.forgetting import after_forgetting, forgets_its_start
 from toolkit.verdict.sliders.machine import (
     Behaviour,
     Machine,
@@ -32,6 +33,7 @@ from toolkit.verdict.sliders.machine import (
     not_followed,
     settling_distance,
 )
+from toolkit.verdict.sliders.steady import slides_on
 
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time; and the error up to which
 # a regime and its forces are told, the error beside them
@@ -55,9 +57,8 @@ ASSUMED = 0.1
 FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
 # of the time, for the master equation with a delay shorter than a slip, of which it takes half a minute as a rule
 FIRST_OF_SHORT = 0.65
-# lengths of memory, beyond that of ln(1/K), after which what is left of F - F_k is rounding, e^-30; and the largest
-# spring, in N_c<k>, of which this is told: its slider has moved by K of its drive's way when it slips
-FORGOTTEN, SOFTEST = 30.0, 1e-3
+# and where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows
+FIRST_OF_STABLE = 0.25
 # slips that tell a regime, and part of a period by which the path goes on beyond them
 ENOUGH_SLIPS, PART_OF_PERIOD = 5, 0.2
 # part of the path, its last fifth, along which the force of smooth sliding is looked at for what still changes
@@ -91,11 +92,13 @@ def follow(
     # without damping they ring on: while a slider is fast, contacts that form again break at once
     by_contacts = may_follow(machine, cold, rule, rigid) and not undamped
     first = FIRST if rule == "mass" else FIRST_OF_RULES
+    if by_contacts and slides_on(machine, contacts):
+        first = FIRST_OF_STABLE
     if rule == "mass" and not by_contacts and machine.damping and contacts.waiting_time:
         # a shorter delay, which the master equation takes as a rule; else a few contacts tell what as many do
         first, by_contacts = FIRST_OF_SHORT, few_are_followed(machine, cold, rigid.static)
     until = end - (1.0 - first) * wall_time * (undamped or by_contacts)
-    forgets = rule == "instant" and _forgets(machine, contacts, rigid)
+    forgets = rule == "instant" and forgets_its_start(machine, contacts, rigid)
     if forgets or (by_contacts and rule != "mass" and not contacts.in_time):
         until = min(until, time.monotonic() + ENOUGH_OF_RULES)
     one_length = rule != "mass" and may_follow(machine, contacts, rule, rigid)
@@ -116,7 +119,7 @@ def follow(
             return found
         return other if found.heat_left_out is None else without_heat(other, found.heat_left_out)
     if forgets:
-        return _after_forgetting(machine, contacts, rigid, found)
+        return after_forgetting(machine, contacts, rigid, found)
     if undamped:
         damped = _damped(machine, contacts, rigid, end - time.monotonic(), in_time)
         return damped if damped.kind != "undecided" or lacks_damping(damped.message) else found
@@ -213,43 +216,6 @@ def _by_distribution(
             more = ENOUGH_SLIPS - found.slips + PART_OF_PERIOD
             enough = float(solved.slips.drive[-1]) + more * solved.period - begin
     return found
-
-
-def _forgets(machine: Machine, contacts: Contacts, rigid: RigidSlider) -> bool:
-    """Whether the slip from F_s is so long that the contacts have forgotten their start when it ends.
-
-    Without laws in time F of contacts that re-form at once hangs on the slider's position alone, and tends to F_k: a
-    spring that falls from F_s lets the slider go on by (F_s - F_k)/K, over which F - F_k decays. F falls nowhere as
-    steeply as K then, and no slip follows. Exact thresholds may keep their order, and are not told of.
-    """
-    if contacts.in_time or contacts.reforming is not None or contacts.thresholds.atoms[0].size:
-        return False
-    distance = (rigid.static - rigid.kinetic) / machine.spring
-    needed = FORGOTTEN + np.log(1.0 / machine.spring)
-    return machine.spring < SOFTEST and distance > needed * rigid.memory
-
-
-def _after_forgetting(
-    machine: Machine, contacts: Contacts, rigid: RigidSlider, found: Behaviour
-) -> Behaviour:
-    """Sliding at F_k after the slip from F_s; its error is that of F_k, and of the slider's way up to F_s."""
-    mean, begin = contacts.mean_threshold, contacts.start.mean()
-    slip = rigid.static / machine.spring
-    distance = (rigid.static - rigid.kinetic) / machine.spring / mean
-    return replace(
-        found,
-        kind="smooth",
-        before=rigid.kinetic,
-        after=rigid.kinetic,
-        period=None,
-        slips=1,
-        error=rigid.kinetic_error / mean + machine.spring,
-        success=True,
-        message=f"its slip from F_s goes on for {distance:.1e} mean thresholds, after which the contacts have "
-        "forgotten their start and F is F_k; smaller slips before it were not followed",
-        drive=np.array([begin / machine.spring, slip, slip, 2.0 * slip]),
-        force=np.array([begin, rigid.static, rigid.kinetic, rigid.kinetic]),
-    )
 
 
 def _behaviour(rule: str, solved: Any, velocity: float, unit: float, open_why: str) -> Behaviour:

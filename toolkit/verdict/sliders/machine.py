@@ -8,6 +8,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import refuse
 from origins.thresholds.law import Array
+from toolkit.results.rarer import Rarer
 from toolkit.results.slips import Spread
 from toolkit.scene.drive import machine_number
 from toolkit.scene.tables import DriveTable
@@ -160,9 +161,10 @@ class Finite:
 
     contacts : of each slider; fewer than there are where these take too long, see `message`
     kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
-        where none does, on a way of some 40 mean thresholds, "now and then" between; "unknown" where they were not
-        followed, or not until it is known whether the `slips` that were seen go on, or slip where nobody knows how
-        often infinitely many do, for the reason in `message`
+        where none does, on a way of some 40 mean thresholds, "now and then" between; "ever rarer" where slips get
+        rarer along the way and steady sliding is stable; "unknown" where they were not followed, or not until it is
+        known whether the `slips` that were seen go on, or slip where nobody knows how often infinitely many do, for the
+        reason in `message`
     before, after : mean spring force before and after late slips (`late_slips`), F/(N_c <k>) (lengths), with standard
         errors
     slips : number of slips of a slider, mean
@@ -173,11 +175,13 @@ class Finite:
         contacts re-form at once, F/(N_c <k>) (lengths); nan of others, and with a mass, whose damping bears a part
     rises : whether the force still rises there, as the sliders do not yet go with the drive
     fluctuation : standard deviation of the force there between sliders, which is that along the drive of each as they
-        slide steadily (a length), as `late`, and with a mass; nan of others
+        slide steadily (a length), as `late`, and with a mass; where slips get ever rarer that between slips; nan of
+        others
     befores, drops, periods : how the force before a slip, its fall (F/(N_c <k>)), and the drive's way between two slips
         differ from one late slip to the next (lengths); None for fewer than two
     smaller : how many slips were left out beside main ones, of all sliders, see `main_slips`
     shrinks_by : part of itself by which a drop is smaller than the one before it, see `shrinks_by`; 0 where it is not
+    rarer : how slips get rarer along the way; None where they do not
     """
 
     rule: str
@@ -202,6 +206,7 @@ class Finite:
     periods: Spread | None = None
     smaller: int = 0
     shrinks_by: float = 0.0
+    rarer: Rarer | None = None
 
     @property
     def error(self) -> float:
@@ -216,7 +221,7 @@ class Behaviour:
 
     delay : of contacts, where another one than theirs was tried (a time); None: their own
     rule : "reset", "reform-after" or "instant"; "mass" where mass, damping and delay decide
-    kind : "stick-slip", "smooth", or "undecided"
+    kind : "stick-slip", "smooth", "ever rarer" (see Finite), or "undecided"
     before, after : spring force before and after a slip, the last main one (see Slips.main), also where it is
         undecided whether more follow; both the sliding force where it is smooth
     period : of the drive, between the last two main slips; slips : how many there were

@@ -10,10 +10,12 @@ from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import of_temperature, remarks
 from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.of_area import apart, does, fall_of, fluctuating, late_force_of
-from toolkit.verdict.sliders.ensemble import SLIDERS
+from toolkit.verdict.of_area import apart, late_force_of
 from toolkit.verdict.sliders.finite import ABOVE, SMALL
+from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
 from toolkit.verdict.sliders.machine import Finite, critical_damping
+from toolkit.verdict.sliders.steady import friction_falls
+from toolkit.verdict.slips_in_words import does, fall_of, fluctuating
 from toolkit.verdict.text.kinds import (
     GENERAL,
     NOTHING,
@@ -166,15 +168,23 @@ def why_smooth(verdict: Verdict) -> list[str]:
 def _of_a_mass(verdict: Verdict) -> Iterator[Line]:
     """The damping that was taken, and the swing after a slip."""
     own = verdict.own
+    # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
+    unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
     for behaviour in own.behaviours:
         if behaviour.damping is not None and own.machine is not None:
             part = behaviour.damping / critical_damping(own.machine)
-            # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
-            unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
             yield Line(
                 UNSIZED,
                 f"the damping: none is given, and without one the slider rings for too long; all is told of one of "
                 f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping",
+            )
+        if behaviour.kind == EVER_RARER and own.machine is not None:
+            each = friction_falls(own.machine, own.contacts), own.machine.damping
+            falls, rises = (f"{one * own.scale.spring:.3g} {unit}" for one in each)
+            said = f"friction falls with the speed by {falls}, and the damping is {rises}"
+            yield Line(
+                GENERAL,
+                f"steady sliding is stable: {said}; contacts that broke together draw apart",
             )
         if (regained := regained_by(verdict, behaviour)) is not None:
             drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit

@@ -8,9 +8,10 @@ import numpy as np
 
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
-from toolkit.verdict.of_area import apart, period_of, rows_of
+from toolkit.verdict.of_area import apart, rows_of
 from toolkit.verdict.sliders.budget import NO_FORCES
 from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.slips_in_words import period_of
 from toolkit.verdict.uncertainty import (
     other_samples,
     spring_to_digits,
@@ -289,8 +290,7 @@ def in_units(message: str, scale: Scale) -> str:
         return message
     # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
     damping = scale.spring, {"N/m": "N s/m", "N/m³": "N s/m³"}.get(scale.spring_unit, "")
-    of_damping = "falls with the speed by ", "the damping is ", "give one above "
-    units = dict.fromkeys(of_damping, damping)
+    units = dict.fromkeys(("falls with the speed by ", "damping is ", "give one above "), damping)
     units |= dict.fromkeys(("X_T = ", "X = "), (1.0, scale.length_unit))
     units |= dict.fromkeys(("lasts some ", "t = "), (1.0, scale.time_unit))
     for before, (factor, unit) in units.items():

@@ -18,15 +18,14 @@ from toolkit.verdict.of_area import (
     apart,
     behaved,
     disagreeing,
-    falls,
-    plain_fall,
     subject,
     verb,
     whom_of,
 )
 from toolkit.verdict.sliders.budget import LONGER
-from toolkit.verdict.sliders.ensemble import shrinking
+from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.slips_in_words import falls, plain_fall
 from toolkit.verdict.text.hangs_on import dependence, why_smooth
 from toolkit.verdict.text.kinds import (
     a_slip,
@@ -276,13 +275,14 @@ def _behaved(
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
         seen = seen.replace(",", f"{shrinking(last)},")
         what = "whether it goes on is not known"
-        what += f"; {LONGER}" * ("wall_time" in last.message)
+        few = last.sliders.message if last.sliders else ""
+        what += f"; {LONGER}" * ("wall_time" in last.message + few)
         return f"not decided: {seen} from {fall}, and {what}"
     if bare:
         return fall
-    said = f"stick-slip: {fall}"
+    said = f"{'slips ever rarer' if kind == EVER_RARER else kind}: {fall}"
     periods = [one.period for one in alike if one.period is not None]
-    if periods:
+    if periods and kind != EVER_RARER:
         # of a period known as well as the force
         relative_error, times = (
             shown_error and uncertainty,

@@ -1,0 +1,42 @@
+"""Whether a slider with mass whose contacts wait slides on once it slides, by closed forms.
+
+Contacts form anew a delay τ after they break: at the speed v a share h = 1/(1 + τ v/<x_s>) of them holds, and bears
+F_k(v) = h <x_s²>/2<x_s>.
+"""
+
+import numpy as np
+
+from origins.contacts import Contacts
+from toolkit.verdict.sliders.machine import Machine, half_a_swing
+
+
+def friction_falls(machine: Machine, contacts: Contacts) -> float:
+    """By how much F_k falls with the speed, -dF_k/dv per N_c<k> (a time), at that of the drive; 0 without a delay."""
+    waits, mean = contacts.waiting_time, contacts.mean_threshold
+    square = contacts.thresholds.moment(2)
+    return float(0.5 * waits * square / (mean + waits * machine.velocity) ** 2)
+
+
+def slides_on(machine: Machine, contacts: Contacts) -> bool:
+    """Whether steady sliding at the drive's speed is known to be stable.
+
+    Swings of the mass do not grow where γ is above -dF_k/dv, as long as they pass thresholds: the drive goes on by
+    <x_s> or more in half of one. Nor do volleys of contacts that broke together and come back together: unlike
+    thresholds scatter them, by σ² = var(x_s) in each life, and the slider, which goes on faster while fewer hold it,
+    gathers them by h <x_s²>/K, so that they draw apart where K is above h <x_s²>/σ². False also where more than a delay
+    acts.
+    """
+    only_wait = not (contacts.held_in_time or contacts.reforming is not None)
+    if not (machine.mass and contacts.waiting_time and only_wait) or contacts.stiffness == "linked":
+        return False
+    mean, square = contacts.mean_threshold, contacts.thresholds.moment(2)
+    variance = square - mean**2
+    share = mean / (mean + machine.velocity * contacts.waiting_time)
+    passes = half_a_swing(machine) * machine.velocity >= mean
+    apart = machine.spring * variance > share * square
+    return bool(
+        passes
+        and apart
+        and np.isfinite(square)
+        and machine.damping > friction_falls(machine, contacts)
+    )

@@ -1,0 +1,161 @@
+"""Slips and force of so many contacts as written: means with their errors, and how they differ along the way."""
+
+import re
+
+import numpy as np
+
+from toolkit.results.slips import QUARTERED, Spread
+from toolkit.scene.scale import Scale, guarded, with_scatter, written
+from toolkit.verdict.answers import Verdict
+from toolkit.verdict.sliders.late import EVER_RARER
+from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.uncertainty import widest_uncertainty
+
+# part of a force by which slips, or forces along the way, differ where it is told
+WORTH_SHOWING = 0.01
+# of a mean: a standard deviation from slip to slip above which the range is told, as slips may be of several kinds
+WIDE = 0.3
+
+
+def does(many: Finite) -> str:
+    """What so many contacts do, in the same words wherever it is told."""
+    return "slips now and then" if many.kind == "now and then" else many.kind
+
+
+def kind_of_trace(behaviour: Behaviour) -> str:
+    """What a trace shows, in words; of one that ends early, that it does."""
+    if behaviour.kind != "undecided":
+        return behaviour.kind
+    return "not decided, the path is cut" if behaviour.cut else "not decided"
+
+
+def plain_fall(finite: Finite, force: float, unit: str) -> str:
+    """The forces before and after a slip of so many contacts, without errors; "" where they slide."""
+    if not np.isfinite(finite.after):
+        return ""
+    high, low = (written(end * force, unit) for end in (finite.before, finite.after))
+    return falls(high, low, (finite.before - finite.after) * force, unit)
+
+
+def scatters(many: Finite) -> bool:
+    """Whether the force of so many contacts, or their slips, differ along the path by WORTH_SHOWING of the mean."""
+    if many.kind == EVER_RARER:
+        return True
+    if many.kind != "stick-slip":
+        return many.fluctuation >= WORTH_SHOWING * abs(many.late)
+    each = ((many.befores, many.before), (many.drops, many.before), (many.periods, many.period))
+    return any(
+        one is not None and one.std >= WORTH_SHOWING * abs(mean or 0.0) for one, mean in each
+    )
+
+
+def fluctuating(many: Finite, scale: Scale) -> str:
+    """The standard deviation of the force of so many contacts that slide, along the path, and no error of the mean; ""
+    where it is small."""
+    if not scatters(many) or many.kind == "stick-slip":
+        return ""
+    between = " between slips" * (many.kind == EVER_RARER)
+    return f", fluctuating by ± {_short(many.fluctuation * scale.force, scale.force_unit)}{between}"
+
+
+def _scatter(each: Spread | None, least: float, unit: str, factor: float = 1.0) -> str:
+    """How a number differs from slip to slip, in brackets: by its standard deviation, or where that is WIDE of the mean
+    by the range, as slips of several kinds have no scatter about a mean; "" where it is below `least`."""
+    if each is None or each.std < least:
+        return ""
+    if each.std <= WIDE * abs(each.mean):
+        return f" (scatter ± {_short(each.std * factor, unit)})"
+    ends = " to ".join(_short(one * factor, unit) for one in (each.low, each.high))
+    return f" ({'half of them ' * (each.number >= QUARTERED)}{ends})"
+
+
+def period_with_scatter(verdict: Verdict, many: Finite) -> tuple[str, str]:
+    """The mean period of so many contacts as a length and as a time, each with its error, and the former with the
+    scatter from slip to slip, where it is WORTH_SHOWING of it or more."""
+    scale, period, error = verdict.own.scale, many.period or np.nan, many.period_error
+    every, later = period_of(verdict, period)
+    if 0.0 < error < np.inf:
+        units = (1.0, scale.length_unit), (1.0 / verdict.velocity, scale.time_unit)
+        every, later = (with_scatter(period * one, error * one, unit) for one, unit in units)
+    return every + _scatter(many.periods, WORTH_SHOWING * period, scale.length_unit), later
+
+
+def ever_rarer(verdict: Verdict, many: Finite, whose: str) -> str:
+    """That slips get ever rarer and end in smooth sliding, with its force; how many of them there were, how far apart,
+    and late ones as the means of these."""
+    own, scale, fewer = verdict.own, verdict.own.scale, many.rarer
+    if fewer is None or own.machine is None:
+        return does(many)
+    borne = own.machine.damping * own.machine.velocity
+    force, part = (
+        written(one * scale.force, scale.force_unit) for one in (own.kinetic.value + borne, borne)
+    )
+    way = _short(fewer.way, scale.length_unit)
+    beside = fluctuating(many, scale)
+    seen = f"{fewer.slips:,.0f} slips a slider over {way}, {spacings(many, scale)}"
+    end = f"smooth in the end at {force} ({part} of it borne by the damping){beside}"
+    return f"slips ever rarer, {end}: {seen}, late ones from {fall_of(many, scale)} {whose}"
+
+
+def spacings(many: Finite, scale: Scale) -> str:
+    """How slips get ever rarer along the way; "" where they do not."""
+    if many.rarer is None:
+        return ""
+    first, last = (_short(one, scale.length_unit) for one in (many.rarer.first, many.rarer.last))
+    return f"every {first} in the first third of the way and every {last} in the last"
+
+
+def _short(value: float, unit: str) -> str:
+    """A number with two digits, as a scatter is known to a tenth at best."""
+    return written(float(f"{value:.1e}"), unit, digits=2)
+
+
+def period_of(
+    verdict: Verdict, period: float, uncertainty: float = 0.0, to_error: bool = False
+) -> tuple[str, str]:
+    """A period of the drive as a length and as a time, known to `uncertainty` of itself, or worse; `to_error` :
+    to the digit of that, which stands beside the forces."""
+    scale, uncertainty = verdict.own.scale, max(uncertainty, widest_uncertainty(verdict))
+    each = (period, scale.length_unit), (period / verdict.velocity, scale.time_unit)
+    every, later = (
+        written(one, unit, uncertainty * one, digits=4)
+        if to_error
+        else guarded(one, unit, uncertainty * one)
+        for one, unit in each
+    )
+    return every, later
+
+
+def sliding_force(many: Finite, scale: Scale) -> str:
+    """The force at the end of the way, with its error."""
+    late, error = many.late * scale.force, many.late_error * scale.force
+    return with_scatter(late, error, scale.force_unit)
+
+
+def fall_of(finite: Finite, scale: Scale) -> str:
+    """The mean forces before and after a slip of so many contacts, with their errors and their scatter; the fall in
+    place of the force after it where that scatters by itself."""
+    size, unit, factor = abs(finite.before), scale.force_unit, scale.force
+    means = [(finite.before, finite.before_error), (finite.after, finite.after_error)]
+    high, low = (
+        with_scatter(mean * factor, error * factor if 1e-9 * size < error < np.inf else 0.0, unit)
+        for mean, error in means
+    )
+    drop = (finite.before - finite.after) * factor
+    scatter = [
+        _scatter(one, WORTH_SHOWING * size, unit, factor) for one in (finite.befores, finite.drops)
+    ]
+    if scatter[1] and finite.after and finite.drops is not None:
+        # slips of one kind have a mean; of several kinds it is no more than a size
+        alike = "±" in scatter[1]
+        fall = written(drop, unit, finite.drops.std * factor, 4) if alike else _short(drop, unit)
+        return f"{high}{scatter[0]} down by {fall}{scatter[1]}"
+    return falls(high, low, drop, unit, scatter[0])
+
+
+def falls(high: str, low: str, drop: float, unit: str, scatter: str = "") -> str:
+    """A force down to another, both as written, with their errors or without; by how much where they are written
+    alike. The `scatter` of the former stands behind it."""
+    alike = re.sub(r" ± \S+", "", high) == re.sub(r" ± \S+", "", low)
+    end = f"by {written(drop, unit, digits=2)}" if alike else f"to {low}"
+    return f"{high}{scatter} down {end}"
