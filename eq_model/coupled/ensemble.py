@@ -246,9 +246,7 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
         takes.append("thermal")
     if isinstance(contacts, Contacts) and contacts.strengthening and not heavy:
         takes.append("growing")
-    # of laws by which thresholds change otherwise master has no memory under a spring either
-    own = isinstance(contacts, Contacts) and contacts.changing and not contacts.growing
-    other = "" if heavy or (own and not contacts.ageing) else "master.solve"
+    other = "" if heavy else "master.solve"
     check_contacts(contacts, solver, tuple(takes), own_rates=True, other=other)
     if heavy and contacts.reforming is not None:
         raise InputError(

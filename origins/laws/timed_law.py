@@ -39,9 +39,10 @@ class TimedLaw:
 class ChangingThresholds(TimedLaw, ABC):
     """A law by which the threshold of a contact changes while the contact holds: the contact has a memory of its own.
 
-    It stands in place of thresholds in origins.Contacts, but for Ageing, which stands beside them. A solver has a life,
-    a memory under a spring and a kernel for each such law, by its class: LIVES in master/survival/make.py, MEMORIES in
-    master/soft/in_time/changing.py, KERNELS in eq_model/laws/settings.py.
+    It stands in place of thresholds in origins.Contacts, but for Ageing, which stands beside them. A solver has a life
+    and a kernel for each such law, by its class: LIVES in master/survival/make.py, KERNELS in
+    eq_model/laws/settings.py. Under a spring the life is asked, too, but for the quicker memories of MEMORIES in
+    master/soft/in_time/changing.py.
 
     law : its name in Contacts.laws and in messages
     at_start : P_c of all contacts at X = 0

@@ -28,6 +28,7 @@ How many of a group still hold is the part of its memory, one of these:
                          or with it by their mean rate              e^-(integral of the mean rate) ("paper")
     threshold_cells.py   the same with heat                         mean over x_s of e^-A, A = integral of h dt
     changing.py          thresholds that grow; those that age       e^-H, H the largest hazard so far; sum over cells
+    own_laws/            what laws of one's own state               S(largest threshold met); E of a life
     cells.py             the density of thresholds that age         du/dt = d/dy [(D U' + d|x|/dt) u + D du/dy] - h u
 
 `cells_kernel.py` and `threshold_cells_kernel.py` are what numba compiles of these. A plain twin, in one page, of

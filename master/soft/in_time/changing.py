@@ -1,4 +1,5 @@
-"""Contacts whose thresholds change under a spring: those that age (closure "exact"), and those whose thresholds grow.
+"""Contacts whose thresholds change under a spring: those that age (closure "exact"), and those whose thresholds grow;
+of laws of one's own see own_laws.
 
 Of contacts that age every group carries the density of its thresholds, on the cells of master.soft.in_time.cells.
 
@@ -20,6 +21,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from master.motion import Motion
 from master.soft.in_time.cells import Cells
 from master.soft.in_time.memory import (
     Memory,
@@ -30,9 +32,11 @@ from master.soft.in_time.memory import (
     scales_of,
     warm_nodes,
 )
+from master.soft.in_time.own_laws.of_life import LifeMemory
+from master.soft.in_time.own_laws.ordered import OrderedMemory
 from master.soft.in_time.threshold_cells import Leg, ThresholdCells
 from master.survival.growing import GrowingLife
-from origins import Ageing, Contacts, GrowingThresholds, InputError
+from origins import Ageing, Contacts, GrowingThresholds, InputError, OrderedThresholds
 from origins.thresholds.law import Array
 
 # Columns of a group's record: largest hazard so far, time since pinning, and from there A.
@@ -182,8 +186,19 @@ class GrowingMemory(Memory):
 
 
 # The memory of contacts whose thresholds change, by the class of the law: made of the contacts, how often steps are
-# halved, and the drive's largest speed.
+# halved, and the drive's largest speed. Those of other laws follow from what they state, see `memory_by_law`.
 MEMORIES: dict[type, Callable[[Contacts, int, float], Memory]] = {
     Ageing: AgeingMemory,
     GrowingThresholds: GrowingMemory,
 }
+
+
+def memory_by_law(
+    contacts: Contacts, halvings: int, fastest: float, motion: Motion | None
+) -> Memory:
+    """The memory of contacts whose thresholds change; arguments as those of refining.memory_of."""
+    for law, made in MEMORIES.items():
+        if isinstance(contacts.changing, law):
+            return made(contacts, halvings, fastest)
+    own = OrderedMemory if isinstance(contacts.changing, OrderedThresholds) else LifeMemory
+    return own(contacts, halvings, motion)

@@ -147,7 +147,11 @@ def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:
     thresholds, whose order may last, or without a steady force."""
     law, thermal = contacts.thresholds, contacts.thermal
     paper = thermal is not None and thermal.closure == "paper"
-    stays = contacts.growing is None and contacts.reforming is None and not paper
+    ages = (
+        contacts.ageing is not None
+    )  # towards a law that a slip, which takes no time, does not change
+    stays = ages or contacts.changing is None
+    stays = stays and contacts.reforming is None and not paper
     if drive.slip != "instant" or contacts.delay is not None:
         return None
     if not stays or law.atoms[0].size or not np.isfinite(law.moment(3)):

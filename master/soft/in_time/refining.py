@@ -9,7 +9,7 @@ from master.motion import Motion, drive_motion
 from master.outcome import FaultError, Progress, StoppedError
 from master.soft.followed import Followed
 from master.soft.in_time.answer.extrapolation import extrapolated
-from master.soft.in_time.changing import MEMORIES
+from master.soft.in_time.changing import memory_by_law
 from master.soft.in_time.contacts import COMPARED, MOST_STEPS, MOST_WORK, ContactsInSteps
 from master.soft.in_time.creep import creep_of, may_creep
 from master.soft.in_time.decohered import decohered
@@ -41,19 +41,13 @@ MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
 LEAST_OF_AGEING, FALL_OF_AGEING = 3e-3, 25.0
 
 
-def memory_of(contacts: Contacts, halvings: int, fastest: float) -> Memory:
-    """The memory of contacts on a drive of at most this speed; its meshes are made for steps halved so often. Raises
-    InputError for a law by which thresholds change that has none."""
-    changing = contacts.changing
-    if changing is not None:
-        for law, made in MEMORIES.items():
-            if isinstance(changing, law):
-                return made(contacts, halvings, fastest)
-        refuse(
-            f"contacts.{changing.law}",
-            changing,
-            "has no memory under a spring in master; leave the spring out",
-        )
+def memory_of(
+    contacts: Contacts, halvings: int, fastest: float, motion: Motion | None = None
+) -> Memory:
+    """The memory of contacts on a drive of at most this speed, and of this motion; its meshes are made for steps halved
+    so often. Raises InputError for a law by which thresholds change that has neither a memory nor a life."""
+    if contacts.changing is not None:
+        return memory_by_law(contacts, halvings, fastest, motion)
     if contacts.thermal is not None and contacts.thermal.closure == "paper":
         return MeanRateMemory(contacts, halvings)
     return ThresholdMemory(contacts, halvings)
@@ -94,7 +88,7 @@ def refined(
     needed = halvings_needed(contacts, drive, tolerance)
     creep = creep_of(contacts, drive, motion, tolerance)
     while True:
-        memory = memory_of(contacts, halvings, fastest)
+        memory = memory_of(contacts, halvings, fastest, motion)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
         least_drop = UNLISTED * tolerance * contacts.mean_threshold
         after_long_slips = decohered(contacts, drive, memory.starts)
