@@ -138,7 +138,13 @@ def test_what_has_no_first_passage_is_refused_in_one_line(name: str, call: str) 
         assert "use eq_model.simulate" in told
 
 
-@pytest.mark.parametrize("name", LEFT_TO_THE_ENSEMBLE)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name == "not normal"))
+        for name in LEFT_TO_THE_ENSEMBLE
+    ],
+)
 def test_cells_of_thresholds_on_a_stiff_spring_agree_with_the_ensemble(name: str) -> None:
     """Laws without a first passage: a rigid slider is refused in master, and left to the ensemble; on a spring the
     densities of thresholds are followed in cells. Heat has the time to halve the force: rates that are a tenth too low

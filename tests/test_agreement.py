@@ -209,7 +209,10 @@ def test_before_the_first_break_they_agree_to_round_off(start: float) -> None:
     assert np.abs(run.force - master.solve(contacts, path).force).max() < 1e-14
 
 
-@pytest.mark.parametrize("name", ["gaussian, A02's start", "gap", "start below zero"])
+@pytest.mark.parametrize(
+    "name",
+    ["gaussian, A02's start", pytest.param("gap", marks=pytest.mark.slow), "start below zero"],
+)
 def test_the_papers_algorithm_agrees_with_the_master_equation(name: str) -> None:
     case, points = CASES[name], slice(1, None, 3)
     path = case.path[points]

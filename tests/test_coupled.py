@@ -43,9 +43,9 @@ def pulled(contacts, path, spring=0.7, slip="reset", n=300, replicas=1, seed=3, 
     return eq_model.simulate(contacts, path, spring=spring, slip=slip, **arguments)
 
 
-# growth with a delay is quick by one rule, growth alone by another: each break of the twin looks at all contacts
+# growth takes a second and more, with a delay and by one rule less: each break of the twin looks at all contacts
 OTHERS = {
-    "strengthening": ("reset", "reform-after"),
+    "strengthening": RULES,
     "strengthening, delayed": ("instant", "reset"),
 }
 

@@ -57,7 +57,13 @@ LATE = {
 }
 
 
-@pytest.mark.parametrize("name", LATE)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name == "exact value and width"))
+        for name in LATE
+    ],
+)
 def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
     contacts = LATE[name]
     found = master.decoherence_spectrum(contacts, n_roots=6)

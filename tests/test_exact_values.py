@@ -105,7 +105,7 @@ def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
     np.testing.assert_allclose(turned.holding, [1.0, 0.0, 1.0], atol=1e-10)
 
 
-@pytest.mark.parametrize("law", ["soft", "stiff"])
+@pytest.mark.parametrize("law", ["soft", pytest.param("stiff", marks=pytest.mark.slow)])
 def test_heat_and_one_exact_value(law):
     """Those that heat has left break together, again and again; a start just beside the births takes another road."""
     thermal, path = origins.Thermal(law, 0.05, 2.0), np.linspace(0.1, 3.0, 8)

@@ -193,7 +193,7 @@ def test_where_the_strongest_bear_the_kinetic_force_it_is_right_or_claims_little
 @pytest.mark.parametrize(
     ("heat", "stiffness", "speed"),
     [
-        ("cooler", "linked", 3.0),
+        pytest.param("cooler", "linked", 3.0, marks=pytest.mark.slow),
         pytest.param("stiff", "independent", 0.03, marks=pytest.mark.slow),
         ("tilted", "independent", 0.1),
     ],

@@ -52,7 +52,7 @@ LAWS = {
 
 
 # kernels of each law of rates take half a minute to compile
-SLOW = {"eyring", "stiff", "strengthening, stiff"}
+SLOW = {"eyring", "stiff", "a wide start", "strengthening, stiff"}
 
 
 @pytest.mark.parametrize(

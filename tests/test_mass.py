@@ -46,7 +46,7 @@ def curves_of(found):
 # plain Python takes seconds to ring: where what rings does not hang on the contacts, two of them will do
 RINGS = {
     (name, motion): pytest.mark.slow
-    for name in set(CONTACTS) - {"linked", "delayed"}
+    for name in set(CONTACTS) - {"delayed"}
     for motion in MOTIONS
     if motion[0] == 1e-5
 }

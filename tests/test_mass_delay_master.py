@@ -603,7 +603,7 @@ def test_contacts_that_all_break_before_a_heavy_slider_is_fast_have_slipped() ->
 
 
 def test_energy_is_kept_and_breaks_only_release() -> None:
-    path, machine = np.linspace(0.2, 24.0, 80), {"spring": 0.1, "mass": 0.1, "damping": 0.05}
+    path, machine = np.linspace(0.2, 14.0, 50), {"spring": 0.1, "mass": 0.1, "damping": 0.05}
     found = solve(delayed(3.0), path, 1e-5, **machine)
     energy = found.energy
     stored = energy.spring + energy.contacts + energy.kinetic
@@ -734,7 +734,7 @@ def test_a_delay_that_is_taken_as_a_part_of_the_damping_is_off_by_less_than_it_t
     none = solve(origins.Contacts(law), path, 1e-5, **machine)
     assert told.success and "taken as a part of the damping" in told.message
     monkeypatch.setattr(solution, "short_delay", lambda *_: None)
-    known = solve(contacts, path, 1e-4, **machine)
+    known = solve(contacts, path, 1e-3, **machine)
     assert known.success and known.slips.drive.size == told.slips.drive.size
     off = np.abs(told.force - known.force).max()
     assert off < told.force_error + known.force_error

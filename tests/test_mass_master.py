@@ -157,7 +157,13 @@ def test_on_a_soft_spring_light_damping_takes_little_of_the_drop_in_both_solvers
         np.testing.assert_allclose(slips.duration / half, 1.0, atol=0.01)
 
 
-@pytest.mark.parametrize("contacts", [WIDE, STRETCHED], ids=["wide", "stretched"])
+@pytest.mark.parametrize(
+    "contacts",
+    [
+        pytest.param(WIDE, marks=pytest.mark.slow, id="wide"),
+        pytest.param(STRETCHED, id="stretched"),
+    ],
+)
 def test_a_light_damped_slider_slips_as_contacts_that_re_form_at_once(
     contacts: origins.Contacts,
 ) -> None:

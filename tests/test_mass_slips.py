@@ -18,6 +18,13 @@ LAWS = {
     "exponential": scipy.stats.expon(),
     "weibull": scipy.stats.weibull_min(4 / 3),
 }
+# numbers of contacts, their ways in loadings of the spring, and the law with which they are not slow
+OF_FEW = [
+    (50, 3000, "exponential"),
+    (200, 2000, None),
+    (2000, 200, "weibull"),
+    (20_000, 20, "gaussian"),
+]
 
 
 def turns_of(path: np.ndarray, force: np.ndarray, level: float) -> np.ndarray:
@@ -69,8 +76,14 @@ def test_few_contacts_that_hold_at_a_time_slip_for_ever() -> None:
     assert np.diff(late).max() < 2.0 * 205.0
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("n, loadings", [(50, 3000), (200, 2000), (2000, 200), (20_000, 20)])
+@pytest.mark.parametrize(
+    "law, n, loadings",
+    [
+        pytest.param(law, n, loadings, marks=[pytest.mark.slow] * (law != quick))
+        for n, loadings, quick in OF_FEW
+        for law in LAWS
+    ],
+)
 def test_smooth_sliding_of_few_contacts_has_no_slips(law: str, n: int, loadings: int) -> None:
     """Damped, with delays of 0 to 30 loadings; the first ones, in which contacts forget their start, do not count."""
     for spring, mass, damping, delay in [

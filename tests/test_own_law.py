@@ -393,7 +393,7 @@ def weakened(fresh, age):
 @pytest.mark.parametrize(
     ("name", "twin", "other", "start", "delay"),
     [
-        ("hardening", hardened, weakened, 0.0, 0.0),
+        pytest.param("hardening", hardened, weakened, 0.0, 0.0, marks=pytest.mark.slow),
         pytest.param("weakening", weakened, hardened, 0.0, 0.0, marks=pytest.mark.slow),
         ("weakening", weakened, hardened, -0.3, 0.2),
     ],

@@ -656,7 +656,7 @@ def test_forces_are_read_between_the_ends_of_steps_and_behind_a_slip() -> None:
 
 
 # beside growth with heat, which holds both memories
-SECOND = ("stiff heat", "growth from 0, heat")
+SECOND = ("stiff heat", "growth, heat", "growth from 0, heat")
 
 
 @pytest.mark.parametrize(

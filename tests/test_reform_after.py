@@ -19,7 +19,9 @@ import origins
         # slips of the weaker group and of all contacts in turns: the former were once repeated as if there were no
         # others, as each is as the one before
         ([(0.6, 1.0, 0.15), (0.4, 2.4, 0.12)], 0.3, "independent", 10),
-        ([(0.5, 1.0, 0.14), (0.5, 2.2, 0.25)], 0.1, "independent", 10),
+        pytest.param(
+            [(0.5, 1.0, 0.14), (0.5, 2.2, 0.25)], 0.1, "independent", 10, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_slips_are_those_of_the_plain_twin(parts, spring, stiffness, count) -> None:

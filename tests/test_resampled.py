@@ -23,7 +23,7 @@ def integrals_of_each(x_s: Array) -> tuple[Array, Array]:
     return np.trapezoid(x * survival, x, axis=0), np.trapezoid(survival, x, axis=0)
 
 
-@pytest.mark.parametrize("longest", [describe.LONGEST, 0.0])
+@pytest.mark.parametrize("longest", [pytest.param(describe.LONGEST, marks=pytest.mark.slow), 0.0])
 def test_in_strong_heat_the_sampling_error_is_that_of_the_hot_force(
     longest: float, monkeypatch: Any
 ) -> None:

@@ -543,7 +543,9 @@ def test_the_error_of_ten_thousand_slips_is_known(law, spring, monkeypatch):
     ("law", "spring", "slips"),
     [
         (origins.gaussian(1.0, 0.2), 0.5, 950),
-        (NARROW, 1.4, 60),  # changes shrink by a third to a quarter a slip
+        pytest.param(
+            NARROW, 1.4, 60, marks=pytest.mark.slow
+        ),  # changes shrink by a third to a quarter a slip
     ],
 )
 def test_slips_that_become_alike_are_repeated(law, spring, slips, monkeypatch):

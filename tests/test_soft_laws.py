@@ -21,7 +21,12 @@ SOFT = Thermal("soft", 0.1)
 
 
 @pytest.mark.parametrize(
-    "rule", ["reset", "reform-after", pytest.param("instant", marks=pytest.mark.slow)]
+    "rule",
+    [
+        pytest.param("reset", marks=pytest.mark.slow),
+        "reform-after",
+        pytest.param("instant", marks=pytest.mark.slow),
+    ],
 )
 def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -> None:
     """Two roads to one answer, with turns: the one in steps of time is taken for the rate's sake."""

@@ -25,7 +25,9 @@ def back_and_forth(spring: float, seed: int) -> np.ndarray:
     return np.concatenate([np.linspace(begin, end, 6)[1:] for begin, end in legs])
 
 
-@pytest.mark.parametrize("std, spring, seed", [(0.35, 0.02, 1), (0.2, 0.3, 3)])
+@pytest.mark.parametrize(
+    "std, spring, seed", [pytest.param(0.35, 0.02, 1, marks=pytest.mark.slow), (0.2, 0.3, 3)]
+)
 def test_instant_slips_have_the_force_of_a_rigid_slider_at_the_same_places(
     std: float, spring: float, seed: int
 ) -> None:
@@ -39,7 +41,7 @@ def test_instant_slips_have_the_force_of_a_rigid_slider_at_the_same_places(
     assert off <= soft.force_error * (1.0 + 1.0 / spring) + rigid.force_error
 
 
-@pytest.mark.parametrize("slip", ["reset", "reform-after"])
+@pytest.mark.parametrize("slip", ["reset", pytest.param("reform-after", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("std, spring, seed", [(0.3, 0.03, 4)])
 def test_slips_between_turns_keep_the_error(
     slip: str, std: float, spring: float, seed: int

@@ -244,7 +244,10 @@ COARSE = {
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name == "stiff, delay")) for name in COARSE],
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name in ("stiff, delay", "grains")))
+        for name in COARSE
+    ],
 )
 def test_claims_at_coarse_tolerances_bound_the_error(name: str) -> None:
     tolerances, offs = (1e-2, 1e-3, 1e-4, 1e-7), []

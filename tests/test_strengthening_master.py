@@ -203,7 +203,12 @@ TIMES, PLACES = [0.0, 1.5, 2.5, 4.0, 5.0], [0.0, 1.5, -0.1, -0.1, 2.9]
 
 
 @pytest.mark.parametrize(
-    ("start", "age"), [(0.0, 0.0), pytest.param(0.3, 2.0, marks=pytest.mark.slow), (-0.3, 0.05)]
+    ("start", "age"),
+    [
+        pytest.param(0.0, 0.0, marks=pytest.mark.slow),
+        pytest.param(0.3, 2.0, marks=pytest.mark.slow),
+        (-0.3, 0.05),
+    ],
 )
 def test_a_path_that_turns_rests_and_changes_its_speed(start, age):
     """The twin comes nearer as its steps are halved, and from without growth nobody comes near."""
@@ -354,7 +359,9 @@ def test_a_stiff_spring_pulls_the_slider_as_if_it_were_rigid():
     assert rigid.success and np.abs(rigid.force - pulled.force).max() < 2e-5
 
 
-@pytest.mark.parametrize("slip", ["instant", "reset", "reform-after"])
+@pytest.mark.parametrize(
+    "slip", [pytest.param("instant", marks=pytest.mark.slow), "reset", "reform-after"]
+)
 def test_the_first_slip_is_where_the_force_falls_as_steeply_as_the_spring(slip):
     """Where growth hardly changes on the way, all lengths are g times those of thresholds that stay."""
     narrow, spring = origins.gaussian(1.0, 0.05), 0.5

@@ -90,7 +90,7 @@ def test_the_error_of_late_slips_holds_what_a_transient_leaves() -> None:
     ("machine", "delay", "number"),
     [
         # 5.6, 1.6, 3.9, 2.2, 1.8, ... of a long delay: slips 5 to 8 were averaged as if they lasted
-        (Machine(5e-4, 0.2, 5e-4, 1.0), 2000.0, 4000),
+        (Machine(5e-4, 0.2, 5e-4, 1.0), 2000.0, 2000),
         # slips of many sizes, of which the second alone was told, with the scatter between sliders as its error
         (Machine(0.05, 0.02, 5e-5, 1.0), 20.0, 4000),
     ],
@@ -124,7 +124,7 @@ def test_the_contacts_of_the_area_tell_a_lasting_cycle_of_slips_that_were_not_de
     machine, contacts = Machine(5e-3, 2e-4, 5e-4, 1.0), Contacts(WIDE, delay=Delay(20.0))
     machine = replace(machine, mass=2.0)
     seen = replace(not_followed("mass", "cut"), slips=6, before=0.6, after=-0.55, period=250.0)
-    many = follow_finite(machine, contacts, 4000.0, seen, 0.56, 1e4)
+    many = follow_finite(machine, contacts, 1000.0, seen, 0.56, 1e4)
     assert many.kind == "stick-slip" and many.slips > 30 and not many.message
     told = with_more(seen, many, 1.0)
     assert told.kind == "stick-slip" and told.success and told.before == many.before
@@ -152,9 +152,20 @@ def test_a_slider_that_swings_at_the_end_is_told_by_its_last_whole_slip() -> Non
     assert told.before - told.after > 0.5
 
 
-def test_smooth_sliding_after_slips_that_shrink_is_told_at_f_k_with_what_is_left() -> None:
+@pytest.mark.parametrize(
+    ("machine", "many", "shrinks_by"),
+    [
+        (Machine(0.5, 2e-3, 0.015, 1.0), 4, 0.368),
+        # a heavy damping: the force at the path's end, 0.4714 +- 0.0029, stood for that of sliding, 0.4884
+        pytest.param(Machine(0.5, 2e-5, 5e-3, 1.0), 9, 0.245, marks=pytest.mark.slow),
+    ],
+    ids=["four slips", "nine slips"],
+)
+def test_smooth_sliding_after_slips_that_shrink_is_told_at_f_k_with_what_is_left(
+    machine: Machine, many: int, shrinks_by: float
+) -> None:
     """F_k(v) + γ v by quadrature: contacts of age x hold with the chance that none of their thresholds is below it."""
-    delay, machine = 0.2, Machine(0.5, 2e-5, 5e-3, 1.0)
+    delay = 0.2
     contacts, law = Contacts(WIDE, delay=Delay(delay)), stats.norm(1.0, 0.4)
     below = law.cdf(0.0)
     bears = integrate.quad(lambda x: x * (law.sf(x) / (1.0 - below)), 0.0, 6.0)[0]
@@ -162,17 +173,17 @@ def test_smooth_sliding_after_slips_that_shrink_is_told_at_f_k_with_what_is_left
     exact = bears / (holds + delay) + machine.damping
     steady = master.steady_state(contacts, velocity=1.0)
     known = rigid_slider(contacts, steady, master.propensity(contacts, 1e-3), 2e4)
-    # nine slips, and a heavy damping: the force at the path's end, 0.4714 +- 0.0029, stood for that of sliding
     slides = follow(machine, contacts, "mass", known, 1e4)
     assert slides.kind == "smooth" and slides.after == pytest.approx(exact, abs=1e-6)
-    assert 0.4884 - 0.4714 < slides.error < 0.2
-    assert slides.slips == 9 and slides.shrinks_by == pytest.approx(0.245, abs=0.02)
+    assert (0.4884 - 0.4714 if many == 9 else 1e-3) < slides.error < 0.2
+    assert slides.slips == many and slides.shrinks_by == pytest.approx(shrinks_by, abs=0.02)
     # another solver, on its own way: what still swings there is within the error
     late = slides.drive > 0.8 * slides.drive[-1]
     assert np.abs(slides.force[late] - exact).max() < 1.5 * slides.error < 0.3
     said = sentence(of(slides))
     assert re.match(
-        r"smooth at 0\.\d+ ± 0\.\d+ N.* once slips have died out: 9 were seen, each drop", said
+        rf"smooth at 0\.\d+ ± 0\.\d+ N.* once slips have died out: {many} were seen, each drop",
+        said,
     )
     assert "swing by more" not in said  # the error of the force says it
     # where they leave more than the force itself, that is said beside its error
@@ -200,7 +211,7 @@ def test_slips_that_fade_are_followed_until_they_are_over_and_open_until_then(
 ) -> None:
     """Contacts that wait long come back ever less together: a tenth less in each slip. The means of late slips stood
     for those to come; sliding, in the end, is that of F_k = <x²>/2/(<x> + v delay) and what the damping bears."""
-    delay, number = 1e3, 20_000
+    delay, number = 1e3, 4000
     machine, contacts = Machine(0.2, 1e-3, 4e-3, 1.0), Contacts(WIDE, delay=Delay(delay))
     kinetic = 0.5 * WIDE.moment(2) / (WIDE.mean() + delay)
     rigid, loading = RigidSlider(0.56, kinetic, 0.0, 0.76, 1.0, number), 4.0 + delay

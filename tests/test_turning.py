@@ -32,7 +32,7 @@ def walk(start: float, path: np.ndarray, threshold: float) -> np.ndarray:
     return np.array(out)
 
 
-@pytest.mark.parametrize("start", [0.3, -0.4])
+@pytest.mark.parametrize("start", [pytest.param(0.3, marks=pytest.mark.slow), -0.4])
 def test_identical_thresholds_are_a_polygon(start):
     path = through(TURNS, 37)
     solution = master.solve(origins.Contacts(origins.identical(1.0), start), path, 1e-9)

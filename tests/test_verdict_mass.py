@@ -97,10 +97,10 @@ def test_the_trace_of_a_mass_has_its_slips_in_time() -> None:
 def test_a_slip_of_a_mass_is_shown_in_its_own_time() -> None:
     """While all contacts are out, mass and spring swing by themselves: damping takes the same share of each swing, and
     the picture has force and way of the slider; told by the master equation, and by the ensemble."""
-    machine, slip = Machine(spring=1e-3, mass=1e-5, damping=2e-5, velocity=1.0), np.pi * 0.1
-    contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(50.0))
-    begun = of_a_mass("stick-slip", 0.8, slip_time=slip, first_slip=790.0, run_time=1.0)
-    begun = replace(begun, drive=np.array([0.0, 800.0]), force=np.array([0.0, 0.8]))
+    machine, slip = Machine(spring=1e-2, mass=1e-4, damping=2e-4, velocity=1.0), np.pi * 0.1
+    contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(5.0))
+    begun = of_a_mass("stick-slip", 0.8, slip_time=slip, first_slip=79.0, run_time=1.0)
+    begun = replace(begun, drive=np.array([0.0, 80.0]), force=np.array([0.0, 0.8]))
     for contacts_told in (None, 2000):
         # the first slip is looked for again where its place is not known well
         told = replace(begun, contacts=contacts_told)
@@ -114,7 +114,7 @@ def test_a_slip_of_a_mass_is_shown_in_its_own_time() -> None:
         first, second = force.min(), force[time > 1.5 * slip].max()
         ratio = machine.damping / (2.0 * np.sqrt(machine.mass or 0.0) * np.sqrt(machine.spring))
         assert -second / first == pytest.approx(np.exp(-np.pi * ratio), rel=0.05)
-        np.testing.assert_allclose(way[-1], (force.max() - force[-1]) / 1e-3 + time[-1], rtol=1e-6)
+        np.testing.assert_allclose(way[-1], (force.max() - force[-1]) / 1e-2 + time[-1], rtol=1e-6)
         verdict_of = of(found)
         (panel,) = (one for one in draw_verdict(verdict_of).axes if one.get_label() == "slip")
         assert panel.lines[0].get_xdata().size == time.size
@@ -177,7 +177,7 @@ def test_contacts_of_a_fast_drive_are_pulled_beyond_the_force_that_infinitely_ma
     """While a mass is fast its contacts wait, but before its first slip the spring pulls more than F_s of a slider that
     moves with the drive, and by half of that in the time of a slip."""
     machine = Machine(spring=3.1e-3, mass=6.2e-6, damping=3.1e-5, velocity=2e3)
-    contacts = Contacts(gaussian(1.0, 0.25), delay=Delay(10.0))
+    contacts = Contacts(gaussian(1.0, 0.25), delay=Delay(1.0))
     found, steady = (
         master.propensity(contacts, velocity=2e3),
         master.steady_state(contacts, velocity=2e3),
@@ -443,21 +443,22 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     rigid = RigidSlider(0.9, 0.01, 0.0, 5.0, 1.0)
     never = not_followed("mass", "it is not solved here")
     monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 5000)
     found = follow(machine, contacts, "mass", rigid, 1e4)
     assert found.kind == "stick-slip" and found.period == pytest.approx(69.4, abs=0.2)
     # K times the way from one slip to the next: by the delay nothing holds the slider, then contacts load the spring
     by_hand = 60.0 + found.before / 0.1
     assert found.period == pytest.approx(by_hand, rel=0.02)
-    finite = follow_finite(machine, contacts, 5e3, found, rigid.static, 1e4)
+    finite = follow_finite(machine, contacts, 2e3, found, rigid.static, 1e4)
     assert finite.kind == "stick-slip" and finite.before == pytest.approx(found.before, abs=0.02)
-    told = follow_finite(machine, contacts, 5e3, never, rigid.static, 1e4)
+    told = follow_finite(machine, contacts, 2e3, never, rigid.static, 1e4)
     assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.03)
     # also where infinitely many were seen to slip, perhaps until they slide, but not where there is no time for more
     seen = replace(never, slips=9)
-    told = follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4)
+    told = follow_finite(machine, contacts, 2e3, seen, rigid.static, 1e4)
     assert told.kind == "stick-slip" and told.before == pytest.approx(found.before, abs=0.01)
     monkeypatch.setattr("toolkit.verdict.sliders.ensemble.ROUNDS", (0, 0))
-    assert follow_finite(machine, contacts, 5e3, seen, rigid.static, 1e4).kind == "unknown"
+    assert follow_finite(machine, contacts, 2e3, seen, rigid.static, 1e4).kind == "unknown"
 
 
 def test_slips_of_a_mass_that_shrink_are_smooth_sliding_only_once_they_are_over() -> None:
@@ -693,7 +694,7 @@ def test_a_slip_that_lasts_longer_than_the_spring_is_loaded_is_waited_for() -> N
     the first slip, and sliding was called smooth."""
     contacts, machine = Contacts(gaussian(1.0, 0.4), delay=Delay(2.0)), Machine(0.05, 20.0, 0.05, 1)
     told = slips_of_infinitely_many(1.245, -0.809, 125.8)
-    found = follow_finite(machine, contacts, 2000.0, told, 0.557, 1e4)
+    found = follow_finite(machine, contacts, 1000.0, told, 0.557, 1e4)
     assert found.kind == "stick-slip" and found.period == pytest.approx(125.7, abs=0.5)
     assert found.before == pytest.approx(1.245, abs=0.05)
 
@@ -764,17 +765,17 @@ def test_a_short_delay_that_is_not_solved_is_told_by_as_many_contacts_as_break_o
     contacts, spring = Contacts(gaussian(1.0, 0.4), delay=Delay(0.05)), 0.01
     mass = spring / np.pi**2
     machine = Machine(spring, mass, 0.2 * np.sqrt(spring * mass), 1.0)
-    rigid = RigidSlider(0.65, 0.58, 0.0, 0.3, 1.0, contacts=8000)
+    rigid = RigidSlider(0.65, 0.58, 0.0, 0.3, 1.0, contacts=4000)
     every = follow(machine, contacts, "mass", rigid, 1e4)
-    assert every.kind == "stick-slip" and every.contacts == 8000
-    monkeypatch.setattr("toolkit.verdict.sliders.budget.MOST_BREAKS_RINGING", 2e6)
+    assert every.kind == "stick-slip" and every.contacts == 4000
+    monkeypatch.setattr("toolkit.verdict.sliders.budget.MOST_BREAKS_RINGING", 1e6)
     fewer = follow(machine, contacts, "mass", rigid, 1e4)
-    assert fewer.contacts == 4 * FEW and fewer.before == pytest.approx(
+    assert fewer.contacts == 2 * FEW and fewer.before == pytest.approx(
         every.before, abs=fewer.error
     )
-    many = follow_finite(machine, contacts, 8000.0, fewer, rigid.static, 1e4)
+    many = follow_finite(machine, contacts, 4000.0, fewer, rigid.static, 1e4)
     assert many.kind == "unknown" and "breaks are more than are followed here" in many.message
-    assert "4,000 contacts stand for the 8,000" in "\n".join(
+    assert "2,000 contacts stand for the 4,000" in "\n".join(
         dependence(replace(of(fewer), finite=(many,)))
     )
     # without a delay each contact breaks at every threshold: the master equation alone takes such a slider
