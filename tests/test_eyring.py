@@ -90,6 +90,8 @@ def test_a_scene_takes_the_width_from_numbers_of_the_material(tmp_path: Any) -> 
             {"temperature": {"kelvin": 300.0}},
             r'temperature = {.*}: of the law "eyring" write kelvin, sh',
         ),
+        ({"temperature": 0.1}, r'temperature = 0.1: of the law "eyring" write kelvin, sh'),
+        ({"law": "eyrin"}, r'write temperature = .*; the law "eyring" alone takes kelvin itself'),
     ):
         own = {key: value for key, value in (PHYSICAL | changes).items() if value is not None}
         bad = {"thresholds": {"kind": "identical", "value": 1.0}, "thermal": own}

@@ -220,10 +220,11 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
     contacts whose stiffness in N/m is known by their interface `surface`. Raises InputError for others, and for a
     number that can only be meant in joules."""
     if where == "contacts.thermal" and "kelvin" in table and table.get("law") != "eyring":
-        refuse(f"{where}.kelvin", table["kelvin"], "write temperature = { kelvin = ... }")
-    if table.get("law") == "eyring" and isinstance(table.get("temperature"), Mapping):
+        hint = 'write temperature = { kelvin = ... }; the law "eyring" alone takes kelvin itself'
+        refuse(f"{where}.kelvin", table["kelvin"], hint)
+    if table.get("law") == "eyring" and "temperature" in table:
         hint = 'of the law "eyring" write kelvin, shear_strength and activation_volume, or width'
-        refuse(f"{where}.temperature", dict(table["temperature"]), hint)
+        refuse(f"{where}.temperature", table["temperature"], hint)
     given, where = table.get("temperature"), f"{where}.temperature"
     degrees = given.get("kelvin") if isinstance(given, Mapping) else given
     if isinstance(degrees, int | float) and degrees <= 0.0:
