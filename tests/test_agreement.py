@@ -135,7 +135,11 @@ def runs_of(name: str) -> list[Any]:
 
 
 @pytest.mark.parametrize(
-    "name", [*CASES, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW or name == "eyring, slow"))
+        for name in (*CASES, *SLOW)
+    ],
 )
 def test_all_points_at_once(name: str) -> None:
     case = (CASES | SLOW)[name]

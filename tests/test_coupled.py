@@ -233,7 +233,7 @@ def slips(name, rule, number, contacts_each, seed=1):
         ("gaussian", "reform-after"),
         # up to the first slip all rules are alike
         *(pytest.param("gaussian", rule, marks=pytest.mark.slow) for rule in ("instant", "reset")),
-        ("linked", "reform-after"),
+        pytest.param("linked", "reform-after", marks=pytest.mark.slow),
         ("machine", "reset"),
         pytest.param("delayed", "reform-after", marks=pytest.mark.slow),
     ],

@@ -83,6 +83,7 @@ def test_slips_that_shrink_are_told_from_those_that_scatter() -> None:
     assert not are_fading(slips_of([one[:8] for one in shrinking]))
 
 
+@pytest.mark.slow
 def test_drops_that_shrink_ever_less_are_no_end_of_the_slips() -> None:
     """Contacts that wait for one length of the drive's way, a mass: the first drops shrink by 1.1, 0.4 and 0.25 %, and
     the 14th is as large as the 13th."""

@@ -115,7 +115,7 @@ def test_the_slider_of_a_machine_on_its_soft_spring_slides_at_kinetic_friction(
     assert np.abs(found.force - borne).max() <= 2.0 * tolerance
 
 
-@pytest.mark.parametrize("ratio", [0.1, 1.0])
+@pytest.mark.parametrize("ratio", [pytest.param(0.1, marks=pytest.mark.slow), 0.4, 1.0])
 def test_contacts_far_stiffer_than_the_machine_are_followed_through_the_slip(ratio: float) -> None:
     """0.1 kg on 50 N/m over contacts of 2.5e9 N/m, as those of MD samples: the first step behind F_s is 7,000 times the
     time of a swing on the contacts. The force then falls by (F_s - F_k) (1 + e), e = exp[-πζ/(1 - ζ²)^(1/2)]."""

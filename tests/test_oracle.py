@@ -62,7 +62,9 @@ def disagreements(names: list[str]) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("kind", QUICK)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind == "hard laws")) for kind in QUICK]
+)
 def test_some_answers_agree(kind: str) -> None:
     assert disagreements(fast(kind)) == []
 

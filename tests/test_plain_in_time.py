@@ -926,7 +926,7 @@ def in_unit(name: str, unit: float) -> Contacts:
     ("name", "spring", "slip", "path"),
     [
         ("delay", 0.02, "instant", [10.0, 30.0, 60.0]),
-        ("ageing", 0.2, "reform-after", [1.0, 4.0, 8.0, 7.0]),
+        pytest.param("ageing", 0.2, "reform-after", [1.0, 4.0, 8.0, 7.0], marks=pytest.mark.slow),
         pytest.param("heat", 0.02, "instant", [10.0, 30.0, 60.0], marks=pytest.mark.slow),
     ],
 )

@@ -57,8 +57,12 @@ def test_bits_do_not_depend_on_the_number_of_ranks(mpirun: Any) -> None:
 # several commands in one process after another, their words apart by "then"; each one's status and what it says
 IN_TURN = """
 import contextlib, io, json, sys
+import toolkit.pictures.run, toolkit.running.progress
 from toolkit.command import main
 from toolkit.processes.signals import read_environment
+# no picture, which takes longer than all else, and no word on kernels that are compiled
+toolkit.pictures.run.save_picture = lambda result, path: path.touch()
+toolkit.running.progress.PATIENCE = 1e6
 told = []
 for words in " ".join(sys.argv[1:]).split(" then "):
     streams = io.StringIO(), io.StringIO()

@@ -307,13 +307,13 @@ def test_a_number_takes_no_more_than_its_share_of_the_wall_time(
     monkeypatch.setattr("toolkit.stability.table.rows", endless)
     monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 1)
     folder = tmp_path / "out"
-    assert main(["stability", "gaussian", "--set", "wall_time=20", "--out", str(folder)]) == 0
+    assert main(["stability", "gaussian", "--set", "wall_time=8", "--out", str(folder)]) == 0
     found = json.loads((folder / "stability.json").read_text())
     told = {(row["group"], row["case"][:6]): row for row in found["rows"]}
     assert "stopped_by_wall_time" not in found
     for case in ("x 1e-1", "x 1e+1"):
         own = told["contacts.thresholds.mean", case]
-        assert own["verdict"] == "slow" and "share of wall_time = 20 s" in own["said"]
+        assert own["verdict"] == "slow" and "share of wall_time = 8 s" in own["said"]
         assert told["contacts.thresholds.std", case]["verdict"] == "exact"
 
 

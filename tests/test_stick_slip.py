@@ -43,7 +43,9 @@ def test_a_critical_spring_that_time_does_not_suffice_for_is_unknown() -> None:
     assert np.isnan(fall.value) and fall.error == np.inf
 
 
-@pytest.mark.parametrize("name", CLOSED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * ("arcsine" in name)) for name in CLOSED]
+)
 def test_closed_values(name: str) -> None:
     law, start, spring, static = CLOSED[name]
     found = master.propensity(origins.Contacts(law, start))

@@ -235,6 +235,7 @@ def test_an_undamped_slider_that_rings_is_told_of_with_some_damping(
 HEAVY = {"spring": "50 N/m", "mass": "0.1 kg", "area": 1e-6, "velocity": 1e-6}
 
 
+@pytest.mark.slow
 def test_a_heavy_slider_on_md_samples_is_answered_with_a_stated_damping(
     capsys: Any, monkeypatch: Any
 ) -> None:

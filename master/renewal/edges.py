@@ -99,10 +99,15 @@ def edges(
     first = [*kinks_met, *chain.of_start(start), *chain.of_knots()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
     most += sum(kink.needed for kink in first)
+    met = list(islice(chain.following(first, least), most + 1))
+    left = MOST_UNRESOLVED * tolerance
+    if too_many := bool(births.life.atoms.size) and len(met) > most:
+        # too many of those that may not be left are found at once, and not after all decades of smaller ones
+        too_many = sum(1 for _ in islice(chain.following(first, left), most + 1)) > most
     # where there are too many, the smallest are left to the panels' own errors: another decade of sizes each time
-    while len(met := list(islice(chain.following(first, least), most + 1))) > most:
+    while len(met) > most and not too_many:
         least *= 10.0
-    too_many = bool(births.life.atoms.size) and least > MOST_UNRESOLVED * tolerance
+        met = list(islice(chain.following(first, least), most + 1))
     end = float(births.motion.times[-1])
     # a kink at the end is an edge already; it is kept for a march that goes on from there
     inside = (kink.time for kink in met if kink.time < end - chain.close(kink.time))
