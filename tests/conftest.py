@@ -34,6 +34,7 @@ def pytest_collection() -> Generator[None, object, object]:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(20_000)  # of 700 objects: looking so often takes 1 % of all tests
         gc.enable()
 
 

@@ -178,7 +178,11 @@ def test_a_step_between_the_nodes_is_found() -> None:
 
 @pytest.mark.parametrize(
     ("temperature", "speed", "stiffness"),
-    [(4.5, 3.4e-8, "linked"), (6.8, 0.2, "independent"), (0.01, 1.8e-5, "independent")],
+    [
+        pytest.param(4.5, 3.4e-8, "linked", marks=pytest.mark.slow),
+        (6.8, 0.2, "independent"),
+        (0.01, 1.8e-5, "independent"),
+    ],
 )
 def test_wide_laws_slow_and_hot(temperature: float, speed: float, stiffness: Any) -> None:
     """Weak contacts break at once: how far others get goes within one k_BT of their barrier. Few strong ones go far."""

@@ -21,8 +21,14 @@ TABLE = Path(__file__).with_name("thermal_table.csv")
 WIDE = gaussian(1.0, 0.2)
 
 
-@pytest.mark.parametrize("path", PATHS)
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    ("law", "path"),
+    [
+        pytest.param(law, path, marks=[pytest.mark.slow] * (law != "gaussian" and path == "turns"))
+        for law in LAWS
+        for path in PATHS
+    ],
+)
 def test_what_holds_and_its_force_are_those_of_the_definition(law, path):
     """Of the first contacts alone: broken ones stay out."""
     times, positions = (np.array(part) for part in PATHS[path])

@@ -52,7 +52,7 @@ LAWS = {
 
 
 # kernels of each law of rates take half a minute to compile
-SLOW = {"eyring", "stiff", "a wide start", "strengthening, stiff"}
+SLOW = {"eyring", "stiff", "a wide start", "strengthening", "strengthening, stiff"}
 
 
 @pytest.mark.parametrize(

@@ -61,7 +61,7 @@ RINGS = {
     ],
 )
 def test_every_break_is_that_of_plain_python(name, mass, damping):
-    contacts, path = CONTACTS[name], CONTACTS[name].mean_threshold * np.linspace(0.5, 7.0, 30)
+    contacts, path = CONTACTS[name], CONTACTS[name].mean_threshold * np.linspace(0.5, 5.5, 24)
     found = pulled(contacts, path, mass=mass, damping=damping)
     drive = origins.Drive(path, spring=0.3, mass=mass, damping=damping)
     plain = PlainSlider(contacts, drive, 100, 3).follow()

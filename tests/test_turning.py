@@ -121,7 +121,9 @@ def test_the_paper_closure_forgets_after_a_turn() -> None:
     [
         ({"delay": origins.Delay(0.3)}, [1e-3, 2.05e-3, 1e15], 1e-12),
         ({"delay": origins.Delay(1e-3)}, [1e-3, 1e-3 * (2.0 + 8e-8), 1e5], 1e-12),
-        ({"thermal": Thermal("soft", 0.1)}, [1e-3, 2.005e-3, 1e10], 1e-7),
+        pytest.param(
+            {"thermal": Thermal("soft", 0.1)}, [1e-3, 2.005e-3, 1e10], 1e-7, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_a_rest_changes_nothing_before_it(laws: dict, time: list[float], digits: float) -> None:
