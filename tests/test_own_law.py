@@ -516,7 +516,10 @@ TURNED = np.cumsum(
 )
 
 
-@pytest.mark.parametrize("rule", ["reset", "reform-after", "instant"])
+SLOW_RULES = [pytest.param(rule, marks=pytest.mark.slow) for rule in ("instant", "reform-after")]
+
+
+@pytest.mark.parametrize("rule", ["reset", *SLOW_RULES])
 def test_a_law_of_one_s_own_on_a_spring_is_the_same_law_that_is_built_in(rule):
     """On a drive that slips, turns and rests; by another memory, so that the errors of steps differ."""
     laws = origins.strengthening(PC, 0.05, 0.01), OwnStrengthening(PC, 0.05, 0.01)
@@ -531,7 +534,12 @@ def test_a_law_of_one_s_own_on_a_spring_is_the_same_law_that_is_built_in(rule):
 
 
 @pytest.mark.parametrize(
-    "rule", ["reset", "reform-after", pytest.param("instant", marks=pytest.mark.slow)]
+    "rule",
+    [
+        "reform-after",
+        pytest.param("reset", marks=pytest.mark.slow),
+        pytest.param("instant", marks=pytest.mark.slow),
+    ],
 )
 def test_a_life_alone_takes_a_law_onto_a_spring(page, monkeypatch, rule):
     """Step by step the same as by its birth_threshold, where both take the same steps."""
