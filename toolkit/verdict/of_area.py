@@ -18,6 +18,7 @@ from toolkit.verdict.slips_in_words import (
     ever_rarer,
     fall_of,
     fluctuating,
+    left_out,
     period_with_scatter,
     scatters,
     sliding_force,
@@ -137,12 +138,13 @@ def behaved(verdict: Verdict, many: Finite) -> str:
     if many.kind == EVER_RARER:
         return ever_rarer(verdict, many, whose)
     if many.kind == "now and then":
-        return f"{does(many)}, from {fall_of(many, scale)} {whose}"
+        return f"{does(many)}, from {fall_of(many, scale)} {whose}{left_out(many)}"
     said = f"stick-slip: {fall_of(many, scale)}"
     if shrinks := shrinking(many):  # the forces are those of late slips, not of those to come
         whose += f"{shrinks}, so that they may die out"
     if fewer := spacings(many, scale):
         whose += f", ever rarer: {fewer}"
+    whose += left_out(many)
     if many.period is None:
         return f"{said} {whose}"
     every, later = period_with_scatter(verdict, many)
@@ -162,7 +164,7 @@ def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
         return {f"sliding force of {whose}": f"{sliding_force(many, scale)}{still}{beside}{over}"}
     if not np.isfinite(many.before):
         return {f"slips of {whose}": f"none{beside}"}
-    rows = {f"slips of {whose}, from": fall_of(many, scale)}
+    rows = {f"slips of {whose}, from": fall_of(many, scale) + left_out(many)}
     if many.kind == "stick-slip" and many.period is not None:
         rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, many))
     if fewer := spacings(many, scale):

@@ -6,8 +6,8 @@ import numpy as np
 
 from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
-from toolkit.verdict.answers import Verdict
-from toolkit.verdict.sliders.late import EVER_RARER
+from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour, Finite
 from toolkit.verdict.uncertainty import widest_uncertainty
 
@@ -27,6 +27,35 @@ def kind_of_trace(behaviour: Behaviour) -> str:
     if behaviour.kind != "undecided":
         return behaviour.kind
     return "not decided, the path is cut" if behaviour.cut else "not decided"
+
+
+def after_slips(slips: float) -> str:
+    """After how many slips of a slider, on average, it slides; "" for one, with which the first loading ends."""
+    return f" after {slips:,.0f} slips" if slips >= 1.5 else ""
+
+
+def swinging(answer: Answer, slider: Behaviour) -> str:
+    """Between which forces a smooth slider still swings where its path ends, after how many slips, where these are not
+    told elsewhere, and delays of its contacts; "" where it hardly does."""
+    if slider.swings is None or answer.machine is None or not slider.drive.size:
+        return ""
+    scale, way = answer.scale, float(slider.drive[-1])
+    low, high = (_short(end * scale.force, scale.force_unit) for end in slider.swings)
+    slips = "" if slider.shrinks_by else after_slips(slider.slips)
+    said = f"{slips}, still swinging between {low} and {high} after {_short(way, scale.length_unit)} of the drive"
+    waits = answer.machine.velocity * answer.contacts.waiting_time
+    return said + f", {way / waits:,.3g} delays of its contacts" * (0.0 < waits < way)
+
+
+def left_out(each: Finite | Behaviour) -> str:
+    """How many smaller slips the means leave out, of how many of all sliders; "" where none."""
+    if not each.smaller:
+        return ""
+    if isinstance(each, Finite):
+        slips = round(each.slips * SLIDERS) + each.smaller
+    else:
+        slips = each.slips
+    return f", without {each.smaller:,} of {slips:,} slips, which are below a fifth of the largest"
 
 
 def plain_fall(finite: Finite, force: float, unit: str) -> str:
@@ -94,7 +123,7 @@ def ever_rarer(verdict: Verdict, many: Finite, whose: str) -> str:
     beside = fluctuating(many, scale)
     seen = f"{fewer.slips:,.0f} slips a slider over {way}, {spacings(many, scale)}"
     end = f"smooth in the end at {force} ({part} of it borne by the damping){beside}"
-    return f"slips ever rarer, {end}: {seen}, late ones from {fall_of(many, scale)} {whose}"
+    return f"slips ever rarer, {end}: {seen}, late ones from {fall_of(many, scale)} {whose}{left_out(many)}"
 
 
 def spacings(many: Finite, scale: Scale) -> str:

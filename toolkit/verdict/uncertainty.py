@@ -131,7 +131,7 @@ def numerical_errors(verdict: Verdict) -> list[str]:
     groups = dict[str, list[str]]()
     for one in own.behaviours:
         relative_error = one.error * mean / abs(one.before or np.nan)
-        if 0.0 < relative_error < np.inf:
+        if 0.0 < relative_error < np.inf and one.swings is None:  # which are told, and no error
             beyond = ", more than the force" if relative_error > 1.0 else ""
             each = f"at most {relative_error:.0e}{beyond}"
             if one.contacts is not None:  # that of the ensemble is no bound
@@ -197,7 +197,7 @@ def once_over(answer: Answer, slider: Behaviour) -> str:
     seen = f" once slips have died out: {slider.slips} were seen{shrinking(slider)}"
     left = slider.error * answer.contacts.mean_threshold
     return seen + ", and the path ends while they swing by more than the force" * (
-        left > slider.after
+        left > slider.after and slider.swings is None
     )
 
 

@@ -48,6 +48,8 @@ LOADINGS = 6.5
 MOST_CONTACTS = 2_000_000
 # contacts whose sliders tell how long all of them would take; s that there are, and are no noise of a busy machine
 FEW, SHORT = 1_000, 2.0
+# of the force: swings that are larger are told by their ends, and are no error of it
+SWUNG = 0.05
 # of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
 # more than so many mean thresholds (that of a thousand contacts scatters by some 0.1 of them)
 LATE, RINGS = 10, 0.3
@@ -185,7 +187,7 @@ def follow_by_contacts(
     slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
     slipped = common > 1 and may_slip_again(found, machine, contacts, waits)
-    kind, many, too_early = "stick-slip" if slipped else "smooth", None, 0.0
+    kind, many, too_early, swings = "stick-slip" if slipped else "smooth", None, 0.0, None
     if slipped:
         many = Finite(rule, number, kind, drive=drive, force=force, smaller=smaller)
         many = with_late_slips(many, slips)
@@ -216,12 +218,15 @@ def follow_by_contacts(
     if not slipped:
         each = mean_forces(found, late)
         before = after = float(each.mean())
-        error = float(each.std(ddof=1)) / SLIDERS**0.5 + 0.5 * float(np.ptp(forces.mean(axis=0)))
+        scatter = float(each.std(ddof=1)) / SLIDERS**0.5
+        error = scatter + 0.5 * float(np.ptp(forces.mean(axis=0)))
         # which contacts that come back together hold for less than from one point to the next
         error += left_of_slips(found, slips, shrinks)
         steady = rigid.kinetic + machine.damping * machine.velocity
         if rule == "mass" and abs(before - steady) <= error:
             before = after = steady
+        if error - scatter > max(scatter, SWUNG * abs(before)):
+            swings = float(forces.min()), float(forces.max())
         seen = slips.drive.size / SLIDERS
         many = Finite(rule, number, "smooth", slips=seen, fluctuation=scatter_of(forces))
     return Behaviour(
@@ -237,6 +242,7 @@ def follow_by_contacts(
         contacts=number,
         shrinks_by=shrinks if kind != "stick-slip" else 0.0,
         sliders=many,
+        swings=swings,
         run_time=found.run_time,
         slip_time=last_of(slips, "duration"),
         top_speed=last_of(slips, "top_speed"),

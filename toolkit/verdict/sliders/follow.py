@@ -21,7 +21,7 @@ from toolkit.verdict.sliders.budget import (
     loading_of,
     may_follow,
 )
-from toolkit.verdict.sliders.ensemble import LOADINGS, follow_by_contacts, without_heat
+from toolkit.verdict.sliders.ensemble import LOADINGS, SWUNG, follow_by_contacts, without_heat
 from toolkit.verdict.sliders.forgetting import after_forgetting, forgets_its_start
 from toolkit.verdict.sliders.machine import (
     Behaviour,
@@ -31,9 +31,8 @@ from toolkit.verdict.sliders.machine import (
     first_of,
     last_of,
     not_followed,
-    settling_distance,
 )
-from toolkit.verdict.sliders.steady import slides_on
+from toolkit.verdict.sliders.steady import settling_distance, slides_on
 
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time; and the error up to which
 # a regime and its forces are told, the error beside them
@@ -144,9 +143,13 @@ def _settled(
         return replace(found, error=found.error + change)
     steady = rigid.kinetic + machine.damping * machine.velocity
     error = max(found.error, rigid.kinetic_error / mean)
-    if machine.mass is not None:
-        error = max(error, change, abs(found.after - steady) / mean)
-    return replace(found, before=steady, after=steady, error=max(error, found.left / mean))
+    if machine.mass is None:
+        return replace(found, before=steady, after=steady, error=max(error, found.left / mean))
+    error = max(error, abs(found.after - steady) / mean, found.left / mean)
+    ends = float(found.force[late].min()), float(found.force[late].max())
+    swings = ends if change > max(found.error, SWUNG * abs(steady) / mean) else None
+    found = replace(found, before=steady, after=steady, swings=swings)
+    return replace(found, error=max(error, change))
 
 
 def _damped(
@@ -251,6 +254,7 @@ def _behaviour(rule: str, solved: Any, velocity: float, unit: float, open_why: s
         after=after,
         period=period,
         slips=slips.drive.size,
+        smaller=slips.drive.size - slips.main.size,
         error=error,
         success=bool(solved.success or (kind != "undecided" and solved.force_error < ENOUGH)),
         message=open_why or (solved.regime.reason if solved.success else solved.message),

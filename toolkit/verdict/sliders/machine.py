@@ -21,9 +21,6 @@ NAMED = {
     "instant": "contacts re-form at once",
     "mass": "mass, damping and delay decide",
 }
-# swing of the spring's force, in mean thresholds, that may be left where sliding is called smooth; and after how many
-# time constants one has died away, e^-10
-SWINGS, SETTLING = 0.01, 10.0
 # points of a drive's path, and where a mass swings: of each swing, and of all
 POINTS, PER_SWING, MOST_POINTS = 600, 16, 20_000
 
@@ -88,24 +85,6 @@ def slip_duration(machine: Machine, force: float) -> float:
         apart = -np.expm1(-2.0 * beyond * lasts) / (2.0 * beyond) if beyond else lasts
         lasts = max(np.log(fastest * apart) / slower, 1.0 / frequency)
     return float(lasts)
-
-
-def settling_distance(machine: Machine, unit: float) -> float:
-    """The drive's way in which the swing of a mass that slides on at F_k dies away: SETTLING time constants of
-    M X'' + γ X' + K X = 0, inf without damping; 0 where a swing of a speed like the drive's changes the spring's
-    force by less than SWINGS of the mean threshold `unit`."""
-    if machine.mass is None:
-        return 0.0
-    swing = machine.velocity * (np.sqrt(machine.mass * machine.spring) + machine.damping)
-    if swing < SWINGS * unit:
-        return 0.0
-    if not machine.damping:
-        return float(np.inf)
-    # of the slower root; beyond critical damping that is about K/γ, else both have the real part γ/2M
-    beyond = max(machine.damping**2 - 4.0 * machine.mass * machine.spring, 0.0)
-    slower = 2.0 * machine.spring / (machine.damping + np.sqrt(beyond))
-    time = 1.0 / min(slower, 0.5 * machine.damping / machine.mass)
-    return float(SETTLING * time * machine.velocity)
 
 
 def machine_of(table: DriveTable, contacts: Contacts) -> Machine | None:
@@ -238,6 +217,9 @@ class Behaviour:
         None where there is no heat, or it was followed
     shrinks_by : part of itself by which a drop is smaller than the one before it; 0 where drops do not shrink
     left : the drop of slips that go on to shrink so at the path's end, F/(N_c <k>) (a length)
+    swings : between which the force of smooth sliding still swings there, F/(N_c <k>) (lengths); None where it hardly
+        does, and where that is not known
+    smaller : how many slips the numbers leave out beside main ones
     refused : whether the master equation takes no such slider, for the reason in `message`
     drive, force : the trace, with each slip at its own place
     slip_drive, slip_force : the trace of one slip and of the swing after it, densely; empty where it is not looked at
@@ -263,6 +245,8 @@ class Behaviour:
     heat_left_out: float | None = None
     shrinks_by: float = 0.0
     left: float = 0.0
+    swings: tuple[float, float] | None = None
+    smaller: int = 0
     delay: float | None = None
     refused: bool = False
     drive: Array = field(default_factory=lambda: np.empty(0))

@@ -1,4 +1,5 @@
-"""Whether a slider with mass whose contacts wait slides on once it slides, by closed forms.
+"""Whether a slider with mass whose contacts wait slides on once it slides, and when its swings have died away, by
+closed forms.
 
 Contacts form anew a delay τ after they break: at the speed v a share h = 1/(1 + τ v/<x_s>) of them holds, and bears
 F_k(v) = h <x_s²>/2<x_s>.
@@ -8,6 +9,10 @@ import numpy as np
 
 from origins.contacts import Contacts
 from toolkit.verdict.sliders.machine import Machine, half_a_swing
+
+# swing of the spring's force, in mean thresholds, that may be left where sliding is called smooth; and after how many
+# time constants one has died away, e^-10
+SWINGS, SETTLING = 0.01, 10.0
 
 
 def friction_falls(machine: Machine, contacts: Contacts) -> float:
@@ -40,3 +45,21 @@ def slides_on(machine: Machine, contacts: Contacts) -> bool:
         and np.isfinite(square)
         and machine.damping > friction_falls(machine, contacts)
     )
+
+
+def settling_distance(machine: Machine, unit: float) -> float:
+    """The drive's way in which the swing of a mass that slides on at F_k dies away: SETTLING time constants of
+    M X'' + γ X' + K X = 0, inf without damping; 0 where a swing of a speed like the drive's changes the spring's
+    force by less than SWINGS of the mean threshold `unit`."""
+    if machine.mass is None:
+        return 0.0
+    swing = machine.velocity * (np.sqrt(machine.mass * machine.spring) + machine.damping)
+    if swing < SWINGS * unit:
+        return 0.0
+    if not machine.damping:
+        return float(np.inf)
+    # of the slower root; beyond critical damping that is about K/γ, else both have the real part γ/2M
+    beyond = max(machine.damping**2 - 4.0 * machine.mass * machine.spring, 0.0)
+    slower = 2.0 * machine.spring / (machine.damping + np.sqrt(beyond))
+    time = 1.0 / min(slower, 0.5 * machine.damping / machine.mass)
+    return float(SETTLING * time * machine.velocity)

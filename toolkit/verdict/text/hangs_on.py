@@ -15,7 +15,7 @@ from toolkit.verdict.sliders.finite import ABOVE, SMALL
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
 from toolkit.verdict.sliders.machine import Finite, critical_damping
 from toolkit.verdict.sliders.steady import friction_falls
-from toolkit.verdict.slips_in_words import does, fall_of, fluctuating
+from toolkit.verdict.slips_in_words import after_slips, does, fall_of, fluctuating
 from toolkit.verdict.text.kinds import (
     GENERAL,
     NOTHING,
@@ -160,9 +160,15 @@ def why_smooth(verdict: Verdict) -> list[str]:
         ]
     ends = f"F_s, {written(fall * force, unit)} above F_k," if fall > 0.0 else "a rise to F_k"
     after = f"after {ends} " * cold
-    return [
-        f"{said}{after}the slider slips once or a few times, and then no more, as contacts have forgotten their start"
+    seen = [
+        *(one.slips for one in smooth),
+        *(round(one.slips) for one in verdict.finite if one.kind == "smooth"),
     ]
+    often = " to ".join(f"{one:,}" for one in dict.fromkeys((min(seen), max(seen))))
+    often = {"0": "no more", "1": "once, and then no more"}.get(
+        often, f"{often} times, and then no more"
+    )
+    return [f"{said}{after}the slider slips {often}, as contacts have forgotten their start"]
 
 
 def _of_a_mass(verdict: Verdict) -> Iterator[Line]:
@@ -281,7 +287,7 @@ def _of_finite(verdict: Verdict, finite: Finite) -> str:
     late = late_force_of(finite, verdict.own.kinetic.value, verdict.own.scale)
     beside = f" ({finite.message})" * bool(finite.message) + late
     if finite.kind == "smooth":
-        return said + fluctuating(finite, verdict.own.scale) + beside
+        return said + after_slips(finite.slips) + fluctuating(finite, verdict.own.scale) + beside
     said += f", from {fall_of(finite, verdict.own.scale)}"
     if finite.smaller:
         every = finite.smaller + round(finite.slips * SLIDERS)

@@ -25,7 +25,8 @@ from toolkit.verdict.of_area import (
 from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.machine import Behaviour
-from toolkit.verdict.slips_in_words import falls, plain_fall
+from toolkit.verdict.slips_in_words import falls, left_out, plain_fall, swinging
+from toolkit.verdict.text.border import on_the_border
 from toolkit.verdict.text.hangs_on import dependence, why_smooth
 from toolkit.verdict.text.kinds import (
     a_slip,
@@ -83,9 +84,8 @@ def warnings(verdict: Verdict) -> list[str]:
 def sentence(verdict: Verdict) -> str:
     """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides; and
     how many readings it is not known of."""
-    return "; ".join(
-        [_answered(verdict), *unsure_of_springs(verdict.own), *undecided_readings(verdict)]
-    )
+    said = [_answered(verdict), *on_the_border(verdict), *unsure_of_springs(verdict.own)]
+    return "; ".join([*said, *undecided_readings(verdict)])
 
 
 def _answered(verdict: Verdict) -> str:
@@ -258,15 +258,17 @@ def _behaved(
     after = [one.after * scale.force for one in alike]
     if kind == "smooth":
         said, differs = with_error(after), False
-        if not shown_error:  # as F_k stands in the table
+        if last.swings or not shown_error:  # as F_k stands in the table
             uncertainty = widest_uncertainty(verdict)
+            # of one that swings the force is known, and its error what still swings
             sliding = [sliding_force_of(verdict, answer, one) * scale.force for one in alike]
-            said = span(sliding, scale.force_unit)
+            said = span(after if last.swings else sliding, scale.force_unit)
             differs = said != span([answer.kinetic.value * scale.force], scale.force_unit)
         if bare:
             return said
         beside = f"{of_damping(answer, last, differs)}{without_delay(answer, last)}"
         beside += once_over(answer, last)
+        beside += swinging(answer, last)
         return f"smooth at {said}{whom}{beside}{of_assumed_damping(answer, last)}"
     high = with_error([one.before * scale.force for one in alike])
     low = span(after, scale.force_unit, shown_error)
@@ -293,4 +295,5 @@ def _behaved(
         said += f" every {every}, {seconds} at {written(verdict.velocity, speed_unit(verdict))}"
     if last.sliders is not None and (shrinks := shrinking(last.sliders)):
         said += f"{shrinks}, so that they may die out"
+    said += left_out(last.sliders or last)
     return said + of_assumed_damping(answer, last)
