@@ -533,6 +533,24 @@ def test_a_law_of_one_s_own_on_a_spring_is_the_same_law_that_is_built_in(rule):
     assert np.abs(own.force).max() > 0.8  # of thresholds that stay: 0.75
 
 
+@pytest.mark.slow  # some 10 s
+def test_strengthening_on_a_very_soft_spring_decoheres_as_step_after_step():
+    """Slips of a million thresholds under "instant": replaced by what they lead to, contacts bear F_k of fresh ones,
+    and slip again as those of the law of one's own, whose slips are followed in steps until F is steady."""
+    laws = origins.strengthening(PC, 0.03, 1e-3), OwnStrengthening(PC, 0.03, 1e-3)
+    path, given = 1e6 * np.linspace(0.05, 2.5, 40), {"spring": 1e-6, "slip": "instant"}
+    found, own = (
+        master.solve(Contacts(law), path, tolerance, **given)
+        for law, tolerance in zip(laws, (1e-4, 5e-3), strict=True)
+    )
+    assert found.success and own.success
+    assert found.slips.drive.size == own.slips.drive.size == 3
+    fresh = PC.moment(2) / (2.0 * PC.mean())
+    assert np.abs(found.slips.force_after - fresh).max() < found.force_error
+    off = np.abs(found.slips.force_before - own.slips.force_before).max()
+    assert off < found.force_error + own.force_error
+
+
 @pytest.mark.parametrize(
     "rule",
     [

@@ -35,9 +35,9 @@ from origins.thresholds.law import Array
 FORMED_NODES, MORE_FORMED_NODES = 8, 4
 # Survival below which a group is dropped: its force is below round-off even if there are a thousand of them.
 DEAD = 1e-19
-# Most steps, and most operations in them, which take a minute or less. A group costs as many operations in a step as
-# there are numbers in its record, and as many as FIXED_WORK numbers beside them.
-MOST_STEPS, MOST_WORK, FIXED_WORK = 8e3, 1e9, 60
+# Most steps, and most operations in them: a minute or less. A group costs as many operations in a step as numbers in
+# its record and FIXED_WORK. A step of a slip, one trial, counts as OF_SLIP: others try four or more for their balance.
+MOST_STEPS, MOST_WORK, FIXED_WORK, OF_SLIP = 8e3, 1e9, 60, 0.25
 # An error estimate needs as many sliders, each with its steps halved once more, so that the coarser ones may take only
 # a part of that.
 COMPARED = 3
@@ -79,7 +79,7 @@ class ContactsInSteps:
     are_new : whether all contacts stand as after a reset, so that what comes does not depend on what was
     unit, jumps : mean threshold (a length), and whether P_c may jump
     largest_stiffness : k_i/<k> of the stiffest contacts
-    halvings : how often steps are halved; steps, work : number of steps taken so far, and of operations in them
+    halvings : how often steps are halved; steps, cost, work : those taken so far, by OF_SLIP, and operations in them
     unresolved : errors of F that finer steps may not show; those who find one note it
 
     _births : J up to now; _births_in_cohorts : the same by the weights of all cohorts, which are to agree
@@ -91,7 +91,7 @@ class ContactsInSteps:
         """All contacts at the beginning; `until` is a reading of time.monotonic() at which to stop."""
         self.memory, self._until = memory, until
         self.delay = contacts.waiting_time
-        self.halvings, self.steps, self.work = halvings, 0, 0.0
+        self.halvings, self.steps, self.cost, self.work = halvings, 0, 0.0, 0.0
         self.position = self.now = 0.0
         self.unresolved = Unresolved()
         self.unit = contacts.mean_threshold
@@ -192,7 +192,7 @@ class ContactsInSteps:
         sums, weight = trial.survival_and_force, trial.groups.weight.copy()
         begin = self.now
         self.are_new = False
-        self.steps += 1
+        self.steps, self.cost = self.steps + 1, self.cost + (1.0 if size else OF_SLIP)
         self.work += weight.size * (self.memory.width + FIXED_WORK)
         self._stop_at_limits()
         new = (trial.births - self._births) * self._per_birth
@@ -273,14 +273,14 @@ class ContactsInSteps:
 
     def repeat(self, steps: int, now: float) -> None:
         """Go to this time in as many steps as new contacts took before, and replace all; StoppedError as `take`."""
-        self.steps, self.now = self.steps + steps, now
+        self.steps, self.cost, self.now = self.steps + steps, self.cost + steps, now
         self._stop_at_limits()
         self.relax()
 
     def _stop_at_limits(self) -> None:
         """Raise StoppedError after too many steps, or too much work in them."""
         part = self.most_steps / MOST_STEPS
-        if self.steps > self.most_steps or self.work > MOST_WORK * part**2:
+        if self.cost > self.most_steps or self.work > MOST_WORK * part**2:
             ends = f"{self.steps - 1} steps lead to t = {self.now:.4g}"
             raise StoppedError(f"{ends}, and more are not taken, however much time there is")
 

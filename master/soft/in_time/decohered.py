@@ -98,7 +98,7 @@ class Decohered:
 
     def __init__(self, contacts: Contacts, spring: float, nodes: int) -> None:
         law = contacts.thresholds
-        self._cold, self._spring = contacts.replace(thermal=None, ageing=None), spring
+        self._cold, self._spring = Contacts(law, stiffness=contacts.stiffness), spring
         self._unit, self.life = law.mean(), longest_life(law)
         self.distance_after, self._nodes = AFTER * self.life, nodes
 
@@ -143,15 +143,17 @@ def longest_life(law: Thresholds) -> float:
 
 def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:
     """What a long slip leads to under "instant", by so many nodes. None under other rules, with a delay, where
-    thresholds grow, where contacts form again stretched or break as in the closure "paper"; and for laws with exact
-    thresholds, whose order may last, or without a steady force."""
+    thresholds change as contacts form or have grown at X = 0, where contacts form again stretched or break as in the
+    closure "paper"; and for laws with exact thresholds, whose order may last, or without a steady force."""
     law, thermal = contacts.thresholds, contacts.thermal
     paper = thermal is not None and thermal.closure == "paper"
-    ages = (
-        contacts.ageing is not None
-    )  # towards a law that a slip, which takes no time, does not change
-    stays = ages or contacts.changing is None
-    stays = stays and contacts.reforming is None and not paper
+    growing = contacts.growing
+    # thresholds of contacts that form in a slip, which takes no time, stay what they are at birth: are these P_c?
+    fresh = growing is not None and not (
+        growing.older_at_start or growing.first_pinning_time or growing.begins_at_0
+    )
+    fresh = fresh or contacts.changing is None or contacts.ageing is not None
+    stays = fresh and contacts.reforming is None and not paper
     if drive.slip != "instant" or contacts.delay is not None:
         return None
     if not stays or law.atoms[0].size or not np.isfinite(law.moment(3)):

@@ -113,7 +113,7 @@ def refined(
             best = found
         before = sliders[-2:][0].contacts.work  # the first slider's own, as long as it is alone
         more_work = max(MORE_WORK, cohorts.work / before if before else 0.0)
-        steps, work = MORE_STEPS * cohorts.steps, more_work * cohorts.work
+        steps, work = MORE_STEPS * cohorts.cost, more_work * cohorts.work
         as_good_as_memory = found.largest_error < NEAR_MEMORY_ERROR * memory.error
         too_many = steps > MOST_STEPS or work > MOST_WORK
         if best.largest_error <= tolerance or as_good_as_memory:

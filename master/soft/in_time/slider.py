@@ -148,7 +148,7 @@ class Slider:
         contacts, creep, motion = self.contacts, self._creep, self.motion
         if creep is None or motion is None or nodes[0].time < motion.times[-2]:
             return False
-        crept = creep.from_here(nodes, contacts.most_steps - contacts.steps)
+        crept = creep.from_here(nodes, contacts.most_steps - contacts.cost)
         if crept is None:
             return False
         self.creeps_from, self.steady_from = contacts.now, crept.steady_from
@@ -226,7 +226,7 @@ class Slider:
         began = two[0].time
         count = sum(len(section) - 1 for section in self.sections if section[0].time >= began)
         most = MOST_STEPS * 0.5**self._halvings_to_come
-        last = contacts.now + (contacts.now - began) * (most - contacts.steps) / count
+        last = contacts.now + (contacts.now - began) * (most - contacts.cost) / count
         if last < end:
             steps = "1 step" if count == 1 else f"{count} steps"
             fault = f"a slip takes {steps}, and the {most:.0f} that are taken on at this tolerance"
