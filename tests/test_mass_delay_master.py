@@ -649,12 +649,18 @@ def test_a_slip_of_a_machine_is_half_a_period_of_mass_and_spring() -> None:
     assert beyond == pytest.approx(np.exp(-rate * np.pi / swing), rel=0.02)
 
 
-def test_three_slips_that_are_alike_and_renew_all_contacts_are_stick_slip() -> None:
-    """They were "too few to tell". Slips that fade, or that do not tell all that contacts remember, still are."""
-    contacts, machine = delayed(10.0), {"spring": 1e-6, "mass": 2e-9, "damping": 2e-8}
-    found = solve(contacts, [2.5e6], 1e-2, velocity=170.0, **machine)
+@pytest.mark.slow
+def test_three_solved_slips_that_are_alike_are_stick_slip() -> None:
+    """They were "too few to tell"."""
+    machine = {"spring": 1e-6, "mass": 2e-9, "damping": 2e-8}
+    found = solve(delayed(10.0), [2.5e6], 1e-2, velocity=170.0, **machine)
     assert found.success and found.slips.drive.size == 3, found.message
     assert found.regime.verdict == "stick-slip", found.regime.reason
+
+
+def test_three_slips_that_are_alike_and_renew_all_contacts_are_stick_slip() -> None:
+    """Slips that fade, or that do not tell all that contacts remember, are too few to tell."""
+    contacts = delayed(10.0)
     drops, drive = np.ones(3), 1e6 * np.arange(1.0, 4.0)
 
     def judged(contacts: origins.Contacts, drops, drive, error: float = 1e-3) -> str:
