@@ -196,9 +196,8 @@ def once_over(answer: Answer, slider: Behaviour) -> str:
         return ""
     seen = f" once slips have died out: {slider.slips} were seen{shrinking(slider)}"
     left = slider.error * answer.contacts.mean_threshold
-    return seen + ", and the path ends while they swing by more than the force" * (
-        left > slider.after and slider.swings is None
-    )
+    more = ", and the path ends while they swing by more than the force"
+    return seen + more if left > slider.after and slider.swings is None else seen
 
 
 def of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:
