@@ -5,6 +5,7 @@ import time
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import master
@@ -14,6 +15,7 @@ from tests.scenes import said, write
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers, judge
+from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import Budget, too_long
 from toolkit.verdict.sliders.machine import Machine, not_followed
 from toolkit.verdict.text import kinds
@@ -153,3 +155,20 @@ def test_an_error_above_the_force_stands_beside_it() -> None:
     assert "the path ends while they swing by more than the force" in text[2]
     (line,) = (one for one in text if one.startswith("  forces of the slider under mass"))
     assert line.endswith("at most 8e+02, more than the force")
+
+
+def test_of_many_cycles_the_last_ones_are_drawn_again() -> None:
+    """Of 200 slips of 1, of which the first fell by ten times as much, those from 194 on fill a panel of their own."""
+    answer = of_a_mass(Machine(0.5, 2e-5, 5e-3, 1.0), 0.2)
+    cycles = np.repeat(np.arange(200.0), 2)[1:]
+    force = np.where(np.arange(cycles.size) % 2, 0.2, np.where(cycles < 3.0, 8.0, 0.8))
+    slips = replace(answer.behaviours[0], rule="reset", drive=cycles, force=force, period=1.0)
+    verdict = answers.Verdict("a", "a", 1.0, (replace(answer, behaviours=(slips,)),), (), {}, 1.0)
+    axes = {one.get_label(): one for one in draw_verdict(verdict).axes}
+    late = axes["late"].lines[0].get_xdata()
+    assert late.min() == pytest.approx(199.0 - 6.0) and late.max() == 199.0
+    assert axes["trace"].lines[0].get_xdata().size == cycles.size
+    assert axes["late"].get_ylim()[1] < 1.0 < 8.0 < axes["trace"].get_ylim()[1]
+    few = replace(slips, drive=cycles / 20.0)
+    verdict = replace(verdict, answers=(replace(answer, behaviours=(few,)),))
+    assert "late" not in {one.get_label() for one in draw_verdict(verdict).axes}

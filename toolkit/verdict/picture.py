@@ -1,7 +1,7 @@
 """The picture of a verdict: the friction trace, the threshold laws, and each reading's K* beside the spring."""
 
 import re
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,21 +15,13 @@ from toolkit.pictures.axes import (
     name_axis,
     style_of,
 )
-from toolkit.pictures.traces import hides_swings
-from toolkit.scene.scale import SHARED, of_contacts, spoken
+from toolkit.scene.scale import SHARED
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.of_area import apart
-from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
-from toolkit.verdict.slips_in_words import does, kind_of_trace
-from toolkit.verdict.text.kinds import named
+from toolkit.verdict.sliders.machine import Behaviour, Machine
 from toolkit.verdict.text.words import sentence, warnings
+from toolkit.verdict.trace import draw_trace, drawn, last_cycles, traces_of
 from toolkit.verdict.with_mass import in_its_own_time
 
-# of the force, in mean thresholds: a trace of the master equation with a larger error is not drawn; one of the ensemble
-# is a slider's own, and its error that of fewer contacts than there are
-_UNKNOWN = 0.1
-# of the largest force: curves nearer than that are one in the picture
-_ALIKE = 2e-3
 _DENSITY_POINTS = 400
 # of a breakpoint: so near on both sides of it P_c is drawn, as it may jump or diverge there
 _BESIDE = 1e-6
@@ -39,26 +31,28 @@ _NAMED = 5
 _HIGH, _MOST = 1.5, 0.98
 # of the panels below the trace: heights with one reading, and more for each other one (in)
 _LOW, _EACH = 2.8, 0.2
-# widths of the trace and of a slip in its own time; of P_c and the springs, of one reading and of several
-_SLIP_WIDE, _ONE_WIDE, _WIDE = (1.7, 1.0), (2.2, 1.0), (1.0, 1.0)
-_Traced = TypeVar("_Traced", Behaviour, Finite)
+# widths of P_c and the springs, of one reading and of several
+_ONE_WIDE, _WIDE = (2.2, 1.0), (1.0, 1.0)
 
 
 def draw_verdict(verdict: Verdict) -> Any:
     """The friction trace, the threshold laws and K* of each reading, on a figure of its own."""
     from matplotlib.figure import Figure
 
-    pulled = bool(_drawn(verdict)) or any(finite.drive.size for finite in apart(verdict).values())
-    many = len(verdict.answers)
+    pulled, many = bool(traces_of(verdict)), len(verdict.answers)
     low = _LOW + (1.2 + _EACH * many) * (many > 1)
     figure = Figure(figsize=(11, low + 4.4 * pulled), layout="constrained")
-    slips = [one for one in _drawn(verdict) if one.slip_drive.size]
+    slips = [one for one in drawn(verdict) if one.slip_drive.size]
+    since = last_cycles(verdict) if pulled else None
     rows = figure.add_gridspec(1 + pulled, 1, height_ratios=[4.4] * pulled + [low])
-    wide = _SLIP_WIDE if slips else (1.0,)
-    places = _row(figure, rows[0], ("trace", "slip"), wide) if pulled else {}
+    beside = [name for name, there in (("late", since is not None), ("slip", bool(slips))) if there]
+    wide = (1.7 if len(beside) < 2 else 1.3, *(1.0 for _ in beside))
+    places = _row(figure, rows[0], ("trace", *beside), wide) if pulled else {}
     places |= _row(figure, rows[-1], ("thresholds", "springs"), _WIDE if many > 1 else _ONE_WIDE)
     if pulled:
-        _draw_trace(places["trace"], verdict, letters=80 if slips else 150)
+        draw_trace(places["trace"], verdict, letters=(150, 80, 50)[len(beside)])
+    if since is not None:
+        draw_trace(places["late"], verdict, 50, since)
     if slips:
         _draw_slip(places["slip"], verdict, slips[0])
     _draw_thresholds(places["thresholds"], verdict)
@@ -76,58 +70,11 @@ def draw_verdict(verdict: Verdict) -> Any:
 
 
 def _row(
-    figure: Any, place: Any, names: tuple[str, str], widths: tuple[float, ...]
+    figure: Any, place: Any, names: tuple[str, ...], widths: tuple[float, ...]
 ) -> dict[str, Any]:
-    """Axes side by side, as many as there are widths, by their names."""
+    """Axes side by side, of these widths, by their names."""
     cells = place.subgridspec(1, len(widths), width_ratios=widths)
-    return {
-        name: figure.add_subplot(cells[k], label=name)
-        for k, name in enumerate(names[: len(widths)])
-    }
-
-
-def _draw_trace(axes: Any, verdict: Verdict, letters: int) -> None:
-    """The spring's force against the drive for each rule, slips at their own places; and that of one of the sliders of
-    so many contacts where these do something else."""
-    drawn, scale = _alike(_drawn(verdict)), verdict.own.scale
-    for number, same in enumerate(drawn):
-        behaviour = same[0]
-        style: dict[str, Any] = {"color": OKABE_ITO[number], "ls": DASHES[number], "lw": 1.3}
-        label = f"{named([one.rule for one in same])}: {kind_of_trace(behaviour)}"
-        lasts = behaviour.slip_time
-        if lasts is not None and behaviour.after < 0.0 and not behaviour.slip_drive.size:
-            # else the panel beside it shows that
-            label += (
-                f" (below 0 the slider swings after a slip, {spoken(lasts, scale.time_unit)} long)"
-            )
-        if not behaviour.success or behaviour.error >= _UNKNOWN:
-            label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
-        _draw_line(axes, verdict, behaviour, in_lines(label, letters), style)
-    followed = [finite for finite in apart(verdict).values() if finite.drive.size]
-    for number, alike in enumerate(_alike(followed), start=len(drawn)):
-        finite, rules = alike[0], named([one.rule for one in alike])
-        label = f"{of_contacts(finite.contacts)}, {rules}: {does(finite)}"
-        # thin, and above the others, which it may follow for long, as one of these another
-        style = {"color": OKABE_ITO[number % len(OKABE_ITO)], "lw": 0.8, "zorder": 4}
-        style["ls"] = DASHES[(number - len(drawn)) % len(DASHES)]
-        _draw_line(axes, verdict, finite, label, style)
-    axes.margins(x=0.01, y=0.05)
-    low, high = axes.get_ylim()
-    axes.set_ylim(min(low, 0.0), high)
-    name, unit = force_name(scale)
-    name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
-    name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
-    legend_above(axes, letters=letters)
-
-
-def _draw_line(
-    axes: Any, verdict: Verdict, one: Behaviour | Finite, label: str, style: dict[str, Any]
-) -> None:
-    """A trace as a line, or as dots where a line would draw swings that do not exist."""
-    if one.rule == "mass" and hides_swings(one.drive, one.force):
-        label += "; dots, as its swings are too many to be drawn"
-        style = style | {"ls": "", "marker": ".", "ms": 2.5}
-    axes.plot(one.drive, one.force * verdict.own.scale.force, label=label, **style)
+    return {name: figure.add_subplot(cells[k], label=name) for k, name in enumerate(names)}
 
 
 def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour) -> None:
@@ -147,38 +94,12 @@ def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour) -> None:
     legend_above(axes, letters=60)
 
 
-def _drawn(verdict: Verdict) -> list[Behaviour]:
-    """What the slider does under the rules whose force is known well enough to be drawn."""
-    each = [one for one in verdict.own.behaviours if one.drive.size]
-    return [one for one in each if one.error < _UNKNOWN or one.contacts is not None]
-
-
 def _why_not_drawn(verdict: Verdict) -> list[str]:
     """Why there is no friction trace of a slider that a spring pulls."""
     errors = [one.error for one in verdict.own.behaviours if one.drive.size]
     known = f"its force is known to {min(errors, default=0.0):.2g} <x_s> only: see friction.csv"
     why = known if errors else "no slider was followed"
     return [f"no friction trace is drawn, as {why}"] * bool(verdict.own.machine)
-
-
-def _alike(behaviours: list[_Traced]) -> list[list[_Traced]]:
-    """Behaviours in groups whose traces lie on one another, so that one curve stands for all of a group."""
-    groups = list[list[_Traced]]()
-    for one in behaviours:
-        alike = [group for group in groups if _on_one_curve(one, group[0])]
-        if alike:
-            alike[0].append(one)
-        else:
-            groups.append([one])
-    return groups
-
-
-def _on_one_curve(one: Behaviour | Finite, other: Behaviour | Finite) -> bool:
-    """Whether two traces have the same points, as far as a picture shows."""
-    if one.kind != other.kind or one.drive.shape != other.drive.shape:
-        return False
-    pairs = (one.drive, other.drive), (one.force, other.force)
-    return all(np.abs(a - b).max() <= _ALIKE * np.abs(b).max() for a, b in pairs)
 
 
 def _draw_thresholds(axes: Any, verdict: Verdict) -> None:

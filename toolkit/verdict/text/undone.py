@@ -126,7 +126,7 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         yield Line(most, f"not as asked if {named(rules)}: {why}{_instead(own, rules)}")
     yield from _of_heat(verdict)
     rough = [
-        (in_units(one.message, scale), one.rule)
+        (_why_rough(verdict, one), one.rule)
         for one in own.behaviours
         if one.success and one.error > TOLERANCE_IN_TIME and one.kind != "undecided"
         if one.contacts is None and one.heat_left_out is None
@@ -134,6 +134,19 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     for why, rules in by_reason(rough).items():
         most = max(errors[rule] for rule in rules)
         yield Line(most, f"the force is known roughly if {named(rules)}: {why}")
+
+
+def _why_rough(verdict: Verdict, one: Behaviour) -> str:
+    """Why the force of a decided slider is known roughly; where the solver met its tolerance its message tells why the
+    slider slips or slides, and not that."""
+    scale = verdict.own.scale
+    if "error estimate" in one.message:
+        return in_units(one.message, scale)
+    error = one.error * verdict.own.contacts.mean_threshold * scale.force
+    differs = (
+        "still changes where the path ends" if one.kind == "smooth" else "differs between slips"
+    )
+    return f"its error, {written(error, scale.force_unit, digits=2)}, is that of steps, or what {differs}"
 
 
 def _instead(own: Answer, rules: list[str]) -> str:

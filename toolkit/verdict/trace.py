@@ -1,0 +1,135 @@
+"""The friction trace in the picture of a verdict: the whole path, and beside it the last cycles of many."""
+
+from collections.abc import Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+from toolkit.pictures.axes import (
+    DASHES,
+    OKABE_ITO,
+    force_name,
+    in_lines,
+    legend_above,
+    name_axis,
+)
+from toolkit.pictures.traces import hides_swings
+from toolkit.scene.scale import of_contacts, spoken
+from toolkit.verdict.answers import Verdict
+from toolkit.verdict.of_area import apart
+from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.slips_in_words import does, kind_of_trace
+from toolkit.verdict.text.kinds import named
+
+# of the force, in mean thresholds: a trace of the master equation with a larger error is not drawn; one of the ensemble
+# is a slider's own, and its error that of fewer contacts than there are
+UNKNOWN = 0.1
+# of the largest force: curves nearer than that are one in the picture
+_ALIKE = 2e-3
+# cycles on a path beyond which the last few of them are drawn again, as each is some 3 mm wide; and part of a path
+# without cycles whose swings are too many to be drawn
+_MANY, _LAST, _LAST_PART = 45, 6, 0.05
+Traced = TypeVar("Traced", Behaviour, Finite)
+
+
+def traces_of(verdict: Verdict) -> list[list[Behaviour] | list[Finite]]:
+    """The traces to draw, those that lie on one another together: of infinitely many contacts under each rule, and of
+    one of the sliders of so many contacts where these do something else."""
+    followed = [finite for finite in apart(verdict).values() if finite.drive.size]
+    return [*_alike(drawn(verdict)), *_alike(followed)]
+
+
+def drawn(verdict: Verdict) -> list[Behaviour]:
+    """What the slider does under the rules whose force is known well enough to be drawn."""
+    each = [one for one in verdict.own.behaviours if one.drive.size]
+    return [one for one in each if one.error < UNKNOWN or one.contacts is not None]
+
+
+def last_cycles(verdict: Verdict) -> float | None:
+    """Where the last cycles begin that are drawn again (a length), as the whole path has too many; None where the whole
+    path shows them."""
+    begin = None
+    for one, *_ in traces_of(verdict):
+        end, way = float(one.drive[-1]), float(np.ptp(one.drive))
+        last = _LAST * one.period if one.period else _LAST_PART * way
+        crowded = one.rule == "mass" and hides_swings(one.drive, one.force)
+        if crowded or (one.period and way > _MANY * one.period):
+            begin = min(end - min(last, way), np.inf if begin is None else begin)
+    return begin
+
+
+def draw_trace(axes: Any, verdict: Verdict, letters: int, since: float | None = None) -> None:
+    """The spring's force against the drive, slips at their own places; `since`: from there on, without a legend."""
+    scale, number_of_rules = verdict.own.scale, 0
+    for number, alike in enumerate(traces_of(verdict)):
+        one, rules = alike[0], named([each.rule for each in alike])
+        style: dict[str, Any] = {"color": OKABE_ITO[number % len(OKABE_ITO)]}
+        if isinstance(one, Behaviour):
+            number_of_rules += 1
+            style |= {"ls": DASHES[number], "lw": 1.3}
+            label = f"{rules}: {_of_rule(verdict, one)}"
+        else:
+            label = f"{of_contacts(one.contacts)}, {rules}: {does(one)}"
+            # thin, and above the others, which it may follow for long, as one of these another
+            style |= {"lw": 0.8, "zorder": 4}
+            style["ls"] = DASHES[(number - number_of_rules) % len(DASHES)]
+        _draw_line(axes, verdict, one, in_lines(label, letters), style, since)
+    axes.margins(x=0.01, y=0.05)
+    name, unit = force_name(scale)
+    name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
+    name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
+    if since is None:
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(low, 0.0), high)
+        legend_above(axes, letters=letters)
+    else:
+        axes.set_title("the last part of the way", fontsize="small", loc="left")
+
+
+def _draw_line(
+    axes: Any,
+    verdict: Verdict,
+    one: Behaviour | Finite,
+    label: str,
+    style: dict[str, Any],
+    since: float | None,
+) -> None:
+    """A trace as a line, or as dots where a line would draw swings that do not exist."""
+    shown = slice(0 if since is None else int(np.searchsorted(one.drive, since)), None)
+    drive, force = one.drive[shown], one.force[shown]
+    if one.rule == "mass" and hides_swings(drive, force):
+        label += "; dots, as its swings are too many to be drawn"
+        style = style | {"ls": "", "marker": ".", "ms": 2.5}
+    axes.plot(drive, force * verdict.own.scale.force, label=label, **style)
+
+
+def _of_rule(verdict: Verdict, behaviour: Behaviour) -> str:
+    """What a trace of infinitely many contacts shows, in words."""
+    label, lasts = kind_of_trace(behaviour), behaviour.slip_time
+    if lasts is not None and behaviour.after < 0.0 and not behaviour.slip_drive.size:
+        # else the panel beside it shows that
+        long = spoken(lasts, verdict.own.scale.time_unit)
+        label += f" (below 0 the slider swings after a slip, {long} long)"
+    if not behaviour.success or behaviour.error >= UNKNOWN:
+        label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
+    return label
+
+
+def _alike(behaviours: Sequence[Traced]) -> list[list[Traced]]:
+    """Behaviours in groups whose traces lie on one another, so that one curve stands for all of a group."""
+    groups = list[list[Traced]]()
+    for one in behaviours:
+        alike = [group for group in groups if _on_one_curve(one, group[0])]
+        if alike:
+            alike[0].append(one)
+        else:
+            groups.append([one])
+    return groups
+
+
+def _on_one_curve(one: Behaviour | Finite, other: Behaviour | Finite) -> bool:
+    """Whether two traces have the same points, as far as a picture shows."""
+    if one.kind != other.kind or one.drive.shape != other.drive.shape:
+        return False
+    pairs = (one.drive, other.drive), (one.force, other.force)
+    return all(np.abs(a - b).max() <= _ALIKE * np.abs(b).max() for a, b in pairs)
