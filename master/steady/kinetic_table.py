@@ -6,12 +6,17 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
+from master.outcome import stop_after
+from master.steady.cycle import Cycle
 from master.steady.kinetic import kinetic_curve
+from master.survival.make import steady_life
 from origins import Contacts
 from origins.thresholds.law import Array
 
 # Degrees of the polynomial of F_k in ln V, tried in turn.
 DEGREES = (12, 24, 48)
+# Part of the error of the table that one force may have; and between which accuracies, in mean thresholds.
+PART_OF_ERROR, ACCURACIES = 0.1, (1e-9, 1e-6)
 
 
 class KineticTable(NamedTuple):
@@ -38,15 +43,33 @@ class KineticTable(NamedTuple):
         return float(brentq(lambda at: float(self.force(np.array(at))) - force, low, high))
 
 
-def tabulated(contacts: Contacts, ends: Array, most_error: float) -> KineticTable | None:
+def tabulated(
+    contacts: Contacts, ends: Array, most_error: float, until: float = np.inf
+) -> KineticTable | None:
     """The table between these ends (2,) of ln V; None where its error would be above the most (a length), as F_k is not
-    smooth in ln V."""
+    smooth in ln V. `until`: reading of time.monotonic() after which StoppedError comes."""
     for degree in DEGREES:
         nodes = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
         at = ends.mean() + 0.5 * np.diff(ends) * nodes
-        forces = kinetic_curve(contacts, np.exp(at)).force
+        forces, off = _forces(contacts, np.exp(at), most_error, until)
         series = np.asarray(chebyshev.chebfit(nodes, forces, degree), float)
-        error = float(np.abs(series[-2:]).sum())
+        error = float(np.abs(series[-2:]).sum()) + off
         if error <= most_error:
             return KineticTable(ends, series, error)
     return None
+
+
+def _forces(
+    contacts: Contacts, speeds: Array, most_error: float, until: float
+) -> tuple[Array, float]:
+    """F_k at these speeds (lengths), and an error of all (a length) where it is known no better than is asked for: of
+    contacts whose thresholds change each speed takes long, and the less the larger its error may be."""
+    stop_after(until)
+    if contacts.changing is None:
+        return kinetic_curve(contacts, speeds).force, 0.0
+    accuracy = float(np.clip(PART_OF_ERROR * most_error / contacts.mean_threshold, *ACCURACIES))
+    found = np.empty((speeds.size, 2))
+    for number, speed in enumerate(speeds.tolist()):
+        stop_after(until)
+        found[number] = Cycle(contacts, steady_life(contacts, speed), speed, accuracy).force()
+    return found[:, 0], float(found[:, 1].max())

@@ -16,7 +16,9 @@ slider forgets), none does if K + G(iq) does not pass the negative real axis as 
 
 import numpy as np
 
+from master.steady.growing_response import growing_response
 from origins import Contacts
+from origins.laws.proportional import ProportionalGrowth
 from origins.thresholds.law import Array
 from origins.thresholds.quadrature import gauss
 
@@ -32,12 +34,23 @@ _SMALL = 1e-4
 _CLEAR = 0.02
 
 
+def has_response(contacts: Contacts) -> bool:
+    """Whether `response` takes these contacts: heat, by the closure "exact", breaks them, under no other law but growth
+    by one factor."""
+    thermal, growth = contacts.thermal, contacts.changing
+    grows = {growth.law} if isinstance(growth, ProportionalGrowth) else set()
+    alone = set(contacts.laws) - grows <= {"thermal", "stiffness"}
+    return alone and thermal is not None and thermal.closure != "paper"
+
+
 def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
-    """G(iq)/(N_c <k>), complex, at wave numbers q > 0 (1/length, shape (n,)), of contacts with heat and no other law,
-    which form again at once and relaxed; velocity: length per time. To some 1e-3 of its size."""
+    """G(iq)/(N_c <k>), complex, at wave numbers q > 0 (1/length, shape (n,)), of contacts with heat and no other law
+    but growth, which form again at once and relaxed; velocity: length per time. To some 1e-3 of its size."""
     assert contacts.thermal is not None
     law, rates, wave = contacts.thresholds, contacts.thermal.rates, 1j * np.asarray(waves)
     ranks, weight = (each.ravel() for each in gauss(_RANKS[:-1], _RANKS[1:]))
+    if contacts.changing is not None:
+        return growing_response(contacts, velocity, waves, ranks, weight)
     x = np.asarray(law.ppf(ranks))
     fractions = np.stack([weight, weight * contacts.relative_stiffness(x)]) / weight.sum()
     stiffness, log_v, log_a = (
@@ -92,5 +105,5 @@ def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
 def is_stable(contacts: Contacts, velocity: float, spring: float) -> bool:
     """Whether small disturbances of steady sliding at this speed decay on a spring K/(N_c <k>), clearly."""
     answer = spring + response(contacts, velocity, _WAVES / contacts.mean_threshold)
-    back = answer.real < 0.0
+    back = ~(answer.real >= 0.0)  # or not known
     return bool((answer.imag[back] > _CLEAR * np.abs(answer[back])).all())

@@ -40,7 +40,7 @@ from scipy.interpolate import make_interp_spline
 from master.motion import Motion
 from master.soft.in_time.steps import Node
 from master.steady.kinetic_table import KineticTable, tabulated
-from master.steady.response import is_stable, response
+from master.steady.response import has_response, is_stable, response
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
 
@@ -124,12 +124,14 @@ class SteadyCreep(NamedTuple):
 class Creep:
     """Steady creep on the last leg of a drive that goes on at one speed; lengths are along the motion."""
 
-    def __init__(self, contacts: Contacts, drive: Drive, motion: Motion, tolerance: float) -> None:
-        """tolerance : of F, in mean thresholds."""
+    def __init__(
+        self, contacts: Contacts, drive: Drive, motion: Motion, tolerance: float, until: float
+    ) -> None:
+        """tolerance : of F, in mean thresholds; until : as in `creep_of`."""
         self._contacts, self._spring = contacts, float(drive.spring or 0.0)
         self._unit, self._motion = contacts.mean_threshold, motion
         self._speed, self._sign = abs(float(motion.speeds[-1])), float(np.sign(motion.speeds[-1]))
-        self._tolerance = tolerance * self._unit
+        self._tolerance, self._until = tolerance * self._unit, until
         self._table: KineticTable | None = None
         self._offset_of_longer_steps: Offset | None = None  # of the slider before
         self._nodes_at_last_look = 0  # so many the section had when creep was looked for last
@@ -236,7 +238,8 @@ class Creep:
             return table
         for factor in CREEP.speed_ranges:
             wider = ends + np.log(factor) * np.array([-1.0, 1.0])
-            table = tabulated(self._contacts, wider, CREEP.table_error * self._tolerance)
+            error = CREEP.table_error * self._tolerance
+            table = tabulated(self._contacts, wider, error, self._until)
             if table is not None and not np.isnan(table.log_speed(force)):
                 self._table = table
                 return table
@@ -281,19 +284,17 @@ class Creep:
 
 
 def creep_of(
-    contacts: Contacts, drive: Drive, motion: Motion | None, tolerance: float
+    contacts: Contacts, drive: Drive, motion: Motion | None, tolerance: float, until: float
 ) -> Creep | None:
-    """Steady creep of these contacts, None where it is not known."""
+    """Steady creep of these contacts, None where it is not known; StoppedError after `until`, of time.monotonic()."""
     if motion is None or not may_creep(contacts, motion):
         return None
-    return Creep(contacts, drive, motion, tolerance)
+    return Creep(contacts, drive, motion, tolerance, until)
 
 
 def may_creep(contacts: Contacts, motion: Motion | None) -> bool:
-    """Whether steady creep is known: where heat, by the closure "exact", is the only law, the drive moves to its end,
-    and F_k is finite; but not for exact thresholds, where births may repeat for ever."""
-    thermal, law = contacts.thermal, contacts.thresholds
-    alone = thermal is not None and set(contacts.laws) <= {"thermal", "stiffness"}
-    if thermal is None or not alone or thermal.closure == "paper" or motion is None:
-        return False
-    return not law.atoms[0].size and bool(motion.speeds[-1]) and np.isfinite(law.moment(3))
+    """Whether steady creep is known: where the answer of F to a disturbance is, the drive moves to its end, and F_k is
+    finite; but not for exact thresholds, where births may repeat for ever."""
+    law, moves = contacts.thresholds, motion is not None and bool(motion.speeds[-1])
+    known = moves and has_response(contacts) and not law.atoms[0].size
+    return bool(known and np.isfinite(law.moment(3)))

@@ -86,7 +86,7 @@ def refined(
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     sliders, best, halvings = list[Slider](), None, 0
     needed = halvings_needed(contacts, drive, tolerance)
-    creep = creep_of(contacts, drive, motion, tolerance)
+    creep = creep_of(contacts, drive, motion, tolerance, until)
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
