@@ -1,5 +1,7 @@
 """Steady creep of a slider whose contacts grow stronger as they break by heat."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -47,7 +49,7 @@ def test_the_response_is_that_to_a_small_step_of_the_speed() -> None:
     for ratio in (np.exp(-step), np.exp(step)):
         path = np.append(np.linspace(0.0, 30.0, 31)[:-1], 30.0 + way)
         time = np.append(np.linspace(0.0, 30.0, 31)[:-1], 30.0 + way / ratio) / 1e-4
-        runs.append(master.solve(contacts, path, 1e-6, time=time).force[30:])
+        runs.append(np.asarray(master.solve(contacts, path, 1e-6, time=time).force)[30:])
     mean = (runs[1] - runs[0]) / (2.0 * step)
     expected = 1j * waves * transform(way, mean, waves)
     assert response(contacts, 1e-4, waves) == pytest.approx(expected, abs=2e-3)
@@ -57,9 +59,9 @@ def test_the_response_is_that_to_a_small_step_of_the_speed() -> None:
 def test_creep_goes_on_as_steps_do_and_ends_at_the_kinetic_force() -> None:
     """Steps lead up to X_T = 192; on a path ten times as long creep takes over."""
     contacts, first = growing(SPREAD, 0.01), np.linspace(0.0, 192.0, 33)
-    drive = {"velocity": 1e-4, "spring": 3e-3}
-    steps = master.solve(contacts, first, 1e-2, **drive)
-    creep = master.solve(contacts, np.append(first, 2400.0), 1e-2, **drive)
+    drive: dict[str, Any] = {"velocity": 1e-4, "spring": 3e-3}
+    steps: Any = master.solve(contacts, first, 1e-2, **drive)
+    creep: Any = master.solve(contacts, np.append(first, 2400.0), 1e-2, **drive)
     assert creep.success and "creeps" in creep.message and "creeps" not in steps.message
     off = np.abs(creep.force[:33] - steps.force).max()
     assert off < steps.force_error + creep.force_error
@@ -70,7 +72,7 @@ def test_creep_goes_on_as_steps_do_and_ends_at_the_kinetic_force() -> None:
 @pytest.mark.slow
 def test_on_the_spring_of_a_machine_the_force_is_the_kinetic_one() -> None:
     contacts, path = growing(WIDE, 0.01), np.linspace(0.0, 2e6, 41)
-    told = master.solve(contacts, path, 1e-2, velocity=1e-4, spring=SOFTEST)
+    told: Any = master.solve(contacts, path, 1e-2, velocity=1e-4, spring=SOFTEST)
     assert told.success and told.regime.verdict == "smooth", told.message
     assert told.force[-1] == pytest.approx(kinetic(contacts, 1e-4), rel=1e-6)
     assert told.force[1] == pytest.approx(SOFTEST * path[1], abs=1e-3)
