@@ -172,3 +172,16 @@ def test_of_many_cycles_the_last_ones_are_drawn_again() -> None:
     few = replace(slips, drive=cycles / 20.0)
     verdict = replace(verdict, answers=(replace(answer, behaviours=(few,)),))
     assert "late" not in {one.get_label() for one in draw_verdict(verdict).axes}
+
+
+def test_a_delay_that_is_not_given_is_asked_for_also_where_nobody_knows_what_one_does() -> None:
+    """A slip of this mass takes as long as the time between slips, so that no slip rule tells of a long delay."""
+    contacts, number = Contacts(gaussian(1.0, 0.3)), answers.Quantity(0.5, 1e-9)
+    smooth = replace(not_followed("mass", ""), kind="smooth", before=0.5, after=0.5, error=1e-6)
+    scale, machine = scale_of(contacts, None), Machine(1e-3, 1e-5, 1e-5, 1.0)
+    stiff = replace(number, value=1.0)
+    own = answers.Answer("a", contacts, scale, number, number, stiff, machine, (smooth,))
+    unknown = not_followed("reform-after", "a slip of this mass takes as long as the time between")
+    text = page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0, unknown))
+    asked = "  the contacts' delay: none is given, so that they form again at once; give [contacts.delay]"
+    assert asked in text

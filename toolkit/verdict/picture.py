@@ -50,11 +50,11 @@ def draw_verdict(verdict: Verdict) -> Any:
     places = _row(figure, rows[0], ("trace", *beside), wide) if pulled else {}
     places |= _row(figure, rows[-1], ("thresholds", "springs"), _WIDE if many > 1 else _ONE_WIDE)
     if pulled:
-        draw_trace(places["trace"], verdict, letters=(150, 80, 50)[len(beside)])
+        draw_trace(places["trace"], verdict, letters=(150, 80, 40)[len(beside)])
     if since is not None:
-        draw_trace(places["late"], verdict, 50, since)
+        draw_trace(places["late"], verdict, 40, since)
     if slips:
-        _draw_slip(places["slip"], verdict, slips[0])
+        _draw_slip(places["slip"], verdict, slips[0], wide=since is None)
     _draw_thresholds(places["thresholds"], verdict)
     _draw_springs(places["springs"], verdict)
     if len(verdict.answers) > 1:
@@ -77,7 +77,7 @@ def _row(
     return {name: figure.add_subplot(cells[k], label=name) for k, name in enumerate(names)}
 
 
-def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour) -> None:
+def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour, wide: bool) -> None:
     """The first slip of a mass in its own time: the spring's force, and how far the slider has moved."""
     scale, other = verdict.own.scale, axes.twinx()
     seconds, moved = in_its_own_time(behaviour, cast(Machine, verdict.own.machine))
@@ -91,7 +91,7 @@ def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour) -> None:
     name_axis(axes.xaxis, "time since the first slip began", scale.time_unit)
     name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
     name_axis(other.yaxis, "way of the slider", scale.length_unit)
-    legend_above(axes, letters=60)
+    legend_above(axes, letters=60 if wide else 20)
 
 
 def _why_not_drawn(verdict: Verdict) -> list[str]:

@@ -73,7 +73,7 @@ def draw_trace(axes: Any, verdict: Verdict, letters: int, since: float | None = 
             # thin, and above the others, which it may follow for long, as one of these another
             style |= {"lw": 0.8, "zorder": 4}
             style["ls"] = DASHES[(number - number_of_rules) % len(DASHES)]
-        _draw_line(axes, verdict, one, in_lines(label, letters), style, since)
+        _draw_line(axes, verdict, one, (label, letters), style, since)
     axes.margins(x=0.01, y=0.05)
     name, unit = force_name(scale)
     name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
@@ -90,17 +90,19 @@ def _draw_line(
     axes: Any,
     verdict: Verdict,
     one: Behaviour | Finite,
-    label: str,
+    label: tuple[str, int],
     style: dict[str, Any],
     since: float | None,
 ) -> None:
-    """A trace as a line, or as dots where a line would draw swings that do not exist."""
+    """A trace as a line, or as dots where a line would draw swings that do not exist; `label`: its text, in lines of so
+    many letters."""
+    text, letters = label
     shown = slice(0 if since is None else int(np.searchsorted(one.drive, since)), None)
     drive, force = one.drive[shown], one.force[shown]
     if one.rule == "mass" and hides_swings(drive, force):
-        label += "; dots, as its swings are too many to be drawn"
+        text += "; dots, as its swings are too many to be drawn"
         style = style | {"ls": "", "marker": ".", "ms": 2.5}
-    axes.plot(drive, force * verdict.own.scale.force, label=label, **style)
+    axes.plot(drive, force * verdict.own.scale.force, label=in_lines(text, letters), **style)
 
 
 def _of_rule(verdict: Verdict, behaviour: Behaviour) -> str:

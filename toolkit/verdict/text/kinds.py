@@ -178,7 +178,8 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
         yield Line(TURNS, f"the contacts' delay: {said}{_of_short_delays(own)}")
     elif len(does) == 1 and own.machine and own.machine.mass:
         given, turned_found = bool(own.contacts.waiting_time), verdict.turned is not None
-        if not given and (delay_decides(verdict) or not turned_found):
+        unknown = not turned_found or cast(Behaviour, verdict.turned).kind == "undecided"
+        if not given and (delay_decides(verdict) or unknown):
             said = "none is given, so that they form again at once; give [contacts.delay]"
             yield Line(TURNS, f"the contacts' delay: {said}")
         elif delay_decides(verdict):
