@@ -14,6 +14,7 @@ import eq_model
 import master
 from eq_model.result import CoupledSlips
 from origins import Contacts, Delay, Thermal, gaussian
+from toolkit.results.mean_of_pairs import mean_of_pairs
 from toolkit.results.rarer import rarer
 from toolkit.results.slips import are_lasting, late_slips, slips_beyond
 from toolkit.scene.scale import scale_of
@@ -255,10 +256,58 @@ def test_slips_of_several_sizes_are_told_by_their_mean() -> None:
     told = _behaviour(
         "reset", replace(solved, slips=replace(slips, force_before=sizes)), 1.0, 1.0, ""
     )
-    late = slips.drop.size // 2
-    assert told.before == pytest.approx(sizes[late:].mean()) and told.after == 0.0
-    assert told.period == pytest.approx(np.diff(slips.drive[late:]).mean())
-    assert told.error > np.std(sizes[late:]) / slips.drop.size
+    even = (slips.drop.size + 1) // 4 * 2
+    assert told.before == pytest.approx(sizes[-even:].mean()) and told.after == 0.0
+    assert told.period == pytest.approx(np.diff(slips.drive)[-even:].mean())
+
+
+@pytest.mark.parametrize("number", range(5, 13))
+def test_slips_in_turn_long_and_short_have_the_mean_of_both(number: int) -> None:
+    """Of gaps of 2 and 3 in turn the mean was 2.67, as the later half has one more of one kind than of the other."""
+    contacts = Contacts(WIDE)
+    solved = master.solve(contacts, np.linspace(0.0, 60.0, 50), 1e-6, spring=0.1, slip="reset")
+    gaps, falls = (np.resize(each, number) for each in ([2.0, 3.0], [0.4, 0.6]))
+
+    def told(gaps: np.ndarray, falls: np.ndarray) -> Behaviour:
+        slips = replace(
+            solved.slips,
+            **{name: np.zeros(number) for name in ("before", "after", "force_after")},
+            drive=np.cumsum(gaps),
+            force_before=falls,
+            drive_error=1e-3,
+        )
+        return _behaviour("reset", replace(solved, slips=slips), 1.0, 1.0, "")
+
+    found = told(gaps, falls)
+    assert found.period == pytest.approx(2.5) and found.before == pytest.approx(0.5)
+    if number > 6:  # with fewer there is one pair, whose two values tell
+        assert found.period_error == pytest.approx(2e-3)
+        assert found.error == pytest.approx(solved.force_error, abs=1e-12)
+    else:
+        assert found.period_error == pytest.approx(0.5 * 1.84 + 2e-3, rel=1e-2)
+
+
+@pytest.mark.parametrize("number", [2, 4, 6, 12])
+def test_one_standard_error_of_pairs_holds_the_mean_of_as_many_as_it_says(number: int) -> None:
+    rng, many = np.random.default_rng(number), 4000
+    means = [mean_of_pairs(rng.normal(1.0, 0.1, number)) for _ in range(many)]
+    within = np.mean([abs(mean.value - 1.0) < mean.error for mean in means])
+    assert within == pytest.approx(0.683, abs=4.0 * (0.683 * 0.317 / many) ** 0.5)
+
+
+def test_a_period_has_its_own_error() -> None:
+    """2 drive_error is not as large a part of the period as the error of the force is of that."""
+    machine, contacts = Machine(0.05, 0.02, 0.01, 0.5), Contacts(WIDE, delay=Delay(3.0))
+    one = replace(SLIDES, kind="stick-slip", after=-0.1, slips=9, period=9.09)
+    for off, said in ((1e-9, "every 9.090 length, "), (0.2, "every 9.1 ± 0.2 length, ")):
+        told = replace(
+            on_area(
+                replace(one, period_error=off), Finite("mass", 300, "smooth"), machine, contacts
+            ),
+            finite=(),
+        )
+        assert said in sentence(told)
+        assert said.removeprefix("every ") in "\n".join(page(told)).partition("\n\n")[2]
 
 
 # of a tribologist's machine, 1.45 kN/m, 60 g, 0.546 N s/m, 22.4 s and 2.66 µm/s, in thresholds: contacts wait on a way

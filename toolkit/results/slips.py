@@ -235,11 +235,13 @@ def swing_beyond_slips(found: Any, least: float) -> float:
 
 def slips_to_tell(slips: Any, lasts: bool) -> npt.NDArray[np.int_]:
     """Indices of a solution's slips whose means tell of all: the last main one, as others may be of a few contacts
-    alone; where they go on for ever, and differ in size, those of the later half."""
-    later = slips.main[slips.main.size // 2 :]
+    alone; where they go on for ever, and differ in size, those of the later half, an even number of them, as a short
+    slip may follow each long one."""
+    main = slips.main
+    later = main[main.size - (main.size + 1) // 4 * 2 :]
     drops = slips.drop[later]
-    several = lasts and later.size > 2 and np.ptp(drops) > ALIKE * drops.mean()
-    return np.asarray(later if several else slips.main[-1:])
+    several = lasts and later.size > 1 and np.ptp(drops) > ALIKE * drops.mean()
+    return np.asarray(later if several else main[-1:])
 
 
 def main_slips(slips: Any) -> Any:

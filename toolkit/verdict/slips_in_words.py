@@ -1,6 +1,7 @@
 """Slips and force of so many contacts as written: means with their errors, and how they differ along the way."""
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour, Finite
-from toolkit.verdict.uncertainty import widest_uncertainty
+from toolkit.verdict.uncertainty import PRECISE, widest_uncertainty
 
 # part of a force by which slips, or forces along the way, differ where it is told
 WORTH_SHOWING = 0.01
@@ -153,6 +154,32 @@ def period_of(
         for one, unit in each
     )
     return every, later
+
+
+def with_period_error(verdict: Verdict, behaviour: Behaviour) -> tuple[str, str] | None:
+    """The period of the drive as a length and as a time, each with its error; None where that is less than PRECISE of
+    it, or than the widest uncertainty of the forces."""
+    scale, period, error = verdict.own.scale, behaviour.period or 0.0, behaviour.period_error
+    if not max(PRECISE, widest_uncertainty(verdict)) * period < error < np.inf:
+        return None
+    units = (1.0, scale.length_unit), (1.0 / verdict.velocity, scale.time_unit)
+    every, later = (with_scatter(period * one, error * one, unit) for one, unit in units)
+    return every, later
+
+
+def periods(
+    verdict: Verdict, alike: Sequence[Behaviour], uncertainty: float, to_error: bool
+) -> str:
+    """The periods of those that slip alike, the smallest and the largest where they differ as written, as lengths and
+    as times; "" where none is known. `uncertainty` and `to_error` as `period_of` takes them."""
+    known = sorted(
+        (one.period, with_period_error(verdict, one)) for one in alike if one.period is not None
+    )
+    ends = [
+        with_its_error or period_of(verdict, period, uncertainty, to_error)
+        for period, with_its_error in (known[:1] + known[-1:])
+    ]
+    return ", ".join(" to ".join(dict.fromkeys(each)) for each in zip(*ends, strict=True))
 
 
 def sliding_force(many: Finite, scale: Scale) -> str:

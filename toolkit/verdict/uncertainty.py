@@ -21,6 +21,8 @@ from toolkit.verdict.sliders.machine import Behaviour, critical_damping
 
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3
+# of a force, or of a period: a larger error of it is told beside it
+PRECISE = 1e-3
 # of the forces: a smaller uncertainty is no news beside them
 WORTH_TELLING = 0.01
 # of the widest uncertainty of a force: a smaller difference of two forces is nothing that is known

@@ -9,6 +9,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from toolkit.results.kinds import is_precise, kind_of
+from toolkit.results.mean_of_pairs import mean_of_pairs
 from toolkit.results.slips import slips_to_tell
 from toolkit.results.traces import with_slips
 from toolkit.scene.scale import ROUNDING
@@ -234,13 +235,16 @@ def _behaviour(rule: str, solved: Any, velocity: float, unit: float, open_why: s
     slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
     last = float(solved.force[-1]) if solved.force.size else float("nan")
     before, after, period, error = last, last, solved.period, solved.force_error
+    period_error = 0.0 if period is None else 2.0 * float(slips.drive_error)
     if slips.drive.size and kind in ("stick-slip", "undecided"):
         shown = slips_to_tell(slips, kind == "stick-slip")
         forces = slips.force_before[shown], slips.force_after[shown]
         before, after = (float(one.mean()) for one in forces)
         if shown.size > 1:
-            period = float(np.diff(slips.drive[shown]).mean())
-            error += float(slips.drop[shown].std()) / shown.size**0.5 / unit
+            # as many gaps as slips, with that before the first of them
+            period, scatter = mean_of_pairs(np.diff(slips.drive[slips.main])[-shown.size :])
+            period_error += scatter
+            error += mean_of_pairs(slips.drop[shown]).error / unit
         after = after if abs(after) > ROUNDING * abs(before) else 0.0
     shrinks, left = max(-(solved.regime.trend or 0.0), 0.0), 0.0
     if shrinks and solved.period:  # drops go on to shrink as they did
@@ -253,6 +257,7 @@ def _behaviour(rule: str, solved: Any, velocity: float, unit: float, open_why: s
         before=before,
         after=after,
         period=period,
+        period_error=period_error,
         slips=slips.drive.size,
         smaller=slips.drive.size - slips.main.size,
         error=error,

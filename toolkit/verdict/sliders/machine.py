@@ -203,13 +203,17 @@ class Behaviour:
     kind : "stick-slip", "smooth", "ever rarer" (see Finite), or "undecided"
     before, after : spring force before and after a slip, the last main one (see Slips.main), also where it is
         undecided whether more follow; both the sliding force where it is smooth
-    period : of the drive, between the last two main slips; slips : how many there were
+    period : of the drive, from the last main slip but one to the last; slips : how many there were
+        Of infinitely many contacts whose slips go on and differ in size, before, after and period are means over the
+        later half of the main slips.
+    period_error : of the period (a length), from above; where slips differ with the standard error of its mean
     sliders : what tells it of finitely many contacts, whose means of late slips the numbers are; None: no such slips
     slip_time, top_speed : of the last slip; None where slips take no time
     first_slip : X_T as the first main slip begins, where slips take time
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
-    error : of the force, in mean thresholds: estimated from above; by the ensemble one standard error between
+    error : of the force, in mean thresholds: estimated from above, with the standard error of the mean drop where slips
+        differ; by the ensemble one standard error between
         sliders, of the forces or as large a part of these as of the period, and what fewer contacts than there are may
         change
     cut : whether the path was not followed to its end
@@ -245,6 +249,7 @@ class Behaviour:
     heat_left_out: float | None = None
     shrinks_by: float = 0.0
     left: float = 0.0
+    period_error: float = 0.0
     swings: tuple[float, float] | None = None
     smaller: int = 0
     delay: float | None = None

@@ -11,16 +11,15 @@ from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.of_area import apart, rows_of
 from toolkit.verdict.sliders.budget import NO_FORCES
 from toolkit.verdict.sliders.machine import Behaviour
-from toolkit.verdict.slips_in_words import period_of
+from toolkit.verdict.slips_in_words import period_of, with_period_error
 from toolkit.verdict.uncertainty import (
+    PRECISE,
     other_samples,
     spring_to_digits,
     to_digits,
     widest_uncertainty,
 )
 
-# of a force: a larger error of it is told beside it
-PRECISE = 1e-3
 # of the contacts: where no more of them hold, F_k is told with their share
 HOLDING = 0.9
 # of a number: a wider scatter of other samples, told with two digits, leaves it two
@@ -168,8 +167,8 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
             told += _of_load(mean_force, uncertainty, error, load)
             values["mean force of stick-slip"] = told
         if behaviour.period is not None:
-            both = period_of(verdict, behaviour.period, uncertainty, bool(error))
-            values["period"] = ", ".join(both)
+            beside_forces = period_of(verdict, behaviour.period, uncertainty, bool(error))
+            values["period"] = ", ".join(with_period_error(verdict, behaviour) or beside_forces)
         if behaviour.slip_time is not None:
             values["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         whose = ", infinitely many contacts" * (behaviour.rule in few)

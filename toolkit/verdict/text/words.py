@@ -25,7 +25,7 @@ from toolkit.verdict.of_area import (
 from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.machine import Behaviour
-from toolkit.verdict.slips_in_words import falls, left_out, plain_fall, swinging
+from toolkit.verdict.slips_in_words import falls, left_out, periods, plain_fall, swinging
 from toolkit.verdict.text.border import on_the_border
 from toolkit.verdict.text.hangs_on import dependence, why_smooth
 from toolkit.verdict.text.kinds import (
@@ -40,7 +40,6 @@ from toolkit.verdict.text.kinds import (
     without_delay,
 )
 from toolkit.verdict.text.table import (
-    PRECISE,
     drop_of,
     in_units,
     speed_unit,
@@ -49,6 +48,7 @@ from toolkit.verdict.text.table import (
 )
 from toolkit.verdict.text.undone import undecided_readings
 from toolkit.verdict.uncertainty import (
+    PRECISE,
     numerical_errors,
     of_assumed_damping,
     once_over,
@@ -283,16 +283,9 @@ def _behaved(
     if bare:
         return fall
     said = f"{'slips ever rarer' if kind == EVER_RARER else kind}: {fall}"
-    periods = [one.period for one in alike if one.period is not None]
-    if periods and kind != EVER_RARER:
-        # of a period known as well as the force
-        relative_error, times = (
-            shown_error and uncertainty,
-            [period / verdict.velocity for period in periods],
-        )
-        every = span(periods, scale.length_unit, relative_error * max(periods))
-        seconds = span(times, scale.time_unit, relative_error * max(times))
-        said += f" every {every}, {seconds} at {written(verdict.velocity, speed_unit(verdict))}"
+    every = periods(verdict, alike, uncertainty, bool(shown_error))
+    if every and kind != EVER_RARER:
+        said += f" every {every} at {written(verdict.velocity, speed_unit(verdict))}"
     if last.sliders is not None and (shrinks := shrinking(last.sliders)):
         said += f"{shrinks}, so that they may die out"
     said += left_out(last.sliders or last)
