@@ -84,7 +84,8 @@ def solve(
         "instant": contacts re-form at once, or after their delay, and X goes to the first X' with F(X') + K X' = K X_T.
     mass, damping : float, optional
         M/(N_c <k>) (time squared) and γ/(N_c <k>) (time) of a soft slider, M X'' + γ X' = K (X_T - X) - F, instead of a
-        slip rule; for contacts with a delay or without, and no other law but heat that hardly changes the force.
+        slip rule. Of laws in time a delay, and heat that hardly changes the force and is left out, take no steps; with
+        others the slider is followed in steps of time, so that it may not go on for more than some 200 mean thresholds.
     progress : callable, optional
         Called as progress(error) with the error estimate, in mean thresholds.
     wall_time : float, optional

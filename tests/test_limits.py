@@ -21,6 +21,7 @@ AGEING = PLAIN.replace(ageing=origins.Ageing(origins.gaussian(1.5, 0.2), 1e-3))
 GRAINS = origins.growing_grains(1.0, 4.0, age=4.0)
 WARM_GRAINS = origins.Contacts(GRAINS, thermal=HOT.thermal)
 LATE, LINKED = PLAIN.replace(delay=origins.Delay(1e3)), PLAIN.replace(stiffness="linked")
+WARM_EXACT = origins.Contacts(origins.identical(1.0), thermal=HOT.thermal)
 WARM_AGEING = AGEING.replace(thermal=HOT.thermal)
 HEAVY: dict[str, Any] = {"spring": 1.0, "mass": 0.1, "damping": 0.1}
 FEW: dict[str, Any] = {"n_contacts": 50, "n_replicas": 2, "seed": 1}
@@ -30,8 +31,8 @@ REFUSED: list[tuple[str, Callable[[], object], str]] = [
     ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(HOT, PATH, **HEAVY, **FEW), "T = 0"),
     ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(AGEING, PATH, spring=1.0, **FEW), "ageing"),
     ("whose drive turns back", lambda: eq_model.simulate(PLAIN, [0.0, 3.0, 1.0], spring=1.0, **FEW), "turn"),
-    ("`mass` beside heat", lambda: master.solve(HOT, PATH, **HEAVY), "leave out the heat"),
-    ("`mass` beside ageing", lambda: master.solve(AGEING, PATH, **HEAVY), "no law but a delay"),
+    ("`mass` in heat, ageing", lambda: master.solve(HOT, [1e4], **HEAVY), "steps of time"),
+    ("with another law than a delay", lambda: master.solve(WARM_EXACT, PATH, **HEAVY), "a width"),
     ("`mass` and linked stiffness", lambda: master.solve(LINKED, PATH, **HEAVY), "stiffness"),
     ("ageing with heat", lambda: master.solve(WARM_AGEING, PATH), "use eq_model"),
     ("growing grains with heat on a path", lambda: master.solve(WARM_GRAINS, [0.0, 1.0, -1.0]), "use eq_model"),

@@ -196,16 +196,28 @@ def test_of_other_readings_in_heat_it_is_told_whether_they_slip(capsys: Any) -> 
             assert one["after"] == pytest.approx(kinetic, rel=1e-4)
 
 
-def test_a_mass_beside_heat_is_told_in_words(capsys: Any, monkeypatch: Any) -> None:
-    monkeypatch.setattr(judge, "RULES", ("reset",))  # of those without mass, one will do
+def test_a_mass_decides_in_heat(capsys: Any) -> None:
+    """It slides on at F_k(v) + γ v, and no slip rule is asked for."""
     heat = {"law": "soft", "temperature": 0.01}
     contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "thermal": heat}
+    drive = {"spring": 1.0, "mass": 0.1, "damping": 0.5}
+    status, _, found = judged(capsys, contacts=contacts, drive=drive)
+    (own,) = found["readings"]
+    (alone,) = own["behaviours"]
+    assert status == 0 and (alone["rule"], alone["kind"]) == ("mass", "smooth")
+    assert alone["after"] == pytest.approx(own["kinetic"]["value"] + 0.5, abs=2e-3)
+
+
+def test_a_mass_that_is_not_followed_is_told_in_words(capsys: Any, monkeypatch: Any) -> None:
+    monkeypatch.setattr(judge, "RULES", ("reset",))  # of those without mass, one will do
+    heat = {"law": "soft", "temperature": 0.01}
+    contacts = {"thresholds": {"kind": "identical", "value": 1.0}, "thermal": heat}
     drive = {"spring": 1.0, "mass": 0.1, "damping": 0.5}
     status, page, found = judged(capsys, contacts=contacts, drive=drive)
     alone, *without_mass = found["readings"][0]["behaviours"]
     assert [one["rule"] for one in without_mass] == ["reset"]
     assert status == 1 and alone["kind"] == "undecided"
-    assert "a slider with mass is followed at T = 0" in page and "leave out the heat" in page
+    assert "exact thresholds beside a mass" in page and "give the exact values a width" in page
     assert "np." not in page and "master.solve" not in page and "simulate" not in page
 
 

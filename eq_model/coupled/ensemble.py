@@ -236,8 +236,8 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     if isinstance(contacts, Contacts) and contacts.thermal is not None:
         if heavy:
             raise InputError(
-                f"contacts.thermal: {solver} takes T = 0; leave the heat out, as master.solve does itself where that "
-                "hardly changes the force, or leave out the mass"
+                f"contacts.thermal: {solver} takes T = 0; take master.solve, which follows it in steps of time, "
+                "or leave out the heat or the mass"
             )
         if contacts.thermal.closure == "paper":
             raise InputError(

@@ -102,8 +102,8 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
 
 
 def without_weak_heat(contacts: Contacts, drive: Drive, duration: float) -> Idle:
-    """The contacts without heat, where it changes the force by less than WEAK_EFFECT, for a slider that is followed at
-    T = 0 only; else as they are, with its effect."""
+    """The contacts without heat, where it changes the force by less than WEAK_EFFECT, for a slider with mass, which at
+    T = 0 is followed without steps in time; else as they are, with its effect."""
     effect = largest_effect(contacts, duration, EARLY_OF_CONTACTS)
     idle = Idle(contacts, effect, repeats_of_effect(contacts, drive))
     if not idle.error < WEAK_EFFECT:

@@ -13,9 +13,10 @@ The force on a straight move, and what the contacts store, come from the panels 
 `record.py` keeps results at the asked times and finds slips, the falls of the spring's force after a stick;
 `closed.py` looks for them in closed motions; `foretold.py` refuses, before the work, what would take too long.
 With a delay births depend on time: `delayed/` has a state and motions of its own. Where it is so short that it only
-takes from the damping, it is left out (`short_delay.py`).
+takes from the damping, it is left out (`short_delay.py`). With any other law beside thresholds and start `in_time/`
+takes steps of time.
 
 In reading order: `slider.py`, `body.py`, `reaction.py`, the three modes, `record.py`, `run.py`, `short_delay.py`,
-`solution.py`; then `delayed/`.
+`solution.py`; then `delayed/` and `in_time/`.
 Tests: tests/test_mass_master.py, test_mass.py and test_mass_agreement.py.
 """

@@ -6,17 +6,19 @@ their difference, twice that with a delay (SAFETY_OF_DELAY), and what both may m
 
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from master.outcome import Progress
 from master.soft.followed import LOOSEN, ErrorPart, Followed
-from master.soft.in_time.idle_heat import WEAK_EFFECT, Idle, without_weak_heat
+from master.soft.in_time.idle_heat import Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.small_swings import UNRESOLVED
 from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.growing_swings import growing_swings
+from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
 from master.soft.inertia.run import OF_PANELS, Run
@@ -87,15 +89,21 @@ def solve_inertial(
     """Motion while the drive X_T moves along its path and pulls the slider, from rest, by its spring.
 
     Heat that hardly changes the force is left out, and a bound on its effect is counted in the errors; so is a delay
-    that only takes from the damping. Raises InputError for contacts with other laws beside thresholds, start and delay,
-    and where a drive in time does not begin at the balance.
+    that only takes from the damping. With other laws beside thresholds, start and delay the slider is followed in steps
+    of time. Raises InputError for linked stiffness, for exact thresholds with such laws, for motions that take too
+    long, and where a drive in time does not begin at the balance.
     """
     began, given, idle = time.perf_counter(), contacts, Idle(contacts)
-    if contacts.thermal is not None and not _other_laws(contacts):
+    _check_laws(contacts, drive)
+    if contacts.thermal is not None and not set(contacts.laws) - {"delay", "thermal"}:
         duration = float(drive.arrival_times(balance_of(contacts, drive))[-1])
         idle = without_weak_heat(contacts, drive, duration)
         contacts = idle.contacts
-    _check(contacts, drive, idle)
+    if set(contacts.laws) - {"delay"}:
+        in_steps = follow_in_steps(contacts, drive, tolerance, progress, until)
+        common = common_fields((given, contacts), drive, in_steps.followed, tolerance, until)
+        return _in_steps(in_steps, common, drive, began)
+    _check(contacts, drive)
     short = short_delay(contacts, drive, tolerance, until) if contacts.waiting_time else None
     if short is not None:
         contacts, drive = short.contacts, short.drive
@@ -185,26 +193,44 @@ def solve_inertial(
     )
 
 
-def _other_laws(contacts: Contacts) -> list[str]:
-    """Names of laws with which no slider with mass is followed."""
-    return sorted(set(contacts.laws) - {"delay", "thermal"})
+def _in_steps(
+    found: HeavyFound, common: dict[str, Any], drive: Drive, began: float
+) -> InertialSolution:
+    """What was found in steps of time, since time.perf_counter() was at `began`."""
+    columns, mass = found.columns, float(drive.mass or 0.0)
+    force = found.followed.force
+    stored, on_contacts = columns["stored"], columns["on_contacts"]
+    return InertialSolution(
+        **common,
+        position=columns["position"],
+        run_time=time.perf_counter() - began,
+        velocity=columns["speed"],
+        contact_force=columns["force"],
+        contact_force_error=found.contact_force_error,
+        energy=Energy(
+            drive=columns["work"],
+            spring=0.5 * force**2 / float(drive.spring or 0.0),
+            contacts=stored,
+            kinetic=0.5 * mass * columns["speed"] ** 2,
+            damped=columns["damped"],
+            released=on_contacts - (stored - found.stored_first),
+        ),
+    )
 
 
-def _check(contacts: Contacts, drive: Drive, idle: Idle) -> None:
-    """Refuse contacts whose motion with a mass is not solved, heat among them that is not `idle`."""
-    others = sorted(set(contacts.laws) - {"delay"})
-    if others == ["thermal"]:
-        effect = f"{idle.error:.1g}" if np.isfinite(idle.effect) else "unknown"
-        hint = "a slider with mass is followed at T = 0, as if heat changed the force by less than"
-        change = f"{WEAK_EFFECT:g} mean thresholds; here the bound is {effect}"
-        refuse(
-            "mass", drive.mass, f"{hint} {change}; leave out the heat, or the mass and give slip"
-        )
-    if others:
-        laws = ", ".join(others)
-        hint = f"the master equation follows a slider with mass at T = 0, with no law but a delay, not with {laws}"
-        also = "use eq_model.simulate, or " if others == ["stiffness"] else ""
-        refuse("mass", drive.mass, f"{hint}; {also}leave one of them out")
+def _check_laws(contacts: Contacts, drive: Drive) -> None:
+    """Refuse contacts with laws beside which no mass is followed."""
+    if "stiffness" in contacts.laws:
+        hint = "the master equation follows a slider with mass on contacts of one stiffness, not with stiffness"
+        refuse("mass", drive.mass, f"{hint}; use eq_model.simulate, or leave one of them out")
+    if set(contacts.laws) - {"delay"} and contacts.thresholds.atoms[0].size:
+        fault = "exact thresholds beside a mass are followed with no law but a delay, not with"
+        laws = ", ".join(sorted(set(contacts.laws) - {"delay"}))
+        raise InputError(f"contacts: {fault} {laws}; give the exact values a width")
+
+
+def _check(contacts: Contacts, drive: Drive) -> None:
+    """Refuse contacts without laws but a delay whose motion with a mass is not solved."""
     if contacts.delay is None:
         refuse_long_ringing(contacts, drive)
         return

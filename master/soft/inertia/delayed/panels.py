@@ -210,7 +210,9 @@ class OnPanels:
         ):
             cut = panel.cut(t) if panel.begin < t < panel.end else panel
             so_far = Part(cut, part.solved)
-            body.write(at, so_far.end(), self._after(so_far, 0.0), self._spent(cut))
+            # of the whole part: one cut to next to nothing has a slope of rounding
+            end = so_far.end(float(panel.slope(t, POSITION)))
+            body.write(at, end, self._after(so_far, 0.0), self._spent(cut))
 
     def _watch(self, part: Part) -> None:
         """Falls of the spring's force on a part of a panel."""

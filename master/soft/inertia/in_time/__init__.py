@@ -1,0 +1,20 @@
+"""Sliders with mass in steps of time: heat that matters, ageing, thresholds that grow, and re-forming stretched.
+
+    M X'' + γ X' = K (X_T - X) - F
+
+The contacts are those of `master.soft.in_time` (`ContactsInSteps`), and so is a step's size: what part of it is travel
+and what part time is found by a secant. A step is right where the slider's own motion in that time is that travel. With
+mass nothing is unstable: no slip rule is needed, and a step of any small size has a solution.
+
+    swing_steps.py   a swing: a damped oscillator on the contacts that hold, pulled by the rest of F, which grows evenly
+    slow_steps.py    rest: K (X_T - X) - F - γ V = 0, where the inertia that this leaves out is small
+    slider.py        one after another, from turn to turn of the slider and of the drive; energies
+    falls.py         falls of the spring's force, and slips among them, as `master.soft.inertia.record` defines them
+    refining.py      steps of 1, 1/2, 1/4 ... until the error is within the tolerance
+    answer.py        the limit of steps 0, and its error
+
+Sections along which all is smooth end where the slider turns round (V = 0), as contacts may break ahead of it and not
+behind; where a swing becomes small, so that longer steps follow it; and where the slider comes to rest or leaves it.
+
+Tests: tests/test_mass_laws_in_time.py, beside the two other roads at T = 0 and a plain integrator.
+"""

@@ -1,0 +1,150 @@
+"""Refining: a slider with mass followed again and again, with steps halved each time, until its force is known."""
+
+import time
+from typing import NamedTuple
+
+import numpy as np
+
+from master.motion import drive_motion
+from master.outcome import FaultError, Progress, StoppedError
+from master.soft.followed import Followed
+from master.soft.in_time.contacts import MOST_STEPS, MOST_WORK, ContactsInSteps
+from master.soft.in_time.refining import (
+    MORE_STEPS,
+    MORE_WORK,
+    NEAR_MEMORY_ERROR,
+    balance_of,
+    memory_of,
+)
+from master.soft.in_time.steps import CONTROL
+from master.soft.inertia.foretold import enough_damping
+from master.soft.inertia.in_time.answer import COMPARED, HeavyAnswer, answer
+from master.soft.inertia.in_time.slider import HeavySlider
+from master.soft.inertia.run import SlipsInTime
+from origins import Contacts, Drive
+from origins.errors import refuse
+from origins.thresholds.law import Array
+
+
+class HeavyFound(NamedTuple):
+    """What is found: force and slips with their errors; the motion and energies at the points of the path, by the names
+    of HeavyNode; the error of the contacts' force (mean thresholds); and what the contacts store at t = 0."""
+
+    followed: Followed
+    columns: dict[str, Array]
+    contact_force_error: float
+    stored_first: float
+
+
+def follow_in_steps(
+    contacts: Contacts, drive: Drive, tolerance: float, progress: Progress, until: float
+) -> HeavyFound:
+    """The slider with mass of contacts whose laws depend on time, on steps halved until its error is within the
+    tolerance; `until` is a reading of time.monotonic() at which to stop. Raises InputError where the coarsest steps
+    take too long."""
+    balance = balance_of(contacts, drive)
+    _refuse_long_ways(contacts, drive, balance)
+    motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
+    fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
+    unit = contacts.mean_threshold
+    sliders, best, halvings, stopped, nodes = list[HeavySlider](), None, 0, "", 0
+    while True:
+        memory = memory_of(contacts, halvings, fastest)
+        cohorts = ContactsInSteps(contacts, memory, halvings, until)
+        slider = HeavySlider(cohorts, drive, motion, tolerance * unit)
+        try:
+            slider.run()
+        except StoppedError as why:
+            stopped = _why(why, cohorts, drive)
+            if best is None:
+                if time.monotonic() <= until and not isinstance(why, FaultError):
+                    refuse("path[-1]", drive.path[-1], stopped)
+                best = answer([slider], contacts, drive, asked[asked <= cohorts.now])
+                sliders = [slider]
+            break
+        sliders, nodes = [*sliders[1 - COMPARED :], slider], nodes + cohorts.steps
+        found = answer(sliders, contacts, drive, asked)
+        progress(found.error)
+        if best is None or _largest(found) <= _largest(best):
+            best = found
+        as_good_as_memory = _largest(found) < NEAR_MEMORY_ERROR * memory.error
+        if _largest(best) <= tolerance or as_good_as_memory:
+            break
+        steps, work = MORE_STEPS * cohorts.steps, MORE_WORK * cohorts.work
+        if steps > MOST_STEPS or work > MOST_WORK:
+            many = f"{steps:.0f} steps, above {MOST_STEPS:.0f}"
+            what = many if steps > MOST_STEPS else f"{work:.1e} operations, above {MOST_WORK:.0e}"
+            stopped = f"steps are not halved again, which takes {what}"
+            break
+        halvings += 1
+    return _found(best, sliders[-1], drive, balance, (nodes, stopped))
+
+
+def _refuse_long_ways(contacts: Contacts, drive: Drive, balance: float) -> None:
+    """InputError where the slider goes so far that the coarsest steps, of which each takes it on by CONTROL.coarsest of
+    the length over which births change at most, are too many. It is behind its drive by F/K at most."""
+    memory, spring = memory_of(contacts, 0, 1.0), float(drive.spring or 0.0)
+    way = float(np.abs(np.diff(drive.path, prepend=balance)).sum())
+    turns = 1 + np.count_nonzero(np.diff(np.sign(np.diff(drive.path, prepend=balance))))
+    behind = 2.0 * turns * memory.largest_stretch / spring
+    steps = (way - behind) / (CONTROL.coarsest * memory.scales.length)
+    most = MOST_STEPS * 0.5 ** (COMPARED - 1)
+    if steps > most:
+        fault = f"a slider with mass goes on by {way - behind:.3g} or more, in {steps:.2g} steps"
+        fault += f" of time, above {most:.2g}"
+        refuse("path[-1]", drive.path[-1], f"{fault}; end the path sooner, or take a slip rule")
+
+
+def _largest(found: HeavyAnswer) -> float:
+    """The error by which an answer is judged."""
+    return max(found.error, found.of_holding.size)
+
+
+def _why(why: StoppedError, contacts: ContactsInSteps, drive: Drive) -> str:
+    """Why a slider was stopped, and where steps were too many what to do."""
+    work = MOST_WORK * (contacts.most_steps / MOST_STEPS) ** 2
+    if contacts.steps <= contacts.most_steps and contacts.work <= work:
+        return str(why)
+    fault = (
+        f"a slider with mass takes {contacts.steps} steps, {contacts.work:.1e} operations in all,"
+    )
+    hint = f"or give a larger damping ({enough_damping(drive)})"
+    return (
+        f"{fault} to t = {contacts.now:.4g}, and no more are taken on; end the path sooner, {hint}"
+    )
+
+
+def _found(
+    best: HeavyAnswer, last: HeavySlider, drive: Drive, balance: float, ended: tuple[int, str]
+) -> HeavyFound:
+    """The answer in the form of other sliders; `ended`: steps in all, and why they were not halved further."""
+    unit, spring, slips = last.contacts.unit, last.spring, best.slips
+    place = best.columns["position"]
+    force = spring * (drive.path[: place.size] - place)
+    drive_error = best.error * unit / spring
+    listed = SlipsInTime(
+        drive=slips.drive,
+        before=slips.drive - slips.force_before / spring,
+        after=slips.after,
+        force_before=slips.force_before,
+        force_after=slips.force_after,
+        drive_error=drive_error,
+        time=slips.time,
+        duration=slips.duration,
+        top_speed=slips.top_speed,
+        duration_error=best.duration_error,
+    )
+    nodes, stopped = ended
+    followed = Followed(
+        balance=balance,
+        force=force,
+        holding=best.columns["holding"],
+        slips=listed,
+        error=best.error,
+        nodes=nodes,
+        parts=best.parts,
+        stopped_because=stopped,
+        of_holding=best.of_holding,
+    )
+    stored_first = last.sections[0][0].stored
+    return HeavyFound(followed, best.columns, best.of_contacts, stored_first)

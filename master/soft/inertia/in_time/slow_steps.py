@@ -1,0 +1,128 @@
+"""Steps of a slider with mass that does not swing: forces balance, and the damping follows its slow speed.
+
+With κ the stiffness of the contacts and r what else their force changes by in a step of the time h, the balance of a
+slider that rests on its contacts drifts at the speed u = (K v - r/h)/(K + κ). The slider lags behind it, so that its
+speed is V = u - γ u'/(K + κ), but for higher derivatives; at the end of the step
+
+    K (X_T - X) - F - γ V = 0.
+
+What this leaves out, M u' and γ³ u''/(K + κ)², is asked to be small: so such steps end long before the slider slips.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from master.motion import Motion
+from master.soft.in_time.contacts import ContactsInSteps, Trial
+from master.soft.in_time.steps import FIRST_FRACTION, Guess, Steps
+from origins.drive import Drive
+
+# Least part of a step's size that is time where a speed is told; a shorter step is taken for one of that time, so that
+# the imbalance stays finite. No such step is taken.
+LEAST_TIME = 1e-3
+
+
+class Crept(NamedTuple):
+    """A balanced step, not taken yet.
+
+    trial : where it leads; drift, speed : of the balance in its middle, and dX/dt at its end
+    left_out : force of the inertia that it leaves out (a length)
+    """
+
+    trial: Trial
+    drift: float
+    speed: float
+    left_out: float
+
+
+class Drifts:
+    """Speeds of the balance in the middle of the last steps, and what of a slider's inertia a slow step leaves out."""
+
+    def __init__(self, mass: float, damping: float) -> None:
+        """Of a slider; no step has been taken."""
+        self._mass, self._damping = mass, damping
+        # time in the middle, drift, and its slope from the step before
+        self._last: tuple[float, float, float] | None = None
+
+    def begin(self) -> None:
+        """The drive's speed changes: the drift jumps."""
+        self._last = None
+
+    def slope(self, middle: float, drift: float) -> float:
+        """u' up to a step with this time in its middle; 0 where no step was before."""
+        if self._last is None:
+            return 0.0
+        return (drift - self._last[1]) / (middle - self._last[0])
+
+    def left_out(self, middle: float, drift: float, stiff: float) -> float:
+        """Force (a length) that a slow step would leave out; inf where that is not known."""
+        if self._last is None or np.isnan(self._last[2]):
+            return np.inf
+        slope = self.slope(middle, drift)
+        bend = abs(slope - self._last[2]) / (middle - self._last[0])
+        return self._mass * abs(slope) + self._damping**3 / stiff**2 * bend
+
+    def add(self, middle: float, drift: float) -> None:
+        """A step was taken."""
+        slope = np.nan if self._last is None else self.slope(middle, drift)
+        self._last = middle, drift, slope
+
+
+class SlowSteps(Steps):
+    """Steps of a slider with mass that follows its drive in balance, on one leg of the drive's motion."""
+
+    def __init__(
+        self, contacts: ContactsInSteps, drive: Drive, motion: Motion, drifts: Drifts
+    ) -> None:
+        """Steps of these contacts, behind those with these drifts."""
+        super().__init__(contacts, float(drive.spring or 0.0), motion)
+        self.mass, self.damping = float(drive.mass or 0.0), drive.damping
+        self._guess = self.first_guess
+        self._drive_speed, self._drifts = 0.0, drifts
+        self._least_time = 0.0
+
+    def begin_section(self, leg: int, end: float) -> None:
+        """See Steps."""
+        super().begin_section(leg, end)
+        self._drive_speed = float(self._drive_motion.speeds[leg])
+        self._guess = self._guess._replace(time_fraction=FIRST_FRACTION)
+
+    def _stiff(self) -> float:
+        return self.spring + self.contacts.holding
+
+    def _speeds(self, trial: Trial) -> tuple[float, float]:
+        """The drift in the middle of a step, and dX/dt at its end."""
+        contacts = self.contacts
+        lasts = max(trial.end - contacts.now, self._least_time)
+        left = trial.force - contacts.force - contacts.holding * trial.travel
+        drift = (self.spring * self._drive_speed - left / lasts) / self._stiff()
+        slope = self._drifts.slope(contacts.now + 0.5 * lasts, drift)
+        return drift, drift + slope * (0.5 * lasts - self.damping / self._stiff())
+
+    def imbalance(self, trial: Trial) -> float:
+        """The spring's force minus those of contacts and damping, along the motion (a length)."""
+        _, speed = self._speeds(trial)
+        return super().imbalance(trial) - self.sign * self.damping * speed
+
+    def next_step(self, size: float) -> Crept | None:
+        """The balanced step of this size; None where there is none, or none is found."""
+        size = min(size, self.longest())
+        units, now = self._time_units, self.contacts.now
+        self._least_time = units.time(units.at(now) + LEAST_TIME * size) - now
+        root = self.step(size, self._guess)
+        for _ in range(2):
+            trial = root.step.trial
+            if not self.runs_back(trial):
+                break
+            # the spring pulls the slider away from a slow drive
+            self.turn_round()
+            near = min(max(self.travelled(trial) / size, 0.0), FIRST_FRACTION)
+            root = self.step(size, Guess(1.0 - near, self._guess.slope))
+        if not (root.converged and root.step.time_part > LEAST_TIME * size):
+            return None
+        self._guess = Guess(root.step.time_part / size, root.slope)
+        trial = root.step.trial
+        drift, speed = self._speeds(trial)
+        left_out = self._drifts.left_out(0.5 * (now + trial.end), drift, self._stiff())
+        return Crept(trial, drift, speed, left_out)

@@ -1,0 +1,225 @@
+"""A slider with mass on contacts whose laws depend on time, by the master equation: other roads and exact answers."""
+
+import numpy as np
+import pytest
+from plain_heavy_in_time import Heavy, swung
+from plain_in_time import Pulled
+from solving import oscillator
+
+import master
+import origins
+from master.motion import drive_motion
+from master.outcome import unheard
+from master.soft.in_time.contacts import ContactsInSteps
+from master.soft.in_time.refining import memory_of
+from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
+from master.soft.inertia.in_time.slider import HeavySlider
+from origins import Contacts, Delay, Drive, InputError, Thermal, strengthening
+
+WIDE = origins.gaussian(1.0, 0.2)
+EYRING = Thermal("eyring", width=0.03)
+HOT = Contacts(WIDE, thermal=EYRING)
+GROWING = Contacts(strengthening(WIDE, 0.05, 1.0))
+PATH = np.linspace(0.1, 5.0, 50)
+
+
+def in_steps(contacts: Contacts, drive: Drive, tolerance: float) -> HeavyFound:
+    """The slider in steps of time, also of contacts that master.solve follows otherwise."""
+    return follow_in_steps(contacts, drive, tolerance, unheard, np.inf)
+
+
+TIMES = np.linspace(0.5, 24.0, 48)
+# forward, a hold, and back past the begin of the hold
+TURNING = np.interp(TIMES, [0.0, 8.0, 16.0, 24.0], [0.0, 8.0, 8.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("law", "delay", "drive"),
+    [
+        (WIDE, None, Drive(PATH, spring=0.3, mass=0.3, damping=0.03)),
+        (origins.gaussian(1.0, 0.1), None, Drive(TURNING, 1.0, TIMES, 0.1, None, 0.3, 0.1)),
+        (WIDE, Delay(0.7), Drive(PATH, spring=0.1, mass=0.3, damping=0.1)),
+        (WIDE, None, Drive(PATH, spring=0.3, mass=1e-3, damping=1.0)),
+    ],
+    ids=["free", "turns", "delay", "overdamped"],
+)
+def test_without_laws_in_time_both_roads_lead_to_one_motion(
+    law: origins.Thresholds, delay: Delay | None, drive: Drive
+) -> None:
+    """At T = 0 the slider is followed on the panels of F, or with a delay by collocation; in steps it is the same."""
+    contacts = Contacts(law, delay=delay)
+    machine = {"spring": drive.spring, "mass": drive.mass, "damping": drive.damping}
+    clock = {} if drive.time is None else {"time": drive.time}
+    exact = master.solve(contacts, drive.path, 1e-7, **machine, **clock)
+    found = in_steps(contacts, drive, 1e-4)
+    followed, columns = found.followed, found.columns
+    assert exact.success and followed.error <= 1e-4
+    assert np.abs(followed.force - exact.force).max() <= followed.error
+    assert np.abs(columns["force"] - exact.contact_force).max() <= found.contact_force_error
+    assert np.abs(followed.holding - exact.holding).max() <= followed.holding_error
+    assert np.abs(columns["speed"] - exact.velocity).max() < 1e-4
+    for ours, theirs in (
+        (columns["work"], exact.energy.drive),
+        (columns["damped"], exact.energy.damped),
+        (columns["stored"], exact.energy.contacts),
+    ):
+        np.testing.assert_allclose(ours, theirs, atol=1e-4)
+
+
+def test_slips_are_those_of_the_other_road() -> None:
+    """One slip after a delay: where it begins, its forces, its duration and its top speed."""
+    contacts = Contacts(origins.gaussian(1.0, 0.1), delay=Delay(3.0))
+    machine = {"spring": 0.1, "mass": 0.1, "damping": 0.1, "velocity": 0.2}
+    path = np.linspace(0.2, 12.0, 60)
+    exact = master.solve(contacts, path, 1e-6, **machine).slips
+    found = in_steps(contacts, Drive(path, **machine), 3e-3).followed
+    assert exact.drive.size == found.slips.drive.size == 1 and found.error <= 3e-3
+    for name in ("force_before", "force_after"):
+        assert np.abs(getattr(exact, name) - getattr(found.slips, name)).max() <= found.error
+    assert np.abs(exact.drive - found.slips.drive).max() <= found.slips.drive_error
+    assert np.abs(exact.duration - found.slips.duration).max() <= found.slips.duration_error
+    np.testing.assert_allclose(found.slips.top_speed, exact.top_speed, rtol=1e-3)
+
+
+def test_errors_fall_as_the_square_of_the_steps() -> None:
+    """Of the position at the end of the path, and of what contacts store there."""
+    contacts, drive = Contacts(WIDE), Drive([2.0], spring=0.3, mass=0.3, damping=0.1)
+    exact = master.solve(contacts, [2.0], 1e-10, spring=0.3, mass=0.3, damping=0.1)
+    motion = drive_motion(drive, 0.0)
+    off = []
+    for halvings in (2, 3, 4, 5):
+        memory = memory_of(contacts, halvings, 1.0)
+        slider = HeavySlider(
+            ContactsInSteps(contacts, memory, halvings, np.inf), drive, motion, 1e-9
+        )
+        slider.run()
+        end = slider.sections[-1][-1]
+        off.append([end.position - exact.position[0], end.stored - exact.energy.contacts[0]])
+    orders = np.log2(np.abs(np.array(off[:-1]) / np.array(off[1:])))
+    assert (np.abs(orders[1:] - 2.0) < 0.2).all(), orders
+
+
+@pytest.mark.parametrize("mass, damping", [(0.1, 0.0), (1e-3, 1e-3), (0.1, 3.0)])
+def test_where_none_breaks_it_is_an_oscillator(mass: float, damping: float) -> None:
+    """On contacts that grow stronger, so that they are followed in steps; by the roots of m r² + c r + S = 0."""
+    spring, path = 0.5, np.linspace(0.01, 0.6, 60)
+    contacts = Contacts(strengthening(origins.gaussian(1.0, 0.02), 0.03, 1.0))
+    found = master.solve(contacts, path, 1e-6, spring=spring, mass=mass, damping=damping)
+    x, _ = oscillator(path, spring, mass, damping)
+    assert found.success, found.message
+    # what rings below a fiftieth of the tolerance may count as rest
+    assert np.abs(found.position - x).max() < 1e-6
+    np.testing.assert_allclose(found.contact_force, x, atol=1e-6)
+    assert not found.slips.drive.size
+
+
+@pytest.mark.parametrize("mass", [0.01, 0.3])
+def test_steady_sliding_bears_kinetic_friction_and_damping(mass: float) -> None:
+    """F_k(v) + γ v, whatever the mass."""
+    kinetic = master.steady_state(GROWING, velocity=0.5).force
+    machine = {"spring": 2.0, "mass": mass, "damping": 0.3, "velocity": 0.5}
+    found = master.solve(GROWING, [12.0], 1e-3, **machine)
+    assert found.success, found.message
+    assert found.force[0] == pytest.approx(kinetic + 0.15, abs=found.force_error + 3e-4)
+    assert found.velocity[0] == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("growth", "thermal", "slips"),
+    [(0.0, EYRING, 1), (0.0, Thermal("soft", 0.02), 1), (0.05, None, 0)],
+    ids=["eyring", "soft", "strengthening"],
+)
+def test_a_plain_integrator_leads_through_the_same_motion(
+    growth: float, thermal: Thermal | None, slips: int
+) -> None:
+    """Verlet's rule with contacts in cells of thresholds; both step to step 0, and cells to cells 0."""
+    law, spring, mass, damping, speed, end = WIDE, 0.1, 0.3, 0.1, 0.5, 24.0
+    contacts = Contacts(strengthening(law, growth, 1.0) if growth else law, thermal=thermal)
+    points = 48
+    path = speed * end / points * np.arange(1, points + 1)
+    found = master.solve(
+        contacts, path, 3e-3, spring=spring, mass=mass, damping=damping, velocity=speed
+    )
+    assert found.success and found.slips.drive.size == slips, found.message
+
+    def growing(age: np.ndarray) -> np.ndarray:
+        return 1.0 + growth * np.log1p(age)
+
+    of, heavy = Pulled(law, spring, thermal, growth=growing), Heavy(mass, damping, speed)
+
+    def plain(steps: int, cells: int) -> np.ndarray:
+        every = steps // points
+        return swung(of, heavy, end, steps, cells)[:, every - 1 :: every]
+
+    coarse, finer_steps, finer_cells = plain(480, 100), plain(960, 100), plain(480, 200)
+    limit = coarse + 4.0 / 3.0 * (finer_steps - coarse + finer_cells - coarse)
+    off = np.abs(limit - [found.force, found.velocity, found.contact_force]).max(axis=1)
+    assert off[0] <= found.force_error + 2e-4 and off[2] <= found.contact_force_error + 5e-4
+    assert off[1] < 5e-3
+    assert np.ptp(limit[0]) > 0.4
+
+
+def test_a_light_slider_slips_in_no_time() -> None:
+    """M -> 0 and γ -> 0: as under "instant", but for what is proportional to γ, 5e-3 <x_s> or less here."""
+    path = np.linspace(0.4, 6.0, 15)
+    instant = master.solve(GROWING, path, 3e-3, spring=0.3, slip="instant")
+    forces = []
+    for damping in (2e-3, 1e-3):
+        found = master.solve(GROWING, path, 3e-3, spring=0.3, mass=1e-6, damping=damping)
+        assert found.success, found.message
+        forces.append(found.force)
+    off = np.abs(2.0 * forces[1] - forces[0] - instant.force).max()
+    assert off < 2e-3 < 4e-3 < np.abs(forces[0] - instant.force).max()
+    assert instant.slips.drop[0] > 0.2
+
+
+def test_energy_is_kept_and_damping_takes_its_part() -> None:
+    """drive = change of (spring + contacts + kinetic) + damped + released; damped is the integral of γ V²."""
+    path = np.linspace(0.04, 10.0, 250)
+    contacts = Contacts(strengthening(WIDE, 0.05, 1.0), start=0.1)
+    found = master.solve(
+        contacts, path + 0.1 / 0.2, 1e-4, spring=0.2, mass=0.3, damping=0.1, velocity=0.5
+    )
+    energy = found.energy
+    stored = energy.spring + energy.contacts + energy.kinetic
+    first = 0.5 * 0.1**2 / 0.2 + 0.5 * 0.1**2
+    spent = stored - first + energy.damped + energy.released
+    np.testing.assert_allclose(energy.drive, spent, atol=1e-5)
+    times, speed = path / 0.5, found.velocity
+    damped = 0.1 * np.trapezoid(np.append(0.0, speed) ** 2, np.append(0.0, times))
+    assert energy.damped[-1] == pytest.approx(damped, rel=2e-3)
+    assert (np.diff(energy.released) >= -1e-5).all() and energy.released[-1] > 0.3
+
+
+def test_a_slider_at_rest_stays_there_while_its_drive_holds() -> None:
+    found = master.solve(HOT, [0.0, 0.0], 1e-3, time=[0.0, 5.0], spring=0.3, mass=0.1)
+    assert (
+        found.success and np.abs(found.force).max() < 1e-9 and np.abs(found.velocity).max() < 1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("contacts", "path", "told"),
+    [
+        (HOT, [1e4], "goes on by"),
+        (Contacts(origins.identical(1.0), thermal=EYRING), [3.0], "give the exact values a width"),
+        (HOT.replace(stiffness="linked"), [3.0], "use eq_model.simulate"),
+    ],
+)
+def test_what_is_not_followed_is_refused_before_the_work(
+    contacts: Contacts, path: list[float], told: str
+) -> None:
+    with pytest.raises(InputError, match=told) as why:
+        master.solve(contacts, path, 1e-3, spring=0.1, mass=0.1)
+    assert "\n" not in str(why.value)
+
+
+def test_a_slider_that_rings_without_damping_asks_for_one() -> None:
+    """It is seen after some thousand steps."""
+    with pytest.raises(InputError, match="give a larger damping"):
+        master.solve(GROWING, [4.0], 1e-3, spring=0.1, mass=1e-4, velocity=0.1)
+
+
+def test_wall_time_ends_the_work() -> None:
+    found = master.solve(HOT, PATH, 1e-6, spring=0.1, mass=0.01, velocity=0.1, wall_time=1e-3)
+    assert not found.success and "wall_time" in found.message
