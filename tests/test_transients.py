@@ -517,3 +517,20 @@ def test_on_the_border_of_steady_sliding_chance_decides_on_slips(part: float) ->
     assert "on the border" not in sentence(on_area(SLIDES, large, machine, contacts))
     many = replace(few, contacts=10**12)
     assert "on the border" not in sentence(on_area(SLIDES, many, machine, contacts))
+
+
+def test_an_undamped_mass_on_a_stiff_spring_swings_and_that_is_said() -> None:
+    """Above K* nothing slips without a mass: the swings of one without damping were told as slips, and no more."""
+    machine, few = Machine(2.0, 0.5, 0.0, 0.25), Finite("mass", 300, "smooth")
+    swings = replace(SLIDES, kind="stick-slip", after=-0.1, slips=9, period=9.09)
+
+    def said(machine: Machine, contacts: Contacts, one: Behaviour = swings) -> bool:
+        text = "\n".join(page(replace(on_area(one, few, machine, contacts), finite=())))
+        return "the swing of the mass about F_k, by 0.250 N_c<k> length or less" in text
+
+    contacts = Contacts(WIDE)
+    assert said(machine, contacts)
+    assert not said(replace(machine, damping=0.1), contacts)
+    assert not said(replace(machine, spring=0.1, mass=10.0), contacts)  # below K*: slips
+    assert not said(machine, Contacts(WIDE, delay=Delay(3.0)))
+    assert not said(machine, contacts, SLIDES)

@@ -12,9 +12,8 @@ from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import apart, late_force_of
 from toolkit.verdict.sliders.finite import ABOVE, SMALL
-from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
-from toolkit.verdict.sliders.machine import Finite, critical_damping
-from toolkit.verdict.sliders.steady import friction_falls
+from toolkit.verdict.sliders.late import SLIDERS
+from toolkit.verdict.sliders.machine import Finite
 from toolkit.verdict.slips_in_words import after_slips, does, fall_of, fluctuating
 from toolkit.verdict.text.kinds import (
     GENERAL,
@@ -27,7 +26,8 @@ from toolkit.verdict.text.kinds import (
     of_rules,
     sorted_texts,
 )
-from toolkit.verdict.text.table import HOLDING, drop_of, regained_by, speed_unit
+from toolkit.verdict.text.of_mass import of_a_mass
+from toolkit.verdict.text.table import HOLDING, speed_unit
 from toolkit.verdict.text.undone import of_errors, of_readings, unanswered
 from toolkit.verdict.uncertainty import uncertainties_of
 
@@ -46,7 +46,7 @@ def dependence(verdict: Verdict) -> list[str]:
         _of_a_speed(verdict),
         _of_a_stuck_slider(verdict),
         _above_critical_spring(verdict),
-        _of_a_mass(verdict),
+        of_a_mass(verdict),
         _of_contacts(verdict),
         unanswered(verdict),
         of_errors(verdict),
@@ -169,38 +169,6 @@ def why_smooth(verdict: Verdict) -> list[str]:
         often, f"{often} times, and then no more"
     )
     return [f"{said}{after}the slider slips {often}, as contacts have forgotten their start"]
-
-
-def _of_a_mass(verdict: Verdict) -> Iterator[Line]:
-    """The damping that was taken, and the swing after a slip."""
-    own = verdict.own
-    # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
-    unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
-    for behaviour in own.behaviours:
-        if behaviour.damping is not None and own.machine is not None:
-            part = behaviour.damping / critical_damping(own.machine)
-            yield Line(
-                UNSIZED,
-                f"the damping: none is given, and without one the slider rings for too long; all is told of one of "
-                f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping",
-            )
-        if behaviour.kind == EVER_RARER and own.machine is not None:
-            each = friction_falls(own.machine, own.contacts), own.machine.damping
-            falls, rises = (f"{one * own.scale.spring:.3g} {unit}" for one in each)
-            said = f"friction falls with the speed by {falls}, and the damping is {rises}"
-            yield Line(
-                GENERAL,
-                f"steady sliding is stable: {said}; contacts that broke together draw apart",
-            )
-        if (regained := regained_by(verdict, behaviour)) is not None:
-            drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit
-            back = drop - (remaining := regained * own.scale.force)
-            yield Line(
-                GENERAL,
-                f"the slider rings after a slip, while its contacts are out: of the drop of {written(drop, force)} it "
-                f"swings back by {written(back, force)} before it sticks, and the period is that of the other "
-                f"{written(remaining, force)}",
-            )
 
 
 def _of_contacts(verdict: Verdict) -> Iterator[Line]:

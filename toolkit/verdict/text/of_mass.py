@@ -1,0 +1,62 @@
+"""What a verdict on a slider with mass hangs on: its damping, and how it swings."""
+
+from collections.abc import Iterator
+
+from toolkit.scene.scale import written
+from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.sliders.late import EVER_RARER
+from toolkit.verdict.sliders.machine import Behaviour, critical_damping
+from toolkit.verdict.sliders.steady import friction_falls
+from toolkit.verdict.text.kinds import GENERAL, TURNS, UNSIZED, Line
+from toolkit.verdict.text.table import drop_of, regained_by
+
+
+def of_a_mass(verdict: Verdict) -> Iterator[Line]:
+    """The damping that was taken, or none; and the swing after a slip."""
+    own = verdict.own
+    # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
+    unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
+    for behaviour in own.behaviours:
+        if behaviour.damping is not None and own.machine is not None:
+            part = behaviour.damping / critical_damping(own.machine)
+            yield Line(
+                UNSIZED,
+                f"the damping: none is given, and without one the slider rings for too long; all is told of one of "
+                f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping",
+            )
+        yield from _of_a_swing(own, behaviour)
+        if behaviour.kind == EVER_RARER and own.machine is not None:
+            each = friction_falls(own.machine, own.contacts), own.machine.damping
+            falls, rises = (f"{one * own.scale.spring:.3g} {unit}" for one in each)
+            said = f"friction falls with the speed by {falls}, and the damping is {rises}"
+            yield Line(
+                GENERAL,
+                f"steady sliding is stable: {said}; contacts that broke together draw apart",
+            )
+        if (regained := regained_by(verdict, behaviour)) is not None:
+            drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit
+            back = drop - (remaining := regained * own.scale.force)
+            yield Line(
+                GENERAL,
+                f"the slider rings after a slip, while its contacts are out: of the drop of {written(drop, force)} it "
+                f"swings back by {written(back, force)} before it sticks, and the period is that of the other "
+                f"{written(remaining, force)}",
+            )
+
+
+def _of_a_swing(own: Answer, behaviour: Behaviour) -> Iterator[Line]:
+    """That an undamped mass on a spring above K* swings for ever, with v (K M)^(1/2) of force, and sticks at turns."""
+    machine = own.machine
+    if machine is None or machine.mass is None or machine.damping or behaviour.damping is not None:
+        return
+    # contacts that wait may slip above K*, which is of a slider as fast as the drive
+    if own.contacts.waiting_time:
+        return
+    if behaviour.kind == "stick-slip" and machine.spring >= own.critical_spring.value:
+        swing = machine.velocity * (machine.spring * machine.mass) ** 0.5 * own.scale.force
+        yield Line(
+            TURNS,
+            "the damping: none is given; the spring is above K*, and what is told as slips is the swing of the mass "
+            f"about F_k, by {written(swing, own.scale.force_unit)} or less, which contacts stop at its turns and "
+            "nothing damps: give drive.damping",
+        )
