@@ -309,11 +309,11 @@ def test_the_force_of_a_slider_on_which_few_contacts_hold_says_so_beside_the_mea
     assert "of whose contacts 0.1% hold" in kinetic
     (mean,) = (one for one in lines if one.startswith("mean force of stick-slip (mass)"))
     assert "0.4000 N_c<k> length" in mean
-    (why,) = (one for one in dependence(few) if "F_k is that small" in one)
+    (why,) = (one for one in dependence(few) if "F_k is smaller than without a delay" in one)
     assert "waits while the drive goes on by 30.0" in why and "0.1% of them hold" in why
     many = table(found)
     assert not any("hold" in one for one in many)
-    assert not any("F_k is that small" in one for one in dependence(found))
+    assert not any("F_k is smaller than without a delay" in one for one in dependence(found))
     smooth = of(of_a_mass("smooth", 0.8, drive=drive, force=force))
     assert not any(one.startswith("mean force") for one in table(smooth))
 
@@ -666,6 +666,20 @@ def test_a_slider_that_slides_with_a_short_delay_is_held_against_a_long_one(
         del asked[:]
         own = replace(of(behaviour).own, contacts=contacts)
         assert judge._turned(own, Budget(60.0, strict=True)).kind == "smooth" and asked == [0.0]
+
+
+def test_where_slip_rules_tell_of_no_long_delay_the_mass_itself_does(monkeypatch: Any) -> None:
+    """Slips of a heavy slider take as long as the time between them: no rule tells of it, and the page of one that
+    slides, of which no delay is given, did not say that one of 42 ms makes it stick and slip."""
+
+    def other(machine: Any, contacts: Any, number: Any, seconds: float, delay: float = 0.0) -> Any:
+        too_long = not_followed("reform-after", "a slip of this mass takes as long as the period")
+        return of_a_mass("stick-slip", 0.8) if delay else too_long
+
+    monkeypatch.setattr("toolkit.verdict.judge.follow_other_delay", other)
+    own = of(replace(of_a_mass("smooth", 0.5), after=0.5)).own
+    own = replace(own, contacts=own.contacts.replace(delay=None))
+    assert judge._turned(own, Budget(60.0, strict=True)).kind == "stick-slip"
 
 
 def test_a_short_delay_is_told_by_the_friction_of_contacts_that_do_not_wait() -> None:

@@ -186,9 +186,11 @@ def _turned(own: Answer, budget: Budget) -> Behaviour | None:
     with suppress(InputError, TimeIsUp):
         light = follow_other_delay(*asked, budget.remaining())
         waits, slides = own.contacts.waiting_time, own.behaviours[0].kind == "smooth"
-        if light.kind != "smooth" or (waits and not (slides and waits < long_delay_of(own))):
+        slips = light.kind not in ("smooth", "undecided")
+        if slips or (waits and not (slides and waits < long_delay_of(own))):
             return light
-        # fewer contacts hold a slider that slides than one that sticks, where they wait long: no slip rule tells of it
+        # fewer contacts hold a slider that slides than one that sticks, where they wait long, and slips of a heavy one
+        # take as long as the time between them: no slip rule tells of either
         heavy = follow_other_delay(*asked, min(budget.remaining(), OF_DELAY), long_delay_of(own))
         return heavy if heavy.kind != "undecided" else light if waits else None
     return None

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.results.slips import QUARTERED, Spread
-from toolkit.scene.scale import Scale, guarded, with_scatter, written
+from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour, Finite
@@ -45,7 +45,20 @@ def swinging(answer: Answer, slider: Behaviour) -> str:
     slips = "" if slider.shrinks_by else after_slips(slider.slips)
     said = f"{slips}, still swinging between {low} and {high} after {_short(way, scale.length_unit)} of the drive"
     waits = answer.machine.velocity * answer.contacts.waiting_time
-    return said + f", {way / waits:,.3g} delays of its contacts" * (0.0 < waits < way)
+    return f"{said}, {way / waits:,.3g} delays of its contacts" if 0.0 < waits < way else said
+
+
+def of_fluctuations(verdict: Verdict, slider: Behaviour) -> str:
+    """How the force of the area's contacts fluctuates where they slide as smoothly as infinitely many, beside a mass,
+    whose own mean is not told; "" where it hardly does, or still swings."""
+    few = [one for one in verdict.finite if one.rule == slider.rule and one.kind == "smooth"]
+    if not few or np.isfinite(few[0].late) or slider.swings is not None:
+        return ""
+    scale, fluctuation = verdict.own.scale, few[0].fluctuation
+    if not fluctuation >= WORTH_SHOWING * abs(slider.before):
+        return ""
+    said = _short(fluctuation * scale.force, scale.force_unit)
+    return f", fluctuating by ± {said} with {of_contacts(few[0].contacts)}"
 
 
 def left_out(each: Finite | Behaviour) -> str:

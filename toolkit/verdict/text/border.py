@@ -42,7 +42,8 @@ def on_the_border(verdict: Verdict) -> list[str]:
 def _is_near(few: Finite, machine: Machine, verdict: Verdict) -> bool:
     """Whether these contacts slip by little, or slide, where damping and friction's fall differ by less than chance."""
     own, mean = verdict.own, verdict.own.contacts.mean_threshold
-    if np.isfinite(few.before) and few.before - few.after > NEAR * SMALL * mean:
+    # slips before those that slide are of the start, and may be of any size
+    if few.kind != "smooth" and few.before - few.after > NEAR * SMALL * mean:
         return False
     speed = SMALL * mean / np.sqrt(machine.spring * (machine.mass or np.inf))
     low, high = sorted((machine.damping, friction_falls(machine, own.contacts)))

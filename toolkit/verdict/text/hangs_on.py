@@ -106,15 +106,16 @@ def _why_above(contacts: Contacts) -> str:
 
 
 def _of_waiting(own: Answer) -> str:
-    """Why F_k of contacts that wait is small."""
+    """Why F_k of contacts that wait is smaller than without a delay."""
     if own.holding > HOLDING:
         return ""
-    scale, mean = own.scale, own.contacts.mean_threshold
-    distance = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
-    waits, breaks = (written(one, scale.length_unit) for one in (distance, mean))
+    scale = own.scale
+    waits = (own.machine.velocity if own.machine else 0.0) * own.contacts.waiting_time
+    holds = waits * own.holding / (1.0 - own.holding)  # on average, also where heat or age act
+    each = (written(one, scale.length_unit) for one in (waits, holds))
     return (
-        f". F_k is that small as a contact waits while the drive goes on by {waits}, and breaks after {breaks}: "
-        f"{100.0 * own.holding:.2g}% of them hold"
+        ". F_k is smaller than without a delay, as a contact waits while the drive goes on by {}, and holds while it "
+        "goes on by {}: {:.2g}% of them hold".format(*each, 100.0 * own.holding)
     )
 
 

@@ -31,7 +31,8 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             said = f"friction falls with the speed by {falls}, and the damping is {rises}"
             yield Line(
                 GENERAL,
-                f"steady sliding is stable: {said}; contacts that broke together draw apart",
+                f"steady sliding is stable against slow changes of the speed: {said}; contacts that broke together draw"
+                " apart. Whether quick swings of the mass stay, far smaller than slips, is not looked at",
             )
         if (regained := regained_by(verdict, behaviour)) is not None:
             drop, force = drop_of(behaviour) * own.scale.force, own.scale.force_unit

@@ -25,7 +25,14 @@ from toolkit.verdict.of_area import (
 from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.machine import Behaviour
-from toolkit.verdict.slips_in_words import falls, left_out, periods, plain_fall, swinging
+from toolkit.verdict.slips_in_words import (
+    falls,
+    left_out,
+    of_fluctuations,
+    periods,
+    plain_fall,
+    swinging,
+)
 from toolkit.verdict.text.border import on_the_border
 from toolkit.verdict.text.hangs_on import dependence, why_smooth
 from toolkit.verdict.text.kinds import (
@@ -269,6 +276,7 @@ def _behaved(
         beside = f"{of_damping(answer, last, differs)}{without_delay(answer, last)}"
         beside += once_over(answer, last)
         beside += swinging(answer, last)
+        beside += of_fluctuations(verdict, last) * (answer is verdict.own)
         return f"smooth at {said}{whom}{beside}{of_assumed_damping(answer, last)}"
     high = with_error([one.before * scale.force for one in alike])
     low = span(after, scale.force_unit, shown_error)
