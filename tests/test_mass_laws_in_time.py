@@ -66,6 +66,7 @@ def test_without_laws_in_time_both_roads_lead_to_one_motion(
         np.testing.assert_allclose(ours, theirs, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_slips_are_those_of_the_other_road() -> None:
     """One slip after a delay: where it begins, its forces, its duration and its top speed."""
     contacts = Contacts(origins.gaussian(1.0, 0.1), delay=Delay(3.0))
@@ -113,7 +114,7 @@ def test_where_none_breaks_it_is_an_oscillator(mass: float, damping: float) -> N
     assert not found.slips.drive.size
 
 
-@pytest.mark.parametrize("mass", [0.01, 0.3])
+@pytest.mark.parametrize("mass", [pytest.param(0.01, marks=pytest.mark.slow), 0.3])
 def test_steady_sliding_bears_kinetic_friction_and_damping(mass: float) -> None:
     """F_k(v) + γ v, whatever the mass."""
     kinetic = master.steady_state(GROWING, velocity=0.5).force
@@ -126,8 +127,11 @@ def test_steady_sliding_bears_kinetic_friction_and_damping(mass: float) -> None:
 
 @pytest.mark.parametrize(
     ("growth", "thermal", "slips"),
-    [(0.0, EYRING, 1), (0.0, Thermal("soft", 0.02), 1), (0.05, None, 0)],
-    ids=["eyring", "soft", "strengthening"],
+    [
+        pytest.param(0.0, EYRING, 1, id="eyring", marks=pytest.mark.slow),
+        pytest.param(0.0, Thermal("soft", 0.02), 1, id="soft"),
+        pytest.param(0.05, None, 0, id="strengthening"),
+    ],
 )
 def test_a_plain_integrator_leads_through_the_same_motion(
     growth: float, thermal: Thermal | None, slips: int
@@ -159,6 +163,7 @@ def test_a_plain_integrator_leads_through_the_same_motion(
     assert np.ptp(limit[0]) > 0.4
 
 
+@pytest.mark.slow
 def test_a_light_slider_slips_in_no_time() -> None:
     """M -> 0 and γ -> 0: as under "instant", but for what is proportional to γ, 5e-3 <x_s> or less here."""
     path = np.linspace(0.4, 6.0, 15)
