@@ -2,7 +2,9 @@
 
 As of sliders without mass (master.soft.in_time.answer.extrapolation) errors fall as the square of the steps, so that a
 third of the last change is left, and is added; the error is three times the last change of the plain or of the
-extrapolated answers, whichever is smaller, and what no change shows. X moves on smoothly: no slip has to be left out.
+extrapolated answers, whichever is larger, or where the last two agree by chance what the change before leaves, and what
+no change shows. The smaller of both changes was less than the error for slips of nearly equal contacts on long steps.
+X moves on smoothly: no slip has to be left out.
 """
 
 from typing import NamedTuple
@@ -19,6 +21,8 @@ from origins.thresholds.law import Array
 # See master.soft.in_time.answer.extrapolation.
 REST_OF_CHANGE = 1.0 / 3.0
 INSTANTS = 65
+# Changes fall by 4 from one halving to the next; where by more than this, the last two answers agree by chance.
+FALL, MOST_FALL = 4.0, 8.0
 ROUNDING = 1e-13
 # Columns of a node that are read: all behind its size and its time.
 COLUMNS = HeavyNode._fields[2:]
@@ -80,24 +84,24 @@ def answer(
         safety = last.contacts.memory.safety
         force, place, holding = (COLUMNS.index(of) for of in ("force", "position", "holding"))
         of_spring = last.spring * changes[:, place] / unit
-        of_slips = np.zeros((2, 0))
+        of_slips = np.zeros((3, 0))
         if same:
             lengths = np.array([np.array(one[:5]) for one in rows])
             lengths[:, :3] *= last.spring
-            of_slips = _changes(lengths).reshape(2, -1) / unit
+            of_slips = _changes(lengths).reshape(3, -1) / unit
             slips = SlipRows(*_at_step_0(np.array([np.array(one) for one in rows])))
-            of_durations = _changes(np.array([one.duration for one in rows])).max(initial=0.0)
+            of_durations = _changes(np.array([one.duration for one in rows]))[1:].max(initial=0.0)
             duration_error = safety * float(of_durations)
         # X before and after a slip follows from X_T and the force
         all_changes = np.append(of_spring, of_slips, axis=1)
         what = f"steps, by which the spring's force changed as they were halved{_near(last, of_spring, times)}"
-        parts = [ErrorPart(what, _smaller(all_changes, safety))]
+        parts = [ErrorPart(what, _error_by(all_changes, safety))]
         if not same:
             drops = np.concatenate([one.force_before - one.force_after for one in rows])
             of = "slips that not all halvings have"
             parts.append(ErrorPart(of, float(np.abs(drops).max()) / unit))
-        of_contacts = _smaller(changes[:, force] / unit, safety)
-        most = min(_smaller(changes[:, holding], safety), 1.0)
+        of_contacts = _error_by(changes[:, force] / unit, safety)
+        most = min(_error_by(changes[:, holding], safety), 1.0)
         of_holding = ErrorPart("steps, by which the share that holds changed", most)
     unseen = _unseen(last, contacts, drive)
     errors = (*parts, *unseen)
@@ -141,7 +145,7 @@ def _near(slider: HeavySlider, changes: Array, times: Array) -> str:
     """Where the spring's force changes most, in words."""
     if slider.motion is None or not times.size:
         return ""
-    at = float(times[changes.min(axis=0).argmax()])
+    at = float(times[changes[1:].min(axis=0).argmax()])
     return f", near t = {at:.6g}, X_T = {float(slider.motion.at(np.array(at))):.6g}"
 
 
@@ -151,11 +155,14 @@ def _at_step_0(three: Array) -> Array:
 
 
 def _changes(three: Array) -> Array:
-    """Sizes of the last change of three plain answers, and of the extrapolated ones, along the first axis."""
+    """Sizes of the changes of three plain answers, the last one behind, and of the extrapolated ones, along the first
+    axis."""
     before, last = three[1] - three[0], three[2] - three[1]
-    return np.abs([last, last + REST_OF_CHANGE * (last - before)])
+    return np.abs([before, last, last + REST_OF_CHANGE * (last - before)])
 
 
-def _smaller(changes: Array, safety: float) -> float:
-    """An error by changes of shape (2, n): the smaller of the largest ones, times the safety."""
-    return float(safety * changes.max(axis=1, initial=0.0).min())
+def _error_by(changes: Array, safety: float) -> float:
+    """An error by changes of shape (3, n), see `_changes`, by the largest of each kind, times the safety."""
+    before, last, extrapolated = changes.max(axis=1, initial=0.0).tolist()
+    by_chance = before / FALL if last < before / MOST_FALL else 0.0
+    return float(safety * max(last, extrapolated, by_chance))

@@ -34,6 +34,8 @@ AT_TURN, HALVINGS_BEHIND_TURN = 1e-8, 12
 # Speed, in coarsest travels in the time of a radian of the swing, below which a slider that turns is taken as at rest:
 # rounding of its forces.
 NO_SPEED = 1e-9
+# The same at a turn that was found, in these or in the speed before it: where it is larger, steps have a gap there.
+STILL_MOVES = 1e-3
 # Acceleration at a turn, in mean thresholds of force, below which it is rounding: the slider then starts as its drive.
 NO_PULL = 1e-10
 
@@ -146,6 +148,10 @@ class SwingSteps(Steps):
             lasts, root = trial.end - self.contacts.now, root._replace(converged=False)
         if not lasts:
             raise StoppedError(f"steps at t = {self.contacts.now:.9g} are too short for its digits")
+        if (
+            self.sign * trial.travel < 0.0
+        ):  # it leads through the turn ahead, and back beyond the place where it began
+            root = root._replace(converged=False)
         motion = self.motion_of(trial)
         return root, Swung(trial, motion, float(motion.speed(lasts)), turns=False)
 
@@ -178,4 +184,6 @@ class SwingSteps(Steps):
                 return swung if ahead_there else self._to_turn(size, tried_other=True)
         at = float(brentq(ahead, low, high, xtol=AT_TURN * size))
         _, swung = self._solved(at)
+        if abs(swung.speed) > STILL_MOVES * max(abs(self.speed), self.length * self._fastest):
+            raise FaultError(f"no turn of the slider is found beyond t = {self.contacts.now:.6g}")
         return swung._replace(speed=0.0, turns=True)
