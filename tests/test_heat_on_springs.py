@@ -243,7 +243,7 @@ GRAINS = Contacts(origins.growing_grains(1.0, 1.0, age=4.0), thermal=SOFT)
             COLDER,
             [1.0],
             {"mass": 0.1},
-            r"contacts\.thermal: .* with a mass takes T = 0; leave .*or leave out",
+            r"contacts\.thermal: .* with a mass takes T = 0; take master.* or leave out",
         ),
         (COLDER, [1.0, 0.5], {}, r"path\[1\] = 0\.5: lies behind path\[0\]"),
         (PAPER, [1.0], {}, r'contacts\.thermal: closure = "paper" .* use closure = "exact"'),
