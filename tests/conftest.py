@@ -34,7 +34,8 @@ def pytest_collection() -> Generator[None, object, object]:
         return (yield)
     finally:
         gc.freeze()
-        gc.set_threshold(20_000)  # of 700 objects: looking so often takes 1 % of all tests
+        # objects, of 700 by default: to look for garbage so often takes 1 % of the time of all tests
+        gc.set_threshold(20_000)
         gc.enable()
 
 

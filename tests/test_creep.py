@@ -94,7 +94,6 @@ def test_sliding_whose_force_answers_against_a_disturbance_is_unstable_on_a_soft
 
 
 @cache
-@cache
 def soft(
     contacts: Contacts, end: float, slip: Any, tolerance: float = 1e-2, sign: float = 1.0
 ) -> Any:

@@ -696,6 +696,18 @@ def test_a_life_that_gives_what_cannot_be_is_refused(monkeypatch, survivors, rea
     assert "\n" not in said and said.startswith("contacts.weakening: Life: ")
 
 
+def test_a_life_alone_takes_a_law_onto_a_slider_with_mass(page, monkeypatch):
+    """None broke, and F rose for ever: the life was asked for on a drive that was not known."""
+    monkeypatch.setattr(make, "LIVES", LIVES | {Closed: ClosedLife})
+    laws = page["weakening"].changing, Closed(PC, 5.0)
+    given = {"spring": 0.5, "mass": 0.3, "damping": 0.3, "velocity": 0.5}
+    path = np.linspace(0.2, 2.4, 12)
+    found, known = (master.solve(Contacts(law), path, 1e-2, **given) for law in reversed(laws))
+    assert found.success and known.success and found.energy.released[-1] > 0.1
+    off = np.abs(found.force - known.force).max() / PC.mean()
+    assert off <= found.force_error + known.force_error
+
+
 def test_a_life_that_leaves_out_contacts_tells_where_the_number_jumps(page, monkeypatch):
     """A tenth of those that form is lost: panels at the beginning of a leg are narrower than rounding of the time, and
     their births have to stay on that leg."""

@@ -246,11 +246,11 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
         takes.append("thermal")
     if isinstance(contacts, Contacts) and contacts.strengthening and not heavy:
         takes.append("growing")
-    other = "" if heavy else "master.solve"
-    check_contacts(contacts, solver, tuple(takes), own_rates=True, other=other)
+    check_contacts(contacts, solver, tuple(takes), own_rates=True, other="master.solve")
     if heavy and contacts.reforming is not None:
         raise InputError(
-            f"contacts.reforming: {solver} takes contacts that form again at x = 0; leave out reforming, or the mass"
+            f"contacts.reforming: {solver} takes contacts that form again at x = 0; leave out reforming, or the "
+            "mass, or use master.solve"
         )
     if contacts.reforming is not None and (drive.slip != "instant" or contacts.delay is not None):
         raise InputError(
@@ -264,6 +264,6 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
         if not heavy:
             why = "contacts wait in the order in which the slider breaks them ahead"
         hint = f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn: {why}"
-        if not (heavy and set(contacts.laws) - {"delay"}):
+        if not (heavy and contacts.stiffness == "linked"):
             hint += "; use master.solve, which takes turns"
         refuse(f"path[{at}]", drive.path[at], hint)

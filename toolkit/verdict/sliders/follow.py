@@ -111,7 +111,7 @@ def follow(
     found = _by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":
         return _settled(found, machine, rigid, contacts)
-    # the ensemble takes no heat on a spring: it is followed where what it leaves out is known to change little
+    # it is followed cold, as the ensemble takes no heat beside a mass: what heat changes is known to be little
     by_contacts &= contacts.thermal is None or found.heat_left_out is not None
     if by_contacts and (rule != "mass" or not found.success):
         other = follow_by_contacts(machine, cold, rule, loading, end, rigid)
@@ -205,7 +205,8 @@ def _by_distribution(
             # without the key and its value, which is in the solver's units, not in the user's
             key, _, why = str(error).partition(": ")
             # nor what path to give instead: it is the verdict's own
-            if key.startswith("path") or "end the path" in why:
+            why = why.replace("end the path sooner, or ", "")
+            if key.startswith("path") and "give a larger damping" not in why:
                 why = why.partition("; ")[0]
             return replace(not_followed(rule, why or str(error)), refused=True)
         if found.slips and not is_precise(solved):

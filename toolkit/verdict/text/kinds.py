@@ -233,9 +233,9 @@ def _what_decides(own: Answer) -> str:
     if own.machine is not None and own.machine.mass is not None:
         missing = [*([] if own.machine.damping else ["drive.damping"]), *([delay] if delay else [])]
         give = f"; give {' and '.join(missing)}" * bool(missing)
-        if own.behaviours[
-            0
-        ].refused:  # says itself what to do, and more of the machine may not help
+        followed = own.behaviours[0]
+        # where it is refused its message says what to do, and more of the machine may not help
+        if followed.refused:
             give = ", for the reason told here"
         said = f"That is without the mass: the slider with it, which would decide, was not followed{give}"
         return said + _of_short_delays(own) * (not delay)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.motion import History, Motion
+from master.outcome import FaultError
 from master.soft.in_time.memory import Memory, warm_nodes
 from master.soft.in_time.own_laws.along import refuse_without_life, scales_along
 from master.soft.in_time.threshold_cells import Leg
@@ -71,7 +72,11 @@ class LifeMemory(Memory):
     def survival_and_force(self, record: Array, stretch: Array, largest: Array) -> Array:
         survival, old = np.ones(stretch.size), record[:, 1] != BORN
         force = stretch.copy()
-        if old.any() and self._life is not None:
+        if old.any():
+            if self._life is None:
+                raise FaultError(
+                    "contacts were moved on no known motion of the drive, a fault of the program"
+                )
             history = self._history(int(record[0, 0]), record[old, 1].astype(int))
             born = record[old, 2]
             found = self._life.survivors(born, history.largest(born), history)

@@ -1,10 +1,10 @@
 """What sliders with mass answer on steps halved each time: the limit of steps 0, and its error.
 
 As of sliders without mass (master.soft.in_time.answer.extrapolation) errors fall as the square of the steps, so that a
-third of the last change is left, and is added; the error is three times the last change of the plain or of the
-extrapolated answers, whichever is larger, or where the last two agree by chance what the change before leaves, and what
-no change shows. The smaller of both changes was less than the error for slips of nearly equal contacts on long steps.
-X moves on smoothly: no slip has to be left out.
+third of the last change is left, and is added. The error is the last change of the plain or of the extrapolated
+answers, whichever is larger, or where the last two agree by chance what the change before leaves: times SAFETY, and
+with what no change shows. The smaller of both changes was less than the error
+for slips of nearly equal contacts on long steps. X moves on smoothly: no slip has to be left out.
 """
 
 from typing import NamedTuple
@@ -21,6 +21,8 @@ from origins.thresholds.law import Array
 # See master.soft.in_time.answer.extrapolation.
 REST_OF_CHANGE = 1.0 / 3.0
 INSTANTS = 65
+# Factor on the last change in the error: as without mass, and of contacts that age, too, whose slips were not tried.
+SAFETY = 3.0
 # Changes fall by 4 from one halving to the next; where by more than this, the last two answers agree by chance.
 FALL, MOST_FALL = 4.0, 8.0
 ROUNDING = 1e-13
@@ -81,7 +83,7 @@ def answer(
         limit = _at_step_0(np.array(read_from))
         same = len({one.drive.size for one in rows}) == 1
         changes = _changes(np.array(read_from))
-        safety = last.contacts.memory.safety
+        safety = max(last.contacts.memory.safety, SAFETY)
         force, place, holding = (COLUMNS.index(of) for of in ("force", "position", "holding"))
         of_spring = last.spring * changes[:, place] / unit
         of_slips = np.zeros((3, 0))
@@ -145,7 +147,7 @@ def _near(slider: HeavySlider, changes: Array, times: Array) -> str:
     """Where the spring's force changes most, in words."""
     if slider.motion is None or not times.size:
         return ""
-    at = float(times[changes[1:].min(axis=0).argmax()])
+    at = float(times[changes[1:].max(axis=0).argmax()])
     return f", near t = {at:.6g}, X_T = {float(slider.motion.at(np.array(at))):.6g}"
 
 

@@ -49,7 +49,7 @@ def follow_in_steps(
     unit = contacts.mean_threshold
     sliders, best, halvings, stopped, nodes = list[HeavySlider](), None, 0, "", 0
     while True:
-        memory = memory_of(contacts, halvings, fastest)
+        memory = memory_of(contacts, halvings, fastest, motion)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
         slider = HeavySlider(cohorts, drive, motion, tolerance * unit)
         try:
@@ -70,7 +70,7 @@ def follow_in_steps(
         as_good_as_memory = _largest(found) < NEAR_MEMORY_ERROR * memory.error
         if _largest(best) <= tolerance or as_good_as_memory:
             break
-        steps, work = MORE_STEPS * cohorts.steps, MORE_WORK * cohorts.work
+        steps, work = MORE_STEPS * cohorts.cost, MORE_WORK * cohorts.work
         if steps > MOST_STEPS or work > MOST_WORK:
             many = f"{steps:.0f} steps, above {MOST_STEPS:.0f}"
             what = many if steps > MOST_STEPS else f"{work:.1e} operations, above {MOST_WORK:.0e}"
@@ -103,7 +103,7 @@ def _largest(found: HeavyAnswer) -> float:
 def _why(why: StoppedError, contacts: ContactsInSteps, drive: Drive) -> str:
     """Why a slider was stopped, and where steps were too many what to do."""
     work = MOST_WORK * (contacts.most_steps / MOST_STEPS) ** 2
-    if contacts.steps <= contacts.most_steps and contacts.work <= work:
+    if contacts.cost <= contacts.most_steps and contacts.work <= work:
         return str(why)
     fault = (
         f"a slider with mass takes {contacts.steps} steps, {contacts.work:.1e} operations in all,"

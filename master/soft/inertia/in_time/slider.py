@@ -223,6 +223,7 @@ class HeavySlider:
         self.falls.watch(leg, begin, end, broken)
 
     def _node(self, sizes_so_far: float, speed: float) -> HeavyNode:
+        """The end of the step just taken, with this speed of the slider."""
         state = self.contacts
         groups = state.groups
         _, force = groups.survival_and_force(state.memory)

@@ -148,9 +148,8 @@ class SwingSteps(Steps):
             lasts, root = trial.end - self.contacts.now, root._replace(converged=False)
         if not lasts:
             raise StoppedError(f"steps at t = {self.contacts.now:.9g} are too short for its digits")
-        if (
-            self.sign * trial.travel < 0.0
-        ):  # it leads through the turn ahead, and back beyond the place where it began
+        # a step that leads through the turn ahead, and back beyond the place where it began, is none
+        if self.sign * trial.travel < 0.0:
             root = root._replace(converged=False)
         motion = self.motion_of(trial)
         return root, Swung(trial, motion, float(motion.speed(lasts)), turns=False)
