@@ -222,7 +222,6 @@ def test_steady_motion_step_by_step_is_the_exact_one() -> None:
     held_to_claim(contacts, path, 1e-5, master.solve(contacts, path, 1e-8), time=path.copy())
 
 
-@pytest.mark.slow
 def test_density_of_contacts_that_form_again_at_many_stretches() -> None:
     births = origins.gaussian_start(0.05, 0.02)
     steady = master.steady_state(Contacts(FRESH, ageing=Ageing(LATER, 1e-3), reforming=births))

@@ -145,7 +145,6 @@ def test_where_none_breaks_before_a_slip_the_next_is_later_by_the_delay(delay):
     assert np.abs(off).max() <= found.slips.drive_error < 1e-4
 
 
-@pytest.mark.slow
 def test_few_contacts_that_come_back_before_the_others_hold_a_soft_spring():
     """One in a hundred broke within the last delay before the slip, and comes back within the next. They bear 0.005,
     the drive loads 1e-4 in a delay: so the slider rests meanwhile, and the drive loads the others from the slip on. The

@@ -51,7 +51,7 @@ LAWS = {
 }
 
 
-# kernels of each law of rates take half a minute to compile
+# kernels of each law of rates, and of thresholds that grow, take half a minute to compile
 SLOW = {"eyring", "stiff", "a wide start", "strengthening", "strengthening, stiff"}
 
 

@@ -740,7 +740,7 @@ def test_a_delay_that_is_taken_as_a_part_of_the_damping_is_off_by_less_than_it_t
     none = solve(origins.Contacts(law), path, 1e-5, **machine)
     assert told.success and "taken as a part of the damping" in told.message
     monkeypatch.setattr(solution, "short_delay", lambda *_: None)
-    known = solve(contacts, path, 1e-3, **machine)
+    known = solve(contacts, path, 1e-4, **machine)
     assert known.success and known.slips.drive.size == told.slips.drive.size
     off = np.abs(told.force - known.force).max()
     assert off < told.force_error + known.force_error

@@ -63,6 +63,19 @@ def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     [pytest.param(n, marks=[pytest.mark.slow] * (n == "rate-state")) for n in shipped_scenes()],
 )
 def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
+    _is_solved_and_agrees(name, every_speed=False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_every_speed_of_a_shipped_sweep_is_solved(name: str) -> None:
+    tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
+    if "eq" not in tables and isinstance(tables.get("sweep", {}).get("velocity"), list):
+        _is_solved_and_agrees(name, every_speed=True)
+
+
+def _is_solved_and_agrees(name: str, every_speed: bool) -> None:
+    """A shipped scene by its solvers, which agree; of a sweep over speeds both ends, or every speed."""
     tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text())
     if "mass" in tables.get("drive", {}):
         return  # test_slider_scenes.py
@@ -70,9 +83,10 @@ def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
         return  # test_eyring.py: 63 surfaces
     if "eq" not in tables:
         speeds = tables.get("sweep", {}).get("velocity")
-        if isinstance(speeds, list):
-            tables["sweep"]["velocity"] = speeds[:: len(speeds) - 1]  # both ends
-        done = toolkit.run(tables if isinstance(speeds, list) else name)
+        ends = isinstance(speeds, list) and not every_speed
+        if ends:
+            tables["sweep"]["velocity"] = speeds[:: len(speeds) - 1]
+        done = toolkit.run(tables if ends else name)
         found = done.master or done.sweep
         springs = getattr(found, "critical_spring", None)
         told = found.force / done.mean_threshold if springs is None else springs

@@ -492,9 +492,8 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     narrow = Contacts(gaussian(1.0, 0.4), delay=Delay(delay))
     machine = replace(machine, mass=mass / 9.0, damping=machine.damping / 3.0)
     settled = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
-    monkeypatch.setattr(
-        "toolkit.verdict.sliders.ensemble.ROUNDS", (0, 0)
-    )  # as where there is no time
+    # as where there is no time
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.ROUNDS", (0, 0))
     found = follow(machine, narrow, "mass", replace(rigid, static=0.6), 1e4)
     # of the transient nothing is told as if it lasted: its mean has what separates it from the slips to come
     assert settled.kind == "stick-slip" and settled.slips > 2 * found.slips

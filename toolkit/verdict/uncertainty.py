@@ -192,8 +192,8 @@ def unsure_of_springs(own: Answer) -> list[str]:
 
 
 def once_over(answer: Answer, slider: Behaviour) -> str:
-    """How many slips came before smooth sliding, by how much each was smaller than the one before, and that what they
-    leave where the path ends is the error of the force; "" where they did not shrink one by one."""
+    """How many slips came before smooth sliding, by how much each was smaller than the one before, and where what they
+    leave at the path's end is more than the force, that; "" where they did not shrink one by one."""
     if not slider.shrinks_by:
         return ""
     seen = f" once slips have died out: {slider.slips} were seen{shrinking(slider)}"

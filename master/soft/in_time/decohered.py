@@ -143,8 +143,9 @@ def longest_life(law: Thresholds) -> float:
 
 def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:
     """What a long slip leads to under "instant", by so many nodes. None under other rules, with a delay, where
-    thresholds change as contacts form or have grown at X = 0, where contacts form again stretched or break as in the
-    closure "paper"; and for laws with exact thresholds, whose order may last, or without a steady force."""
+    thresholds change as contacts form, by a law of one's own, or have grown at X = 0, where contacts form again
+    stretched or break as in the closure "paper"; and for laws with exact thresholds, whose order may last, or without a
+    steady force."""
     law, thermal = contacts.thresholds, contacts.thermal
     paper = thermal is not None and thermal.closure == "paper"
     growing = contacts.growing

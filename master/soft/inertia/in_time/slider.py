@@ -25,6 +25,15 @@ STEPS_TO_REST = 8
 BELIEVED, LEAST_SHRINK = 1.5, 0.03
 
 
+class Spent(NamedTuple):
+    """Energies on a step, per N_c<k> (length squared): the work of the drive, and what damping and moving the contacts
+    took."""
+
+    given: float
+    damped: float
+    on_contacts: float
+
+
 class HeavyNode(NamedTuple):
     """The end of a step: the sum of the sizes of its section's steps so far, and the state there; from the time on
     these are columns of what is read. Energies are per N_c<k> (length squared), see master.soft.inertia.record.Record.
@@ -169,7 +178,7 @@ class HeavySlider:
         size = self._slow.size(crept.trial)
         return crept.left_out > LEAVES_REST * self.quiet or size <= 0.0
 
-    def _energies_of(self, swung: Swung) -> tuple[float, float, float]:
+    def _energies_of(self, swung: Swung) -> Spent:
         """The work of the drive, and what damping and contacts take, on a step of a swing that is not taken yet."""
         contacts, trial, motion = self.contacts, swung.trial, swung.motion
         lasts, travel = trial.end - contacts.now, trial.travel
@@ -184,16 +193,16 @@ class HeavySlider:
         left = trial.force - contacts.force - stiff * travel
         on_contacts = contacts.force * travel + 0.5 * stiff * travel**2
         on_contacts += left * (travel - moved / lasts)
-        return given, damped, on_contacts
+        return Spent(given, damped, on_contacts)
 
-    def _energies_of_crept(self, trial: Trial) -> tuple[float, float, float]:
+    def _energies_of_crept(self, trial: Trial) -> Spent:
         """The same on a step in balance, on which speed and forces change evenly."""
         contacts, lasts = self.contacts, trial.end - self.contacts.now
         before = self._swings.pull + contacts.force
         after = before + self.spring * (self._drive_speed * lasts - trial.travel)
         given = 0.5 * self._drive_speed * lasts * (before + after)
         on_contacts = 0.5 * (contacts.force + trial.force) * trial.travel
-        return given, self.damping * trial.travel**2 / lasts, on_contacts
+        return Spent(given, self.damping * trial.travel**2 / lasts, on_contacts)
 
     def _take(
         self,
@@ -201,7 +210,7 @@ class HeavySlider:
         trial: Trial,
         size: float,
         speed: float,
-        energies: tuple[float, float, float],
+        energies: Spent,
     ) -> None:
         """Take a step, at whose end the slider has this speed and on which these energies were given and taken."""
         contacts, nodes = self.contacts, self.sections[-1]
