@@ -17,7 +17,8 @@ from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers, judge
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import Budget, too_long
-from toolkit.verdict.sliders.machine import Machine, not_followed
+from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, not_followed
 from toolkit.verdict.text import kinds
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.words import page
@@ -194,3 +195,20 @@ def test_a_delay_that_is_not_given_is_asked_for_also_where_nobody_knows_what_one
     text = page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0, unknown))
     asked = "  the contacts' delay: none is given, so that they form again at once; give [contacts.delay]"
     assert asked in text
+
+
+def test_a_damping_that_would_help_is_told_without_the_path(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The reason alone stood on the page, as what to do with the path was cut, and this with it."""
+    hint = "end the path sooner, or give a larger damping (3 or more)"
+
+    def refusing(*_: Any, **__: Any) -> Any:
+        raise InputError(f"path[-1] = 9: a slider with mass takes 2000 steps; {hint}")
+
+    monkeypatch.setattr(master, "solve", refusing)
+    machine, contacts = Machine(0.5, 0.02, 1e-3, 1.0), Contacts(gaussian(1.0, 0.3))
+    known = RigidSlider(0.5, 0.4, 1e-6, 1.0, 2.0)
+    told = follow(machine, contacts, "mass", known, 1e4)
+    assert told.refused
+    assert told.message == "a slider with mass takes 2000 steps; give a larger damping (3 or more)"

@@ -206,7 +206,8 @@ def _by_distribution(
             key, _, why = str(error).partition(": ")
             # nor what path to give instead: it is the verdict's own
             why = why.replace("end the path sooner, or ", "")
-            if key.startswith("path") and "give a larger damping" not in why:
+            of_path = key.startswith("path") or "end the path" in why
+            if of_path and "give a larger damping" not in why:
                 why = why.partition("; ")[0]
             return replace(not_followed(rule, why or str(error)), refused=True)
         if found.slips and not is_precise(solved):
