@@ -148,7 +148,6 @@ def test_the_numbers_of_the_example_in_creep_py(monkeypatch: pytest.MonkeyPatch)
     assert crept.sections[0][-1].force == pytest.approx(kinetic(CREEPING, 1e-4), rel=1e-6)
 
 
-@pytest.mark.slow
 def test_creep_backward_is_that_forward() -> None:
     there = soft(CREEPING, 2400.0, "reset")
     back = soft(CREEPING, 2400.0, "reset", sign=-1.0)

@@ -1,5 +1,7 @@
 """A slider with mass on contacts whose laws depend on time, by the master equation: other roads and exact answers."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from plain_heavy_in_time import Heavy, swung
@@ -12,6 +14,7 @@ from master.motion import drive_motion
 from master.outcome import unheard
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.refining import memory_of
+from master.soft.inertia.in_time.answer import _error_by
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from master.soft.inertia.in_time.slider import HeavySlider
 from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, strengthening
@@ -133,6 +136,22 @@ def test_other_laws_beside_a_mass_agree_with_shorter_steps(contacts: Contacts) -
     assert roughly.success and well.force_error < roughly.force_error
     off = np.abs(well.force - roughly.force).max() / contacts.mean_threshold
     assert off <= roughly.force_error + well.force_error
+
+
+@pytest.mark.parametrize(
+    ("changes", "error"),
+    [
+        ((4.0, 1.0, 0.2), 3.0),  # as the square: the larger of the last ones
+        ((4.0, 1.0, 1.5), 4.5),
+        ((4.0, 3.0, 2.7), 9.0),  # they hardly fall
+        (
+            (4.0, 0.1, 0.2),
+            3.0,
+        ),  # the last two agree by chance: a quarter of the change before is left
+    ],
+)
+def test_the_error_is_that_of_the_larger_change(changes: Sequence[float], error: float) -> None:
+    assert _error_by(np.array(changes)[:, None], 3.0) == pytest.approx(error)
 
 
 def test_errors_fall_as_the_square_of_the_steps() -> None:

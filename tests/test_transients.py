@@ -406,7 +406,8 @@ def test_slips_that_get_ever_rarer_end_where_steady_sliding_is_stable() -> None:
     assert f"slips ever rarer, smooth in the end at {force:.2e} " in said
     assert re.search(r"\d{3} slips a slider over 5\.\de\+06.*every 1\d,000 .*every \d\d,000 ", said)
     usual = re.search(r"fluctuating by ± (\S+) N_c<k> length between slips", said)
-    assert usual is not None and 0.1 * force < float(usual[1]) < 10.0 * force
+    # about as large as the force itself, as few contacts hold
+    assert usual is not None and 0.4 * force < float(usual[1]) < 2.0 * force
     assert "stick-slip" not in text
     assert "stable against slow changes of the speed: friction falls with the speed by" in text
     assert plain(told)["readings"][0]["behaviours"][0]["kind"] == "ever rarer"
@@ -560,3 +561,13 @@ def test_the_way_on_which_contacts_hold_is_that_of_their_share() -> None:
         "waits while the drive goes on by 2.00 length, and holds while it goes on by 0.500 length: 20% of"
         in text
     )
+
+
+def test_equal_periods_are_told_once_whatever_their_errors() -> None:
+    """Two rules with one period, of which one alone has an error worth showing: they were compared by their texts."""
+    machine, contacts = Machine(0.05, None, 0.0, 0.5), Contacts(WIDE)
+    one = replace(SLIDES, rule="reset", kind="stick-slip", after=-0.1, slips=9, period=9.09)
+    told = on_area(one, Finite("reset", 300, "smooth"), machine, contacts)
+    both = one, replace(one, rule="reform-after", period_error=0.2)
+    said = sentence(replace(told, answers=(replace(told.own, behaviours=both),), finite=()))
+    assert said.count("9.1 ± 0.2 length, ") == 1

@@ -16,6 +16,7 @@ understood, and E(b), where heat leaves any, is the share that reaches its thres
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -127,12 +128,21 @@ def _steps_of(end: Array, log_rate: Callable[[Array], Array]) -> tuple[Array, Ar
     return np.append(zero, a, axis=0), np.append(zero, passed, axis=0)
 
 
-def _averages(p_a: Array) -> tuple[Array, Array, Array, Array]:
-    """e^(-u) at u = p a of a step, and over its parts s from 0 to 1 the means of e^(-us), of (1 - e^(-us))/u and of
-    s e^(-us)."""
+class Averages(NamedTuple):
+    """Of a step along a, with u = p times its length: `turned` is e^(-u); `mean`, `rest` and `first` are the means of
+    e^(-us), of (1 - e^(-us))/u and of s e^(-us) over its parts s from 0 to 1."""
+
+    turned: Array
+    mean: Array
+    rest: Array
+    first: Array
+
+
+def _averages(p_a: Array) -> Averages:
+    """The averages at p a of steps; by their series where that is small."""
     turned, far = np.exp(-p_a), np.abs(p_a) > 1e-4
     mean, rest, first = 1.0 - 0.5 * p_a, 0.5 - p_a / 6.0, 0.5 - p_a / 3.0
     mean[far] = (1.0 - turned[far]) / p_a[far]
     rest[far] = (1.0 - mean[far]) / p_a[far]
     first[far] = (mean[far] - turned[far]) / p_a[far]
-    return turned, mean, rest, first
+    return Averages(turned, mean, rest, first)

@@ -60,6 +60,11 @@ class Scale:
         return f"{self.length_unit}/{self.time_unit}"
 
     @property
+    def damping_unit(self) -> str:
+        """Of N_c<k> times a time, where `spring` is N_c<k>."""
+        return {"N/m": "N s/m", "N/m³": "N s/m³"}.get(self.spring_unit, "N_c<k> time")
+
+    @property
     def in_si(self) -> bool:
         """Whether forces are in newtons or pascals."""
         return self.force_unit in ("N", "Pa")

@@ -115,12 +115,19 @@ def _scatter(each: Spread | None, least: float, unit: str, factor: float = 1.0) 
 def period_with_scatter(verdict: Verdict, many: Finite) -> tuple[str, str]:
     """The mean period of so many contacts as a length and as a time, each with its error, and the former with the
     scatter from slip to slip, where it is WORTH_SHOWING of it or more."""
-    scale, period, error = verdict.own.scale, many.period or np.nan, many.period_error
-    every, later = period_of(verdict, period)
-    if 0.0 < error < np.inf:
-        units = (1.0, scale.length_unit), (1.0 / verdict.velocity, scale.time_unit)
-        every, later = (with_scatter(period * one, error * one, unit) for one, unit in units)
-    return every + _scatter(many.periods, WORTH_SHOWING * period, scale.length_unit), later
+    period, error = many.period or np.nan, many.period_error
+    known = 0.0 < error < np.inf
+    every, later = _with_error(verdict, period, error) if known else period_of(verdict, period)
+    unit = verdict.own.scale.length_unit
+    return every + _scatter(many.periods, WORTH_SHOWING * period, unit), later
+
+
+def _with_error(verdict: Verdict, period: float, error: float) -> tuple[str, str]:
+    """A period of the drive as a length and as a time, each with this error (a length)."""
+    scale = verdict.own.scale
+    units = (1.0, scale.length_unit), (1.0 / verdict.velocity, scale.time_unit)
+    every, later = (with_scatter(period * one, error * one, unit) for one, unit in units)
+    return every, later
 
 
 def ever_rarer(verdict: Verdict, many: Finite, whose: str) -> str:
@@ -172,12 +179,9 @@ def period_of(
 def with_period_error(verdict: Verdict, behaviour: Behaviour) -> tuple[str, str] | None:
     """The period of the drive as a length and as a time, each with its error; None where that is less than PRECISE of
     it, or than the widest uncertainty of the forces."""
-    scale, period, error = verdict.own.scale, behaviour.period or 0.0, behaviour.period_error
-    if not max(PRECISE, widest_uncertainty(verdict)) * period < error < np.inf:
-        return None
-    units = (1.0, scale.length_unit), (1.0 / verdict.velocity, scale.time_unit)
-    every, later = (with_scatter(period * one, error * one, unit) for one, unit in units)
-    return every, later
+    period, error = behaviour.period or 0.0, behaviour.period_error
+    hidden = max(PRECISE, widest_uncertainty(verdict)) * period
+    return _with_error(verdict, period, error) if hidden < error < np.inf else None
 
 
 def periods(
@@ -185,12 +189,11 @@ def periods(
 ) -> str:
     """The periods of those that slip alike, the smallest and the largest where they differ as written, as lengths and
     as times; "" where none is known. `uncertainty` and `to_error` as `period_of` takes them."""
-    known = sorted(
-        (one.period, with_period_error(verdict, one)) for one in alike if one.period is not None
-    )
+    known = {one.period: one for one in alike if one.period is not None}
     ends = [
-        with_its_error or period_of(verdict, period, uncertainty, to_error)
-        for period, with_its_error in (known[:1] + known[-1:])
+        with_period_error(verdict, known[period])
+        or period_of(verdict, period, uncertainty, to_error)
+        for period in (sorted(known)[:1] + sorted(known)[-1:])
     ]
     return ", ".join(" to ".join(dict.fromkeys(each)) for each in zip(*ends, strict=True))
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from origins.contacts import Contacts
+from toolkit.results.mean_of_pairs import ONE_SIGMA
 from toolkit.results.rarer import rarer
 from toolkit.results.slips import late_slips, may_go_on, shrinks_by, spread_of
 from toolkit.verdict.sliders.budget import MORE_TIME
@@ -18,8 +19,6 @@ SLIDERS = 4
 EVER_RARER = "ever rarer"
 # part of themselves that slips which fade leave after so many more, below which they are not told as stick-slip
 FADED, FURTHER = 0.5, 32
-# quantiles that lie one standard deviation from the middle of a normal law
-ONE_STD = (0.1587, 0.8413)
 FADES = "their slips still fade where the path ends"
 OPEN = (
     "steady sliding is stable, and their slips are neither alike nor clearly rarer where the path ends; whether they "
@@ -74,8 +73,10 @@ def in_the_end(finite: Finite, found: Any, machine: Machine, contacts: Contacts)
     fewer = rarer(slips, SLIDERS, float(found.path[-1]))
     if fewer and stable:
         last = found.path >= found.path[-1] - fewer.way / 3.0
-        # as slips are no fluctuation
-        usual = 0.5 * float(np.ptp(np.quantile(found.forces[:, last], ONE_STD)))
+        # half of the range that most of the forces keep to, as slips are no fluctuation
+        usual = 0.5 * float(
+            np.ptp(np.quantile(found.forces[:, last], (1.0 - ONE_SIGMA, ONE_SIGMA)))
+        )
         return replace(finite, kind=EVER_RARER, rarer=fewer, fluctuation=usual)
     finite = replace(finite, rarer=fewer)
     if (1.0 - finite.shrinks_by) ** FURTHER < FADED:

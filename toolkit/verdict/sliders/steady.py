@@ -23,13 +23,13 @@ def friction_falls(machine: Machine, contacts: Contacts) -> float:
 
 
 def slides_on(machine: Machine, contacts: Contacts) -> bool:
-    """Whether steady sliding at the drive's speed is known to be stable.
+    """Whether steady sliding at the drive's speed is known to be stable against slow changes of the speed.
 
-    Swings of the mass do not grow where γ is above -dF_k/dv, as long as they pass thresholds: the drive goes on by
-    <x_s> or more in half of one. Nor do volleys of contacts that broke together and come back together: unlike
-    thresholds scatter them, by σ² = var(x_s) in each life, and the slider, which goes on faster while fewer hold it,
-    gathers them by h <x_s²>/K, so that they draw apart where K is above h <x_s²>/σ². False also where more than a delay
-    acts.
+    Such swings of the mass do not grow where γ is above -dF_k/dv, as long as they pass thresholds: the drive goes on by
+    <x_s> or more in half of one. Quicker ones may grow all the same, and stay far smaller than slips. Nor do volleys of
+    contacts grow that broke together and come back together: unlike thresholds scatter them, by σ² = var(x_s) in each
+    life, and the slider, which goes on faster while fewer hold it, gathers them by h <x_s²>/K, so that they draw apart
+    where K is above h <x_s²>/σ². False also where more than a delay acts.
     """
     only_wait = not (contacts.held_in_time or contacts.reforming is not None)
     if not (machine.mass and contacts.waiting_time and only_wait) or contacts.stiffness == "linked":

@@ -28,10 +28,8 @@ def on_the_border(verdict: Verdict) -> list[str]:
     few = [one for one in verdict.finite if one.rule == "mass" and one.kind != "unknown"]
     if not few or not _is_near(few[0], machine, verdict):
         return []
-    # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
-    unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
     each = friction_falls(machine, own.contacts), machine.damping
-    falls, rises = (f"{one * own.scale.spring:.3g} {unit}" for one in each)
+    falls, rises = (f"{one * own.scale.spring:.3g} {own.scale.damping_unit}" for one in each)
     least = written(SMALL * own.contacts.mean_threshold * own.scale.force, own.scale.force_unit)
     return [
         f"on the border: friction falls with the speed by {falls}, the damping is {rises}, and by chance the force of "

@@ -14,8 +14,7 @@ from toolkit.verdict.text.table import drop_of, regained_by
 def of_a_mass(verdict: Verdict) -> Iterator[Line]:
     """The damping that was taken, or none; and the swing after a slip."""
     own = verdict.own
-    # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
-    unit = {"N/m": "N s/m", "N/m³": "N s/m³"}.get(own.scale.spring_unit, "N_c<k> time")
+    unit = own.scale.damping_unit
     for behaviour in own.behaviours:
         if behaviour.damping is not None and own.machine is not None:
             part = behaviour.damping / critical_damping(own.machine)

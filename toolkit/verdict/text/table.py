@@ -287,8 +287,7 @@ def in_units(message: str, scale: Scale) -> str:
         )
     if scale.length_unit != "m":
         return message
-    # N_c<k> in N/m is the unit of the spring, and N_c<k> times a time that of the damping
-    damping = scale.spring, {"N/m": "N s/m", "N/m³": "N s/m³"}.get(scale.spring_unit, "")
+    damping = scale.spring, scale.damping_unit
     units = dict.fromkeys(("falls with the speed by ", "damping is ", "give one above "), damping)
     units |= dict.fromkeys(("X_T = ", "X = "), (1.0, scale.length_unit))
     units |= dict.fromkeys(("lasts some ", "t = "), (1.0, scale.time_unit))

@@ -3,8 +3,8 @@
 As of sliders without mass (master.soft.in_time.answer.extrapolation) errors fall as the square of the steps, so that a
 third of the last change is left, and is added. The error is the last change of the plain or of the extrapolated
 answers, whichever is larger, or where the last two agree by chance what the change before leaves: times SAFETY, and
-with what no change shows. The smaller of both changes was less than the error
-for slips of nearly equal contacts on long steps. X moves on smoothly: no slip has to be left out.
+with what no change shows. The smaller of both changes was less than the error for slips of nearly equal contacts on
+long steps. X moves on smoothly: no slip has to be left out.
 """
 
 from typing import NamedTuple
@@ -21,7 +21,8 @@ from origins.thresholds.law import Array
 # See master.soft.in_time.answer.extrapolation.
 REST_OF_CHANGE = 1.0 / 3.0
 INSTANTS = 65
-# Factor on the last change in the error: as without mass, and of contacts that age, too, whose slips were not tried.
+# Factor on the last change in the error, as without mass; of contacts that age, too, whose slips with mass were held
+# against shorter steps alone.
 SAFETY = 3.0
 # Changes fall by 4 from one halving to the next; where by more than this, the last two answers agree by chance.
 FALL, MOST_FALL = 4.0, 8.0

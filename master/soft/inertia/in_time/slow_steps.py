@@ -36,14 +36,24 @@ class Crept(NamedTuple):
     left_out: float
 
 
+class Drift(NamedTuple):
+    """Speed of the balance in the middle of a step.
+
+    middle : the time there; drift : that speed; slope : its change per time since the step before, nan without one
+    """
+
+    middle: float
+    drift: float
+    slope: float
+
+
 class Drifts:
     """Speeds of the balance in the middle of the last steps, and what of a slider's inertia a slow step leaves out."""
 
     def __init__(self, mass: float, damping: float) -> None:
         """Of a slider; no step has been taken."""
         self._mass, self._damping = mass, damping
-        # time in the middle, drift, and its slope from the step before
-        self._last: tuple[float, float, float] | None = None
+        self._last: Drift | None = None
 
     def begin(self) -> None:
         """The drive's speed changes: the drift jumps."""
@@ -53,20 +63,20 @@ class Drifts:
         """u' up to a step with this time in its middle; 0 where no step was before."""
         if self._last is None:
             return 0.0
-        return (drift - self._last[1]) / (middle - self._last[0])
+        return (drift - self._last.drift) / (middle - self._last.middle)
 
     def left_out(self, middle: float, drift: float, stiff: float) -> float:
         """Force (a length) that a slow step would leave out; inf where that is not known."""
-        if self._last is None or np.isnan(self._last[2]):
+        if self._last is None or np.isnan(self._last.slope):
             return np.inf
         slope = self.slope(middle, drift)
-        bend = abs(slope - self._last[2]) / (middle - self._last[0])
+        bend = abs(slope - self._last.slope) / (middle - self._last.middle)
         return self._mass * abs(slope) + self._damping**3 / stiff**2 * bend
 
     def add(self, middle: float, drift: float) -> None:
         """A step was taken."""
         slope = np.nan if self._last is None else self.slope(middle, drift)
-        self._last = middle, drift, slope
+        self._last = Drift(middle, drift, slope)
 
 
 class SlowSteps(Steps):
