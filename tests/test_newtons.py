@@ -58,8 +58,10 @@ def test_newtons_and_pascals_of_a_result_and_of_its_interface() -> None:
     assert numbers["last_force"].unit == "N"
     kept = json.loads(Path("out", "summary.json").read_text())["numbers"]
     assert kept["last_force"] == {
-        "value": found.newtons(force)[-1],
-        "error": found.newtons(found.master.force_error * found.mean_threshold),
+        "value": pytest.approx(found.newtons(force)[-1], rel=1e-12),
+        "error": pytest.approx(
+            found.newtons(found.master.force_error * found.mean_threshold), rel=1e-12
+        ),
         "unit": "N",
     }
     assert numbers["last_force_over_load"].value == pytest.approx(mu, rel=1e-6)

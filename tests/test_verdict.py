@@ -31,6 +31,7 @@ from toolkit.verdict import answers, judge, uncertainty
 from toolkit.verdict.files import plain
 from toolkit.verdict.of_area import disagreeing, fall_of, late_force_of, with_more
 from toolkit.verdict.picture import draw_verdict
+from toolkit.verdict.sliders import ensemble
 from toolkit.verdict.sliders.budget import NO_FORCES, NO_TIME, Budget, long_delay
 from toolkit.verdict.sliders.ensemble import follow_by_contacts, sliders
 from toolkit.verdict.sliders.finite import follow_finite
@@ -431,6 +432,21 @@ def test_fewer_contacts_than_the_areas_are_pulled_as_far_as_they_need(monkeypatc
     found = follow_finite(Machine(1e-9, None, 0.0, 1.0), contacts, 1e4, told, 1.0, 60.0)
     breaks = 4e4 * (42.0 + 4.5 * 1e4 ** (-2 / 3) / 1e-9)
     assert found.message == f"some {breaks:.1g} breaks are more than are followed here"
+
+
+def test_a_slow_machine_follows_fewer_contacts_than_its_pilot_promised(monkeypatch: Any) -> None:
+    """Where all take longer than was expected the rest of the time is for a sixteenth of them, not for the pilot's."""
+    real = ensemble._within
+
+    def slow(following: Any, seconds: float) -> Any:
+        return None if following.total > 4 * 5_000 else real(following, seconds)
+
+    monkeypatch.setattr(ensemble, "_within", slow)
+    machine, contacts = Machine(1e-3, None, 0.0, 1.0), Contacts(stats.norm(1.0, 0.2))
+    path = np.linspace(0.0, 2500.0, 50)
+    for number, kept in ((64_000, 4_000), (16_000, 1_000), (5_000, 5_000)):
+        found = sliders(machine, contacts, "reset", path, number, seconds=30.0)
+        assert found.contacts == 4 * kept and len(np.unique(found.slips.replica)) == 4
 
 
 def by_hand(rule: str, number: int, spring: float, end: float) -> tuple[Any, Any]:

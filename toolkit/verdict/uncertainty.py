@@ -13,6 +13,7 @@ from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from toolkit.running.resampled import like, of_resampled
+from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.budget import LONGER, Budget
@@ -214,7 +215,8 @@ def with_sampling(
     contacts: Contacts, velocity: float, quantities: list[Quantity], budget: Budget
 ) -> list[Quantity]:
     """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; F_k alone
-    where there is no time for enough of them, without it where that takes too long, too."""
+    where there is no time for enough of them, without it where that takes too long, too. Of islands F_k alone is asked,
+    as F_s and K* hang on how samples of their barriers are smoothed."""
     import master
 
     def kinetic_of(law: Thresholds) -> float:
@@ -225,8 +227,9 @@ def with_sampling(
         found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
         return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
 
-    until = time.monotonic() + budget.remaining()
-    rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
+    until, rows = time.monotonic() + budget.remaining(), list[list[float]]()
+    if not of_smoothing(contacts.thresholds):
+        rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
     if len(rows) < FEWEST:  # F_k alone, which takes next to nothing beside K*
         until = time.monotonic() + OF_FORCES
         rows = of_resampled(
