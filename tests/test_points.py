@@ -163,6 +163,21 @@ def test_finished_points_survive_an_interrupt(monkeypatch: Any, capsys: Any) -> 
     assert not Path("mine-output/checkpoint").exists()
 
 
+def test_a_run_that_is_interrupted_while_it_draws_names_its_checkpoint(
+    monkeypatch: Any, capsys: Any
+) -> None:
+    def ends(*arguments: Any) -> None:
+        raise KeyboardInterrupt
+
+    file = write(eq={"contacts": 1_000})
+    with monkeypatch.context() as patched:
+        patched.setattr("toolkit.running.runner.save", ends)
+        status, _, err = said(capsys, "run", file)
+    assert status == 130
+    assert err[-1].endswith("interrupted; its finished blocks are kept in mine-output/checkpoint")
+    assert said(capsys, "run", file)[0] == 0 and not Path("mine-output/checkpoint").exists()
+
+
 def test_processes_give_the_same_numbers(monkeypatch: Any) -> None:
     here = alone()
     monkeypatch.setattr(points, "WORTH", 0.0)

@@ -482,7 +482,7 @@ def test_means_that_leave_smaller_slips_out_say_so() -> None:
     machine, contacts = Machine(5e-3, 2.0, 5e-4, 1.0), Contacts(WIDE, delay=Delay(20.0))
     few = Finite("mass", 300, "stick-slip", 0.5, 1e-3, -0.5, 1e-3, 3.0, period=200.0, smaller=5)
     one = replace(SLIDES, kind="stick-slip", after=-0.1, slips=9, sliders=few, contacts=300)
-    told = ", without 5 of 17 slips, which are below a fifth of the largest"
+    told = ", without 5 of 17 slips, below a fifth of the largest"
     found = on_area(one, replace(few, before=0.55), machine, contacts)
     assert sentence(found).count(told) == 1 and "\n".join(page(found)).count(told) == 2
     whole = on_area(
@@ -492,7 +492,7 @@ def test_means_that_leave_smaller_slips_out_say_so() -> None:
     # of infinitely many, which have 9 in all
     alone = on_area(replace(one, sliders=None, contacts=None, smaller=2), few, machine, contacts)
     alone = replace(alone, finite=())
-    assert ", without 2 of 9 slips, which are below a fifth of the largest" in sentence(alone)
+    assert ", without 2 of 9 slips, below a fifth of the largest" in sentence(alone)
 
 
 @pytest.mark.parametrize("part", [0.4, 0.93, 1.07, 2.1])

@@ -21,7 +21,7 @@ from master.soft import followed
 from master.soft.turns import Leg, remedy_of
 from origins import Contacts, Delay, InputError, gaussian, identical, mixture
 from tests.scenes import CONSTANTS, GAUSSIAN, ROUGH, said, write
-from toolkit.processes.signals import TimeIsUp, no_longer_than
+from toolkit.processes.signals import Terminated, TimeIsUp, no_longer_than
 from toolkit.results.slips import spread_of
 from toolkit.running.solvers import within
 from toolkit.scene.of_samples import of_islands, of_samples, of_smoothing
@@ -447,6 +447,33 @@ def test_a_slow_machine_follows_fewer_contacts_than_its_pilot_promised(monkeypat
     for number, kept in ((64_000, 4_000), (16_000, 1_000), (5_000, 5_000)):
         found = sliders(machine, contacts, "reset", path, number, seconds=30.0)
         assert found.contacts == 4 * kept and len(np.unique(found.slips.replica)) == 4
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, Terminated])
+def test_an_interrupted_verdict_tells_what_is_known(
+    stop: type[BaseException], capsys: Any, monkeypatch: Any
+) -> None:
+    """Of a slip rule, the number of contacts or the last reading; before anything is known nothing is written."""
+    status, word = (130, "interrupted") if stop is KeyboardInterrupt else (143, "terminated")
+
+    def ends(*arguments: Any, **named: Any) -> Any:
+        raise stop
+
+    drive = {"spring": "0.5 N_c<k>", "area": 1e-9, "velocity": 1e-6}
+    given: dict[str, Any] = {"contacts": STATED, "drive": drive, "verdict": RESET}
+    parts = {"follow_islands": "before it was followed", "follow_finite": "before it was followed"}
+    for name, told in parts.items():
+        with monkeypatch.context() as patched:
+            patched.setattr(f"toolkit.verdict.judge.{name}", ends)
+            found_status, page, found = judged(capsys, **given)
+        assert found_status == status and f"interrupted {told}" in page
+        assert page.splitlines()[2] == "interrupted; this is what was known by then"
+        assert found["interrupted"] and found["readings"][0]["kinetic"]["value"] > 0.0
+    with monkeypatch.context() as patched:
+        patched.setattr(master, "steady_state", ends)
+        ended, out, err = said(capsys, "verdict", write(master=None, **given), "--out", "new")
+    assert ended == status and not out and not Path("new").exists()
+    assert err[-1] == f"mesofriction: {word}; nothing was written"
 
 
 def by_hand(rule: str, number: int, spring: float, end: float) -> tuple[Any, Any]:
@@ -1821,7 +1848,7 @@ def test_that_no_delay_matters_is_told_only_where_a_long_one_was_followed(
             asked.append(given[4] if len(given) > 4 else 0.0)
             return late if asked[-1] else infinite("smooth", 0)
 
-        monkeypatch.setattr(judge, "follow_other_delay", followed)
+        monkeypatch.setattr("toolkit.verdict.with_mass.follow_other_delay", followed)
         _, text, _ = judged(capsys, contacts=contacts, drive=drive)
         turns = "contacts that form again only after 3 units of time would make it stick-slip"
         assert (turns in text) is (kind == "stick-slip")

@@ -648,10 +648,10 @@ def test_a_slider_that_slides_with_a_short_delay_is_held_against_a_long_one(
         found = of_a_mass("stick-slip" if delay else "smooth", 0.8)
         return found if delay else replace(found, rule="instant")
 
-    monkeypatch.setattr("toolkit.verdict.judge.follow_other_delay", other)
+    monkeypatch.setattr("toolkit.verdict.with_mass.follow_other_delay", other)
     slides = replace(of_a_mass("smooth", 0.5), after=0.5)
     own = replace(of(slides).own, contacts=short)
-    turned = judge._turned(own, Budget(60.0, strict=True))
+    turned = with_mass.with_other_delay(own, Budget(60.0, strict=True))
     assert turned.kind == "stick-slip" and asked == [0.0, kinds.long_delay_of(own)]
     told = replace(of(slides, turned), answers=(own,))
     text = " ".join(page(told))
@@ -664,7 +664,9 @@ def test_a_slider_that_slides_with_a_short_delay_is_held_against_a_long_one(
     ):
         del asked[:]
         own = replace(of(behaviour).own, contacts=contacts)
-        assert judge._turned(own, Budget(60.0, strict=True)).kind == "smooth" and asked == [0.0]
+        assert with_mass.with_other_delay(
+            own, Budget(60.0, strict=True)
+        ).kind == "smooth" and asked == [0.0]
 
 
 def test_where_slip_rules_tell_of_no_long_delay_the_mass_itself_does(monkeypatch: Any) -> None:
@@ -675,10 +677,10 @@ def test_where_slip_rules_tell_of_no_long_delay_the_mass_itself_does(monkeypatch
         too_long = not_followed("reform-after", "a slip of this mass takes as long as the period")
         return of_a_mass("stick-slip", 0.8) if delay else too_long
 
-    monkeypatch.setattr("toolkit.verdict.judge.follow_other_delay", other)
+    monkeypatch.setattr("toolkit.verdict.with_mass.follow_other_delay", other)
     own = of(replace(of_a_mass("smooth", 0.5), after=0.5)).own
     own = replace(own, contacts=own.contacts.replace(delay=None))
-    assert judge._turned(own, Budget(60.0, strict=True)).kind == "stick-slip"
+    assert with_mass.with_other_delay(own, Budget(60.0, strict=True)).kind == "stick-slip"
 
 
 def test_a_short_delay_is_told_by_the_friction_of_contacts_that_do_not_wait() -> None:

@@ -205,11 +205,14 @@ def verdict(arguments: argparse.Namespace) -> int:
     folder = arguments.out or f"{scene.name}-output"
     check_folder(folder)  # before the work, not after it
     with closing(Progress("verdict")) as bar:
-        found = judged(scene, bar.doing)
+        found = judged(scene, bar.doing, keep=True)
     lines, draw = page(found), partial(draw_verdict, found)
     tables = lines, plain(found), friction(found)
     save_judgement(folder, "verdict", draw, *tables, formats, table="friction")
     print("\n".join([*lines, f"written to {folder}"]))
+    if found.stopped is not None:
+        found.stopped.add_note(f"what was known by then is written to {folder}")
+        raise found.stopped
     return 0 if found.success else 1
 
 

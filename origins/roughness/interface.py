@@ -221,6 +221,7 @@ class Interface(InSI):
         too_wide = self.model == "gw" and radius > 0.5 * tops
         too_high = self.law != "strength" and mu > local
         tall = f"the summits' {in_metres(tops)}, as Hertz' theory needs"
+        of_one_unit = "heights and pixel size" if pixel[0] else "heights and lengths of the surface"
         strained = {
             f"the scan is {max(size):.3g} m across: is the unit right?": np.inf > max(size) > 0.1,
             f"contacts have a mean radius of {in_metres(radius)}: is the unit right?": radius
@@ -231,7 +232,7 @@ class Interface(InSI):
             f"patch_area = {patch:.3g} m² is below the {point:.3g} m² of a pixel": patch < point,
             f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan": patch > scan,
             f"contacts cover {covered:.0%} of the surface: {alone}": covered > 0.1,
-            f"rms slope is {slope:.2g}: are heights and pixel size in one unit?": slope > 0.5,
+            f"rms slope is {slope:.2g}: are {of_one_unit} in one unit?": slope > 0.5,
             f"slopes along and across its ridges differ by a factor {uneven:.2g}: not isotropic": uneven
             > 1.5,
             self.plastic_caution: self.plastic_caution != "",

@@ -174,7 +174,8 @@ def _why_so_steep(heights: npt.NDArray[np.float64]) -> str:
         # a single value far beyond all others is no height
         if rest.size and np.abs(rest - end).min() > np.ptp(rest):
             many = measured.size - rest.size
-            return f"{many} heights of {end:.6g} may be a fill value; give missing points as NaN"
+            hint = "give missing points as NaN, and sizes in the unit of heights"
+            return f"{many} heights of {end:.6g} may be a fill value; {hint}"
     return "are heights and pixel size both in metres, or heights in nm or µm declared as m (surface.unit)?"
 
 

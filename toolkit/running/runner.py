@@ -8,6 +8,7 @@ from typing import Any
 
 from origins.samples.from_samples import sampled_parts
 from toolkit.processes.ranks import on_root
+from toolkit.processes.signals import Terminated
 from toolkit.results.files import another
 from toolkit.results.folders import check_folder, only_writer
 from toolkit.results.records import Result, sample_curve
@@ -93,7 +94,12 @@ def write(
         elif finished and result.eq is not None:  # else a checkpoint there is that of another scene
             kept.remove()
 
-    on_root(comm, on_first)
+    try:
+        on_root(comm, on_first)
+    except (KeyboardInterrupt, Terminated) as stop:
+        if result.eq is not None:
+            stop.add_note(kept.note)
+        raise
 
 
 def solve(

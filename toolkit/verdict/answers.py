@@ -88,6 +88,7 @@ class Verdict:
     left_out : readings without an answer, and why
     turned : what a slider with mass would do with the other extreme of the contacts' delay, see `follow_other_delay`;
         None where there is none, or no time
+    stopped : the interrupt that ended the work, of which this is what was known by then; None as a rule
     """
 
     name: str
@@ -99,6 +100,7 @@ class Verdict:
     run_time: float
     turned: Behaviour | None = None
     velocity_given: bool = True
+    stopped: BaseException | None = None
 
     @property
     def own(self) -> Answer:

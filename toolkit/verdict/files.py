@@ -25,6 +25,7 @@ def plain(verdict: Verdict) -> dict[str, Any]:
         "hangs_on": dependence(verdict),
         "velocity": verdict.velocity,
         "success": verdict.success,
+        **({"interrupted": True} if verdict.stopped is not None else {}),
         "run_time": verdict.run_time,
         "finite": [_of_finite(one, verdict) for one in verdict.finite],
         "left_out": verdict.left_out,

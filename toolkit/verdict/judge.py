@@ -20,7 +20,15 @@ from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
-from toolkit.verdict.sliders.budget import NO_FORCES, NO_TIME, WALL_TIME, Budget, lacks_damping
+from toolkit.verdict.sliders.budget import (
+    INTERRUPTED,
+    NO_FORCES,
+    NO_TIME,
+    WALL_TIME,
+    Budget,
+    Stops,
+    lacks_damping,
+)
 from toolkit.verdict.sliders.ensemble import SHORT
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
@@ -36,9 +44,13 @@ from toolkit.verdict.sliders.machine import (
     rigid_slider,
 )
 from toolkit.verdict.sliders.steady import slides_on
-from toolkit.verdict.text.kinds import damped, long_delay_of
 from toolkit.verdict.uncertainty import RESAMPLED_TOLERANCE, with_sampling
-from toolkit.verdict.with_mass import closely, follow_extremes, follow_other_delay
+from toolkit.verdict.with_mass import (
+    closely,
+    follow_extremes,
+    follow_other_delay,
+    with_other_delay,
+)
 
 # of the time that is left, for the scene's own reading, and then for the number of its contacts
 OWN = 0.5
@@ -50,18 +62,19 @@ HEAVY = 0.8
 TOLERANCE = 1e-6
 # relative error of both that is not seen on the page, and not lowered with more work
 PRECISE = 1e-5
-# s for a slider with mass and another delay than its own, which is no answer but what it hangs on
-OF_DELAY = 20.0
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long; and part of the time
 # that is left, for them: contacts that grow and break by heat take a hundred times as long
 LONGER, OF_MORE = 12.0, 0.25
 
 
-def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -> Verdict:
+def verdict(
+    scene: Scene, progress: Callable[[str], None] = lambda what: None, keep: bool = False
+) -> Verdict:
     """Whether the scene's interface sticks and slips on its machine, for each reading and each slip rule.
 
-    `progress` is called with a word on what begins. Raises InputError for a scene without an answer under its own
-    reading, for a drive that turns or keeps times, and for unknown readings or rules.
+    `progress` is called with a word on what begins. `keep`: an interrupt is not raised once something is known, which
+    is given with it, see `Verdict.stopped`. Raises InputError for a scene without an answer under its own reading, for
+    a drive that turns or keeps times, and for unknown readings or rules.
     """
     began = time.monotonic()
     table = scene.drive_table or DriveTable()
@@ -70,7 +83,9 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         refuse(f"drive.{name}", getattr(table, name), "a verdict drives one way; leave it out")
     readings, rules = readings_of(scene), rules_of(scene, table)
     # what is given is of the clock, as of a queue; else a busy machine says what a quiet one does
-    budget = Budget(scene.wall_time or WALL_TIME, strict=scene.wall_time is not None)
+    budget = Budget(
+        scene.wall_time or WALL_TIME, strict=scene.wall_time is not None, stops=Stops(keep)
+    )
     answers, turned = list[Answer](), None
     left_out, finite = dict[str, str](), tuple[Finite, ...]()
     many, solved = sum(reading.contacts is not None for reading in readings), 0
@@ -92,12 +107,16 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         try:
             if reading.contacts is None:
                 raise InputError(reading.refused)
+            if budget.stops.by:
+                raise InputError(INTERRUPTED)
             with within(deadline, scene, "this reading", budget.remaining):
                 # what the own reading's slider does without damping, those of the others do
                 rings = any(one.damping is not None for each in answers for one in each.behaviours)
                 found = _answer(table, reading, rules, part, rings)
+            if budget.stops.by and found.kinetic.unknown and reading.own:
+                raise budget.stops.by
             if found.critical_spring.unknown and not reading.own:
-                raise InputError(NO_FORCES)
+                raise InputError(INTERRUPTED if budget.stops.by else NO_FORCES)
             answers.append(found)
         except InputError as error:
             if reading.own:
@@ -105,7 +124,9 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
             left_out[reading.name] = str(error)
         if reading.own:
             # first what takes a moment: sliders of all contacts may take all of the time
-            turned = _turned(answers[0], budget.part(OWN))
+            if not budget.stops.by:
+                with budget.stops.or_late():
+                    turned = with_other_delay(answers[0], budget.part(OWN))
             share = OWN if many > 1 else NEARLY_ALL
             finite = _finite(scene, answers[0], budget, budget.part(share), progress)
             answers[0] = _with_more(answers[0], finite)
@@ -120,6 +141,7 @@ def verdict(scene: Scene, progress: Callable[[str], None] = lambda what: None) -
         left_out=left_out,
         turned=turned,
         run_time=time.monotonic() - began,
+        stopped=budget.stops.by,
     )
 
 
@@ -144,8 +166,8 @@ def _finite(
     at_once = "instant" if contacts.waiting_time else ""
     each = [one for one in own.behaviours if one.rule != at_once and not lacks_damping(one.message)]
     limit = max(every.remaining(), SHORT)
-    with suppress(TimeIsUp), no_longer_than(limit, remaining_time=every.remaining):
-        for one in each:
+    with every.stops.or_late(), no_longer_than(limit, remaining_time=every.remaining):
+        for one in () if every.stops.by else each:
             if one.sliders is not None and one.sliders.contacts == max(round(number), 1):
                 found.append(one.sliders)  # all of them were followed in place of infinitely many
                 continue
@@ -153,9 +175,10 @@ def _finite(
             static, remaining = own.static.value, part.remaining()
             found.append(follow_finite(own.machine, contacts, number, one, static, remaining))
     late = [one.rule for one in each[len(found) :]]
+    why = INTERRUPTED if every.stops.by else NO_TIME
     return (
         *found,
-        *(Finite(rule, max(round(number), 1), "unknown", message=NO_TIME) for rule in late),
+        *(Finite(rule, max(round(number), 1), "unknown", message=why) for rule in late),
     )
 
 
@@ -172,28 +195,11 @@ def _with_a_slip(own: Answer, budget: Budget) -> Answer:
     """The own reading's answer with the points of a slip for the picture, where slips take time."""
     if own.machine is None:
         return own
-    each = [closely(one, own.machine, own.contacts, budget.remaining()) for one in own.behaviours]
+    each = list(own.behaviours)
+    if not budget.stops.by:
+        with budget.stops.or_late():
+            each = [closely(one, own.machine, own.contacts, budget.remaining()) for one in each]
     return replace(own, behaviours=tuple(each))
-
-
-def _turned(own: Answer, budget: Budget) -> Behaviour | None:
-    """What the own reading's slider with mass would do with another delay, where it was seen to slip or slide."""
-    if own.machine is None or [one.rule for one in own.behaviours] != ["mass"]:
-        return None
-    if own.behaviours[0].kind == "undecided" and not own.behaviours[0].slips:
-        return None
-    asked = damped(own), own.contacts, own.scale.contacts
-    with suppress(InputError, TimeIsUp):
-        light = follow_other_delay(*asked, budget.remaining())
-        waits, slides = own.contacts.waiting_time, own.behaviours[0].kind == "smooth"
-        slips = light.kind not in ("smooth", "undecided")
-        if slips or (waits and not (slides and waits < long_delay_of(own))):
-            return light
-        # fewer contacts hold a slider that slides than one that sticks, where they wait long, and slips of a heavy one
-        # take as long as the time between them: no slip rule tells of either
-        heavy = follow_other_delay(*asked, min(budget.remaining(), OF_DELAY), long_delay_of(own))
-        return heavy if heavy.kind != "undecided" else light if waits else None
-    return None
 
 
 def _answer(
@@ -210,7 +216,7 @@ def _answer(
     scale = scale_of(contacts, table.area)
     machine, behaviours = machine_of(table, contacts), list[Behaviour]()
     asked = rules if machine is not None else ()
-    with suppress(TimeIsUp):  # what is found by then is told
+    with budget.stops.or_late():  # what is found by then is told
         steady = master.steady_state(contacts, velocity=velocity)
         kinetic, holding = kinetic_of(steady, contacts), steady.holding
         if contacts.thermal is not None and reading.own:
@@ -246,7 +252,7 @@ def _answer(
         if sampled_parts(contacts.thresholds):
             quantities = [kinetic, static, critical]
             kinetic, static, critical = with_sampling(contacts, velocity, quantities, budget)
-    why = NO_FORCES if critical.unknown else NO_TIME
+    why = INTERRUPTED if budget.stops.by else NO_FORCES if critical.unknown else NO_TIME
     behaviours += [not_followed(rule, why) for rule in asked[len(behaviours) :]]
     return Answer(
         reading.name,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolkit.scene.scale import Scale, of_contacts, written
+from toolkit.scene.scale import Scale, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.sliders.ensemble import by_sliders
 from toolkit.verdict.sliders.finite import SMALL
@@ -19,6 +19,7 @@ from toolkit.verdict.slips_in_words import (
     fall_of,
     fluctuating,
     left_out,
+    mean_over_slips,
     period_with_scatter,
     scatters,
     sliding_force,
@@ -167,6 +168,11 @@ def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
     rows = {f"slips of {whose}, from": fall_of(many, scale) + left_out(many)}
     if many.kind == "stick-slip" and many.period is not None:
         rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, many))
+    if (mean_force := mean_over_slips(many)) is not None:
+        error = many.force_error * scale.force
+        over = f", {mean_force / scale.load * scale.force:.2g} of the load" if scale.load else ""
+        told = with_scatter(mean_force * scale.force, error, scale.force_unit)
+        rows[f"mean force of stick-slip of {whose}"] = told + over
     if fewer := spacings(many, scale):
         rows[f"slips of {whose} get ever rarer"] = fewer
     return rows

@@ -116,9 +116,9 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
             style |= {"lw": 0.8, "marker": "", "zorder": 1}
             kinds = [_model_of(one.name) for one in verdict.answers]
             own = kinds[number]
-            label = (
-                "" if own in kinds[1:number] else f"{own}: {kinds[1:].count(own)} other readings"
-            )
+            alike = kinds[1:].count(own)
+            others = f"{alike} other reading{'s' * (alike > 1)}"
+            label = "" if own in kinds[1:number] else f"{own}: {others}"
         axes.plot(x, density, label=label or None, **style)
         # where contacts share one value the density is infinite
         whole: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style["color"]}

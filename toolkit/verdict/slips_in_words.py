@@ -14,6 +14,8 @@ from toolkit.verdict.uncertainty import PRECISE, widest_uncertainty
 
 # part of a force by which slips, or forces along the way, differ where it is told
 WORTH_SHOWING = 0.01
+# of a path, its first part, over which the force of stick-slip is not averaged: contacts began together there
+FORGOTTEN = 1.0 / 3.0
 # of a mean: a standard deviation from slip to slip above which the range is told, as slips may be of several kinds
 WIDE = 0.3
 
@@ -69,7 +71,23 @@ def left_out(each: Finite | Behaviour) -> str:
         slips = round(each.slips * SLIDERS) + each.smaller
     else:
         slips = each.slips
-    return f", without {each.smaller:,} of {slips:,} slips, which are below a fifth of the largest"
+    return f", without {each.smaller:,} of {slips:,} slips, below a fifth of the largest"
+
+
+def mean_over_slips(one: Behaviour | Finite) -> float | None:
+    """The mean force over the last periods of stick-slip, F/(N_c <k>) (a length), of one slider where so many contacts
+    are told of; None where none is seen."""
+    drive, period = one.drive, one.period
+    if one.kind != "stick-slip" or not period or not drive.size:
+        return None
+    many = max(int((1.0 - FORGOTTEN) * (drive[-1] - drive[0]) / period), 1)
+    begin = drive[-1] - many * period
+    if begin < drive[0]:
+        return None
+    later = drive > begin
+    places = np.append(begin, drive[later])
+    force = np.append(np.interp(begin, drive, one.force), one.force[later])
+    return float(np.trapezoid(force, places) / (many * period))
 
 
 def plain_fall(finite: Finite, force: float, unit: str) -> str:

@@ -35,8 +35,11 @@ Traced = TypeVar("Traced", Behaviour, Finite)
 def traces_of(verdict: Verdict) -> list[list[Behaviour] | list[Finite]]:
     """The traces to draw, those that lie on one another together: of infinitely many contacts under each rule, and of
     one of the sliders of so many contacts where these do something else."""
+    each = drawn(verdict)
     followed = [finite for finite in apart(verdict).values() if finite.drive.size]
-    return [*_alike(drawn(verdict)), *_alike(followed)]
+    # where they tell what the slider does, its trace is theirs
+    followed = [one for one in followed if not any(one is own.sliders for own in each)]
+    return [*_alike(each), *_alike(followed)]
 
 
 def drawn(verdict: Verdict) -> list[Behaviour]:
@@ -67,7 +70,8 @@ def draw_trace(axes: Any, verdict: Verdict, letters: int, since: float | None = 
         if isinstance(one, Behaviour):
             number_of_rules += 1
             style |= {"ls": DASHES[number], "lw": 1.3}
-            label = f"{rules}: {_of_rule(verdict, one)}"
+            whose = f"{of_contacts(one.contacts)}, " if one.contacts else ""
+            label = f"{whose}{rules}: {_of_rule(verdict, one)}"
         else:
             label = f"{of_contacts(one.contacts)}, {rules}: {does(one)}"
             # thin, and above the others, which it may follow for long, as one of these another

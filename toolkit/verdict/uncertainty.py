@@ -86,9 +86,12 @@ def widest(verdict: Verdict) -> list[str]:
     if widest_one < WORTH_TELLING or widest_one == uncertainties.numerical:
         return []
     if uncertainties.sampling > uncertainties.readings:
-        error = written((own.kinetic.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
+        slips = any(one.kind == "stick-slip" for one in own.behaviours)
+        told = own.static if slips and own.static.sampling else own.kinetic
+        error = written((told.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
+        force = "F_k" if told is own.kinetic else "F_s, near which slips begin,"
         whose = " of a rigid slider" * bool(own.contacts.in_time and own.machine)
-        return [f"other samples would change F_k{whose} by ± {error}"]
+        return [f"other samples would change {force}{whose} by ± {error}"]
     return [range_of_force(verdict, f" of the {len(verdict.answers)} readings")]
 
 

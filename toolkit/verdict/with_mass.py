@@ -13,6 +13,7 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.processes.signals import TimeIsUp
 from toolkit.results.traces import with_slips
+from toolkit.verdict.answers import Answer
 from toolkit.verdict.readings import Reading
 from toolkit.verdict.sliders.budget import Budget, loading_of, long_delay
 from toolkit.verdict.sliders.ensemble import SEED, follow_by_contacts
@@ -26,6 +27,7 @@ from toolkit.verdict.sliders.machine import (
     rigid_slider,
     slip_duration,
 )
+from toolkit.verdict.text.kinds import damped, long_delay_of
 
 # how far a slip is shown, in times that it lasts: before its begin, and after it, where a swing with a tenth of
 # critical damping has fallen to a tenth; and points of that time
@@ -36,6 +38,8 @@ TOLERANCE = 1e-2
 TRIES = 3
 # of a period, the way of the drive during a slip of a mass, up to which slips count as taking no time
 SHORT_SLIP = 0.1
+# s for a slider with mass and another delay than its own, which is no answer but what it hangs on
+OF_DELAY = 20.0
 # of the time, for contacts that form again at once: the master equation takes a second for them as a rule
 AT_ONCE = 0.5
 
@@ -152,3 +156,23 @@ def in_its_own_time(found: Behaviour, machine: Machine) -> tuple[Array, Array]:
     top = int(np.argmax(force))
     place = drive - force / machine.spring
     return (drive - drive[top]) / machine.velocity, place - place[top]
+
+
+def with_other_delay(own: Answer, budget: Budget) -> Behaviour | None:
+    """What the own reading's slider with mass would do with another delay, where it was seen to slip or slide."""
+    if own.machine is None or [one.rule for one in own.behaviours] != ["mass"]:
+        return None
+    if own.behaviours[0].kind == "undecided" and not own.behaviours[0].slips:
+        return None
+    asked = damped(own), own.contacts, own.scale.contacts
+    with suppress(InputError, TimeIsUp):
+        light = follow_other_delay(*asked, budget.remaining())
+        waits, slides = own.contacts.waiting_time, own.behaviours[0].kind == "smooth"
+        slips = light.kind not in ("smooth", "undecided")
+        if slips or (waits and not (slides and waits < long_delay_of(own))):
+            return light
+        # fewer contacts hold a slider that slides than one that sticks, where they wait long, and slips of a heavy one
+        # take as long as the time between them: no slip rule tells of either
+        heavy = follow_other_delay(*asked, min(budget.remaining(), OF_DELAY), long_delay_of(own))
+        return heavy if heavy.kind != "undecided" else light if waits else None
+    return None

@@ -4,12 +4,15 @@ slider is pulled, and how often its contacts break on the way."""
 import os
 import re
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from origins.contacts import Contacts
+from toolkit.processes.signals import Terminated, TimeIsUp
 from toolkit.verdict.sliders.machine import (
     Machine,
     RigidSlider,
@@ -23,6 +26,7 @@ WALL_TIME = 60.0
 MORE_TIME = f"raise wall_time (s, {WALL_TIME:.0f} where none is given)"
 LONGER = f"the command's --set wall_time={10 * WALL_TIME:.0f} gives it ten minutes"
 NO_TIME = f"wall_time is used up ({WALL_TIME:.0f} s where none is given): raise it"
+INTERRUPTED = "interrupted before it was followed"
 # why nothing is told of a slider, and of a reading other than the scene's own
 NO_FORCES = (
     f"F_s and K* were not found in time, and without them no slider is followed: {MORE_TIME}"
@@ -46,28 +50,52 @@ _SMOOTH = 1.0
 _MOST_EXPECTED = 4.0
 
 
+class Stops:
+    """What ends a part of the work before it is done: the end of its time, and an interrupt, which is `kept` for later
+    where what is known by then is wanted: `by`, None until it comes. A second one ends all."""
+
+    def __init__(self, kept: bool = False) -> None:
+        """Nothing has come yet."""
+        self._kept, self.by = kept, cast(BaseException | None, None)
+
+    @contextmanager
+    def or_late(self) -> Iterator[None]:
+        """End the block, and nothing else, once its time is over or, where that is kept, at an interrupt."""
+        try:
+            yield
+        except TimeIsUp:
+            return
+        except (KeyboardInterrupt, Terminated) as stop:
+            if not self._kept or self.by is not None:
+                raise
+            self.by = stop
+
+
 class Budget:
     """So many `seconds`, of the clock on the wall if `strict`, else of those in which this process could work.
 
     Where other programs have the cores, a process has fewer seconds of the processor than of the clock; with several
     threads it has more, and then the clock counts. `pace`: seconds of the clock for each that counts, so far; at first
-    that which the programs that run beside this one let expect.
+    that which the programs that run beside this one let expect. Nothing remains once one of `stops` has come.
     """
 
-    def __init__(self, seconds: float, strict: bool, pace: float | None = None) -> None:
+    def __init__(
+        self, seconds: float, strict: bool, pace: float | None = None, stops: Stops | None = None
+    ) -> None:
         self._seconds, self._strict = seconds, strict
+        self.stops = stops or Stops()
         self._first_pace = _expected_pace() if pace is None else pace
         self._clock, self._work = time.monotonic(), time.process_time()
 
     def remaining(self) -> float:
         """How many s of the clock remain at the pace so far; below 0 once the time is over."""
         used, pace = self._used()
-        return (self._seconds - used) * pace
+        return 0.0 if self.stops.by else (self._seconds - used) * pace
 
     def part(self, fraction: float) -> "Budget":
         """A budget from now on, of this fraction of what remains."""
         used, pace = self._used()
-        return Budget(fraction * (self._seconds - used), self._strict, pace)
+        return Budget(fraction * (self._seconds - used), self._strict, pace, self.stops)
 
     def _used(self) -> tuple[float, float]:
         """Seconds that count, and the pace."""

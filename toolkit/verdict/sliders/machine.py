@@ -191,7 +191,12 @@ class Finite:
     def error(self) -> float:
         """Of the forces of its slips (a length), no less than of the period, each as a part of itself."""
         period = abs(self.before) * self.period_error / self.period if self.period else 0.0
-        return max(self.before_error, self.after_error, period)
+        return max(self.force_error, period)
+
+    @property
+    def force_error(self) -> float:
+        """Of the forces of its slips (a length)."""
+        return max(self.before_error, self.after_error)
 
 
 @dataclass(frozen=True)

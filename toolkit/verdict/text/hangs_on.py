@@ -147,7 +147,9 @@ def why_smooth(verdict: Verdict) -> list[str]:
         "" if len(smooth) == len(own.behaviours) else f" if {named([one.rule for one in smooth])}"
     )
     begin = "K is below K*, and yet " * (not own.smoothed)
-    said = f"{begin}sliding is smooth{rules}: "
+    few = [apart(verdict).get(one.rule) for one in smooth]
+    whose = " for infinitely many contacts" * any(one and one.kind != "smooth" for one in few)
+    said = f"{begin}sliding is smooth{whose}{rules}: "
     cold = not own.contacts.held_in_time or all(one.heat_left_out is not None for one in smooth)
     small = SMALL * own.contacts.mean_threshold
     if all(one.rule == "mass" and not one.slips for one in smooth) and cold and fall < small:

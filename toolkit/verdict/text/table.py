@@ -11,7 +11,7 @@ from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.of_area import apart, rows_of
 from toolkit.verdict.sliders.budget import NO_FORCES
 from toolkit.verdict.sliders.machine import Behaviour
-from toolkit.verdict.slips_in_words import period_of, with_period_error
+from toolkit.verdict.slips_in_words import mean_over_slips, period_of, with_period_error
 from toolkit.verdict.uncertainty import (
     PRECISE,
     other_samples,
@@ -24,8 +24,6 @@ from toolkit.verdict.uncertainty import (
 HOLDING = 0.9
 # of a number: a wider scatter of other samples, told with two digits, leaves it two
 _VAGUE = 0.1
-# of a path, its first part, over which the force of stick-slip is not averaged: contacts began together there
-FORGOTTEN = 1.0 / 3.0
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
@@ -49,10 +47,20 @@ def table(verdict: Verdict) -> list[str]:
 
 
 def in_columns(rows: Sequence[Sequence[str]], align: str = "<") -> list[str]:
-    """Rows of cells as lines of text, each column as wide as its widest cell; short rows end early."""
-    widths = [max(map(len, column)) for column in zip_longest(*rows, fillvalue="")]
+    """Rows of cells as lines of text; short rows end early. Each column is as wide as its widest cell; of columns that
+    begin at the left, as its widest one that another follows: the last of a row may be as long as it likes."""
+    if align == "<":
+        rows = [_without_empty_end(one) for one in rows]
+    followed = [one[:-1] if align == "<" else one for one in rows]
+    widths = [max(map(len, column)) for column in zip_longest(*followed, fillvalue="")]
+    widths.append(0)  # of the longest row's last cell
     padded = ([f"{cell:{align}{n}}" for cell, n in zip(row, widths, strict=False)] for row in rows)
     return ["  ".join(row).rstrip() for row in padded]
+
+
+def _without_empty_end(row: Sequence[str]) -> Sequence[str]:
+    """A row up to its last cell that is not empty."""
+    return row[: max((number for number, cell in enumerate(row, 1) if cell), default=0)]
 
 
 def _rows(verdict: Verdict) -> Iterator[list[str]]:
@@ -192,21 +200,6 @@ def _of_holding(answer: Answer) -> str:
     if answer.holding > HOLDING:
         return ""
     return f", of whose contacts {100.0 * answer.holding:.2g}% hold"
-
-
-def mean_over_slips(behaviour: Behaviour) -> float | None:
-    """The mean force over the last periods of stick-slip, F/(N_c <k>) (a length); None where none is seen."""
-    drive, period = behaviour.drive, behaviour.period
-    if behaviour.kind != "stick-slip" or not period or not drive.size:
-        return None
-    many = max(int((1.0 - FORGOTTEN) * (drive[-1] - drive[0]) / period), 1)
-    begin = drive[-1] - many * period
-    if begin < drive[0]:
-        return None
-    later = drive > begin
-    places = np.append(begin, drive[later])
-    force = np.append(np.interp(begin, drive, behaviour.force), behaviour.force[later])
-    return float(np.trapezoid(force, places) / (many * period))
 
 
 def _with_error(value: float, unit: str, uncertainty: float, error: float) -> str:

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from origins.laws.thermal import Thermal
+from toolkit.results.slips import ENOUGH
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.readings import why_late
@@ -110,11 +112,12 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
             said = f"the force is told {who}"
         else:
             said = f"the slips are means {who}"
-        error = max(one.error for one in by_contacts if one.rule in rules)
-        error_text = written(
-            error * own.contacts.mean_threshold * scale.force, scale.force_unit, digits=2
-        )
+        error = max(_force_error(verdict, one) for one in by_contacts if one.rule in rules)
+        error_text = written(error * scale.force, scale.force_unit, digits=2)
         which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
+        slips = [one.sliders.slips for one in by_contacts if one.rule in rules and one.sliders]
+        if slips and min(slips) < ENOUGH:
+            said += f", each of which slipped some {min(slips):.2g} times: few, so that their scatter is in the errors"
         more = ", with what more contacts would change" * any(
             _fewer_than_there_are(verdict, one) for one in by_contacts if one.rule in rules
         )
@@ -169,6 +172,14 @@ def _not_solved(verdict: Verdict) -> str:
     return "the master equation takes no such slider, or not in time"
 
 
+def _force_error(verdict: Verdict, one: Behaviour) -> float:
+    """The error of a behaviour's forces (a length) without that of its period, which `Behaviour.error` covers, too."""
+    error, many = one.error * verdict.own.contacts.mean_threshold, one.sliders
+    if many is None or not many.period or not np.isfinite(many.error):
+        return error
+    return error - many.error + many.force_error
+
+
 def _fewer_than_there_are(verdict: Verdict, one: Behaviour) -> bool:
     """Whether the contacts that tell are not all of the area; where their number is not known they are taken as few."""
     number = verdict.own.scale.contacts
@@ -207,10 +218,23 @@ def _by_heat(own: Answer) -> str:
     scale, change = own.scale, own.kinetic.value - own.cold.value
     at = " of a rigid slider as fast as the drive" * bool(own.machine)
     if abs(change) <= own.kinetic.error + own.cold.error:
-        return f"heat changes F_k{at} by less than its numerical error"
+        return f"heat changes F_k{at} by less than its numerical error{_of_few_atoms(own)}"
     size = written(abs(change) * scale.force, scale.force_unit, digits=2)
     part = f"{100.0 * abs(change) / own.cold.value:.2g}%"
-    return f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of it"
+    said = f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of it"
+    return said + _of_few_atoms(own)
+
+
+def _of_few_atoms(own: Answer) -> str:
+    """Beside heat that breaks whole contacts of a surface: that it may do more; "" of other contacts and heat."""
+    thermal = own.contacts.thermal
+    if (
+        own.contacts.interface is None
+        or not isinstance(thermal, Thermal)
+        or thermal.law == "eyring"
+    ):
+        return ""
+    return ', as one barrier holds each contact; few atoms that give way at a time (law = "eyring") may change it more'
 
 
 def _left_out(verdict: Verdict) -> list[tuple[str, str]]:

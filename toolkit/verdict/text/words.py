@@ -46,13 +46,7 @@ from toolkit.verdict.text.kinds import (
     others,
     without_delay,
 )
-from toolkit.verdict.text.table import (
-    drop_of,
-    in_units,
-    speed_unit,
-    table,
-    without_spring,
-)
+from toolkit.verdict.text.table import drop_of, in_units, speed_unit, table, without_spring
 from toolkit.verdict.text.undone import undecided_readings
 from toolkit.verdict.uncertainty import (
     PRECISE,
@@ -70,7 +64,8 @@ from toolkit.verdict.uncertainty import (
 
 def page(verdict: Verdict) -> list[str]:
     """The verdict on one page: title, doubts about the input, sentence, numbers, table, what it hangs on, run time."""
-    lines = [verdict.title, "", *warnings(verdict), sentence(verdict)]
+    early = ["interrupted; this is what was known by then"] * (verdict.stopped is not None)
+    lines = [verdict.title, "", *early, *warnings(verdict), sentence(verdict)]
     lines += [f"  {line}" for line in turned(verdict)]
     lines += [*(f"  {line}" for line in details(verdict)), ""]
     lines += [*table(verdict), *other_samples(verdict), *why_smooth(verdict), ""]
@@ -134,6 +129,8 @@ def turned(verdict: Verdict) -> list[str]:
     if not own.contacts.waiting_time:
         whose = f"only once a slip is over, which takes some {slip},"
     does, tells = _behaved(verdict, own, other.kind, [other]), ", as a slider without mass tells"
+    if other.kind == "smooth" and other.contacts is None and own.scale.contacts is not None:
+        tells = ", as infinitely many contacts of a slider without mass tell"
     if other.kind == "stick-slip" and other.rule != "mass":
         # its forces and its period are those of no slider with mass
         ask = "leave [contacts.delay] out" if own.contacts.waiting_time else "give [contacts.delay]"
