@@ -51,6 +51,7 @@ def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
     """What commands say does not tell whether they are the first to compile, nor how fast the machine is."""
     # s; an event can wait no infinite time
     monkeypatch.setattr("toolkit.running.progress.PATIENCE", 1e6)
+    monkeypatch.setattr("toolkit.running.rules.SECONDS", 1e6)
 
 
 @pytest.fixture

@@ -275,8 +275,7 @@ def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) ->
 
 
 def test_compare_says_where_the_order_is_not_decided(capsys: Any) -> None:
-    """K* of two laws of one surface go over the same readings; K* of samples scatters, and that of a wide Gaussian is
-    far below. Run times have one line at the end."""
+    """K* of two laws of one surface go over the same readings. Run times have one line at the end."""
     material = ROUGH["material"] | {"shear_strength": 5e7}
     tables: dict[str, Any] = {"verdict": {"readings": ["gw/amontons", "gw/strength"]}}
     tables |= {"drive": {"area": 1e-6}, "master": None}
@@ -295,6 +294,10 @@ def test_compare_says_where_the_order_is_not_decided(capsys: Any) -> None:
     assert "; the whole command " in lines[-2] and each[-1] >= sum(each[:-1]) * (1.0 - 0.05)
     assert not any("time" in line for line in lines[:-2])
 
+
+@pytest.mark.slow  # quick: the test before, and K* of samples with its scatter in test_newtons.py
+def test_compare_counts_the_scatter_of_samples_where_the_order_is_not_decided(capsys: Any) -> None:
+    """K* of samples scatters, and that of a wide Gaussian is far below."""
     one = np.random.default_rng(1).normal(1.0, 0.2, 40).tolist()
     laws = {"kind": "from-samples", "x_s": one}, {"kind": "gaussian", "mean": 1.0, "std": 0.2}
     drawn = [write(f"drawn{n}", thresholds=law, drive={"to": 4.0}) for n, law in enumerate(laws)]
@@ -406,13 +409,17 @@ def test_a_signal_while_it_imports_is_one_line(
     assert signal.getsignal(number) is before
 
 
-def test_a_closed_pipe_ends_it_without_a_word(python: Any) -> None:
+@pytest.mark.parametrize(
+    "words",
+    [["run"], *(pytest.param([word], marks=pytest.mark.slow) for word in ("--help", "scenes"))],
+)
+def test_a_closed_pipe_ends_it_without_a_word(python: Any, words: list[str]) -> None:
     shut = "import os; there, here = os.pipe(); os.close(there); os.dup2(here, 1)"
     run = f"{shut}; from toolkit.command import main; exit(main())"
-    for words in (["--help"], ["scenes"], ["run", write()]):
-        done = python(run, *words, PYTHONUNBUFFERED="")
-        assert (done.returncode, done.stderr) == (141, "")
-    assert toolkit.load("mine-output").success
+    asked = [*words, write()] if words == ["run"] else words
+    done = python(run, *asked, PYTHONUNBUFFERED="")
+    assert (done.returncode, done.stderr) == (141, "")
+    assert words != ["run"] or toolkit.load("mine-output").success
 
 
 def test_bug_shows_its_traceback_and_the_module_is_the_command(python: Any) -> None:
@@ -421,9 +428,8 @@ def test_bug_shows_its_traceback_and_the_module_is_the_command(python: Any) -> N
     done = python(f"{bug}; {run}", "run", "gaussian")
     assert done.returncode == 1 and os.listdir() == []
     assert "Traceback (most recent call last)" in done.stderr and "ZeroDivisionError" in done.stderr
-    for module in ("mesofriction", "toolkit.command"):
-        told = python(f"import runpy; runpy.run_module('{module}', run_name='__main__')", "scenes")
-        assert told.returncode == 0 and "rough-gw-amontons" in told.stdout
+    told = python("import runpy; runpy.run_module('mesofriction', run_name='__main__')", "scenes")
+    assert told.returncode == 0 and "rough-gw-amontons" in told.stdout
 
 
 def test_surfaces_with_areas_are_ranked_in_newtons(capsys: Any) -> None:

@@ -157,7 +157,7 @@ def test_slips_of_few_contacts_that_re_form_after_each_are_over_once_they_slide(
 
 @pytest.mark.parametrize(
     ("std", "spring"),
-    [(0.15, 1.0), pytest.param(0.4, 1.0, marks=pytest.mark.slow), (0.4, 0.2)],
+    [*(pytest.param(std, 1.0, marks=pytest.mark.slow) for std in (0.15, 0.4)), (0.4, 0.2)],
     ids=str,
 )
 def test_drops_of_wide_thresholds_that_shrink_ever_less_are_no_end_of_the_slips(
@@ -180,7 +180,9 @@ def test_drops_of_wide_thresholds_that_shrink_ever_less_are_no_end_of_the_slips(
         (gaussian(1.0, 0.2), 0.95, 25.0, 14.0, "undecided", 0.7),
         # no contact held on after the first slip, and yet the tenth is less than half of it
         (gaussian(1.0, 0.4), 0.252, 30.0, 9.0, "undecided", 0.0),
-        (gaussian(1.0, 0.4), 0.252, 1.0, 9.0, "stick-slip", 0.9),
+        pytest.param(
+            gaussian(1.0, 0.4), 0.252, 1.0, 9.0, "stick-slip", 0.9, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_contacts_that_wait_long_draw_apart_from_slip_to_slip(

@@ -219,6 +219,7 @@ def test_force_is_the_laplace_inversion_of_its_transform(
     assert found.success and differ <= found.force_error + 1e-12
 
 
+@pytest.mark.slow  # quick: the ensemble sees one, two tests below
 def test_a_fault_of_both_answers_of_the_master_equation_is_seen(monkeypatch: Any) -> None:
     """A delay that is too long at every tolerance: the cohorts contradict the finer answer, and are the truth."""
     solve, number = master.solve, list(KINDS).index("delay in time")
@@ -252,7 +253,9 @@ def test_exact_values_beside_others_have_the_ensemble_as_a_road(monkeypatch: Any
 
 
 @pytest.mark.parametrize(
-    "many", [len(KINDS) // 2, pytest.param(len(KINDS), marks=pytest.mark.slow)], ids=["half", "all"]
+    "many",
+    [len(KINDS) // 4, pytest.param(len(KINDS), marks=pytest.mark.slow)],
+    ids=["quarter", "all"],
 )
 def test_drawn_cases_by_the_command(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], many: int

@@ -268,30 +268,30 @@ def test_a_dataset_has_all_arrays_with_their_units() -> None:
     assert pressures.to_xarray()["sweep_contacts.thresholds.pressure"].units == "Pa"
 
 
+@pytest.mark.parametrize(
+    ("command", "picture"),
+    [
+        pytest.param("run", "picture", marks=pytest.mark.slow),
+        ("thresholds", "thresholds"),
+        pytest.param("compare", "compare", marks=pytest.mark.slow),
+    ],
+)
 def test_pictures_are_written_in_other_formats_too_and_old_ones_go(
-    capsys: Any, monkeypatch: Any
+    capsys: Any, monkeypatch: Any, command: str, picture: str
 ) -> None:
     """The whole picture of a run; of other commands an empty figure, as all formats are written by one function."""
     name = write(drive={"to": 1.0, "points": 3})
     save, empty = Figure.savefig, Figure()
     begins = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}
-    for command, picture in (
-        ("run", "picture"),
-        ("thresholds", "thresholds"),
-        ("compare", "compare"),
-    ):
-        if command != "run":
-            monkeypatch.setattr(
-                Figure, "savefig", lambda _, *where, **how: save(empty, *where, **how)
-            )
-        out = f"out-{command}"
-        words = (command, name, "--out", out)
-        assert said(capsys, *words, "--format", "pdf,svg")[0] == 0
-        for suffix, begin in begins.items():
-            assert (Path(out) / f"{picture}.{suffix}").read_bytes().startswith(begin)
-        assert said(capsys, *words, "--format", "png")[0] == 0
-        left = {file.suffix for file in Path(out).glob(f"{picture}.*")}
-        assert ".png" in left and not left & {".pdf", ".svg"}
+    if command != "run":
+        monkeypatch.setattr(Figure, "savefig", lambda _, *where, **how: save(empty, *where, **how))
+    words = (command, name, "--out", "out")
+    assert said(capsys, *words, "--format", "pdf,svg")[0] == 0
+    for suffix, begin in begins.items():
+        assert (Path("out") / f"{picture}.{suffix}").read_bytes().startswith(begin)
+    assert said(capsys, *words, "--format", "png")[0] == 0
+    left = {file.suffix for file in Path("out").glob(f"{picture}.*")}
+    assert ".png" in left and not left & {".pdf", ".svg"}
     line = refused(capsys, "run", name, "--format", "jpg")
     assert line == "format = 'jpg': must be among png, pdf and svg, such as --format pdf,svg"
 

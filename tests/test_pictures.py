@@ -564,6 +564,7 @@ def test_a_critical_spring_below_its_numerical_error_is_not_compared() -> None:
     assert springs.texts[0].get_text() == f"not known, below {written(most, 'N/m', digits=2)}"
 
 
+@pytest.mark.slow  # quick: the same in the table of test_verdict.py
 def test_islands_whose_critical_spring_hangs_on_smoothing_have_no_rank_by_it(
     monkeypatch: Any,
 ) -> None:

@@ -38,6 +38,16 @@ RENDERED = (
     "test_no_spring_is_stiff_enough_where_an_island_turns",
 )
 
+# scenes of a second or more; shorter witnesses are in test_agreement.py, and of velocity steps in test_rate_state.py
+LONG = {
+    "ageing",
+    "ageing-springs",
+    "growing-grains",
+    "rate-state",
+    "rate-state-weakening",
+    "rotated-domains",
+}
+
 pytestmark = pytest.mark.usefixtures("in_a_folder")
 
 
@@ -58,9 +68,8 @@ def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
 # -- what runs, and what comes back ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize(  # velocity steps of grown thresholds: test_rate_state.py
-    "name",
-    [pytest.param(n, marks=[pytest.mark.slow] * (n == "rate-state")) for n in shipped_scenes()],
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in shipped_scenes()]
 )
 def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     _is_solved_and_agrees(name, every_speed=False)
@@ -428,7 +437,8 @@ FEW_RESET = (
 
 
 @pytest.mark.parametrize(
-    ("law", "drive", "eq", "infinite", "why"), [FEW_SLIP, NONE_SLIPS, FEW_RESET]
+    ("law", "drive", "eq", "infinite", "why"),
+    [FEW_SLIP, NONE_SLIPS, pytest.param(*FEW_RESET, marks=pytest.mark.slow)],
 )
 @pytest.mark.usefixtures("no_picture")
 def test_contacts_that_contradict_the_master_equation_are_the_headline(
@@ -469,13 +479,18 @@ def test_contacts_that_agree_are_no_headline(capsys: Any) -> None:
     assert told["verdict"] == told["master"]["verdict"]
 
 
-def test_a_run_says_where_the_slip_rule_decides() -> None:
+@pytest.mark.parametrize("rule", ["reset", pytest.param("instant", marks=pytest.mark.slow)])
+def test_a_run_says_where_the_slip_rule_decides(rule: str) -> None:
+    wide = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    drive = {"to": 15.0, "points": 151, "spring": 0.95, "slip": rule}
+    (note,) = toolkit.run(scene(wide, drive=drive, master={"tolerance": 1e-4})).notes
+    assert 'decides: stick-slip with "reset", decaying transient with "reform-after"' in note
+
+
+@pytest.mark.slow  # quick: where it decides, and slips on other pages
+def test_a_run_says_nothing_of_slip_rules_that_agree_and_tells_a_small_first_slip() -> None:
     wide = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
     coarse = {"tolerance": 1e-4}
-    for rule in ("reset", "instant"):
-        drive = {"to": 15.0, "points": 151, "spring": 0.95, "slip": rule}
-        (note,) = toolkit.run(scene(wide, drive=drive, master=coarse)).notes
-        assert 'decides: stick-slip with "reset", decaying transient with "reform-after"' in note
     late = {"thresholds": wide, "delay": {"time": 1e-3}}  # each rule would take seconds to minutes
     drive = {"to": 4.0, "points": 5, "spring": 0.95}
     waits = toolkit.run(scene(contacts=late, drive=drive, master={"tolerance": 1e-2}))

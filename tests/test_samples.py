@@ -76,6 +76,7 @@ def test_mean_is_the_samples_in_any_unit(seeds: range) -> None:
         np.testing.assert_allclose(scaled.isf(q), 1e-90 * law.isf(q), rtol=1e-8)
 
 
+@pytest.mark.slow  # quick: errors beside the scatter of fresh samples, below
 def test_recovers_the_law_within_the_stated_errors() -> None:
     """The cdf in 95 % of 40 sets, the onset in 68 % and 95 %, less three times what chance takes off."""
     x = np.linspace(0.0, 3.0, 400)
@@ -178,6 +179,7 @@ def test_errors_are_the_scatter_of_fresh_samples() -> None:
     np.testing.assert_allclose(found.interval[1] - found.value, 1.96 * found.error, rtol=1e-12)
 
 
+@pytest.mark.slow  # quick: errors of a law of samples alone
 def test_samples_inside_a_mixture_are_drawn_anew() -> None:
     """Errors of a mean: those of the parts, times their weights; laws without samples add none."""
     own, other = sampled(200), origins.from_samples(np.random.default_rng(2).gamma(3.0, size=100))

@@ -69,6 +69,9 @@ told = []
 """
 
 
+pytestmark = pytest.mark.usefixtures("unrendered")
+
+
 @pytest.fixture(autouse=True)
 def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -110,6 +113,7 @@ print(json.dumps(told), file=stdout)
     same("whole", "out")
 
 
+@pytest.mark.slow  # quick: one process killed, and a signal to one rank
 def test_ranks_killed_and_another_number_goes_on(
     python: Callable[..., Any], mpirun: Callable[..., Any]
 ) -> None:

@@ -93,7 +93,7 @@ def test_the_error_of_late_slips_holds_what_a_transient_leaves() -> None:
         # 5.6, 1.6, 3.9, 2.2, 1.8, ... of a long delay: slips 5 to 8 were averaged as if they lasted
         (Machine(5e-4, 0.2, 5e-4, 1.0), 2000.0, 2000),
         # slips of many sizes, of which the second alone was told, with the scatter between sliders as its error
-        (Machine(0.05, 0.02, 5e-5, 1.0), 20.0, 4000),
+        pytest.param(Machine(0.05, 0.02, 5e-5, 1.0), 20.0, 4000, marks=pytest.mark.slow),
     ],
 )
 def test_only_slips_that_last_are_averaged(machine: Machine, delay: float, number: int) -> None:
@@ -120,6 +120,7 @@ def test_only_slips_that_last_are_averaged(machine: Machine, delay: float, numbe
     assert abs(first - many.before) > 10.0 * many.before_error  # the transient is far from it
 
 
+@pytest.mark.slow  # quick: test_only_slips_that_last_are_averaged
 def test_the_contacts_of_the_area_tell_a_lasting_cycle_of_slips_that_were_not_decided() -> None:
     """Of infinitely many six slips were seen; the area's go on for ever with slips of several sizes."""
     machine, contacts = Machine(5e-3, 2e-4, 5e-4, 1.0), Contacts(WIDE, delay=Delay(20.0))
@@ -139,6 +140,7 @@ def test_the_contacts_of_the_area_tell_a_lasting_cycle_of_slips_that_were_not_de
         assert with_more(one, other, 1.0) is one
 
 
+@pytest.mark.slow  # quick: swings that have not died out, below
 def test_a_slider_that_swings_at_the_end_is_told_by_its_last_whole_slip() -> None:
     """It swings beyond its drive's speed after four slips: the swing that the path's end cuts was told as "the last
     from 2.80 mN down by 0 N"."""
@@ -209,6 +211,7 @@ def of(behaviour: Behaviour) -> answers.Verdict:
     return answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)
 
 
+@pytest.mark.slow  # quick: test_smooth_sliding_after_slips_that_shrink, of infinitely many
 def test_slips_that_fade_are_followed_until_they_are_over_and_open_until_then(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

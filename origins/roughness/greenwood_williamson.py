@@ -5,6 +5,8 @@ carries (4/3) E* r^(1/2) delta^(3/2) (Hertz; the paper's Eq. GW1 prints 4 pi/3),
 hardness times area). Where both loads are equal, the threshold as a function of delta has a kink and P_c has a jump.
 """
 
+from functools import lru_cache
+
 import numpy as np
 import scipy
 
@@ -64,18 +66,13 @@ class Summits:
 
     def separation(self, pressure: float) -> float:
         """z = h0/sigma_h under a nominal pressure in Pa; at least -1e6, which is taken for covered."""
+        return _separation(self, pressure)
 
-        def excess(z: float) -> float:
-            return float(np.log(self.pressure(z) / pressure))
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Summits) and vars(self) == vars(other)
 
-        if self.heights == "exponential":
-            return excess(0.0)  # the pressure is proportional to e^-z
-        # half of the summits are compressed by more than -h0; the pressure falls faster than e^(-z²/2)
-        deepest = straight(1.0, 1.0).against(self.load)(2.0 * pressure / self.density) / self.std
-        low, high = max(-float(deepest), -1e6), np.sqrt(2.0 * max(excess(0.0), 0.0))
-        if not excess(low) > 0.0:
-            return low
-        return scipy.optimize.brentq(excess, low, high, xtol=1e-14, rtol=1e-14)
+    def __hash__(self) -> int:
+        return hash((*vars(self).values(),))
 
     def check(self, z: float, name: str, value: float, remedy: str) -> None:
         """InputError where the contacts, which must be far apart, would cover the whole surface, and for a flat below
@@ -87,6 +84,25 @@ class Summits:
         if (covered := self.area_fraction(z)) >= 1.0 or z <= -1e6:
             hint = f"summits would cover {covered:.3g} of the surface, not far apart: {other}"
             refuse(name, value, f"{hint}; are heights and pixel size in metres, moduli in Pa?")
+
+
+# readings and tables of one surface ask for it again and again; finding it takes most of the time of making thresholds
+@lru_cache(maxsize=64)
+def _separation(summits: Summits, pressure: float) -> float:
+    """As Summits.separation."""
+
+    def excess(z: float) -> float:
+        return float(np.log(summits.pressure(z) / pressure))
+
+    if summits.heights == "exponential":
+        return excess(0.0)  # the pressure is proportional to e^-z
+    # half of the summits are compressed by more than -h0; the pressure falls faster than e^(-z²/2)
+    deepest = straight(1.0, 1.0).against(summits.load)(2.0 * pressure / summits.density)
+    low = max(-float(deepest / summits.std), -1e6)
+    high = np.sqrt(2.0 * max(excess(0.0), 0.0))
+    if not excess(low) > 0.0:
+        return low
+    return scipy.optimize.brentq(excess, low, high, xtol=1e-14, rtol=1e-14)
 
 
 def separation_of_pressure(

@@ -9,7 +9,7 @@ from toolkit.results.records import SolvedRecord
 from toolkit.scene.scene import Scene
 
 # of the force, in mean thresholds: enough for a verdict; s for each of the other rules
-_TOLERANCE, _SECONDS = 1e-4, 5.0
+_TOLERANCE, SECONDS = 1e-4, 5.0
 # a first slip that lowers the force by a smaller share is told: a reset renews all contacts for a few that break
 _SMALL = 0.1
 
@@ -28,7 +28,7 @@ def beside_other_rules(scene: Scene, solved: SolvedRecord, deadline: float | Non
         return []
     verdicts, answers = {own: solved.regime.verdict}, dict[str, Any]({own: solved})
     for rule in set(get_args(SlipRule)) - {own}:
-        seconds = _SECONDS if deadline is None else min(_SECONDS, deadline - time.monotonic())
+        seconds = SECONDS if deadline is None else min(SECONDS, deadline - time.monotonic())
         if seconds <= 0.0:
             break
         asked: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time, "slip": rule}
