@@ -278,7 +278,7 @@ def test_a_slider_at_rest_stays_there_while_its_drive_holds() -> None:
 @pytest.mark.parametrize(
     ("contacts", "path", "told"),
     [
-        (HOT, [1e4], "goes on by"),
+        (Contacts(WIDE, reforming=-0.2), [1e4], "goes on by"),
         (Contacts(origins.identical(1.0), thermal=EYRING), [3.0], "give the exact values a width"),
         (HOT.replace(stiffness="linked"), [3.0], "use eq_model.simulate"),
     ],

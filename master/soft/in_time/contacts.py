@@ -11,15 +11,19 @@ contacts form again. Within a step the rate of births is taken as constant: half
 its begin, half to that at its end, of second order in the step.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from master.numerics.averages import StretchNodes, stretch_nodes
 from master.outcome import FaultError, StoppedError, stop_after
 from master.renewal.births import reforming_law
 from master.soft.in_time.breaks import BirthsUpTo, BreaksInSteps
-from master.soft.in_time.groups import Groups, divided_by_survival, survivals_at_birth
+from master.soft.in_time.groups import (
+    Groups,
+    Trial,
+    divided_by_survival,
+    steady_groups,
+    survivals_at_birth,
+)
 from master.soft.in_time.memory import Memory
 from master.soft.in_time.unresolved import (
     OF_BIRTHS,
@@ -44,28 +48,6 @@ COMPARED = 3
 # Rounding of the number of contacts, for each that formed: far above that of sums of thousands of steps, far below
 # what a contact lost or counted twice in one of them changes.
 UNACCOUNTED = 1e-9
-
-
-class Trial(NamedTuple):
-    """A step that is not taken yet, and the state it leads to; it begins at `ContactsInSteps.now`.
-
-    travel : change of X (a length, of either sign)
-    end : when it ends, a time on the path
-
-    groups : with a new cohort that has no births yet; survival_and_force : what the memory says of them, shape (2, n)
-    force, holding : see ContactsInSteps; breaks, births : B and J at its end, per contact since t = 0 or a reset
-    kept : share of the contacts that held at its begin and hold at its end, too
-    """
-
-    travel: float
-    end: float
-    groups: Groups
-    survival_and_force: Array
-    force: float
-    holding: float
-    breaks: float
-    births: float
-    kept: float
 
 
 class ContactsInSteps:
@@ -129,14 +111,23 @@ class ContactsInSteps:
         record = self.memory.start(stretches.stretch)
         self._replace_all(divided_by_survival(self.memory, stretches), record)
 
+    def slide_to(self, position: float, now: float, velocity: float, step: float) -> None:
+        """Be there at this time after long steady sliding at this velocity, along which a cohort was born on each
+        `step` (a length)."""
+        self.position, self.now = position, now
+        self._begin_with(steady_groups(self.memory, self._at_birth, velocity, step), abs(velocity))
+
     def _replace_all(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""
-        groups = Groups(start.stretch, np.abs(start.stretch), start.weight, record)
+        self._begin_with(Groups(start.stretch, np.abs(start.stretch), start.weight, record), 0.0)
+
+    def _begin_with(self, groups: Groups, speed: float) -> None:
+        """The same of groups, on a slider of this speed |dX/dt|."""
         sums = groups.survival_and_force(self.memory)
         self.holding, self.force = (sums @ groups.weight).tolist()
-        self.are_new, self._of_start = False, start.stretch.size
+        self.are_new, self._of_start = False, groups.stretch.size
         # the cohort at the begin of the first step, whose size tells the slider's speed
-        self.groups = groups.and_born(self.memory, self._at_birth, 0.0, speed=0.0)
+        self.groups = groups.and_born(self.memory, self._at_birth, 0.0, speed)
         self.past_breaks = BreaksInSteps(self.delay, self.now)
         self.past_breaks.repeat_bend(self.now)  # before there were no breaks
         self._births = self._births_in_cohorts = self._left_out = 0.0

@@ -1,4 +1,4 @@
-"""Groups of contacts that began or were born together at one stretch."""
+"""Groups of contacts that began or were born together at one stretch, and where a step would lead them."""
 
 from typing import NamedTuple
 
@@ -50,8 +50,8 @@ class Groups(NamedTuple):
         self, memory: Memory, born: StretchNodes, fraction: float, speed: float
     ) -> "Groups":
         """These, and as the last ones those of a new cohort, on a slider of this speed |dX/dt|."""
-        x, record = born.stretch, memory.fresh(born.stretch, speed)
-        new = Groups(x, np.abs(x), fraction * born.weight, record)
+        new = _fresh(memory, born, speed)
+        new = new._replace(weight=fraction * new.weight)
         return Groups(*(np.concatenate(both) for both in zip(self, new, strict=True)))
 
     def survival_and_force(self, memory: Memory) -> Array:
@@ -78,6 +78,48 @@ class Groups(NamedTuple):
         stays[negligible] = False
         added = self._replace(weight=np.append(self.weight[:first], cohorts))
         return added.pick(np.append(np.ones(first, dtype=bool), np.repeat(stays, count)))
+
+
+class Trial(NamedTuple):
+    """A step that is not taken yet, and the state it leads to; it begins at `ContactsInSteps.now`.
+
+    travel : change of X (a length, of either sign)
+    end : when it ends, a time on the path
+
+    groups : with a new cohort that has no births yet; survival_and_force : what the memory says of them, shape (2, n)
+    force, holding : see ContactsInSteps; breaks, births : B and J at its end, per contact since t = 0 or a reset
+    kept : share of the contacts that held at its begin and hold at its end, too
+    """
+
+    travel: float
+    end: float
+    groups: Groups
+    survival_and_force: Array
+    force: float
+    holding: float
+    breaks: float
+    births: float
+    kept: float
+
+
+def steady_groups(memory: Memory, born: StretchNodes, velocity: float, step: float) -> Groups:
+    """All contacts in steady sliding at this velocity, all of which hold, by a cohort for each `step` of the way, the
+    oldest first: the births on it belong to the cohorts at its ends, as in the steps of a slider."""
+    count = int(np.ceil(memory.largest_stretch / step))
+    way, speed = np.copysign(memory.largest_stretch / count, velocity), abs(velocity)
+    groups = _fresh(memory, born, speed)
+    groups = groups._replace(weight=0.5 * groups.weight)
+    for last in range(count):
+        groups = groups.moved(memory, way, abs(way) / speed)
+        groups = groups.and_born(memory, born, 0.5 if last == count - 1 else 1.0, speed)
+    hold = groups.survival_and_force(memory)[0]
+    return groups._replace(weight=groups.weight / float(hold @ groups.weight))
+
+
+def _fresh(memory: Memory, born: StretchNodes, speed: float) -> Groups:
+    """The groups of a new cohort, on a slider of this speed |dX/dt|."""
+    x = born.stretch
+    return Groups(x, np.abs(x), born.weight, memory.fresh(x, speed))
 
 
 def divided_by_survival(memory: Memory, nodes: StretchNodes) -> StretchNodes:

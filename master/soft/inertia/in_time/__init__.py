@@ -8,7 +8,9 @@ mass nothing is unstable: no slip rule is needed, and a step of any small size h
 
     swing_steps.py   a swing: a damped oscillator on the contacts that hold, pulled by the rest of F, which grows evenly
     slow_steps.py    rest: K (X_T - X) - F - γ V = 0, where the inertia that this leaves out is small
+    steady_sliding.py, steady_motion.py   long ways without steps, on which F is F_k of the present speed
     slider.py        one after another, from turn to turn of the slider and of the drive; energies
+    node.py          the end of a step
     falls.py         falls of the spring's force, and slips among them, as `master.soft.inertia.record` defines them
     refining.py      steps of 1, 1/2, 1/4 ... until the error is within the tolerance
     answer.py        the limit of steps 0, and its error
@@ -16,5 +18,6 @@ mass nothing is unstable: no slip rule is needed, and a step of any small size h
 Sections along which all is smooth end where the slider turns round (V = 0), as contacts may break ahead of it and not
 behind; where a swing becomes small, so that longer steps follow it; and where the slider comes to rest or leaves it.
 
-Tests: tests/test_mass_laws_in_time.py, beside the two other roads at T = 0 and a plain integrator.
+Tests: tests/test_mass_laws_in_time.py, beside the two other roads at T = 0 and a plain integrator; and
+tests/test_mass_steady_sliding.py.
 """

@@ -1,11 +1,11 @@
 """Refining: a slider with mass followed again and again, with steps halved each time, until its force is known."""
 
 import time
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from master.motion import drive_motion
+from master.motion import Motion, drive_motion
 from master.outcome import FaultError, Progress, StoppedError
 from master.soft.followed import Followed
 from master.soft.in_time.contacts import MOST_STEPS, MOST_WORK, ContactsInSteps
@@ -20,10 +20,14 @@ from master.soft.in_time.steps import CONTROL
 from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.in_time.answer import COMPARED, HeavyAnswer, answer
 from master.soft.inertia.in_time.slider import HeavySlider
+from master.soft.inertia.in_time.steady_sliding import Slid, sliding_of
 from master.soft.inertia.run import SlipsInTime
 from origins import Contacts, Drive
 from origins.errors import refuse
 from origins.thresholds.law import Array
+
+# So many of the ways without steps are named in a message.
+NAMED = 3
 
 
 class HeavyFound(NamedTuple):
@@ -43,15 +47,17 @@ def follow_in_steps(
     tolerance; `until` is a reading of time.monotonic() at which to stop. Raises InputError where the coarsest steps
     take too long."""
     balance = balance_of(contacts, drive)
-    _refuse_long_ways(contacts, drive, balance)
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
+    sliding = sliding_of(contacts, drive, motion, tolerance, until)
+    if sliding is None:
+        _refuse_long_ways(contacts, drive, balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     unit = contacts.mean_threshold
     sliders, best, halvings, stopped, nodes = list[HeavySlider](), None, 0, "", 0
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
-        slider = HeavySlider(cohorts, drive, motion, tolerance * unit)
+        slider = HeavySlider(cohorts, drive, motion, tolerance * unit, sliding)
         try:
             slider.run()
         except StoppedError as why:
@@ -93,6 +99,21 @@ def _refuse_long_ways(contacts: Contacts, drive: Drive, balance: float) -> None:
         fault = f"a slider with mass goes on by {way - behind:.3g} or more, in {steps:.2g} steps"
         fault += f" of time, above {most:.2g}"
         refuse("path[-1]", drive.path[-1], f"{fault}; end the path sooner, or take a slip rule")
+
+
+def _sliding(slides: list[Slid], motion: Motion) -> dict[str, Any]:
+    """What is to be said of long ways without steps, and the position of the drive from which on F is that of steady
+    sliding at its speed, where it is."""
+    begins = motion.at(np.array([slid.nodes[0].time for slid in slides])).tolist()
+    where = ", ".join(f"{at:.6g}" for at in begins[:NAMED]) + ", ..." * (len(begins) > NAMED)
+    note = f"from X_T = {where} on the slider slides steadily: F is F_k of its present speed, and no steps are taken"
+    if not slides[-1].to_end:
+        return {"note": note}
+    beyond = slides[-1].steady_from - motion.times[-1]
+    return {
+        "note": note,
+        "steady_from": float(motion.positions[-1] + motion.speeds[-1] * beyond),
+    }
 
 
 def _largest(found: HeavyAnswer) -> float:
@@ -146,5 +167,7 @@ def _found(
         stopped_because=stopped,
         of_holding=best.of_holding,
     )
+    if last.slides and last.motion is not None:
+        followed = followed._replace(**_sliding(last.slides, last.motion))
     stored_first = last.sections[0][0].stored
     return HeavyFound(followed, best.columns, best.of_contacts, stored_first)

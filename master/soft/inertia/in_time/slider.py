@@ -1,5 +1,6 @@
 """A slider with mass along its whole path, step by step and turn after turn; its contacts' laws depend on time."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -8,10 +9,12 @@ from master.motion import Motion
 from master.outcome import StoppedError
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.in_time.steps import CONTROL
-from master.soft.in_time.unresolved import OF_QUIET
+from master.soft.in_time.unresolved import OF_CREEP, OF_QUIET
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.in_time.falls import Falls, StepEnd
+from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.slow_steps import Crept, Drifts, SlowSteps
+from master.soft.inertia.in_time.steady_sliding import Slid, SteadySliding
 from master.soft.inertia.in_time.swing_steps import SwingSteps, Swung
 from origins.drive import Drive
 from origins.thresholds.numerical import clipped
@@ -34,40 +37,33 @@ class Spent(NamedTuple):
     on_contacts: float
 
 
-class HeavyNode(NamedTuple):
-    """The end of a step: the sum of the sizes of its section's steps so far, and the state there; from the time on
-    these are columns of what is read. Energies are per N_c<k> (length squared), see master.soft.inertia.record.Record.
-    """
-
-    sizes_so_far: float
-    time: float
-    force: float
-    holding: float
-    position: float
-    speed: float
-    work: float
-    damped: float
-    on_contacts: float
-    stored: float
-
-
 class HeavySlider:
     """The solution along the whole path, with steps of 2^-halvings of the coarsest.
 
     contacts, motion : its contacts; the drive's motion, None where it does not move
     sections : nodes of each smooth section: from a turn of the slider to the next, or of the drive
     falls : of the spring's force, and slips among them
+    slides : long ways without steps, in order
     """
 
     def __init__(
-        self, contacts: ContactsInSteps, drive: Drive, motion: Motion | None, tolerance: float
+        self,
+        contacts: ContactsInSteps,
+        drive: Drive,
+        motion: Motion | None,
+        tolerance: float,
+        sliding: SteadySliding | None = None,
     ) -> None:
-        """At rest, in balance, at t = 0; `tolerance` is that of the force, a length."""
+        """At rest, in balance, at t = 0; `tolerance` is that of the force, a length; `sliding`: how it may slide on
+        without steps."""
         self.contacts, self.motion = contacts, motion
         self.spring, self.quiet = float(drive.spring or 0.0), QUIET * tolerance
         self.damping, self._size = drive.damping, 0.5**contacts.halvings
         self._shrink, self._is_slow, self._not_before = 1.0, False, 0
         self._work = self._damped = self._on_contacts = 0.0
+        self._sliding, self._broken_before = sliding, 0.0
+        self._way = list[HeavyNode]()  # since the slider turned last, or slid
+        self.slides = list[Slid]()
         self.sections = list[list[HeavyNode]]()
         self.falls = Falls(motion, self.spring, contacts.unit)
         if motion is None:
@@ -118,6 +114,8 @@ class HeavySlider:
             comes_to_rest = self._comes_to_rest(swung, stiff * off, speed)
             self._drifts.add(0.5 * (contacts.now + swung.trial.end), swung.motion.drift)
             self._take(leg, swung.trial, swings.size(swung.trial), swung.speed, energies)
+            if self._slides_on(leg):
+                break
             if comes_to_rest and contacts.steps >= self._not_before:
                 self._is_slow = True
                 break
@@ -140,6 +138,8 @@ class HeavySlider:
             energies = self._energies_of_crept(crept.trial)
             self._drifts.add(0.5 * (contacts.now + crept.trial.end), crept.drift)
             self._take(leg, crept.trial, slow.size(crept.trial), crept.speed, energies)
+            if self._slides_on(leg):
+                return
 
     def _resolving(self, swings: SwingSteps) -> Swung:
         """The next step of a swing, so short that not too many contacts break on it."""
@@ -225,11 +225,40 @@ class HeavySlider:
             raise StoppedError(f"the motion is lost at t = {contacts.now:.6g}")
         nodes.append(self._node(nodes[-1].sizes_so_far + taken, speed))
         before, after = nodes[-2:]
-        broken = breaks, contacts.past_breaks.total
+        earlier = self._broken_before
+        self._watch(leg, before, after, (earlier + breaks, earlier + contacts.past_breaks.total))
+        self._way = [*self._way, after] if speed else [after]
+
+    def _watch(
+        self, leg: int, before: HeavyNode, after: HeavyNode, broken: tuple[float, float]
+    ) -> None:
+        """Look for falls of the spring's force between two nodes, with the breaks per contact up to each."""
         begin, end = (
             StepEnd(one.time, one.position, one.speed, one.holding) for one in (before, after)
         )
         self.falls.watch(leg, begin, end, broken)
+
+    def _slides_on(self, leg: int) -> bool:
+        """Whether the slider slides on steadily from here; if so it has, as far as that is known."""
+        contacts, motion, sliding = self.contacts, self.motion, self._sliding
+        if sliding is None or motion is None or leg < motion.speeds.size - 1:
+            return False
+        slid = sliding.slide(self._way, contacts.halvings)
+        if slid is None:
+            return False
+        before = self._broken_before + contacts.past_breaks.total
+        for k, (one, after) in enumerate(pairwise(slid.nodes)):
+            broken = before + slid.breaks[k], before + slid.breaks[k + 1]
+            self._watch(leg, one, after, broken)
+        last, self._broken_before = slid.nodes[-1], before + float(slid.breaks[-1])
+        contacts.unresolved.note(OF_CREEP, slid.error, contacts.now)
+        contacts.slide_to(last.position, last.time, last.speed, self._size * self._swings.length)
+        self._work, self._damped, self._on_contacts = last.work, last.damped, last.on_contacts
+        self.sections.append(slid.nodes)
+        self.slides.append(slid)
+        self._swings.speed, self._is_slow, self._way = last.speed, False, []
+        sliding.begin_section()
+        return True
 
     def _node(self, sizes_so_far: float, speed: float) -> HeavyNode:
         """The end of the step just taken, with this speed of the slider."""

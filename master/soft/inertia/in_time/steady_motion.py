@@ -1,0 +1,123 @@
+"""The equations of steady sliding of a slider with mass, without steps; see steady_sliding.py."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from master.outcome import stop_after
+from master.steady.kinetic_table import KineticTable
+from origins.thresholds.law import Array
+
+# Ratios of M V^2 to L (dF_k/du + γ V) below which a slider is in balance, and above which its inertia matters.
+IN_BALANCE, INERTIAL = 0.5, 2.0
+# Change of the spring's force in a unit of the integrator's variable, in mean thresholds, as u changes by 1 at most;
+# fewest of these units; nodes in each.
+OF_FORCE, FEWEST, NODES = 0.1, 4.0, 16
+# Relative accuracy of the integrator, and most units.
+ACCURACY, MOST_UNITS = 1e-8, 1e5
+# Stiffness in place of one that is not above 0 (a length).
+TINY = 1e-300
+
+
+class Machine(NamedTuple):
+    """A slider of mass M and damping γ on a spring K, per N_c<k>, whose drive has this speed.
+
+    unit, life : mean threshold, and the longest life (lengths)
+    until : reading of time.monotonic() at which to stop
+    """
+
+    mass: float
+    damping: float
+    spring: float
+    drive_speed: float
+    unit: float
+    life: float
+    until: float
+
+    def stiffness(self, u: Array | float, table: KineticTable) -> Array:
+        """Change of F_k and damping by u = ln V (a length)."""
+        return np.asarray(table.force(np.asarray(u), 1) + self.damping * np.exp(u))
+
+
+class SteadyMotion:
+    """The equations of steady sliding over a variable in which the motion is smooth: on a unit of it u changes by 1, S
+    by OF_FORCE of a mean threshold, and the time by a FEWEST-th of all, at most.
+
+    A state is u, S, the time, the energies that the drive gave and damping and contacts took, and the travel.
+    """
+
+    def __init__(self, machine: Machine, table: KineticTable, duration: float) -> None:
+        self._of, self._table, self._of_time = machine, table, FEWEST / duration
+        self._in_balance = False
+
+    def followed(self, state: Array, end: float, most_change: float) -> tuple[Array, bool]:
+        """The variable and states, shape (8, n), from this one on until the time `end`, or until V changes by
+        `most_change` on a life; and whether the end has come."""
+        of, begun, rows = self._of, 0.0, list[Array]()
+        self._in_balance = self._ratio(state) < 1.0
+        # in balance the change at the begin was small enough
+        most = max(most_change, 1.01 * self._change(state))
+
+        def ends(_: float, state: Array) -> float:
+            return float(end - state[2])
+
+        def changes(_: float, state: Array) -> float:
+            return most - self._change(state)
+
+        def leaves(_: float, state: Array) -> float:
+            low, high = self._table.ends.tolist()
+            return float(min(state[0] - low, high - state[0]))
+
+        def switches(_: float, state: Array) -> float:
+            return (
+                INERTIAL - self._ratio(state)
+                if self._in_balance
+                else self._ratio(state) - IN_BALANCE
+            )
+
+        events = [ends, changes, leaves, switches]
+        for event in events:
+            event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
+        given = {"method": "Radau", "rtol": ACCURACY, "atol": ACCURACY * of.unit}
+        while True:
+            stop_after(of.until)
+            found = solve_ivp(
+                self._rates, (0.0, MOST_UNITS), state, events=events, dense_output=True, **given
+            )
+            at = np.linspace(0.0, found.t[-1], int(np.ceil(NODES * found.t[-1])) + 1)
+            rows.append(np.vstack([begun + at, found.sol(at)])[:, bool(rows) :])
+            state, begun = found.y[:, -1], begun + float(found.t[-1])
+            if not found.t_events[3].size:
+                return np.concatenate(rows, axis=1), bool(found.t_events[0].size)
+            self._in_balance = not self._in_balance
+
+    def _ratio(self, state: Array) -> float:
+        """M V^2 over L (dF_k/du + γ V)."""
+        of, u = self._of, state[0]
+        stiffness = of.life * float(of.stiffness(u, self._table))
+        return of.mass * float(np.exp(2.0 * u)) / max(stiffness, TINY)
+
+    def _change(self, state: Array) -> float:
+        """|d ln V| on a life."""
+        return float(self._of.life * abs(self._slope(state)) / np.exp(state[0]))
+
+    def _slope(self, state: Array) -> float:
+        """du/dt."""
+        of, u, load = self._of, state[0], state[1]
+        speed = np.exp(u)
+        if self._in_balance:
+            loading = of.spring * (of.drive_speed - speed)
+            return float(loading / of.stiffness(u, self._table))
+        force = float(self._table.force(u))
+        return float((load - of.damping * speed - force) / (of.mass * speed))
+
+    def _rates(self, _: float, state: Array) -> Array:
+        """The state's derivative by the variable."""
+        of, u, load = self._of, state[0], state[1]
+        speed, faster, force = np.exp(u), self._slope(state), float(self._table.force(u))
+        loading = of.spring * (of.drive_speed - speed)
+        energies = load * of.drive_speed, of.damping * speed**2, force * speed
+        units = faster, loading / (OF_FORCE * of.unit), self._of_time
+        pace = np.sqrt(sum(one**2 for one in units))
+        return np.array([faster, loading, 1.0, *energies, speed]) / pace

@@ -1,0 +1,209 @@
+"""Steady sliding of a slider with mass: long ways on which F is F_k of the present speed, without steps.
+
+On the spring of a machine a slider creeps or slips by a million thresholds, too many for steps. But once its contacts
+have forgotten their start, and while the speed V changes by little on the few thresholds that they live, F is F_k(V),
+and with u = ln V, S the spring's force along the motion and v the drive's speed
+
+    M V u' = S - γ V - F_k(u),    S' = K (v - V).
+
+Where M V^2 is small beside what F_k and damping change by on a life, L (dF_k/du + γ V), the slider is in balance on any
+way on which they change, and the first equation becomes S = F_k(u) + γ V, (dF_k/du + γ V) u' = S'.
+
+This goes on to the end of the path, or until V changes by CHANGE or more along L, the longest life: where a slip ends
+by turning round, say. There the contacts stand as in steady sliding at that speed, and steps go on.
+
+The error of F is what it is off F_k(V) by as steps end, and by the lag of first order in the change of V
+(master/soft/in_time/creep.py, whose search for steady creep this is). All of it counts as an error of the spring's
+force, too, which is less.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import simpson
+from scipy.optimize import brentq
+
+from master.motion import Motion
+from master.soft.in_time.creep import CREEP, Creep, may_creep
+from master.soft.in_time.decohered import longest_life
+from master.soft.in_time.steps import Node
+from master.soft.inertia.in_time.node import HeavyNode
+from master.soft.inertia.in_time.steady_motion import IN_BALANCE, Machine, SteadyMotion
+from master.steady.kinetic_table import KineticTable, tabulated
+from master.steady.response import response
+from master.steady.steady import state_at
+from origins import Contacts, Drive
+from origins.thresholds.law import Array
+
+# Largest change of ln V on a longest life with which F is F_k(V), on the coarsest steps; halved with them, so that what
+# it misses shows.
+CHANGE = 0.1
+# Least way that is worth it, in longest lives.
+WORTH = 20.0
+# Speeds at which the energy of steady contacts is summed, and stretches of each sum.
+ENERGIES, STRETCHES = 7, 401
+
+
+class Slid(NamedTuple):
+    """How the slider slides on: nodes from here on; breaks per contact on the way; the error of F (a length); whether
+    the path ends there; and the time from which on F is within the tolerance of its last value."""
+
+    nodes: list[HeavyNode]
+    breaks: Array
+    error: float
+    to_end: bool
+    steady_from: float
+
+
+class Begin(NamedTuple):
+    """Where steady sliding begins: ln V, the table of F_k, and the error of F there (a length)."""
+
+    u: float
+    table: KineticTable
+    error: float
+
+
+class SteadySliding(Creep):
+    """Steady sliding on the last leg of a drive that goes on at one speed; lengths are along the motion."""
+
+    def __init__(
+        self, contacts: Contacts, drive: Drive, motion: Motion, tolerance: float, until: float
+    ) -> None:
+        """See Creep."""
+        super().__init__(contacts, drive, motion, tolerance, until)
+        self._machine = Machine(
+            mass=float(drive.mass or 0.0),
+            damping=drive.damping,
+            spring=self._spring,
+            drive_speed=self._speed,
+            unit=self._unit,
+            life=longest_life(contacts.thresholds),
+            until=until,
+        )
+
+    def slide(self, way: list[HeavyNode], halvings: int) -> Slid | None:
+        """How the slider goes on from the last of these nodes, since it turned round last. None where it goes on in
+        steps: where sliding is not steady or not known to be, or the path ends soon."""
+        last, sign = way[-1], self._sign
+        distance, speed = sign * (last.position - way[0].position), sign * last.speed
+        looked = len(way) < CREEP.next_look * self._nodes_at_last_look
+        if speed <= 0.0 or looked or distance < CREEP.least_distance * abs(last.force):
+            return None
+        self._nodes_at_last_look = len(way)
+        left = max(self._speed, speed) * float(self._motion.times[-1] - last.time)
+        if left < WORTH * self._machine.life:
+            return None
+        heavy = self._machine.mass * speed**2 > self._machine.life * self._machine.damping * speed
+        begin = self._inertial(way, distance, CHANGE * 0.5**halvings) if heavy else None
+        if begin is None:
+            begin = self._in_balance(way, distance)
+        return None if begin is None else self._slid(last, begin, CHANGE * 0.5**halvings)
+
+    def _in_balance(self, way: list[HeavyNode], distance: float) -> Begin | None:
+        """The begin of sliding in balance, by the rules of steady creep; None where it is not known to be so."""
+        steady = self._steady([Node(*node[:5]) for node in way], distance)
+        if steady is None:
+            return None
+        table, load = steady.table, self._load(way[-1])
+
+        def excess(u: float) -> float:
+            return float(table.force(np.array(u))) + self._machine.damping * np.exp(u) - load
+
+        low, high = table.ends.tolist()
+        if excess(low) * excess(high) >= 0.0:
+            return None
+        u = float(brentq(excess, low, high))
+        heavy = self._machine.mass * np.exp(
+            2.0 * u
+        ) > IN_BALANCE * self._machine.life * self._machine.stiffness(u, table)
+        if heavy or not self._stable(u):
+            return None
+        error = max(steady.offset.at_step_0(self._offset_of_longer_steps), steady.lag)
+        self._offset_of_longer_steps = steady.offset
+        return Begin(u, table, float(error + steady.offset.variation))
+
+    def _inertial(self, way: list[HeavyNode], distance: float, most_change: float) -> Begin | None:
+        """The begin of sliding on which inertia matters: along the last part of the way F was F_k(V) to within a part
+        of the tolerance, and V changed by little on a life. None where this is not so."""
+        last, sign = way[-1], self._sign
+        late = [n for n in way if sign * (last.position - n.position) <= CREEP.last_part * distance]
+        speeds = sign * np.array([node.speed for node in late])
+        if len(late) <= CREEP.fewest_steps or speeds.min() <= 0.0:
+            return None
+        u, load = np.log(speeds), self._load(last)
+        # the speed to which the spring may bring the mass
+        most = np.hypot(speeds.max(), load / (self._machine.mass * self._spring) ** 0.5)
+        table = self._table_of(np.append(u, np.log([self._speed, most])))
+        if table is None:
+            return None
+        force = sign * np.array([node.force for node in late])
+        off = force - table.force(u)
+        stiffness, inertia = (
+            self._machine.stiffness(u[-1], table),
+            self._machine.mass * speeds[-1] ** 2,
+        )
+        rise = abs(load - force[-1] - self._machine.damping * speeds[-1]) / inertia
+        lag = self._lag_coefficient(u[-1]) * rise
+        error = np.abs(off).max() + lag
+        if error > CREEP.lag * self._tolerance or rise * self._machine.life > most_change:
+            return None
+        return (
+            Begin(float(u[-1]), table, error) if inertia > self._machine.life * stiffness else None
+        )
+
+    def _load(self, node: HeavyNode) -> float:
+        """The spring's force (a length)."""
+        drive = float(self._motion.at(np.array(node.time)))
+        return self._sign * self._spring * (drive - node.position)
+
+    def _lag_coefficient(self, u: float) -> float:
+        """By how much F lags behind F_k(V) for each d ln V/dX (length squared), as in Creep."""
+        wave = CREEP.wave_number / self._unit
+        answer = complex(response(self._contacts, float(np.exp(u)), np.array([wave]))[0])
+        return float(abs(answer.real) / wave**2)
+
+    def _table_of(self, needed: Array) -> KineticTable | None:
+        """A table with these ln V; None where F_k is not smooth there."""
+        table, ends = self._table, np.array([needed.min(), needed.max()])
+        if table is None or not (table.ends[0] <= ends[0] and ends[1] <= table.ends[1]):
+            wider = ends + np.log(CREEP.speed_ranges[0]) * np.array([-1.0, 1.0])
+            error = CREEP.table_error * self._tolerance
+            table = tabulated(self._contacts, wider, error, self._until)
+            self._table = table or self._table
+        return table
+
+    def _slid(self, last: HeavyNode, begin: Begin, most_change: float) -> Slid:
+        """The solution from the last node on."""
+        steady = SteadyMotion(self._machine, begin.table, float(self._motion.times[-1]) - last.time)
+        state = np.array([begin.u, self._load(last), last.time, *np.zeros(4)])
+        rows, to_end = steady.followed(state, float(self._motion.times[-1]), most_change)
+        sigma, u, load, time, given, damped, on_contacts, breaks = rows
+        if to_end:
+            time[-1] = self._motion.times[-1]
+        force, speed, sign = begin.table.force(u), np.exp(u), self._sign
+        place = self._motion.at(time) - sign * load / self._spring
+        stored = self._stored(u)
+        energies = last.work + given, last.damped + damped, last.on_contacts + on_contacts
+        columns = sigma, time, sign * force, np.ones(u.size), place, sign * speed, *energies, stored
+        nodes = [HeavyNode(*row) for row in np.stack(columns, axis=1).tolist()]
+        off = np.flatnonzero(np.abs(load - load[-1]) > self._tolerance)
+        steady_from = float(time[off[-1] + 1 if off.size else 0]) if to_end else np.inf
+        error = begin.error + begin.table.error
+        return Slid(nodes, breaks / self._unit, error, to_end, steady_from)
+
+    def _stored(self, u: Array) -> Array:
+        """Energy of the contacts at these ln V (length squared), straight between some of them."""
+        at = np.linspace(u.min(), u.max(), ENERGIES if np.ptp(u) else 1)
+        x = np.linspace(0.0, self._machine.life, STRETCHES)
+        states = (state_at(self._contacts, speed) for speed in np.exp(at).tolist())
+        energies = [float(simpson(0.5 * x**2 * one.distribution(x), x=x)) for one in states]
+        return np.asarray(np.interp(u, at, energies))
+
+
+def sliding_of(
+    contacts: Contacts, drive: Drive, motion: Motion | None, tolerance: float, until: float
+) -> SteadySliding | None:
+    """Steady sliding of these contacts, None where it is not known; until : as in `creep_of`."""
+    if motion is None or not may_creep(contacts, motion):
+        return None
+    return SteadySliding(contacts, drive, motion, tolerance, until)

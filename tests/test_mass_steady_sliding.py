@@ -1,0 +1,69 @@
+"""A slider with mass in heat on the spring of a machine, which slides by a million thresholds without steps."""
+
+import numpy as np
+import pytest
+
+import master
+import origins
+from master.motion import drive_motion
+from master.soft.in_time.contacts import ContactsInSteps
+from master.soft.in_time.refining import memory_of
+from master.soft.inertia.in_time.slider import HeavySlider
+from master.soft.inertia.in_time.steady_sliding import sliding_of
+from origins import Contacts, Drive, Thermal
+
+EYRING = Thermal("eyring", width=0.03, attempt_frequency=1e3)
+WIDE = Contacts(origins.gaussian(1.0, 0.2), thermal=EYRING)
+
+
+@pytest.mark.parametrize("damping", [8e-9, pytest.param(8e-5, marks=pytest.mark.slow)])
+def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(damping: float) -> None:
+    """Without its damping it is the slider without mass; with it the spring bears γ V more, at V = v in the end."""
+    spring, path = 1e-6, np.linspace(0.0, 1e6, 41)[1:]
+    machine = {"spring": spring, "velocity": 100.0}
+    heavy = master.solve(WIDE, path, 1e-2, mass=1.6e-9, damping=damping, **machine)
+    assert heavy.success and heavy.regime.verdict == "smooth" and "slides steadily" in heavy.message
+    steady = master.steady_state(WIDE, velocity=100.0).force
+    assert heavy.force[-1] == pytest.approx(steady + 100.0 * damping, abs=1e-6)
+    assert heavy.contact_force[-1] == pytest.approx(steady, abs=1e-6)
+    assert heavy.velocity[-1] == pytest.approx(100.0)
+    energy = heavy.energy
+    stored = energy.spring + energy.contacts + energy.kinetic
+    rest = energy.drive - stored - energy.damped - energy.released
+    np.testing.assert_allclose(rest, rest[0], atol=1e-6 * energy.drive[-1])
+    if damping < 1e-6:
+        light = master.solve(WIDE, path, 1e-2, slip="instant", **machine)
+        off = np.abs(heavy.force - light.force).max()
+        assert off <= heavy.force_error + light.force_error
+
+
+def test_contacts_stand_as_in_steady_sliding() -> None:
+    """Those with which steps go on behind a long way: F_k at this speed, to second order in the step."""
+    for sign in (1.0, -1.0):
+        off = []
+        for halvings in (0, 1):
+            cohorts = ContactsInSteps(WIDE, memory_of(WIDE, halvings, 1.0), halvings, until=np.inf)
+            cohorts.slide_to(5.0 * sign, 3.0, 0.2 * sign, 0.1 * 0.5**halvings)
+            assert cohorts.holding == pytest.approx(1.0)
+            assert (cohorts.position, cohorts.now) == (5.0 * sign, 3.0)
+            off.append(sign * cohorts.force - master.steady_state(WIDE, velocity=0.2).force)
+        assert abs(off[1]) < 1e-3 and abs(off[1]) < 0.5 * abs(off[0])
+
+
+@pytest.mark.slow
+def test_steps_lead_where_sliding_without_them_leads() -> None:
+    """On a stiffer spring both are known: after a slip the slider creeps, with steps and without."""
+    contacts = Contacts(origins.gaussian(1.0, 0.05), thermal=EYRING)
+    drive = Drive(np.linspace(0.0, 90.0, 46)[1:], 1e-2, None, 1e-2, None, 1e-2, 1e-3)
+    motion, ends = drive_motion(drive, 0.0), []
+    for sliding in (None, sliding_of(contacts, drive, motion, 1e-2, np.inf)):
+        cohorts = ContactsInSteps(contacts, memory_of(contacts, 0, 1e-2), 0, np.inf)
+        slider = HeavySlider(cohorts, drive, motion, 1e-2, sliding)
+        slider.run()
+        assert bool(slider.slides) is bool(sliding)
+        ends.append(slider.sections[-1][-1])
+    with_steps, without = ends
+    assert without.force == pytest.approx(with_steps.force, abs=2e-4)  # these are off by 1e-4
+    assert without.speed == pytest.approx(with_steps.speed, rel=1e-3)
+    for energy in ("work", "damped", "on_contacts", "stored"):
+        assert getattr(without, energy) == pytest.approx(getattr(with_steps, energy), rel=3e-3)
