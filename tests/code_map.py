@@ -200,12 +200,17 @@ def labels_of(docstring: str) -> list[str]:
     return [label for group in found for label in re.split(r", | and ", group)]
 
 
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
 def places() -> Iterator[Place]:
     """All that say they are the place of an equation."""
     for room in ROOMS:
         for file in sorted((ROOT / room).rglob("*.py")):
             inside = file.relative_to(ROOT)
-            for name, node in named(ast.parse(file.read_text(encoding="utf-8"))):
+            for name, node in named(parsed(file)):
                 labels = labels_of(ast.get_docstring(node) or "")
                 if labels:
                     yield Place(f"{inside.as_posix()}:{name}", labels)
@@ -231,7 +236,7 @@ def answers() -> str:
     several = set[str]()
     for room in ROOMS:
         for file in sorted((ROOT / room).rglob("*.py")):
-            for name, _ in named(ast.parse(file.read_text(encoding="utf-8"))):
+            for name, _ in named(parsed(file)):
                 by_file = f"{file.relative_to(ROOT).as_posix()}:{name}"
                 place = found[by_file] = f"`{by_file}`"
                 several |= {f"{room}:{name}"} & found.keys()
@@ -250,7 +255,7 @@ def tests_of_folders() -> str:
     rows = []
     for room in ROOMS:
         for file in sorted((ROOT / room).rglob("__init__.py")):
-            told = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+            told = ast.get_docstring(parsed(file)) or ""
             if found := re.search(r"^Tests: (.*)", told, re.MULTILINE | re.DOTALL):
                 folder = file.parent.relative_to(ROOT).as_posix()
                 rows.append(f"| `{folder}` | {' '.join(found[1].split())} |\n")

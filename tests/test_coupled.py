@@ -43,17 +43,15 @@ def pulled(contacts, path, spring=0.7, slip="reset", n=300, replicas=1, seed=3, 
     return eq_model.simulate(contacts, path, spring=spring, slip=slip, **arguments)
 
 
-# growth takes a second and more, with a delay and by one rule less: each break of the twin looks at all contacts
-OTHERS = {
-    "strengthening": RULES,
-    "strengthening, delayed": ("instant", "reset"),
-}
+# contacts by one rule each, which take turns; growth with a delay alone, by the rule that its slips differ most in
+QUICK = {name: RULES[number % 3] for number, name in enumerate(CONTACTS)}
+QUICK |= {"strengthening": "", "strengthening, delayed": "reform-after"}
 
 
 @pytest.mark.parametrize(
     ("name", "slip"),
     [
-        pytest.param(name, slip, marks=[pytest.mark.slow] * (slip in OTHERS.get(name, ())))
+        pytest.param(name, slip, marks=[pytest.mark.slow] * (slip != QUICK[name]))
         for name in CONTACTS
         for slip in RULES
     ],
@@ -132,8 +130,15 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
             assert (getattr(other.slips, name) == getattr(whole.slips, name)).all()
 
 
-@pytest.mark.parametrize("mass", [{}, {"mass": 0.01, "damping": 0.01}])
-@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize(
+    ("mass", "threads"),
+    [
+        ({}, 1),
+        ({"mass": 0.01, "damping": 0.01}, 2),
+        pytest.param({}, 2, marks=pytest.mark.slow),
+        pytest.param({"mass": 0.01, "damping": 0.01}, 1, marks=pytest.mark.slow),
+    ],
+)
 def test_a_replica_that_nobody_waits_for_is_given_up_on_its_way_and_followed_anew(mass, threads):
     """Once two are done and a third is on its way the run is interrupted, or its wall time is over: not the first."""
     rule = {} if mass else {"slip": "reset"}
@@ -234,7 +239,7 @@ def slips(name, rule, number, contacts_each, seed=1):
         # up to the first slip all rules are alike
         *(pytest.param("gaussian", rule, marks=pytest.mark.slow) for rule in ("instant", "reset")),
         pytest.param("linked", "reform-after", marks=pytest.mark.slow),
-        ("machine", "reset"),
+        pytest.param("machine", "reset", marks=pytest.mark.slow),
         pytest.param("delayed", "reform-after", marks=pytest.mark.slow),
     ],
 )

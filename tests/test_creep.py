@@ -102,7 +102,9 @@ def soft(
     return master.solve(contacts, path, tolerance, velocity=1e-4, spring=SPRING, slip=slip)
 
 
-@pytest.mark.parametrize("slip", ["reset", pytest.param("instant", marks=pytest.mark.slow)])
+# the example below is quick, and ends at the kinetic force
+@pytest.mark.slow
+@pytest.mark.parametrize("slip", ["reset", "instant"])
 def test_steady_creep_goes_on_as_steps_do(slip: Any) -> None:
     """Up to X_T = 192 steps do; on a path ten times as long creep takes over at 178. By "reset" F would fall to 0 in
     any slip: as there is none, steps are the same under another rule."""
@@ -148,6 +150,7 @@ def test_the_numbers_of_the_example_in_creep_py(monkeypatch: pytest.MonkeyPatch)
     assert crept.sections[0][-1].force == pytest.approx(kinetic(CREEPING, 1e-4), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_creep_backward_is_that_forward() -> None:
     there = soft(CREEPING, 2400.0, "reset")
     back = soft(CREEPING, 2400.0, "reset", sign=-1.0)
@@ -181,12 +184,14 @@ def test_on_the_spring_of_a_machine_the_force_is_the_kinetic_one() -> None:
         assert kinetic(CREEPING, speed) == pytest.approx(force, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_narrow_thresholds_that_slip_all_at_once_are_not_smooth() -> None:
     """Contacts that break nearly together slip before they have forgotten their start."""
     told = soft(Contacts(NARROW, thermal=EYRING), 900.0, "reset")
     assert told.regime.verdict == "stick-slip" and told.slips.drive.size > 2
 
 
+@pytest.mark.slow
 def test_contacts_that_break_less_the_more_they_are_stretched_do_not_creep_smoothly(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -133,6 +133,7 @@ def test_a_thin_layer_of_heat_before_an_exact_value(velocity, tolerance, known):
     assert found.success and np.abs(found.force - known).max() <= found.force_error + 1e-8
 
 
+@pytest.mark.slow
 def test_a_few_break_right_after_a_turn_near_an_exact_value() -> None:
     """Weak heat breaks those of a thin layer within a fiftieth of the way back: five moments hardly see it."""
     parts = [origins.identical(0.907), origins.gaussian(1.174, 0.0968)]
@@ -142,6 +143,7 @@ def test_a_few_break_right_after_a_turn_near_an_exact_value() -> None:
     held_to_claim(cool, path, 1e-3, master.solve(cool, path, 1e-7))
 
 
+@pytest.mark.slow
 def test_sets_too_small_for_edges_of_their_own_are_seen_where_they_form_again() -> None:
     """Contacts that break together at the exact value form again together, 19 times; by then they are 4e-9 of all, for
     which panels do not end at a birth. The force that they lack before it was left out of the error."""

@@ -185,7 +185,12 @@ def test_finite_volumes_meet_the_first_passage_of_thresholds_that_diffuse_freely
 
 
 @pytest.mark.parametrize(
-    ("shape", "rate", "delay"), [(2.5, 0.0, 0.0), (3.3, 0.7, 0.0), (6.0, 0.0, 0.4), (2.5, 0.7, 1.3)]
+    ("shape", "rate", "delay"),
+    [
+        *(pytest.param(2.5, *law, marks=pytest.mark.slow) for law in ((0.0, 0.0), (0.7, 1.3))),
+        (3.3, 0.7, 0.0),
+        (6.0, 0.0, 0.4),
+    ],
 )
 @pytest.mark.filterwarnings("ignore::origins.laws.temperature.TooHot")
 def test_force_is_the_laplace_inversion_of_its_transform(

@@ -134,11 +134,9 @@ def stepped(contacts, path, time, spring, n, replicas, dt, seed):
 
 @pytest.mark.parametrize(
     "thresholds",
-    [
-        pytest.param(stats.expon(), id="from 0 on"),
-        pytest.param(PC, marks=pytest.mark.slow, id="gaussian"),
-    ],
+    [pytest.param(stats.expon(), id="from 0 on"), pytest.param(PC, id="gaussian")],
 )
+@pytest.mark.slow
 def test_contacts_that_push_take_the_slider_back(thresholds):
     """The start pushes; as its contacts break the slider goes back, and breaks contacts whose thresholds are behind."""
     heat = Thermal("soft", 0.1, 3.0)
@@ -169,7 +167,8 @@ def test_the_slider_creeps_as_the_master_equation_has_it():
     assert away[0] < 4.0 and away[1] > 8.0
 
 
-@pytest.mark.parametrize("velocity", [0.1, pytest.param(0.2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("velocity", [0.1, 0.2])
+@pytest.mark.slow
 def test_on_a_spring_above_the_critical_one_the_force_is_that_of_steady_sliding(velocity):
     """To 3e-4, a hundredth of what a factor of ten in the speed changes."""
     contacts = Contacts(PC, thermal=SOFT)

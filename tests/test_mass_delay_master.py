@@ -526,6 +526,7 @@ def test_identical_contacts_by_hand() -> None:
         np.testing.assert_allclose(found.position, way * hand, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_two_slips_on_a_soft_spring_are_those_of_single_contacts() -> None:
     """On 1e-5 of the contacts' stiffness, where a slip passes 1e5 thresholds; means over sliders of 8,000 contacts."""
     contacts, path, sliders = delayed(5.0), [2e5], 16
@@ -555,6 +556,7 @@ def test_a_slider_that_is_pulled_back_does_the_same_backwards() -> None:
     np.testing.assert_allclose(found[1].holding, found[0].holding, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_short_delay_is_like_none() -> None:
     """What is left is proportional to the delay."""
     path, machine = np.linspace(0.1, 6.0, 40), {"spring": 0.3, "mass": 0.3, "damping": 0.3}
@@ -568,7 +570,8 @@ def test_a_short_delay_is_like_none() -> None:
     assert 8.0 < off[0] / off[1] < 12.0 and off[1] < 1e-3
 
 
-@pytest.mark.parametrize("delay", [0.3, pytest.param(3.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("delay", [0.3, 3.0])
 def test_a_light_damped_slider_slips_while_broken_contacts_stay_out(delay: float) -> None:
     """M -> 0, a delay far above the time of a slip: "reform-after".
 
@@ -614,7 +617,7 @@ def test_energy_is_kept_and_breaks_only_release() -> None:
     assert 0.0 <= found.holding.min() < 0.01 and found.holding.max() == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("draws", [3, pytest.param(12, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("draws", [1, pytest.param(12, marks=pytest.mark.slow)])
 def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     """Seeded machines, laws and delays: the error of a coarse solution is at most its claim."""
     draw, failed = np.random.default_rng(11), 0
@@ -715,12 +718,10 @@ def test_a_slip_that_is_long_beside_the_delay_is_that_of_sliding_at_each_speed(
     assert found.slips.top_speed[0] == pytest.approx(ended.y[1].max(), rel=0.01)
 
 
+# what it tells is quick, by hand, below
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("law", "spring", "waits"),
-    [
-        pytest.param(WIDE, 1e-3, 5e-3, marks=pytest.mark.slow),
-        (origins.persson(1.0, 0.5), 1e-3, 2e-3),
-    ],
+    ("law", "spring", "waits"), [(WIDE, 1e-3, 5e-3), (origins.persson(1.0, 0.5), 1e-3, 2e-3)]
 )
 def test_a_delay_that_is_taken_as_a_part_of_the_damping_is_off_by_less_than_it_tells(
     monkeypatch: pytest.MonkeyPatch, law: origins.Thresholds, spring: float, waits: float
@@ -856,6 +857,7 @@ def test_exact_thresholds_stiffer_springs_and_oscillations_leave_no_delay_out(
     assert short_delay(delayed(1e-5), drive, 1e-3, 0.0) is None
 
 
+@pytest.mark.slow
 def test_two_runs_that_agree_by_chance_do_not_make_a_claim() -> None:
     """Off by 1.6e-3 after a slip, and 1.1e-3 was claimed."""
     path = np.array([28.932234317247378, 103.39099688535953, 123.67719263207852, 166.3362351500406])
@@ -889,6 +891,7 @@ def test_a_machine_whose_delay_makes_sliding_swing_slides_on_so() -> None:
     np.testing.assert_allclose(left, spent, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_slip_of_many_thresholds_is_followed_as_steady_sliding_whatever_panels_miss(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

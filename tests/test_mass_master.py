@@ -93,7 +93,9 @@ def test_a_light_slider_is_followed_in_any_unit_of_time() -> None:
     np.testing.assert_allclose(force(7.0 / 300.0), force(1.0), rtol=0.0, atol=2e-6)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-8])
+@pytest.mark.parametrize(
+    "tolerance", [1e-3, *(pytest.param(fine, marks=pytest.mark.slow) for fine in (1e-6, 1e-8))]
+)
 def test_the_slider_of_a_machine_on_its_soft_spring_slides_at_kinetic_friction(
     tolerance: float,
 ) -> None:
@@ -142,6 +144,7 @@ def test_contacts_far_stiffer_than_the_machine_are_followed_through_the_slip(rat
     assert found.force[-1] == pytest.approx(kinetic + damping * speed, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_on_a_soft_spring_light_damping_takes_little_of_the_drop_in_both_solvers() -> None:
     """With γ = 1e-2 (K M)^(1/2), ζ = 0.005, the drop is (F_s - F_k) (1 + e^(-πζ)): by 0.8 % below 2 (F_s - F_k)."""
     spring, mass = 1e-3, 1e-2
@@ -159,11 +162,10 @@ def test_on_a_soft_spring_light_damping_takes_little_of_the_drop_in_both_solvers
 
 @pytest.mark.parametrize(
     "contacts",
-    [
-        pytest.param(WIDE, marks=pytest.mark.slow, id="wide"),
-        pytest.param(STRETCHED, id="stretched"),
-    ],
+    [WIDE, STRETCHED],
+    ids=["wide", "stretched"],
 )
+@pytest.mark.slow
 def test_a_light_damped_slider_slips_as_contacts_that_re_form_at_once(
     contacts: origins.Contacts,
 ) -> None:
@@ -221,7 +223,7 @@ def test_identical_contacts_move_as_one() -> None:
     assert np.abs(found.slips.drive - drawn.slips.drive).max() < 1e-6 and drawn.breaks > 200
 
 
-@pytest.mark.parametrize("draws", [6, pytest.param(24, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("draws", [2, pytest.param(24, marks=pytest.mark.slow)])
 def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     """Seeded machines and laws: the error of a coarse solution is at most its claim."""
     draw = np.random.default_rng(7)
@@ -313,7 +315,7 @@ def test_the_error_of_durations_bounds_it_and_is_not_known_of_a_slip_that_fades(
     assert np.isinf([found.duration_error, finer.duration_error]).all()
 
 
-@pytest.mark.parametrize("tolerance", [5e-4, 1e-4])
+@pytest.mark.parametrize("tolerance", [5e-4, pytest.param(1e-4, marks=pytest.mark.slow)])
 def test_a_slider_that_lags_behind_its_balance_goes_on(tolerance: float) -> None:
     """Just before a first slip: the balance has passed the end of the slow way, to which it was led back, for ever."""
     mass, spring = 0.1, 1e-3

@@ -553,11 +553,7 @@ def test_strengthening_on_a_very_soft_spring_decoheres_as_step_after_step():
 
 @pytest.mark.parametrize(
     "rule",
-    [
-        "reform-after",
-        pytest.param("reset", marks=pytest.mark.slow),
-        pytest.param("instant", marks=pytest.mark.slow),
-    ],
+    [pytest.param(rule, marks=pytest.mark.slow) for rule in ("reform-after", "reset", "instant")],
 )
 def test_a_life_alone_takes_a_law_onto_a_spring(page, monkeypatch, rule):
     """Step by step the same as by its birth_threshold, where both take the same steps."""
@@ -708,6 +704,7 @@ def test_a_life_alone_takes_a_law_onto_a_slider_with_mass(page, monkeypatch):
     assert off <= found.force_error + known.force_error
 
 
+@pytest.mark.slow
 def test_a_life_that_leaves_out_contacts_tells_where_the_number_jumps(page, monkeypatch):
     """A tenth of those that form is lost: panels at the beginning of a leg are narrower than rounding of the time, and
     their births have to stay on that leg."""

@@ -223,7 +223,10 @@ def test_breaks_that_come_ever_faster_are_read_back_between_steps() -> None:
         assert births == pytest.approx((0.0, 0.5 * (1.0 - np.sqrt(1.0 - time))), abs=1e-8)
 
 
-@pytest.mark.parametrize("delay", [1e-13, 1e-12, 1e-9, 1e-3])
+@pytest.mark.parametrize(
+    "delay",
+    [1e-12, *(pytest.param(delay, marks=pytest.mark.slow) for delay in (1e-13, 1e-9, 1e-3))],
+)
 def test_a_delay_far_below_the_digits_of_the_time_does_next_to_nothing(delay: float) -> None:
     """A million thresholds of drive lead to each slip. Contacts that had formed again after a slip were born with the
     sign turned on the next step: up to 1.0496 of all held, between points of the path at which F was right."""
@@ -238,6 +241,7 @@ def test_a_delay_far_below_the_digits_of_the_time_does_next_to_nothing(delay: fl
     assert np.abs(found.force - at_once.force).max() < found.force_error
 
 
+@pytest.mark.slow
 def test_a_narrow_law_slips_again_only_when_all_contacts_have_formed() -> None:
     """Within a delay of a slip few contacts hold; births below 0 made them slip, and 0.013 more than all hold."""
     contacts = Contacts(gaussian(1.0, 0.05), delay=Delay(1.0))
@@ -248,6 +252,7 @@ def test_a_narrow_law_slips_again_only_when_all_contacts_have_formed() -> None:
     assert found.holding.min() > -1e-3 and found.holding.max() < 1.0 + 1e-9
 
 
+@pytest.mark.slow
 def test_a_delay_far_below_a_step_does_next_to_nothing() -> None:
     """Births are then those of breaks within the same step; a rate of breaks of at most 2 leaves 2e-6 of them out."""
     drive, delayed = np.array(PLACES[1:]), Contacts(WIDE, thermal=HEAT, delay=Delay(1e-6))
@@ -284,7 +289,8 @@ def test_a_drive_that_turns_back_by_next_to_nothing_is_as_good_as_one_that_holds
     assert (back.position[1] - back.position[0]) > 0.1
 
 
-@pytest.mark.parametrize("law", [pytest.param("jumps", marks=pytest.mark.slow), "delay"])
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["jumps", "delay"])
 def test_a_slip_in_a_hold_comes_as_well_while_the_drive_moves_by_next_to_nothing(law: str) -> None:
     """Either way, while contacts creep to the slip: the drive tells nothing of how far the slider goes."""
     heat = Thermal("soft", 0.05, 0.1)
@@ -415,6 +421,7 @@ def test_the_example_at_the_head_of_idle_heat_bounds_what_heat_changes() -> None
     assert off == pytest.approx(0.00013, rel=0.03) and off < effect
 
 
+@pytest.mark.slow
 def test_a_slider_that_seems_to_run_back_both_ways_takes_the_near_balance() -> None:
     """At the turn a secant leads to a balance far back, and counted the other way to the near one."""
     contacts = Contacts(
@@ -656,7 +663,7 @@ def test_forces_are_read_between_the_ends_of_steps_and_behind_a_slip() -> None:
 
 
 # beside growth with heat, which holds both memories
-SECOND = ("stiff heat", "growth, heat", "growth from 0, heat")
+SECOND = ("stiff heat", "growth, delay", "growth, heat", "growth from 0, heat")
 
 
 @pytest.mark.parametrize(
@@ -739,6 +746,7 @@ def test_a_slider_that_creeps_while_most_contacts_break_within_a_step_does_not_s
     assert off < 2e-4, f"F is off by {off:.1e} mean thresholds"
 
 
+@pytest.mark.slow
 def test_the_error_of_a_slip_at_exact_thresholds_holds_what_far_finer_steps_find() -> None:
     """Two step sizes agree on a slip at 0.9544 by chance, to 1e-6; with 80 times as many steps it is at 0.9627."""
     contacts, spring = Contacts(identical(1.0), thermal=Thermal("soft", 0.01)), 0.01
@@ -747,6 +755,7 @@ def test_the_error_of_a_slip_at_exact_thresholds_holds_what_far_finer_steps_find
     assert abs(spring * solved.slips.drive[0] - 0.9627) < solved.force_error < 2e-2
 
 
+@pytest.mark.slow
 def test_sticks_repeat_on_a_leg_that_begins_late_as_those_of_cold_contacts_do() -> None:
     """Heat of 1e-25 a unit of time breaks nothing, and the cold slider takes another solver. The drive slows down to a
     half at t = 9, so that later sticks are repeated from a begin that is not t = 0."""
@@ -893,7 +902,7 @@ def test_a_slip_ahead_of_the_end_is_undecided_within_twice_the_change_of_the_way
 @pytest.mark.parametrize(
     "name",  # growth with heat has a twin
     [
-        pytest.param(n, marks=[pytest.mark.slow] * n.startswith("strengthening, h"))
+        pytest.param(n, marks=[pytest.mark.slow] * n.startswith(("strengthening, h", "heat, l")))
         for n in MEMORIES
     ],
 )

@@ -14,11 +14,14 @@ import origins
     ("parts", "spring", "stiffness", "count"),
     [
         ([(1.0, 1.0, 0.2)], 0.5, "independent", 8),
-        ([(1.0, 1.0, 0.05)], 1.4, "independent", 5),
-        ([(1.0, 1.0, 0.2)], 0.4, "linked", 7),
+        pytest.param([(1.0, 1.0, 0.05)], 1.4, "independent", 5, marks=pytest.mark.slow),
+        pytest.param([(1.0, 1.0, 0.2)], 0.4, "linked", 7, marks=pytest.mark.slow),
         # slips of the weaker group and of all contacts in turns: the former were once repeated as if there were no
         # others, as each is as the one before
-        ([(0.6, 1.0, 0.15), (0.4, 2.4, 0.12)], 0.3, "independent", 10),
+        ([(0.6, 1.0, 0.15), (0.4, 2.4, 0.12)], 0.3, "independent", 5),
+        pytest.param(
+            [(0.6, 1.0, 0.15), (0.4, 2.4, 0.12)], 0.3, "independent", 10, marks=pytest.mark.slow
+        ),
         pytest.param(
             [(0.5, 1.0, 0.14), (0.5, 2.2, 0.25)], 0.1, "independent", 10, marks=pytest.mark.slow
         ),

@@ -96,8 +96,11 @@ def test_slips_of_a_few_contacts_between_those_of_all_are_no_main_slips():
     assert ensemble.slips.number.max() + 1 == slips.main.size  # the ensemble counts no others
 
 
+SOFTER = [pytest.param(spring, marks=pytest.mark.slow) for spring in (1e-9, 1e-4)]
+
+
 @pytest.mark.parametrize("law", [origins.identical(1.0), TWO])
-@pytest.mark.parametrize("spring", [1e-9, pytest.param(1e-4, marks=pytest.mark.slow), 0.5])
+@pytest.mark.parametrize("spring", [*SOFTER, 0.5])
 def test_exact_thresholds_on_soft_springs_warn_of_nothing(law, spring):
     """Runtime warnings are errors in all tests. Under "instant" too many slips are refused before the work."""
     contacts, path = origins.Contacts(law), [0.0, 1.5 * (1.0 + 1.0 / spring)]
@@ -359,7 +362,11 @@ def test_the_histories_of_the_example_in_moves_py():
 
 
 @pytest.mark.parametrize(
-    "rule", ["reset", "reform-after", pytest.param("instant", marks=pytest.mark.slow)]
+    "rule",
+    [
+        "reform-after",
+        *(pytest.param(rule, marks=pytest.mark.slow) for rule in ("reset", "instant")),
+    ],
 )
 def test_the_mirror_image_and_the_scale_of_a_drive(rule):
     path = np.concatenate([np.linspace(0.0, 4.0, 41), np.linspace(3.9, -3.0, 60)])
@@ -421,6 +428,7 @@ def test_a_path_without_slips_says_how_far_to_drive_and_the_first_slip_decides(s
     assert after.slips.drive[0] > far / 3.0
 
 
+@pytest.mark.slow
 def test_a_path_that_ends_in_small_slips_after_the_large_one_is_stick_slip():
     """Two contacts in five break together before the others, and the slider moves on by a twentieth of a threshold;
     when all are out they begin anew. The drops of the last three slips shrink; sliders of the ensemble slip alike."""
@@ -500,6 +508,7 @@ def test_wall_time_keeps_the_points_before_the_first_slip(monkeypatch) -> None:
     assert np.abs(found.force + np.expm1(-found.position)).max() <= found.force_error <= 1e-6
 
 
+@pytest.mark.slow
 def test_wall_time_keeps_a_rough_solution_where_the_tables_of_a_finer_one_take_long(
     monkeypatch,
 ) -> None:
@@ -526,8 +535,9 @@ def test_wall_time_ends_the_making_of_tables(monkeypatch) -> None:
 
 @pytest.mark.parametrize(
     ("law", "spring"),
-    [(origins.gaussian(1.0, 0.2), 0.5), pytest.param(NARROW, 1.4, marks=pytest.mark.slow)],
+    [(origins.gaussian(1.0, 0.2), 0.5), (NARROW, 1.4)],
 )
+@pytest.mark.slow
 def test_the_error_of_ten_thousand_slips_is_known(law, spring, monkeypatch):
     """It was told as 9e-6 and 1.2e-5. Panels a thousand times coarser show errors that their own claim bounds; errors
     over hundreds of slips are those of test_reform_after.py."""

@@ -110,6 +110,7 @@ def test_slips_at_a_jump_of_the_thresholds_law_begin_there(rule: SlipRule) -> No
     assert abs(found.slips.force_before[0] - 0.76) <= 1e-8
 
 
+@pytest.mark.slow
 def test_a_narrow_law_under_a_wide_start_slips_where_the_rigid_force_falls() -> None:
     """The maximum of F + K X of the rigid slider, whose broken contacts are out as well."""
     contacts = Contacts(gaussian(1.0, 0.002), stats.uniform(0.0, 0.3), delay=Delay(50.0))
@@ -147,6 +148,7 @@ def test_a_slip_ends_at_the_first_balance_though_the_spring_would_pull_farther()
     assert found.slips.after[0] == pytest.approx(balance, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_a_path_may_end_just_before_a_slip() -> None:
     """There the slider moves ever faster, and no step goes beyond the path's last point."""
     late = Contacts(origins.rectangular(1.0, 1.1), delay=Delay(1e-3))
@@ -160,6 +162,7 @@ def test_a_path_may_end_just_before_a_slip() -> None:
     held_to_claim(cool, [begin - 1e-4], 1e-3, exact, spring=1.0)
 
 
+@pytest.mark.slow
 def test_a_slip_that_is_too_small_to_be_listed_is_in_the_error() -> None:
     """At the jump of P_c, X = 0.8, all break at once, and the slider goes with its drive for the delay. On so soft a
     spring few contacts that rounding breaks before may hold it meanwhile: the next slip is early by the delay."""
@@ -172,6 +175,7 @@ def test_a_slip_that_is_too_small_to_be_listed_is_in_the_error() -> None:
     assert off.max() <= found.slips.drive_error < 3.0 * delay
 
 
+@pytest.mark.slow
 def test_behind_a_slip_the_error_is_told_by_all_points_but_those_beside_it() -> None:
     """The places of slips are known a hundred times better than F is while contacts come back from their delay."""
     contacts, path = Contacts(gaussian(1.0, 0.1), delay=Delay(0.2)), np.linspace(0.0, 5.0, 101)
@@ -340,7 +344,7 @@ SOFTEST, FAR = 1e-6, np.array([3e5, 7e5, 1.5e6])
 HARDLY_WARM = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e-25))
 
 
-@pytest.mark.parametrize("rule", ["reset", "reform-after"])
+@pytest.mark.parametrize("rule", [pytest.param("reset", marks=pytest.mark.slow), "reform-after"])
 def test_on_the_softest_spring_a_law_that_does_nothing_changes_nothing(rule: SlipRule) -> None:
     """Nothing holds at the end of a slip, so that both rules are the paper's, which is solved without steps."""
     exact = master.solve(Contacts(WIDE), FAR, 1e-8, spring=SOFTEST)
@@ -350,6 +354,7 @@ def test_on_the_softest_spring_a_law_that_does_nothing_changes_nothing(rule: Sli
     assert np.abs(solved.slips.force_after).max() <= solved.force_error
 
 
+@pytest.mark.slow
 def test_a_first_slip_that_leaves_contacts_as_they_began_decides_and_a_longer_path_confirms_it() -> (
     None
 ):
@@ -380,18 +385,19 @@ def test_a_slip_of_hundreds_of_thresholds_ends_at_the_force_of_steady_sliding() 
     assert np.abs(solved.force - [0.3 / 1.001, steady]).max() <= claim
 
 
-def test_a_path_that_ends_just_after_a_slip_tells_of_the_slip() -> None:
+@pytest.mark.parametrize("after", [2.0, pytest.param(10.0, marks=pytest.mark.slow)])
+def test_a_path_that_ends_just_after_a_slip_tells_of_the_slip(after: float) -> None:
     """F of a soft slider hardly depends on X, which decides on the slip: here soon after it."""
     late = Contacts(WIDE, delay=Delay(0.3))
     slip = 689819.776  # as a tolerance of 1e-5 tells it
-    for after in (2.0, 10.0):
-        solved = master.solve(late, [3e5, slip + after], 1e-3, spring=SOFTEST)
-        assert solved.success, solved.message
-        assert solved.slips.drive.size == 1
-        # after the slip nothing pulls but the way of the drive since then, known to the error of the slip's place
-        assert abs(solved.force[-1] - SOFTEST * after) <= 4.0 * SOFTEST
+    solved = master.solve(late, [3e5, slip + after], 1e-3, spring=SOFTEST)
+    assert solved.success, solved.message
+    assert solved.slips.drive.size == 1
+    # after the slip nothing pulls but the way of the drive since then, known to the error of the slip's place
+    assert abs(solved.force[-1] - SOFTEST * after) <= 4.0 * SOFTEST
 
 
+@pytest.mark.slow
 def test_steps_are_short_only_where_heat_breaks_many_contacts() -> None:
     """A wrong size of step costs time and shows in no error: 273 ends of steps, or 2409 with the factor on a step's
     size (SlipBegins._resolving_factor) upside down. The number of steps does not depend on the machine."""
@@ -413,7 +419,13 @@ def test_heat_that_does_nothing_is_left_out_and_told() -> None:
 
 @pytest.mark.parametrize(
     "law, temperature, stiffness",
-    [("soft", 5e-6, "independent"), ("stiff", 1e-7, "independent"), ("soft", 1e-6, "linked")],
+    [
+        ("soft", 5e-6, "independent"),
+        *(
+            pytest.param(*one, marks=pytest.mark.slow)
+            for one in (("stiff", 1e-7, "independent"), ("soft", 1e-6, "linked"))
+        ),
+    ],
 )
 def test_weak_heat_is_left_out_with_its_whole_effect_as_the_error(
     law: str, temperature: float, stiffness: Any
@@ -465,9 +477,8 @@ SOFT_PULL: dict[str, tuple[SlipRule, dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n != "delay")) for n in SOFT_PULL]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SOFT_PULL)
 def test_new_contacts_slip_as_they_did_before(name: str) -> None:
     """What follows on a slip that leaves all contacts new is not solved again: held to a drive whose speed changes by
     1e-5 at each of its points, where it is."""
@@ -502,6 +513,7 @@ def test_contacts_that_age_have_decohered_after_a_long_slip(sign: float) -> None
     assert sign * found.force[-1] == pytest.approx(stuck, rel=0.01)
 
 
+@pytest.mark.slow
 def test_slips_that_take_too_many_steps_are_refused_after_the_second() -> None:
     """Contacts that age are stronger the slower they slide: under "instant" they creep far, and slip."""
     old = Contacts(WIDE, ageing=Ageing(gaussian(1.5, 0.2), 1e-4))
@@ -512,6 +524,7 @@ def test_slips_that_take_too_many_steps_are_refused_after_the_second() -> None:
             master.solve(old, [1e5, end], tolerance, **asked)
 
 
+@pytest.mark.slow
 def test_few_contacts_that_come_back_and_slip_again_foretell_no_steps() -> None:
     """They slip within a delay of the large slip, after which the spring is loaded anew up to the next one."""
     contacts = Contacts(WIDE, delay=Delay(1.8))
@@ -523,6 +536,7 @@ def test_few_contacts_that_come_back_and_slip_again_foretell_no_steps() -> None:
     assert cold.slips.drive.size == 2 and (earlier > 0.0).all() and earlier.max() < 2.0 * 1.8
 
 
+@pytest.mark.slow
 def test_a_slider_that_turns_round_behind_its_drive_is_not_near_a_slip() -> None:
     """It creeps on for a while as the drive has turned, and then follows it. Where it had just turned, too, all that
     was told of F was that it lies between 0 and its largest value (0.72 mean thresholds)."""
@@ -558,7 +572,13 @@ def test_steps_longer_than_a_delay_claim_what_they_do_not_tell_of_a_slip() -> No
     assert off <= told.slips.drive_error + 1.1e-4
 
 
-@pytest.mark.parametrize("thermal", [Thermal("eyring", width=0.03), Thermal("stiff", 0.01)])
+@pytest.mark.parametrize(
+    "thermal",
+    [
+        Thermal("eyring", width=0.03),
+        pytest.param(Thermal("stiff", 0.01), marks=pytest.mark.slow),
+    ],
+)
 def test_contacts_older_than_fresh_ones_have_a_critical_spring_with_heat(thermal: Thermal) -> None:
     """So fast that hardly any breaks by heat; the threshold of the strongest contact of all is infinite, and a rate was
     asked of the ratio of two such."""

@@ -87,6 +87,7 @@ def test_the_place_of_a_turn_changes_the_force_by_no_more_than_is_told(
     assert told <= 5.0 * stays
 
 
+@pytest.mark.slow
 def test_an_error_that_grows_at_turns_names_the_turn_at_which_to_end() -> None:
     """The path to the turn that is named has the error that is told, and is solved."""
     contacts, ends = origins.Contacts(origins.gaussian(1.0, 0.3)), 25.0 * FAR_TURNS / 3.0

@@ -80,6 +80,7 @@ def test_a_start_of_many_bins_has_its_slope_in_a_second() -> None:
     assert found.critical_spring == pytest.approx(-slopes.min(), abs=3e-3)
 
 
+@pytest.mark.slow
 def test_thresholds_of_a_histogram_are_a_mixture_of_rectangles() -> None:
     """The same law by scipy and by a family of ours; with bins of one weight it is one rectangle, whose K* is 7/8."""
     edges = np.linspace(0.5, 1.5, 11)
@@ -98,6 +99,7 @@ def test_thresholds_of_a_histogram_are_a_mixture_of_rectangles() -> None:
     assert master.propensity(Contacts(even), 1e-6).critical_spring == pytest.approx(0.875, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_bins_of_both_laws_with_heat_are_refused_before_the_work() -> None:
     """Averages over bins of the start, of sums over bins of P_c: with few of one it is answered."""
     heat = origins.Thermal("soft", 0.1)
@@ -282,6 +284,7 @@ def figure_a06(closure: str) -> Contacts:
     return Contacts(FRESH, origins.gaussian_start(0.02, 0.01), ageing=ageing)
 
 
+@pytest.mark.slow
 def test_propensity_tells_the_same_spring() -> None:
     """At v_c the critical spring is the one that v_c was found for; it reads F(X), whose slowest decay is X*."""
     contacts = figure_a06("exact")
