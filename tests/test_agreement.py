@@ -137,7 +137,10 @@ def runs_of(name: str) -> list[Any]:
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW or name == "eyring, slow"))
+        pytest.param(
+            name,
+            marks=[pytest.mark.slow] * (name in (*SLOW, "eyring, slow", "growing grains, soft")),
+        )
         for name in (*CASES, *SLOW)
     ],
 )

@@ -178,6 +178,7 @@ def test_histograms(
     assert abs(float(printed[0]) - float(told)) < 1.5
 
 
+@pytest.mark.slow  # quick: the page that prints what it says, above
 def test_rough_surfaces(tmp_path: Path) -> None:
     own = script("rough_surfaces")
     found = own.readings()

@@ -310,6 +310,7 @@ def test_single_contacts_swing_below_the_critical_spring_of_the_solved_answer(
     assert swings[0] > 0.15 and swings[1] < 0.01, swings
 
 
+@pytest.mark.slow  # quick: that of strengthening, and of single contacts that swing
 def test_the_critical_spring_of_contacts_in_step_is_that_of_linear_stability() -> None:
     """Where contacts of narrow thresholds break in step for long, small disturbances e^(iqX) of steady sliding, with
     the number conserved, neither grow nor decay on the spring (by quadrature over the lives x)."""
@@ -640,6 +641,7 @@ def test_slips_that_come_and_go_with_the_steps_have_a_finite_error():
         assert abs(solved - ensemble) < 4.0 * scatter + error
 
 
+@pytest.mark.slow  # quick: a command that its time stops, above
 @pytest.mark.usefixtures("unrendered")
 def test_the_end_of_the_time_is_told_by_the_runs_own_parts(
     capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -665,6 +667,7 @@ def test_the_end_of_the_time_is_told_by_the_runs_own_parts(
     assert "7 of 9 rests were not followed" in found["message"] and "rest 3 of 9" in "".join(page)
 
 
+@pytest.mark.slow  # quick: a command that its time stops, above
 @pytest.mark.usefixtures("unrendered")
 def test_without_a_wall_time_what_is_known_after_two_minutes_of_work_is_the_answer(
     capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -23,7 +23,8 @@ def integrals_of_each(x_s: Array) -> tuple[Array, Array]:
     return np.trapezoid(x * survival, x, axis=0), np.trapezoid(survival, x, axis=0)
 
 
-@pytest.mark.parametrize("longest", [pytest.param(describe.LONGEST, marks=pytest.mark.slow), 0.0])
+@pytest.mark.slow  # quick: the errors of cold samples, in test_samples.py and test_verdict.py
+@pytest.mark.parametrize("longest", [describe.LONGEST, 0.0])
 def test_in_strong_heat_the_sampling_error_is_that_of_the_hot_force(
     longest: float, monkeypatch: Any
 ) -> None:

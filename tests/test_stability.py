@@ -205,6 +205,7 @@ def test_every_origin_has_a_case() -> None:
         assert re.search(rf"origins\.{name}\b", asked), name
 
 
+@pytest.mark.slow  # quick: extreme cases, above
 def test_cases_of_rate_and_state_and_of_barriers() -> None:
     """Those that are answered at once, and a slope that is off by 1e-7 is wrong."""
     quick = [*surfaces.islands(), *speeds.rate_and_state()[1:]]

@@ -64,7 +64,7 @@ RENDERED = (
     "test_smooth_on_a_stiff_spring",
     "test_few_contacts_slip_where_infinitely_many_slide",
     "test_an_undamped_slider_that_rings_is_told_of_with_some_damping[0.1]",
-    "test_a_page_is_written_of_what_is_known_where_f_s_is_too_late",
+    "test_a_page_is_written_of_what_is_known_where_f_s_is_too_late[exact]",
     "test_what_the_verdict_hangs_on_is_sorted_by_how_much_it_changes",
 )
 
@@ -197,6 +197,7 @@ def test_of_other_readings_in_heat_it_is_told_whether_they_slip(capsys: Any) -> 
             assert one["after"] == pytest.approx(kinetic, rel=1e-4)
 
 
+@pytest.mark.slow  # quick: mass and delay decide, and heat beside a heavy slider, below
 def test_a_mass_decides_in_heat(capsys: Any) -> None:
     """It slides on at F_k(v) + γ v, and no slip rule is asked for."""
     heat = {"law": "soft", "temperature": 0.01}
@@ -209,6 +210,7 @@ def test_a_mass_decides_in_heat(capsys: Any) -> None:
     assert alone["after"] == pytest.approx(own["kinetic"]["value"] + 0.5, abs=2e-3)
 
 
+@pytest.mark.slow  # quick: what the solver refuses, in test_verdict_page.py
 def test_a_mass_that_is_not_followed_is_told_in_words(capsys: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(judge, "RULES", ("reset",))  # of those without mass, one will do
     heat = {"law": "soft", "temperature": 0.01}
@@ -222,7 +224,7 @@ def test_a_mass_that_is_not_followed_is_told_in_words(capsys: Any, monkeypatch: 
     assert "np." not in page and "master.solve" not in page and "simulate" not in page
 
 
-@pytest.mark.parametrize("part", [0.1, 1.0])
+@pytest.mark.parametrize("part", [0.1, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_an_undamped_slider_that_rings_is_told_of_with_some_damping(
     part: float, capsys: Any, monkeypatch: Any
 ) -> None:
@@ -647,7 +649,7 @@ def test_a_speed_that_is_left_out_and_a_temperature_of_a_room_in_celsius_are_ask
 
 
 def test_few_samples_are_told_on_the_page(capsys: Any, monkeypatch: Any) -> None:
-    monkeypatch.setattr(uncertainty, "RESAMPLES", 4)
+    monkeypatch.setattr(uncertainty, "of_resampled", lambda *_, **__: [])
     tables = {"thresholds": {"kind": "from-samples", "x_s": [0.9, 1.0, 1.3]}}
     _, page, _ = judged(capsys, drive={"spring": 5.0}, verdict=RESET, **tables)
     assert "few thresholds" in page and "3 samples" in page
@@ -689,8 +691,9 @@ def test_where_k_star_takes_too_long_other_samples_tell_of_the_force_alone(
     assert "other samples: one standard error, by resampling the 5 thresholds" in page
     _, page, _ = judged(capsys, drive={"spring": 5.0}, verdict=RESET)
     assert "other samples" not in page
+    machine = MACHINE | {"area": 1e-9}
     _, page, _ = judged(
-        capsys, contacts={"thresholds": ROUGH}, drive=MACHINE, verdict=RESET | {"steps": [1]}
+        capsys, contacts={"thresholds": ROUGH}, drive=machine, verdict=RESET | {"steps": [1]}
     )
     assert "other samples: one surface is one sample (n = 1)" in page
 
@@ -707,6 +710,7 @@ def test_slips_above_the_static_force_of_the_start_have_their_reason(capsys: Any
         assert ("slips begin above F_s" in page) is told
 
 
+@pytest.mark.slow  # quick: the sampling error of cold samples above
 def test_the_sampling_error_of_contacts_that_wait_is_that_of_their_force() -> None:
     """F_k of a long delay is <x_s²>/2 over the way in it: other samples scatter it by some 2 (std/mean) N^(-1/2)."""
     x_s = np.random.default_rng(5).uniform(0.5, 1.5, 60).tolist()
@@ -808,8 +812,16 @@ GROWING = {
 }
 
 
+@pytest.mark.parametrize(
+    ("law", "known"),
+    [
+        ({"kind": "identical", "value": 1.0}, True),
+        pytest.param(GAUSSIAN, False, marks=pytest.mark.slow),
+    ],
+    ids=["exact", "gaussian"],
+)
 def test_a_page_is_written_of_what_is_known_where_f_s_is_too_late(
-    capsys: Any, monkeypatch: Any
+    capsys: Any, monkeypatch: Any, law: Any, known: bool
 ) -> None:
     """K* is infinite as they break together, and F_s is what takes long."""
 
@@ -817,18 +829,26 @@ def test_a_page_is_written_of_what_is_known_where_f_s_is_too_late(
         raise TimeIsUp
 
     monkeypatch.setattr(master, "propensity", late)
-    for law, known in (({"kind": "identical", "value": 1.0}, True), (GAUSSIAN, False)):
-        tables = {"thresholds": law, "drive": {"spring": 0.5}, "master": None, "wall_time": 1e4}
-        status, page, found = judged(capsys, **tables)
-        (reading,) = found["readings"]
-        assert status == 1 and not found["success"] and Path("mine-output/verdict.png").exists()
-        assert page.splitlines()[2] == f"not decided ({NO_FORCES})"
-        assert reading["kinetic"]["value"] == pytest.approx(0.5 if known else 0.50125, rel=1e-4)
-        assert reading["static"]["value"] is reading["critical_spring"]["value"] is None
-        assert re.search(r"slips at least once below the spring K\* +not known", page)
-        assert ("K* is infinite: all contacts break at one value, x = 1" in page) is known
-        assert ("F_s of exact values may take a minute" in page) is known
-        assert all(line.strip() for line in found["hangs_on"])
+    tables = {"thresholds": law, "drive": {"spring": 0.5}, "master": None, "wall_time": 1e4}
+    status, page, found = judged(capsys, **tables)
+    (reading,) = found["readings"]
+    assert status == 1 and not found["success"] and Path("mine-output/verdict.png").exists()
+    assert page.splitlines()[2] == f"not decided ({NO_FORCES})"
+    assert reading["kinetic"]["value"] == pytest.approx(0.5 if known else 0.50125, rel=1e-4)
+    assert reading["static"]["value"] is reading["critical_spring"]["value"] is None
+    assert re.search(r"slips at least once below the spring K\* +not known", page)
+    assert ("K* is infinite: all contacts break at one value, x = 1" in page) is known
+    assert ("F_s of exact values may take a minute" in page) is known
+    assert all(line.strip() for line in found["hangs_on"])
+
+
+def test_what_takes_long_is_named_where_f_s_of_growing_thresholds_is_too_late(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    def late(*arguments: Any, **named: Any) -> None:
+        raise TimeIsUp
+
+    monkeypatch.setattr(master, "propensity", late)
     contacts, drive = {"thresholds": GAUSSIAN} | GROWING, {"spring": 0.5}
     _, page, found = judged(capsys, contacts=contacts, drive=drive, master=None, wall_time=1e4)
     assert "grow and break by heat may take minutes: raise wall_time" in page
@@ -941,6 +961,7 @@ def test_a_structure_of_ase_has_a_verdict(capsys: Any, kind: str) -> None:
         assert one["period"] == pytest.approx(one["before"] / 50.0, rel=0.02)
 
 
+@pytest.mark.slow  # quick: the structure of ASE above, and islands on the page
 def test_slips_of_islands_are_those_of_the_barriers_and_not_of_their_smooth_law() -> None:
     """At listed angles barriers are exact values, and slips those of a slider on these. The smooth law through them has
     peaks with a width, and slips earlier."""
@@ -1267,6 +1288,7 @@ def test_what_is_given_is_not_asked_for(
     assert told in line and not_told not in line and "undecided" not in "\n".join(text)
 
 
+@pytest.mark.slow  # quick: the rules of contacts that wait, in test_verdict_mass.py
 def test_with_a_delay_no_contact_is_said_to_re_form_at_once(capsys: Any) -> None:
     """Those that break in a slip wait: "instant" is "reform-after", and is not solved twice."""
     contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "delay": {"time": 0.3}}

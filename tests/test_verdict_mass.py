@@ -435,6 +435,7 @@ def test_a_trace_has_several_points_of_each_swing() -> None:
     assert replace(machine, mass=None).points(1e9) == 600
 
 
+@pytest.mark.slow  # quick: contacts that wait are pulled as far as a slider that sticks, above
 def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch: Any) -> None:
     """In their delay the drive goes on by seven times what loads the spring: the path ended while all contacts were out
     after the first slip, and sliding was called smooth."""
@@ -714,6 +715,7 @@ def test_a_slip_that_lasts_longer_than_the_spring_is_loaded_is_waited_for() -> N
     assert found.before == pytest.approx(1.245, abs=0.05)
 
 
+@pytest.mark.slow  # quick: a slip that lasts longer than the spring is loaded, above
 def test_slips_in_many_falls_of_few_contacts_each_are_those_of_infinitely_many() -> None:
     """Contacts come back while a slip goes on: of finitely many the force falls in steps, of which few break a fifth of
     all contacts. The slip is the swing from the maximum to the minimum, as of infinitely many."""
@@ -770,6 +772,7 @@ def test_a_contact_that_waits_breaks_no_more_often_than_its_lives_and_delays_all
     assert found.slips.drive.size >= 3 and 0.9 < expected / found.breaks < 3.0
 
 
+@pytest.mark.slow  # quick: the number of contacts hangs on their breaks, above
 def test_a_short_delay_that_is_not_solved_is_told_by_as_many_contacts_as_break_often_enough(
     monkeypatch: Any,
 ) -> None:
@@ -821,6 +824,7 @@ def test_a_picture_without_a_friction_trace_says_why() -> None:
     assert "as no slider was followed" in unknown.get_suptitle()
 
 
+@pytest.mark.slow  # quick: narrow peaks, in test_verdict.py, whose slips end at 0
 def test_what_is_left_of_the_force_after_a_slip_by_rounding_is_none() -> None:
     """The tail of P_c far beyond its support left 2.4e-176 fN of 6.3 mN."""
     contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(0.2))
@@ -832,6 +836,7 @@ def test_what_is_left_of_the_force_after_a_slip_by_rounding_is_none() -> None:
     assert found.after == 0.0 and found.before == pytest.approx(0.634, abs=0.01)
 
 
+@pytest.mark.slow  # quick: a damping that was taken, in test_verdict.py
 def test_a_damping_that_nobody_gave_bears_no_large_part_of_an_answer() -> None:
     """A tenth of critical damping bore 63 of 69 mN, told as the answer."""
     contacts, machine = Contacts(gaussian(1.0, 0.4)), Machine(0.5, 5e-8, 0.0, 2e5)

@@ -36,6 +36,7 @@ def judged(capsys: Any, **tables: Any) -> str:
     return "\n".join(out)
 
 
+@pytest.mark.slow  # quick: what is left undone, below
 def test_where_steps_end_the_page_does_not_ask_for_more_time(
     capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
