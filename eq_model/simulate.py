@@ -39,8 +39,8 @@ def simulate(
     With a `spring` the contacts of one replica are coupled: the path is that of the drive, X_T, and one slider has
     K (X_T - X) = sum of k_i x_i. Every break moves the slider, so that more contacts may break; all that break at one
     X_T make an avalanche (eq_model.coupled; in plain Python in tests/plain_coupled.py). Then of the laws heat, delay,
-    strengthening and linked stiffness are possible, with slip "instant" and no delay re-forming stretched; and the
-    drive never turns. Heat is exact, too: breaks are proposed at rates above the contacts' own, and thinned.
+    strengthening and linked stiffness are possible, and with slip "instant" and no delay re-forming stretched. Heat is
+    exact, too: breaks are proposed at rates above the contacts' own, and thinned. With a mass the drive never turns.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ def told(comm: Any) -> Iterator[Any]:
         (origins.Contacts(grains, thermal=soft), loop, 301, {}),
         (origins.Contacts(strong, start), loop, 3001, {"histograms": [4]}),
         (origins.Contacts(strong, start, soft), loop, 301, {}),
-        (origins.Contacts(wide, delay=origins.Delay(0.1)), path, 300, {"spring": 0.7}),
+        (origins.Contacts(wide, delay=origins.Delay(0.1)), 3.0 * loop, 300, {"spring": 0.7}),
         (origins.Contacts(strong, start), path, 300, {"spring": 0.7}),
         (origins.Contacts(strong, thermal=soft), path, 300, {"spring": 0.7}),
         (

@@ -110,7 +110,10 @@ def test_contacts_that_form_again_stretched_are_the_rigid_ones_on_a_stiff_spring
 
 
 def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
-    path, contacts = np.linspace(0.0, 6.0, 61), CONTACTS["narrow"]
+    path, contacts = (
+        np.append(np.linspace(0.0, 4.0, 41), np.linspace(4, -2, 61)),
+        CONTACTS["narrow"],
+    )
     asked = {"spring": 0.7, "slip": "reform-after", "n_contacts": 500, "n_replicas": 7, "seed": 11}
     whole = eq_model.simulate(contacts, path, **asked)
     first = eq_model.CoupledEnsemble(contacts, path, **asked)

@@ -47,7 +47,6 @@ FORWARD_ONLY = [(True, {}, {}), (False, {}, {"path": TURNS})]
 CELLS: dict[str, list[tuple[bool, dict[str, Any], dict[str, Any]]]] = {
     "yes": [(True, {}, {"path": TURNS})],
     "no": [(False, {}, {})],
-    "a drive that goes forward": FORWARD_ONLY,
     "without heat, towards a `gaussian`": [
         (True, {}, {"path": TURNS}),
         (False, {"thermal": HOT}, {}),
@@ -65,10 +64,9 @@ CELLS: dict[str, list[tuple[bool, dict[str, Any], dict[str, Any]]]] = {
         (False, {"delay": DELAY}, INSTANT),
         (False, {}, {"slip": "reform-after"}),
     ],
-    '"instant" without delay, forward': [
-        (True, {}, INSTANT),
+    '"instant" without delay': [
+        (True, {}, INSTANT | {"path": TURNS}),
         (False, {"delay": DELAY}, INSTANT),
-        (False, {}, INSTANT | {"path": TURNS}),
         (False, {}, RESET),
     ],
     "yes; with heat at one speed": [
@@ -110,5 +108,5 @@ def test_each_cell_says_what_its_solver_takes(first: str, cells: list[str]) -> N
         solver, spring = ("solve", "simulate")[column // 2], {"spring": 0.7} if column % 2 else {}
         for taken, laws, drive in CELLS[cell]:
             assert takes(solver, contacts.replace(**laws), spring | drive) == taken, (column, cell)
-        if first.endswith("*") and besides and cell in ("yes", "a drive that goes forward"):
+        if first.endswith("*") and besides and cell == "yes":
             assert takes(solver, contacts.replace(**besides), spring), (column, besides)

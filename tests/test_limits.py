@@ -30,7 +30,7 @@ FEW: dict[str, Any] = {"n_contacts": 50, "n_replicas": 2, "seed": 1}
 REFUSED: list[tuple[str, Callable[[], object], str]] = [
     ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(HOT, PATH, **HEAVY, **FEW), "T = 0"),
     ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(AGEING, PATH, spring=1.0, **FEW), "ageing"),
-    ("whose drive turns back", lambda: eq_model.simulate(PLAIN, [0.0, 3.0, 1.0], spring=1.0, **FEW), "turn"),
+    ("whose drive turns back", lambda: eq_model.simulate(PLAIN, [0.0, 3.0, 1.0], **HEAVY, **FEW), "turn"),
     ("`mass` in heat, ageing", lambda: master.solve(PLAIN.replace(reforming=-0.2), [1e4], **HEAVY), "steps of time"),
     ("with another law than a delay", lambda: master.solve(WARM_EXACT, PATH, **HEAVY), "a width"),
     ("`mass` and linked stiffness", lambda: master.solve(LINKED, PATH, **HEAVY), "stiffness"),

@@ -414,10 +414,6 @@ REFUSED = [
     (lambda: simulate(spring=0.7, slip="never"), "slip"),
     (lambda: simulate(spring=0.7, tolerance=1e-3), "tolerance"),
     (
-        lambda: simulate([0.0, 2.0, 1.0], spring=0.7),
-        "in which the slider breaks them ahead; use master.solve",
-    ),
-    (
         lambda: simulate([0.0, 2.0, 1.0], spring=0.7, mass=1.0),
         "the way back makes, too; use master.solve",
     ),

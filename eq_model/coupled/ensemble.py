@@ -17,11 +17,6 @@ from origins.thresholds.law import Array
 
 LARGEST = 2.0**61  # largest position, in units: sums of two are whole numbers of 64 bits
 
-# In mean thresholds: how far the slider may go back to the first point of the path where contacts break by heat. By
-# chance it does where the start has no mean force.
-MOST_BACK = 0.01
-
-
 # Of F before a slip: one contact of 2^31 that holds bears more, unless it is stretched by less than 2e-3 <x_s>.
 ROUND_OFF = 1e-12
 
@@ -59,11 +54,13 @@ class Replicas:
         )
         # one contact in a thousand breaks beyond
         span = float(law.isf(2.0**-10)) * growth(contacts, drive)
-        span = min(span, StretchLimits(contacts, drive).largest_threshold)
+        self._limits = StretchLimits(contacts, drive)
+        span = min(span, self._limits.largest_threshold)
         self._ring_bits = ring_bits(n, self._shift, mean / self._unit, span / self._unit)
-        if drive.path[-1] > LARGEST * self._unit:
+        far = int(np.argmax(np.abs(drive.path)))
+        if abs(drive.path[far]) > LARGEST * self._unit:
             hint = f"must be below {LARGEST * self._unit:.3g}; positions are whole multiples of {self._unit:.3g}"
-            refuse("path[-1]", drive.path[-1], hint)
+            refuse(f"path[{far}]", drive.path[far], hint)
         self._most = check_work(contacts, drive, n)
 
     def fields(self, state: State) -> dict[str, Any]:
@@ -100,6 +97,7 @@ class Replicas:
         from eq_model.coupled.heat_moves import begin_with_heat
         from eq_model.coupled.queue_kernel import make_queue
         from eq_model.coupled.slider import SLIDER
+        from eq_model.coupled.turns import legs_of, turn
         from eq_model.draws.streams import make_stream
         from eq_model.draws.supply import make_supply
 
@@ -107,7 +105,8 @@ class Replicas:
             # kernels are the same for all rules and laws but those of rates
             mean = self._contacts.mean_threshold  # to which a temperature belongs
             few = Contacts(identical(mean), thermal=self._contacts.thermal)
-            drive, blocks = Drive([3.0 * mean], spring=1.0), Blocks(2, 2)
+            path = [3.0 * mean, 2.0 * mean] if self._may_turn() else [3.0 * mean]
+            drive, blocks = Drive(path, spring=1.0), Blocks(2, 2)
             Replicas(few, drive, blocks, seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
         check_dropped(self._dropped)
@@ -120,92 +119,89 @@ class Replicas:
         queue = make_queue(4 * n if warm else n, self._shift, self._ring_bits)
         slider, slips = np.zeros(1, SLIDER), list[Array]()
         s = slider[0]
-        s["back"], s["drive"] = -(1 << 62), -np.inf  # never, and nowhere
+        s["way"], s["back"], s["drive"] = 1, -(1 << 62), -np.inf  # never, and nowhere
         s["age"] = 0.0 if contacts.growing is None else contacts.growing.start_pinned_for
         kernel.form_all(slider, queue, first, ages, n)
-        if warm:
-            s["back"] = (ages.zero - np.rint(ages.fresh / ages.fresh_ratio)).max()
-        balance = s["force"] / (n * (self._drive.spring or 0.0))
-        pull, each, s["age"] = self._pull(s), unit / n, 0.0
+        s["age"], spring = 0.0, (self._drive.spring or 0.0) * n
         if warm:
             begin_with_heat(slider, queue, ages)
-        while (reason := kernel.slide(slider, queue, later, ages, pull)) != kernel.PATH_DONE:
-            if reason == kernel.SLIP_ENDED:
-                slips.append(np.r_[replica, len(slips), pull.avalanche])
-            elif reason == kernel.OVERTAKEN:
-                raise InputError(
-                    "reforming: contacts that form again stretched forward take the slider far beyond the drive; use a "
-                    "stiffer spring, or stretches closer to 0"
-                )
-            if s["breaks"] > self._most:  # a slider that creeps takes more than one that slips
-                at = (s["base"] + s["drive"] / pull.spring) * unit
-                hint = f"takes more than {self._most:.0e} breaks of {n} contacts, here up to X_T = {at:.4g}"
-                refuse("path[-1]", self._drive.path[-1], f"{hint}; end the path before")
-            check_dropped(self._dropped)
-        x, force, holding = pull.at_points
-        numbers = replica, s["breaks"], balance * unit
-        row = np.r_[numbers, pull.avalanches, x * unit, force * each, holding / n]
+        balance, room = s["force"] / spring * unit, np.empty((2, n), np.int64)
+        rules, curves = self._rules(), list[Array]()
+        for leg in legs_of(self._drive, balance):
+            pull = self._pull(rules, leg, s)
+            if leg.way != s["way"]:
+                turn(slider, queue, ages, pull, *room)
+            while (reason := kernel.slide(slider, queue, later, ages, pull)) != kernel.PATH_DONE:
+                if reason == kernel.SLIP_ENDED:
+                    slip = leg.way * pull.avalanche[:-1]
+                    slips.append(np.r_[replica, len(slips), slip, pull.avalanche[-1]])
+                elif reason == kernel.OVERTAKEN:
+                    raise InputError(
+                        "reforming: contacts that form again stretched forward take the slider far beyond the drive; "
+                        "use a stiffer spring, or stretches closer to 0"
+                    )
+                if s["breaks"] > self._most:  # a slider that creeps takes more than one that slips
+                    at = leg.way * (s["base"] + s["drive"] / spring) * unit
+                    hint = f"takes more than {self._most:.0e} breaks of {n} contacts, here up to X_T = {at:.4g}"
+                    refuse("path[-1]", self._drive.path[-1], f"{hint}; end the path before")
+                check_dropped(self._dropped)
+            curves.append(np.array([[leg.way], [leg.way], [1]]) * pull.at_points)
+        each = unit / n
+        x, force, holding = np.concatenate(curves, axis=1) + 0.0  # no number is -0
+        numbers = replica, s["breaks"], balance
+        row = np.r_[numbers, rules.avalanches, x * unit, force * each, holding / n]
         # a slip's X_T in two parts: K (X_T - base), and the base
-        scales = [1.0, 1.0, unit / pull.spring, unit, unit, unit, each, each, 1.0]
-        table = np.reshape(slips, (-1, 9)) * scales
+        scales = [1.0, 1.0, unit / spring, unit, unit, unit, each, each, 1.0]
+        table = np.reshape(slips, (-1, 9)) * scales + 0.0
         table[:, 2] += table[:, 3]
         table = np.delete(table, 3, axis=1)
         return State(rows=row[None], slips=table, breaks=int(s["breaks"]))
 
-    def _move_back(self, s: np.void, load: float) -> None:
-        """Move a slider whose contacts break by heat back to where it balances a load of the drive below that of the
-        start. Kernels take a drive that never goes back, so that it is there from the begin on."""
-        both = self._n * (self._drive.spring or 0.0) + s["stiffness"]
-        displacement = int(np.rint((load - s["force"]) / both))
-        if displacement * self._unit < -MOST_BACK * self._contacts.mean_threshold:
-            first = s["force"] / (self._n * (self._drive.spring or 0.0)) * self._unit
-            hint = f"lies behind F(0)/K = {first:.4g}, where the drive balances the start; with heat begin there"
-            refuse("path[0]", self._drive.path[0], hint)
-        s["force"] += s["stiffness"] * displacement
-        s["at"] += displacement
+    def _may_turn(self) -> bool:
+        """Whether the drive goes back anywhere, also to its first point from where it balances the start."""
+        path, start = self._drive.path, self._contacts.start.span
+        return start != (0.0, 0.0) or path[0] < 0.0 or bool((np.diff(path) < 0.0).any())
 
-    def _pull(self, s: np.void) -> Any:
-        """The Pull of a slider with its first contacts, from the position that balances them on."""
+    def _rules(self) -> Any:
+        """The Pull of a slider without a leg of the drive."""
         from eq_model.coupled.slider import Pull
 
-        n, drive, unit, delay = self._n, self._drive, self._unit, self._contacts.delay
-        spring = (drive.spring or 0.0) * n
-        path, both, balance = drive.path / unit, spring + s["stiffness"], s["force"] / spring
-        if spring * path[0] - s["force"] <= both * s["back"]:
-            first = (s["force"] + both * s["back"]) / spring * unit
-            raise InputError(
-                f"path[0] = {drive.path[0]:g}: contacts break backwards while the drive moves there"
-                f" from X_T = {balance * unit:g}, where it balances the start; begin the path above"
-                f" {first:g}"
-            )
-        distances = np.abs(np.diff(path, prepend=balance))
-        time = np.cumsum(distances) * unit / drive.velocity if drive.time is None else drive.time
-        begin = balance
-        if self._contacts.thermal is not None and path[0] < balance:
-            begin = path[0]
-            self._move_back(s, spring * path[0])
-        # at the end the drive holds
-        clock, places = np.r_[0.0, time, time[-1] + 1.0], np.r_[begin, path, path[-1]]
-        moves = np.append(True, np.diff(clock) > 0.0)
-        waits = 1 if delay is None else n + 1
-        limits = StretchLimits(self._contacts, drive)
+        n, drive, delay = self._n, self._drive, self._contacts.delay
+        waits, nowhere = 1 if delay is None else n + 1, np.empty(0)
         return Pull(
             n=n,
-            spring=spring,
-            path=path,
-            time=time,
-            clock=clock[moves],
-            clock_drive=places[moves],
+            spring=(drive.spring or 0.0) * n,
+            path=nowhere,
+            time=nowhere,
+            clock=nowhere,
+            clock_drive=nowhere,
             wait=-1.0 if delay is None else delay.time,
             slip=max(int(np.ceil(self.slip_fraction * n)), 1),
             at_once=drive.slip == "instant" and delay is None,
             resets=drive.slip == "reset",
-            furthest=int((max(drive.path[-1], 0.0) + limits.largest_birth) / unit) + 1,
+            furthest=0,
             avalanche=np.empty(7),
-            at_points=np.zeros((3, path.size)),
+            at_points=np.empty((3, 0)),
             avalanches=np.zeros(SIZES, np.int64),
             due=np.empty(waits),
             many=np.empty(waits, np.int64),
+        )
+
+    def _pull(self, rules: Any, leg: Any, s: np.void) -> Any:
+        """The Pull of a slider on a leg of the drive, mirrored where that goes back."""
+        places, clock, limits = leg.way * leg.places / self._unit, leg.clock, self._limits
+        # relaxed contacts come to rest behind the drive; before they do, the slider has passed where all others are
+        begin, furthest = leg.way * s["way"] * s["at"], limits.largest_threshold / self._unit
+        if leg.first == 0:
+            furthest = limits.largest_birth / self._unit
+        return rules._replace(
+            path=places[1:],
+            time=clock[1:],
+            # at the end the drive holds
+            clock=np.append(clock, clock[-1] + 1.0),
+            clock_drive=np.append(places, places[-1]),
+            furthest=int(max(begin, places[-1]) + furthest) + 1,
+            at_points=np.zeros((3, places.size - 1)),
         )
 
 
@@ -258,12 +254,10 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
             f'the slider once more; {solver} takes them with slip = "instant" and no delay'
         )
     back = np.flatnonzero(np.diff(drive.path) < 0.0)
-    if back.size:
+    if heavy and back.size:
         at = int(back[0]) + 1
         why = "it tells slips by falls of the spring's force, which the way back makes, too"
-        if not heavy:
-            why = "contacts wait in the order in which the slider breaks them ahead"
         hint = f"lies behind path[{at - 1}]; {solver} takes a drive that does not turn: {why}"
-        if not (heavy and contacts.stiffness == "linked"):
+        if contacts.stiffness != "linked":
             hint += "; use master.solve, which takes turns"
         refuse(f"path[{at}]", drive.path[at], hint)

@@ -18,11 +18,11 @@ def stiffness_of(x, supply):  # type: ignore[no-untyped-def]
 def form(s, queue, supply, ages):  # type: ignore[no-untyped-def]
     """Form one contact at the slider's present X."""
     x, r = take(supply)
+    r *= s.way
     k = stiffness_of(x, supply)
     s.n_holding += 1
     s.stiffness += k
     s.force += k * np.float64(r)
-    s.back = max(s.back, s.at - r - x)
     if ages.numbered:
         contact = add_contact(ages, x, s.at - r, s.now - s.age)
         add_break(queue, queue_position(ages.heat, ages, contact, s), contact)

@@ -16,13 +16,14 @@ from eq_model.coupled.queue_kernel import (
     WAITING,
     add_break,
     clear,
+    go_back_to,
     settle,
 )
 from eq_model.coupled.slider import F_BEFORE, X_BEFORE
 
 
 @bare
-def _new_windows(s, queue, ages):  # type: ignore[no-untyped-def]
+def new_windows(s, queue, ages):  # type: ignore[no-untyped-def]
     """Give all contacts that hold new windows, with heat."""
     clear(queue, s.at)
     s.back = NOWHERE
@@ -35,7 +36,7 @@ def _new_windows(s, queue, ages):  # type: ignore[no-untyped-def]
 def begin_with_heat(slider, queue, ages):  # type: ignore[no-untyped-def]
     """Give all contacts windows at the slider's X, which is not where they formed, and draw the first proposal."""
     draw_budget(ages.heat, slider[0])
-    _new_windows(slider[0], queue, ages)
+    new_windows(slider[0], queue, ages)
 
 
 @inlined
@@ -56,7 +57,7 @@ def _propose(s, queue, supply, ages, pull, ahead):  # type: ignore[no-untyped-de
         add_break(queue, lower(ages.heat, ages, contact, s), contact)
     # keys of contacts that have gone take room, too
     if queue.at[WAITING] + queue.at[BEYOND] + queue.at[END] - queue.at[NEXT] > 3 * pull.n:
-        _new_windows(s, queue, ages)
+        new_windows(s, queue, ages)
 
 
 @bare
@@ -66,12 +67,14 @@ def _go_back(s, queue, supply, ages, pull, ahead):  # type: ignore[no-untyped-de
     x = s.base + np.int64(np.rint(balance(s, pull, ahead, s.drive)))
     if x >= max(s.back, queue.at[BUCKET] << queue.shift):
         return False
+    if x >= s.back and go_back_to(queue, x):
+        return False
     move(s, min(max(x, s.back), s.at))
     for contact in range(ages.fresh.size):
         break_stretch = -np.int64(np.rint(threshold_of(ages, contact, s.now)))
         if ages.heat.level[contact] > 0 and s.at - ages.zero[contact] <= break_stretch:
             break_numbered(s, queue, supply, ages, pull, contact)
-    _new_windows(s, queue, ages)
+    new_windows(s, queue, ages)
     return True
 
 

@@ -25,8 +25,9 @@ BUCKET_SIZE = 16384  # keys of a bucket, on average, which fit a core's L2 cache
 WIDEST_BUCKET = 2.0**-5
 MOST_MOVED = 64  # keys of the open bucket that are moved to insert one: 0.5 KB, some 20 ns
 # In Queue.at: the next open key and their end; the number of the open bucket; how many breaks wait in the ring, and
-# beyond it; the bucket of the nearest of these; and the bucket at which the list of these is looked through next.
-NEXT, END, BUCKET, WAITING, BEYOND, NEAREST, LOOK = range(7)
+# beyond it; the bucket of the nearest of these; the bucket at which the list of these is looked through next; and the
+# farthest bucket of the ring that has been filled.
+NEXT, END, BUCKET, WAITING, BEYOND, NEAREST, LOOK, FARTHEST = range(8)
 NOTHING, BUCKET_END, BREAK = range(3)  # what the slider meets next; see `next_event`
 
 
@@ -44,7 +45,7 @@ class Queue(NamedTuple):
     counts: npt.NDArray[np.int64]  # of the 256 values of a digit, to sort them
     far: npt.NDArray[np.int64]  # positions of the breaks beyond the ring
     far_threshold: npt.NDArray[np.int64]
-    at: npt.NDArray[np.int64]  # (7,), see NEXT
+    at: npt.NDArray[np.int64]  # (8,), see NEXT
 
 
 def bucket_bits(
@@ -89,7 +90,7 @@ def make_queue(n: int, shift: int, bits: int) -> Queue:
         counts=np.empty(256, np.int64),
         far=np.empty(n, np.int64),
         far_threshold=np.empty(n, np.int64),
-        at=np.zeros(7, np.int64),
+        at=np.zeros(8, np.int64),
     )
 
 
@@ -103,6 +104,7 @@ def clear(queue, position):  # type: ignore[no-untyped-def]
     queue.at[:] = 0
     queue.at[BUCKET] = (position >> queue.shift) - 1
     queue.at[LOOK] = queue.at[BUCKET] + queue.many.size // 2
+    queue.at[FARTHEST] = queue.at[BUCKET]
 
 
 @inlined
@@ -148,16 +150,22 @@ def _key(queue, b, x):  # type: ignore[no-untyped-def]
 @inlined
 def _wait_in_ring(queue, b, x):  # type: ignore[no-untyped-def]
     """Append a break to the chain of its bucket."""
-    slot = unsigned((b >> queue.shift) & np.int64(queue.many.size - 1))
+    _append(queue, b >> queue.shift, _key(queue, b, x))
+
+
+@inlined
+def _append(queue, k, key):  # type: ignore[no-untyped-def]
+    slot = unsigned(k & np.int64(queue.many.size - 1))
     place = unsigned(queue.many[slot]) & unsigned(CHUNK - 1)
     if place == unsigned(0):
         chunk = queue.free[queue.free[0]]
         queue.free[0] -= 1
         queue.before[chunk] = queue.last[slot]
         queue.last[slot] = chunk
-    queue.keys[unsigned(queue.last[slot]), place] = _key(queue, b, x)
+    queue.keys[unsigned(queue.last[slot]), place] = key
     queue.many[slot] += 1
     queue.at[WAITING] += 1
+    queue.at[FARTHEST] = max(queue.at[FARTHEST], k)
 
 
 @bare
@@ -203,6 +211,19 @@ def _insert(queue, key):  # type: ignore[no-untyped-def]
 def settle(queue, position):  # type: ignore[no-untyped-def]
     """The slider stops at `position`: if it has passed buckets in which no break waits, that before its own is open."""
     queue.at[BUCKET] = max(queue.at[BUCKET], (position >> queue.shift) - 1)
+
+
+@bare
+def go_back_to(queue, position):  # type: ignore[no-untyped-def]
+    """Whether the bucket before that of a position behind the slider can be open, with no break in between; it is."""
+    bucket = (position >> queue.shift) - 1
+    if queue.at[FARTHEST] > bucket + queue.many.size:
+        return False
+    while queue.at[NEXT] < queue.at[END]:
+        _append(queue, queue.at[BUCKET], queue.open[queue.at[NEXT]])
+        queue.at[NEXT] += 1
+    queue.at[BUCKET] = bucket
+    return True
 
 
 @bare

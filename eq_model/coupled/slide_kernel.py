@@ -52,7 +52,8 @@ def _stick(s, pull, ages, ahead):  # type: ignore[no-untyped-def]
         load = load_at(time, s, pull)
         if load < ahead.needs:
             store_points(s, pull, ahead, load, time)
-            s.now, s.drive = time, max(s.drive, load)
+            if s.point < pull.path.size:  # else the drive may turn before
+                s.now, s.drive = time, max(s.drive, load)
             return HEAT
     if drive < ahead.needs:
         store_points(s, pull, ahead, drive, due)

@@ -14,13 +14,12 @@ DRIVE, BASE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS = range(7)  # in Pull.
 SLIDER = np.dtype(
     [
         ("at", np.int64),  # X at the last event
+        # 1, or -1 where it is mirrored, as the drive goes back (turns.py): X, X_T, F and stretches have the other sign
+        ("way", np.int64),
         ("base", np.int64),  # the position from which forces count X and X_T
         ("force", np.float64),  # F there
         ("stiffness", np.float64),  # of the contacts that hold
-        (
-            "back",
-            np.int64,
-        ),  # X at which the first contact would break, or a window end, if the slider moved back
+        ("back", np.int64),  # with heat: X at which a window would end if the slider moved back
         ("n_holding", np.int64),  # number of contacts that hold
         ("drive", np.float64),  # K (X_T - base) of the last break that began an avalanche
         ("out", np.int64),  # contacts that broke in this avalanche and have not re-formed
@@ -44,7 +43,7 @@ class Pull(NamedTuple):
 
     n: int
     spring: float  # K in <k>
-    path: Array  # X_T of the points
+    path: Array  # X_T of the points, up to where the drive turns
     time: Array  # times at which the drive reaches them
     clock: Array  # times between which the drive's speed is constant
     clock_drive: Array  # X_T at these times

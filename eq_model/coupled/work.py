@@ -6,6 +6,7 @@ from eq_model.engine import breaks_by_heat
 from eq_model.whole_drive import durations
 from origins import Contacts, Drive
 from origins.errors import refuse
+from origins.thresholds.law import Array
 
 # Breaks of one slider: 40 minutes at 25 ns each, of which nothing is kept if the run is stopped.
 MOST_BREAKS = 1e11
@@ -39,7 +40,8 @@ def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
     Under "instant" the slider slips once F has reached the static force F_s, and slides with the kinetic force F_k from
     then on: to X = X_T - F_k/K, with n breaks per mean threshold. Under the other rules a slip breaks up to n contacts,
     and comes after each <x_s> (1 + 1/K) of the drive at the latest. Contacts of one single threshold always break
-    together, so that F gets up to F_s again, and it is the same with them. A delay makes breaks rarer: then 0.
+    together, so that F gets up to F_s again, and it is the same with them. After a turn of the drive F first falls to
+    -F_k, or by a slip's force. A delay makes breaks rarer: then 0.
     Thresholds that grow count as if all were as large as the oldest at the end: the path is shorter beside them.
     """
     law, mean, spring = contacts.thresholds, contacts.mean_threshold, drive.spring or np.inf
@@ -51,19 +53,30 @@ def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
         ):  # nothing but `scale` bounds its rates, at which breaks are proposed
             by_heat = max(by_heat, rates.scale * lasts(drive))
         return n * by_heat * (by_heat > 1.0) + expected_breaks(cold, drive, n)
-    end = float(drive.path[-1]) / growth(contacts, drive)
+    ways = ways_of_legs(drive) / growth(contacts, drive)
+    turned = np.arange(ways.size) > 0
     if contacts.delay is not None:
         return 0.0
     low, high = law.support()
     if drive.slip != "instant" or low == high:
-        return n * max(end, 0.0) / (mean * (1.0 + 1.0 / spring))
+        loading = mean * (1.0 + 1.0 / spring)
+        return float(n * np.maximum(ways / loading - turned, 0.0).sum())
     # from relaxed contacts F = X - (the mean over all contacts of the stretch that their first breaks have released)
     x = np.linspace(0.0, 4.0 * mean, 4001)
     force = x - np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(law.cdf(x))))
     falls = np.flatnonzero(np.diff(force) < 0.0)
     kinetic = float(law.moment(2)) / (2.0 * mean)
     static = max(kinetic, force[falls[0]] if falls.size else 0.0)
-    return n * (end - kinetic / spring) / mean if end > static / spring else 0.0
+    slides = ways > (static + kinetic * turned) / spring
+    return float(n * (ways - (1 + turned) * kinetic / spring)[slides].sum() / mean)
+
+
+def ways_of_legs(drive: Drive) -> Array:
+    """How far the drive goes from turn to turn (lengths)."""
+    steps = np.diff(drive.path, prepend=0.0)
+    steps = steps[steps != 0.0]
+    begins = np.flatnonzero(np.diff(np.sign(steps), prepend=0.0))
+    return np.add.reduceat(np.abs(steps), begins) if steps.size else np.zeros(1)
 
 
 def growth(contacts: Contacts, drive: Drive) -> float:

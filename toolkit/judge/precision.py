@@ -24,7 +24,7 @@ from toolkit.judge.reference import (
     witness_of,
 )
 from toolkit.judge.rigid import on_rigid_slider
-from toolkit.judge.slips import REMARK, SLIDERS, alike, slips_so_far
+from toolkit.judge.slips import REMARK, SLIDERS, alike, check_one_way, slips_so_far
 from toolkit.processes.ranks import cores_of
 from toolkit.processes.signals import TooMuchWork, no_longer_than
 from toolkit.running.solvers import follow, make_ensemble, solve_master
@@ -210,6 +210,7 @@ def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[..., Answer]]
             found: Any = follow(make_ensemble(scene, asked, None, **small))
             error = found.force_standard_error + found.step_error
             return Answer(found.force, float(error.max()), found)
+        check_one_way(scene.drive)
         found = follow(make_ensemble(scene, asked, None, **small | {"n_replicas": SLIDERS}))
         slips = slips_so_far(found, scene.drive)
         scatter = found.force_standard_error[alike(slips, slips)]

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.drive import Drive
+from origins.errors import InputError
 
 SLIDERS = (
     4  # of the ensemble, each with contacts of its own: their scatter gives its standard error
@@ -16,6 +17,12 @@ REMARK = (
 )
 
 Counts = npt.NDArray[np.intp]
+
+
+def check_one_way(drive: Drive) -> None:
+    """InputError where the drive turns round: a place of it then does not tell when a slip begins."""
+    if (np.diff(drive.path) < 0.0).any():
+        raise InputError("drive: turns round; slips are counted along a drive that goes one way")
 
 
 def slips_so_far(found: Any, drive: Drive) -> Counts:

@@ -106,7 +106,11 @@ def slip_line(result: Result) -> str:
         count = solved.slips.drive.size if is_precise(solved) else "an unknown number"
         line += f", {count} of the master equation"
     each = [slip for slip in slips_beside(result)[:10] if slip["have"] > 1]
-    behind = [(slip["mean_drive"] - slip["drive"], slip["drive_error"]) for slip in each]
+    # behind on the drive's way, which goes back where the force that falls is below 0
+    behind = [
+        (np.sign(slip["drop"]) * (slip["mean_drive"] - slip["drive"]), slip["drive_error"])
+        for slip in each
+    ]
     if result.scale.length_unit == "m":
         late = [with_scatter(*one, "m", digits=2) for one in behind]
     else:

@@ -250,7 +250,7 @@ def main_slips(slips: Any) -> Any:
     kept = np.zeros(slips.drop.size, bool)
     for replica in np.unique(slips.replica):
         own = np.flatnonzero(slips.replica == replica)
-        drops = slips.drop[own]
+        drops = np.abs(slips.drop[own])
         late = drops[drops.size // 2 if drops.size > 2 else 0 :]
         kept[own] = drops >= SLIP_FRACTION * late.max()
     return _of(slips, kept)

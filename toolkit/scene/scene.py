@@ -251,8 +251,8 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
         if solved and far > 1e6 and scene.drive.spring is None:
             hint = f"goes as far as {far:.1g} mean thresholds of {contacts.mean_threshold:.3g}; is that its unit?"
             raise InputError(f"drive: {hint} 1e6 mean thresholds at most, or leave [eq] out")
-        if scene.drive.spring is not None and (np.diff(scene.path) < 0.0).any():
-            hint = "the ensemble [eq] of a soft slider takes a drive that does not turn back"
+        if scene.drive.mass is not None and (np.diff(scene.path) < 0.0).any():
+            hint = "the ensemble [eq] of a slider with mass takes a drive that does not turn back"
             raise InputError(f"drive.turns: {hint}")
         scene.histogram_points()
     return scene
