@@ -295,7 +295,7 @@ def test_compare_says_where_the_order_is_not_decided(capsys: Any) -> None:
     assert not any("time" in line for line in lines[:-2])
 
 
-@pytest.mark.slow  # quick: the test before, and K* of samples with its scatter in test_newtons.py
+@pytest.mark.slow  # quick: the test before, and errors of K* of samples in test_pictures.py
 def test_compare_counts_the_scatter_of_samples_where_the_order_is_not_decided(capsys: Any) -> None:
     """K* of samples scatters, and that of a wide Gaussian is far below."""
     one = np.random.default_rng(1).normal(1.0, 0.2, 40).tolist()

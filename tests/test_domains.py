@@ -157,6 +157,7 @@ def test_equal_barriers_at_both_ends_of_a_piece_count() -> None:
     assert found.mean() == pytest.approx(float(np.trapezoid(exact, dx=1e-5)), rel=2e-9)
 
 
+@pytest.mark.slow  # quick: shares and moments of the same law, above
 def test_what_it_means_for_sliding(island_law: origins.Thresholds) -> None:
     steady = master.steady_state(origins.Contacts(island_law), velocity=1.0)
     exact = counted(5, 4)

@@ -381,15 +381,22 @@ def test_a_wrong_unit_is_asked_for_by_its_key(capsys: Any) -> None:
     assert not any("stretches the spring" in line for line in said_first)
 
 
-def test_a_value_and_its_scatter_have_as_many_places(capsys: Any, monkeypatch: Any) -> None:
-    """Those that the scatter leaves: of samples in newtons, with prefixes, too."""
-    monkeypatch.setattr("toolkit.judge.describe.RESAMPLES", 3)
+def test_a_value_and_its_scatter_have_as_many_places() -> None:
+    """Those that the scatter leaves."""
     for value, error, told in (
         (6.637e6, 1.04e6, "6.6 ± 1.0 MN/m"),
         (12.34, 4.6, "12 ± 5 N/m"),
         (3.11e-3, 1.2e-4, "3.1 ± 0.1 mN/m"),
     ):
         assert with_scatter(value, error, "N/m") == told
+
+
+@pytest.mark.slow  # quick: the test before, and samples of a file
+def test_samples_in_newtons_have_the_places_that_their_scatter_leaves(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    """With prefixes, and heat in words."""
+    monkeypatch.setattr("toolkit.judge.describe.RESAMPLES", 3)
     law = {"kind": "from-samples", "f_s": [0.8, 0.9, 1.0, 1.1, 1.4], "unit": "nN", "stiffness": 5.0}
     stated = {"mean_stiffness": 5.0, "contact_density": 5e14, "pressure": 1e6}
     heat = {"law": "stiff", "temperature": {"kelvin": 300.0}, "attempt_frequency": 1e10}

@@ -214,8 +214,7 @@ def test_a_drive_in_time_is_drawn_against_time_and_its_holds_in_decades() -> Non
 
 
 def test_slips_are_drawn_where_they_are() -> None:
-    """On a coarse path each slip is a vertical fall at its own place: of the master equation and of each replica, and
-    on a drive that turns, too."""
+    """On a coarse path each slip is a vertical fall at its own place: of the master equation and of each replica."""
     eq = {"contacts": 500, "replicas": 2, "seed": 1}
     drive = {"to": 6.0, "points": 7, "spring": 1.0}
     found = toolkit.run(scene(GAUSSIAN, drive=drive, eq=eq))
@@ -223,6 +222,11 @@ def test_slips_are_drawn_where_they_are() -> None:
     falls(one, found.master.slips, slice(None))
     for number, line in enumerate(replicas):
         falls(line, found.eq.slips, found.eq.slips.replica == number)
+
+
+@pytest.mark.slow  # quick: the test before
+def test_slips_of_a_drive_that_turns_are_drawn_where_they_are() -> None:
+    """Up and down, each at its own place."""
     turning = {"turns": [4.0, -4.0], "points": 13, "spring": 1.0}
     found = toolkit.run(scene(GAUSSIAN, drive=turning))
     drops = found.master.slips.drop
@@ -461,26 +465,28 @@ def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:
     assert "force_before_slip" in result.sweep._ipython_key_completions_()
 
 
-def test_what_is_not_solved_is_not_drawn() -> None:
+@pytest.mark.parametrize(
+    "error", [*(pytest.param(one, marks=pytest.mark.slow) for one in (1e-9, 1e-2)), np.inf]
+)
+def test_what_is_not_solved_is_not_drawn(error: float) -> None:
     """An empty panel says why; beside the ensemble the legend says so, and nothing is compared."""
     result, beside = toolkit.run(scene()), toolkit.run(scene(eq=EQ))
-    for error in (1e-9, 1e-2, np.inf):
-        changes = {"success": error < 1e-8, "force_error": error, "message": "costs $ 5"}
-        master = dataclasses.replace(result.master, **changes)
-        axes = Figure().subplots(1, 2)
-        drawn(toolkit.plot(dataclasses.replace(result, master=master), axes))
-        assert [len(line.get_xdata()) for line in axes[0].lines] == [21] * (error < 1.0)
-        said = [text.get_text() for text in axes[0].texts]
-        assert said == ["the master equation is not solved:\ncosts $ 5"] * (error > 1.0)
-        other = dataclasses.replace(beside, master=dataclasses.replace(beside.master, **changes))
-        found = panels(drawn(draw_run(other, Figure())))
-        (curve,) = (one for one in found["F"].lines if "master" in one.get_label())
-        assert ("not solved" in curve.get_label()) == (error > 1.0)
-        assert bool(deviation(other).points.size) == (error < 1.0)
-        words = found["plot_deviation"].texts
-        assert len(words) == (error > 1.0)
-        place = found["plot_deviation"].get_window_extent()
-        assert all(place.x0 < one.get_window_extent().x0 for one in words)
+    changes = {"success": error < 1e-8, "force_error": error, "message": "costs $ 5"}
+    master = dataclasses.replace(result.master, **changes)
+    axes = Figure().subplots(1, 2)
+    drawn(toolkit.plot(dataclasses.replace(result, master=master), axes))
+    assert [len(line.get_xdata()) for line in axes[0].lines] == [21] * (error < 1.0)
+    said = [text.get_text() for text in axes[0].texts]
+    assert said == ["the master equation is not solved:\ncosts $ 5"] * (error > 1.0)
+    other = dataclasses.replace(beside, master=dataclasses.replace(beside.master, **changes))
+    found = panels(drawn(draw_run(other, Figure())))
+    (curve,) = (one for one in found["F"].lines if "master" in one.get_label())
+    assert ("not solved" in curve.get_label()) == (error > 1.0)
+    assert bool(deviation(other).points.size) == (error < 1.0)
+    words = found["plot_deviation"].texts
+    assert len(words) == (error > 1.0)
+    place = found["plot_deviation"].get_window_extent()
+    assert all(place.x0 < one.get_window_extent().x0 for one in words)
 
 
 def test_powers_of_ten_stand_in_the_label() -> None:

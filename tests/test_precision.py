@@ -81,6 +81,7 @@ def measured(capsys: Any, **tables: Any) -> Any:
     return read("mine-output/precision.json")
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_precision_of_a_law_on_a_path_that_turns_has_the_other_solver_as_witness(
     capsys: Any, monkeypatch: Any
 ) -> None:
@@ -126,6 +127,7 @@ def test_precision_of_a_surface_is_in_newtons(capsys: Any, monkeypatch: Any) -> 
     assert any(" in N, from " in note for note in newtons["notes"])
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_precision_tells_where_the_witness_contradicts_the_reference(
     capsys: Any, monkeypatch: Any
 ) -> None:
@@ -143,6 +145,7 @@ def test_precision_tells_where_the_witness_contradicts_the_reference(
     assert read("mine-output/precision.json")["witness"]["worst_deviation"] > 6.0
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_precision_leaves_the_papers_methods_out_where_they_would_take_hours(
     capsys: Any, monkeypatch: Any
 ) -> None:
@@ -152,6 +155,7 @@ def test_precision_leaves_the_papers_methods_out_where_they_would_take_hours(
     assert "a path of over 1000 mean thresholds" in "\n".join(found["notes"])
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_precision_of_a_spring_leaves_slips_out_and_shows_how_late_few_contacts_slip(
     capsys: Any, monkeypatch: Any
 ) -> None:
@@ -177,6 +181,7 @@ def errors_of(found: Any, method: str) -> list[float]:
     return [p["error"] or 0.0 for p in found["points"] if p["method"] == method]
 
 
+@pytest.mark.slow  # quick: the other solver as witness on a path that turns, above
 @pytest.mark.usefixtures("unrendered")
 def test_precision_of_a_slider_with_mass_has_both_solvers(capsys: Any, monkeypatch: Any) -> None:
     """Each is the other's road; where the master equation takes no mass, the largest ensemble is the reference."""
@@ -348,8 +353,8 @@ def test_the_front_of_a_method_its_slope_and_the_crossings() -> None:
     assert words[0] == "error falls: slow as time^-0.5" and "flat below 1e-01" in words[1]
 
 
-def test_cost_tells_what_a_scene_imports_and_leaves_out(capsys: Any) -> None:
-    """Each solver alone: the other room, its libraries and the laws are told as left out."""
+def test_cost_tells_what_a_scene_imports_and_leaves_out() -> None:
+    """Of one solver alone the other room, its libraries and the laws are told as left out."""
     law = {"thresholds": WIDE, "delay": {"time": 0.1}}
     found = cost(write(contacts=law, drive={"to": 2.0, "points": 21}))
     packages = {name for stage in found["stages"] for name in stage["packages"]}
@@ -359,6 +364,11 @@ def test_cost_tells_what_a_scene_imports_and_leaves_out(capsys: Any) -> None:
     assert found["no_solvers"] == ["[eq]"] and set(found["runs"]) == {"master"}
     assert {"numba", "matplotlib"} <= set(found["no_packages"])
     assert "delay" not in found["no_laws"] and {"thermal", "ageing"} <= set(found["no_laws"])
+
+
+@pytest.mark.slow  # quick: the test before
+def test_cost_of_the_ensemble_tells_what_it_leaves_out(capsys: Any) -> None:
+    """As lines of the command."""
     drawn = write(thresholds=WIDE, master=None, eq=EQ, drive={"to": 2.0, "points": 21})
     status, out, _ = said(capsys, "cost", drawn)
     left = next(line for line in out if line.startswith("left out "))

@@ -86,6 +86,7 @@ SPOKEN = ["scenes", "thresholds gaussian", "--help", "run small.toml", "run smal
 REFUSED = ["run nowhere.toml", "run small.toml --out small.toml/below", "run", "fly"]
 
 
+@pytest.mark.slow  # quick: bits on ranks, above, and points on ranks in test_points.py
 def test_one_rank_speaks_for_all(mpirun: Any) -> None:
     """Also of bad input, which is said once and leaves nothing behind; the run is that of one process."""
     together = mpirun(2, IN_TURN, " then ".join([*SPOKEN, *REFUSED]))
@@ -115,6 +116,7 @@ sys.exit(toolkit.command.main())
 """
 
 
+@pytest.mark.slow  # quick: a signal to one rank, in test_survives.py
 def test_bug_on_one_rank_ends_all(mpirun: Any) -> None:
     done = mpirun(2, PLANTED, "run", "small.toml")
     assert done.returncode == 1 and os.listdir() == ["small.toml"]
@@ -123,7 +125,14 @@ def test_bug_on_one_rank_ends_all(mpirun: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "broken", ["None", "type('Broken', (), {'__getattr__': lambda *_: open('libmpi.so.12')})()"]
+    "broken",
+    [
+        "None",
+        pytest.param(
+            "type('Broken', (), {'__getattr__': lambda *_: open('libmpi.so.12')})()",
+            marks=pytest.mark.slow,
+        ),
+    ],
 )
 def test_mpi_that_cannot_be_imported_is_one_line_in_total(broken: str, mpirun: Any) -> None:
     done = mpirun(2, f"import sys; sys.modules['mpi4py'] = {broken}; {SCRIPT}", "run", "small.toml")
@@ -192,6 +201,7 @@ class Counted:
         return (self.found.pop(0), None) if self.found else own
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_calls_and_bytes_are_as_documented(tmp_path: Path) -> None:
     """In docs/clusters.md; forty times the contacts take as many. A tolerance takes a meeting for each doubling."""
     told = []

@@ -699,6 +699,7 @@ def test_without_a_wall_time_what_is_known_after_two_minutes_of_work_is_the_answ
     assert not found["success"] and found["b"]["value"] > 0.0
 
 
+@pytest.mark.slow  # quick: a command that its time stops, above
 def test_an_answer_without_its_smaller_steps_is_no_success() -> None:
     """What is known after the first steps, without rests: no spring, and `success` is False."""
     contacts = Contacts(WIDE, delay=Delay(0.1))

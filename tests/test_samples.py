@@ -76,7 +76,7 @@ def test_mean_is_the_samples_in_any_unit(seeds: range) -> None:
         np.testing.assert_allclose(scaled.isf(q), 1e-90 * law.isf(q), rtol=1e-8)
 
 
-@pytest.mark.slow  # quick: errors beside the scatter of fresh samples, below
+@pytest.mark.slow  # quick: samples have a sampling error, in test_verdict.py
 def test_recovers_the_law_within_the_stated_errors() -> None:
     """The cdf in 95 % of 40 sets, the onset in 68 % and 95 %, less three times what chance takes off."""
     x = np.linspace(0.0, 3.0, 400)
@@ -162,6 +162,7 @@ def sampled(n: int, seed: int = 0) -> origins.Thresholds:
     return origins.from_samples(draws("weibull 2.5", n, seed))
 
 
+@pytest.mark.slow  # quick: samples have a sampling error, in test_verdict.py
 def test_errors_are_the_scatter_of_fresh_samples() -> None:
     """Of moments and of the density, which is a curve with its error at each point."""
     x = LAWS["weibull 2.5"].ppf([0.05, 0.5, 0.95])

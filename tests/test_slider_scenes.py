@@ -162,6 +162,7 @@ main(sys.argv[1:])
 """
 
 
+@pytest.mark.slow  # quick: killed in turn, and replicas after a signal, in test_survives.py
 def test_a_scene_with_mass_killed_midway_goes_on_to_the_same_bits(
     python: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:

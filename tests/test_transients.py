@@ -476,6 +476,17 @@ def test_swings_that_have_not_died_out_are_told_by_their_ends_and_are_no_error()
     assert " after 13 slips, still swinging between" in sentence(
         on_area(twice, few, machine, contacts)
     )
+
+
+@pytest.mark.slow  # quick: the test before
+def test_a_larger_damping_ends_the_swings() -> None:
+    """Of a slider that swings about the force of sliding."""
+    machine, contacts = Machine(1.8, 1e-4, 1e-3, 1.0), Contacts(WIDE, delay=Delay(5.6))
+    steady = master.steady_state(contacts, velocity=1.0)
+    known = rigid_slider(contacts, steady, master.propensity(contacts, 1e-3), 2e4)
+    swinging = follow(machine, contacts, "mass", known, 1e4).swings
+    assert swinging is not None
+    low, high = swinging
     still = follow(replace(machine, damping=0.5), contacts, "mass", known, 1e4)
     assert still.kind == "smooth" and (still.swings is None or np.ptp(still.swings) < high - low)
 

@@ -63,7 +63,7 @@ RENDERED = (
     "test_stick_slip_in_newtons",
     "test_smooth_on_a_stiff_spring",
     "test_few_contacts_slip_where_infinitely_many_slide",
-    "test_an_undamped_slider_that_rings_is_told_of_with_some_damping[0.1]",
+    "test_an_undamped_slider_that_rings_is_told_of_with_some_damping[1.0]",
     "test_a_page_is_written_of_what_is_known_where_f_s_is_too_late[exact]",
     "test_what_the_verdict_hangs_on_is_sorted_by_how_much_it_changes",
 )
@@ -339,8 +339,20 @@ def test_the_ensemble_takes_over_where_the_master_equation_does_not_end(
     assert rows["drop of a slip (mass)"].startswith(f"{drop:.2f}"[:3])
     assert rows["of it regained over a period (mass)"].startswith(f"{regained:.2f}"[:3])
     assert "rings after a slip" in page and "F_s of a rigid slider at " in page
-    # of a delay in which the drive goes on by 4 % of the period, and loads no spring, it is not told
-    _, page, _ = judged(capsys, contacts=contacts | {"delay": {"time": 30.0}}, drive=drive)
+
+
+@pytest.mark.slow  # quick: the test before
+def test_what_is_regained_over_a_long_delay_is_not_told(capsys: Any, monkeypatch: Any) -> None:
+    """The drive goes on by 4 % of the period in it, and loads no spring."""
+
+    def refused(*arguments: Any, **named: Any) -> None:
+        raise InputError("mass: not in time")
+
+    monkeypatch.setattr(master, "solve", refused)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 5000)
+    drive = {"spring": 1e-3, "mass": 1e-3, "damping": 1e-4}
+    wait = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}, "delay": {"time": 30.0}}
+    _, page, _ = judged(capsys, contacts=wait, drive=drive)
     assert "drop of a slip (mass)" in page and "of it regained" not in page
 
 
@@ -410,6 +422,13 @@ def test_few_contacts_that_re_form_at_once_bear_more_than_infinitely_many() -> N
     rising = late_force_of(replace(finite, rises=True), 1.0, scale)
     assert "which still rises" in rising and not finite.rises
     assert not late_force_of(finite, finite.late + 2.0 * finite.late_error, scale)
+
+
+@pytest.mark.slow  # quick: the test before
+def test_few_contacts_on_a_softer_spring_are_pulled_further() -> None:
+    """As they bear more."""
+    machine, contacts = Machine(1e-3, None, 0.0, 1.0), Contacts(stats.expon())
+    told = replace(infinite("smooth", 0), rule="instant", after=1.0)
     # softer ones are pulled further, as they bear more
     softer = follow_finite(replace(machine, spring=1e-4), contacts, 1000.0, told, 1.0, 60.0)
     way = np.linspace(1.3e4, 1.4e4, 21)
@@ -1035,6 +1054,7 @@ def test_many_barriers_have_their_own_quantiles() -> None:
     assert found.moment(2) == pytest.approx(np.mean(x_s**2), rel=2e-4)
 
 
+@pytest.mark.slow  # quick: two peaks, in the shipped scene of test_run.py
 def test_the_ensembles_slips_of_a_narrow_peak_between_those_of_all_are_no_slips() -> None:
     """Two contacts in five break together at 0.05, and the spring hardly shortens: the slips that are told are those of
     all contacts, with the master equation's force, and a period that the spring needs for it."""
