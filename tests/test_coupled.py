@@ -274,11 +274,15 @@ def largest(spring, size, replicas=16):
     return shares.mean(), shares.std(ddof=1) / np.sqrt(replicas)
 
 
-def test_above_the_critical_spring_the_largest_avalanche_vanishes():
+@pytest.mark.parametrize(
+    "sizes",
+    [(2_000, 16_000), pytest.param((2_000, 16_000, 128_000), marks=pytest.mark.slow)],
+)
+def test_above_the_critical_spring_the_largest_avalanche_vanishes(sizes):
     contacts = origins.Contacts(origins.gaussian(1.0, 0.2))
     critical = master.propensity(contacts).critical_spring
-    stiff = [largest(1.4 * critical, size) for size in (2_000, 16_000, 128_000)]
-    soft = [largest(0.7 * critical, size) for size in (2_000, 16_000, 128_000)]
+    stiff = [largest(1.4 * critical, size) for size in sizes]
+    soft = [largest(0.7 * critical, size) for size in sizes]
     for (few, error), (many, _) in pairwise(stiff):
         assert many < 0.5 * few and error < 0.2 * few
     for (few, _), (many, _) in pairwise(soft):

@@ -158,6 +158,7 @@ def test_creep_backward_is_that_forward() -> None:
     assert -back.force == pytest.approx(there.force, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_on_the_spring_of_a_machine_the_force_is_the_kinetic_one() -> None:
     """A million thresholds: F rises with the drive, and then as V/v = 1/(1 + e^-s), to F_k. On the way it is F_k at the
     speed of the slider, which is at X = X_T - F/K: so it creeps in its time. A path that ends on the way is told

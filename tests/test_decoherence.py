@@ -60,7 +60,7 @@ LATE = {
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[pytest.mark.slow] * (name == "exact value and width"))
+        pytest.param(name, marks=[pytest.mark.slow] * (name in ("exact value and width", "ageing")))
         for name in LATE
     ],
 )

@@ -141,7 +141,12 @@ FORWARD = np.concatenate([[0.0], 3.0 + 1e-9 * np.arange(5), np.linspace(3.1, 7.0
 
 @pytest.mark.parametrize(
     ("contacts", "path"),
-    [(Contacts(GAP, START), FORWARD), (ALL, TURNING), (AGED, TURNING), (STRONG, TURNING)],
+    [
+        (Contacts(GAP, START), FORWARD),
+        (ALL, TURNING),
+        pytest.param(AGED, TURNING, marks=pytest.mark.slow),
+        (STRONG, TURNING),
+    ],
     ids=["forward", "all", "aged", "strengthening"],
 )
 def test_bits_hang_on_no_threads_nor_histograms(contacts: Contacts, path: np.ndarray) -> None:

@@ -55,7 +55,15 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="module", params=CASES)
+# one or two of each family in the quick suite
+FEW = {"gw_elastic", "gw_gaussian mixed", "rectangular", "lubricated, diverging", "grains"}
+FEW |= {"grains, far beyond the film", "persson", "persson light", "gaussian", "chord", "unequal"}
+
+
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(name, marks=[pytest.mark.slow] * (name not in FEW)) for name in CASES],
+)
 def case(request: pytest.FixtureRequest) -> Reference:
     return CASES[request.param]()
 

@@ -355,7 +355,13 @@ def sound() -> master.Solution:
     return master.solve(LATE, np.linspace(0.0, 4.2, 9), 1e-3, spring=0.3, slip="reform-after")
 
 
-@pytest.mark.parametrize("name", PLANTED)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name in ("memory", "near slips", "steps")))
+        for name in PLANTED
+    ],
+)
 def test_the_largest_part_of_an_error_under_a_spring_is_named(
     monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:

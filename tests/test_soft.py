@@ -482,6 +482,7 @@ def test_wall_time_cuts_the_path(thermal, drive):
         assert found.position.size == found.path.size and found.regime.verdict == "undecided"
 
 
+@pytest.mark.slow
 def test_wall_time_ends_the_work_on_births_that_age(monkeypatch) -> None:
     """By a clock that counts how often it is looked at: the work ends at the next look."""
     ageing, looks = origins.Ageing(origins.gaussian(1.0, 0.05), 0.01), itertools.count()

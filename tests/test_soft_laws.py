@@ -560,6 +560,7 @@ def test_a_slip_above_the_critical_spring_of_the_drives_speed_is_told_on_a_path_
     assert 0.4 < told.regime.critical_spring < 0.5 and "turns" not in told.regime.reason
 
 
+@pytest.mark.slow
 def test_steps_longer_than_a_delay_claim_what_they_do_not_tell_of_a_slip() -> None:
     """While the drive moves by 5e-5, as long as broken contacts are out, the slider moves by some hundredth of a
     threshold towards the slip. Coarse steps agreed to 6e-4 on F after two slips, and were off by 5e-3."""

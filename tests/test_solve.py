@@ -180,7 +180,8 @@ def test_exponential_thresholds_forget_where_they_start() -> None:
     assert found.force == pytest.approx(1.0 + 44.0 * np.exp(-found.path), abs=1e-9)
 
 
-@pytest.mark.parametrize("width", [1e-3, pytest.param(1e-6, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("width", [1e-3, 1e-6])
+@pytest.mark.slow
 def test_narrow_rectangle_between_two_generations(width: float) -> None:
     """At X = n + 1/2 every contact has broken n times, and released n mean thresholds."""
     contacts = origins.Contacts(origins.rectangular(1.0, 1.0 + width))

@@ -169,7 +169,11 @@ TIMES = np.array([9.0, 9.5, 21.5, 400.0, 413.0, 413.4, 430.4, 630.0])
 
 
 @pytest.mark.parametrize(
-    ("age", "start", "delay"), [(0.0, 0.0, 0.0), (30.0, 0.2, 0.0), (0.0, 0.0, 5.0)]
+    ("age", "start", "delay"),
+    [
+        (30.0, 0.2, 0.0),
+        *(pytest.param(0.0, 0.0, delay, marks=pytest.mark.slow) for delay in (0.0, 5.0)),
+    ],
 )
 def test_a_path_that_turns_rests_and_changes_its_speed(age, start, delay):
     """The ensemble agrees with contacts that are followed one by one; those that do not age in rests do not."""
