@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import master
 import origins
@@ -9,7 +10,9 @@ from master.motion import drive_motion
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.refining import memory_of
 from master.soft.inertia.in_time.slider import HeavySlider
+from master.soft.inertia.in_time.steady_motion import Machine, SteadyMotion
 from master.soft.inertia.in_time.steady_sliding import sliding_of
+from master.steady.kinetic_table import tabulated
 from origins import Contacts, Drive, Thermal
 
 EYRING = Thermal("eyring", width=0.03, attempt_frequency=1e3)
@@ -35,6 +38,36 @@ def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(damping: float) -> N
         light = master.solve(WIDE, path, 1e-2, slip="instant", **machine)
         off = np.abs(heavy.force - light.force).max()
         assert off <= heavy.force_error + light.force_error
+
+
+@pytest.mark.parametrize(
+    ("machine", "speed"),
+    [
+        (Machine(0.011, 0.0, 6.1e-3, 1.7, 1.0, 2.2, np.inf), 0.09),
+        (Machine(3.0, 3.0, 1e-2, 5.0, 1.0, 2.2, np.inf), 0.2),
+        (Machine(1e-7, 0.1, 1e-3, 2.0, 1.0, 2.2, np.inf), 1.0),
+    ],
+)
+def test_inertia_is_left_out_only_where_it_is_small(machine: Machine, speed: float) -> None:
+    """The equations of sliding, in balance or not, beside the full one integrated by scipy, and their energies."""
+    table, u = tabulated(WIDE, np.log([1e-4, 1e6]), 1e-5), float(np.log(speed))
+    load = float(table.force(u)) + machine.damping * speed
+    begin, end = np.array([u, load, *np.zeros(5)]), 0.3 / machine.spring / machine.drive_speed
+    rows, at_end = SteadyMotion(machine, table, end).followed(begin, end, 1e3)
+    _, u, force, times, given, damped, on_contacts, _ = rows
+    assert at_end and times[-1] == pytest.approx(end)
+
+    def full(_: float, state: np.ndarray) -> list[float]:
+        at = float(np.exp(state[0]))
+        off = state[1] - machine.damping * at - float(table.force(state[0]))
+        return [off / (machine.mass * at), machine.spring * (machine.drive_speed - at)]
+
+    asked = {"method": "Radau", "rtol": 1e-9, "atol": 1e-10}
+    plain = solve_ivp(full, (0.0, times[-1]), begin[:2], t_eval=times, **asked)
+    np.testing.assert_allclose(force, plain.y[1], atol=1e-5)
+    kinetic = 0.5 * machine.mass * np.exp(2.0 * u)
+    rest = given - damped - on_contacts - 0.5 * force**2 / machine.spring - kinetic
+    np.testing.assert_allclose(rest, rest[0], atol=1e-5 + 1e-3 * kinetic.max())
 
 
 def test_contacts_stand_as_in_steady_sliding() -> None:

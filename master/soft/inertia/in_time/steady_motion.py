@@ -5,12 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from master.outcome import stop_after
+from master.outcome import FaultError, stop_after
 from master.steady.kinetic_table import KineticTable
 from origins.thresholds.law import Array
 
-# Ratios of M V^2 to L (dF_k/du + γ V) below which a slider is in balance, and above which its inertia matters.
-IN_BALANCE, INERTIAL = 0.5, 2.0
+# Force, in mean thresholds, that inertia may take of a slider that is followed in balance; and in times of it, that
+# below which a slider is followed so, and that above which it is not any more.
+LEFT_OUT, IN_BALANCE, INERTIAL = 1e-6, 0.5, 2.0
 # Change of the spring's force in a unit of the integrator's variable, in mean thresholds, as u changes by 1 at most;
 # fewest of these units; nodes in each.
 OF_FORCE, FEWEST, NODES = 0.1, 4.0, 16
@@ -39,6 +40,12 @@ class Machine(NamedTuple):
         """Change of F_k and damping by u = ln V (a length)."""
         return np.asarray(table.force(np.asarray(u), 1) + self.damping * np.exp(u))
 
+    def inertia(self, u: float, table: KineticTable) -> float:
+        """M V u' of a slider in balance (a length): u' is the spring's loading, K (v - V), over the stiffness."""
+        speed = float(np.exp(u))
+        loading = self.spring * (self.drive_speed - speed)
+        return self.mass * speed * loading / max(float(self.stiffness(u, table)), TINY)
+
 
 class SteadyMotion:
     """The equations of steady sliding over a variable in which the motion is smooth: on a unit of it u changes by 1, S
@@ -55,8 +62,8 @@ class SteadyMotion:
         """The variable and states, shape (8, n), from this one on until the time `end`, or until V changes by
         `most_change` on a life; and whether the end has come."""
         of, begun, rows = self._of, 0.0, list[Array]()
-        self._in_balance = self._ratio(state) < 1.0
-        # in balance the change at the begin was small enough
+        self._in_balance = self._left_out(state) < 1.0
+        # of a slider in balance the change at the begin was small enough
         most = max(most_change, 1.01 * self._change(state))
 
         def ends(_: float, state: Array) -> float:
@@ -71,9 +78,9 @@ class SteadyMotion:
 
         def switches(_: float, state: Array) -> float:
             return (
-                INERTIAL - self._ratio(state)
+                INERTIAL - self._left_out(state)
                 if self._in_balance
-                else self._ratio(state) - IN_BALANCE
+                else self._left_out(state) - IN_BALANCE
             )
 
         events = [ends, changes, leaves, switches]
@@ -82,9 +89,13 @@ class SteadyMotion:
         given = {"method": "Radau", "rtol": ACCURACY, "atol": ACCURACY * of.unit}
         while True:
             stop_after(of.until)
-            found = solve_ivp(
-                self._rates, (0.0, MOST_UNITS), state, events=events, dense_output=True, **given
-            )
+            # numerical slopes by the time and the energies, on which no rate depends, overflow and are 0
+            with np.errstate(over="ignore"):
+                found = solve_ivp(
+                    self._rates, (0.0, MOST_UNITS), state, events=events, dense_output=True, **given
+                )
+            if found.status != 1:
+                raise FaultError(f"steady sliding is not followed beyond {found.y[2, -1]:.6g}")
             at = np.linspace(0.0, found.t[-1], int(np.ceil(NODES * found.t[-1])) + 1)
             rows.append(np.vstack([begun + at, found.sol(at)])[:, bool(rows) :])
             state, begun = found.y[:, -1], begun + float(found.t[-1])
@@ -92,11 +103,15 @@ class SteadyMotion:
                 return np.concatenate(rows, axis=1), bool(found.t_events[0].size)
             self._in_balance = not self._in_balance
 
-    def _ratio(self, state: Array) -> float:
-        """M V^2 over L (dF_k/du + γ V)."""
-        of, u = self._of, state[0]
-        stiffness = of.life * float(of.stiffness(u, self._table))
-        return of.mass * float(np.exp(2.0 * u)) / max(stiffness, TINY)
+    def _left_out(self, state: Array) -> float:
+        """The force that the equations of balance leave out, in times of LEFT_OUT: inertia as the spring loads; and of
+        a slider that is not followed in balance, by how much it is off it."""
+        of, u, load = self._of, state[0], state[1]
+        force = abs(of.inertia(u, self._table))
+        if not self._in_balance:
+            off = load - of.damping * np.exp(u) - self._table.force(u)
+            force = max(force, float(abs(off)))
+        return force / (LEFT_OUT * of.unit)
 
     def _change(self, state: Array) -> float:
         """|d ln V| on a life."""

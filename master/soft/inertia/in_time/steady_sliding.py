@@ -6,8 +6,9 @@ and with u = ln V, S the spring's force along the motion and v the drive's speed
 
     M V u' = S - γ V - F_k(u),    S' = K (v - V).
 
-Where M V^2 is small beside what F_k and damping change by on a life, L (dF_k/du + γ V), the slider is in balance on any
-way on which they change, and the first equation becomes S = F_k(u) + γ V, (dF_k/du + γ V) u' = S'.
+Where M V u' is far below all that is asked for the slider is in balance, and the first equation becomes
+S = F_k(u) + γ V, (dF_k/du + γ V) u' = S'. Steps in balance lead to such sliding as they lead to creep without a mass,
+where M V^2 is small beside what F_k and damping change by on a life, L (dF_k/du + γ V).
 
 This goes on to the end of the path, or until V changes by CHANGE or more along L, the longest life: where a slip ends
 by turning round, say. There the contacts stand as in steady sliding at that speed, and steps go on.
@@ -28,7 +29,7 @@ from master.soft.in_time.creep import CREEP, Creep, may_creep
 from master.soft.in_time.decohered import longest_life
 from master.soft.in_time.steps import Node
 from master.soft.inertia.in_time.node import HeavyNode
-from master.soft.inertia.in_time.steady_motion import IN_BALANCE, Machine, SteadyMotion
+from master.soft.inertia.in_time.steady_motion import Machine, SteadyMotion
 from master.steady.kinetic_table import KineticTable, tabulated
 from master.steady.response import response
 from master.steady.steady import state_at
@@ -38,6 +39,8 @@ from origins.thresholds.law import Array
 # Largest change of ln V on a longest life with which F is F_k(V), on the coarsest steps; halved with them, so that what
 # it misses shows.
 CHANGE = 0.1
+# Ratio of M V^2 to L (dF_k/du + γ V) up to which steps in balance may end in sliding.
+LIGHT = 0.5
 # Least way that is worth it, in longest lives.
 WORTH = 20.0
 # Speeds at which the energy of steady contacts is summed, and stretches of each sum.
@@ -113,9 +116,13 @@ class SteadySliding(Creep):
         if excess(low) * excess(high) >= 0.0:
             return None
         u = float(brentq(excess, low, high))
+        load -= self._machine.inertia(u, table)
+        if excess(low) * excess(high) >= 0.0:
+            return None
+        u = float(brentq(excess, low, high))
         heavy = self._machine.mass * np.exp(
             2.0 * u
-        ) > IN_BALANCE * self._machine.life * self._machine.stiffness(u, table)
+        ) > LIGHT * self._machine.life * self._machine.stiffness(u, table)
         if heavy or not self._stable(u):
             return None
         error = max(steady.offset.at_step_0(self._offset_of_longer_steps), steady.lag)
@@ -147,9 +154,10 @@ class SteadySliding(Creep):
         error = np.abs(off).max() + lag
         if error > CREEP.lag * self._tolerance or rise * self._machine.life > most_change:
             return None
-        return (
-            Begin(float(u[-1]), table, error) if inertia > self._machine.life * stiffness else None
-        )
+        if inertia <= self._machine.life * stiffness:
+            return None
+        # in half a swing that is not damped a force moves the spring's by twice of it
+        return Begin(float(u[-1]), table, 2.0 * error)
 
     def _load(self, node: HeavyNode) -> float:
         """The spring's force (a length)."""
