@@ -38,14 +38,16 @@ RENDERED = (
     "test_no_spring_is_stiff_enough_where_an_island_turns",
 )
 
-# scenes of a second or more; shorter witnesses are in test_agreement.py, and of velocity steps in test_rate_state.py
+# scenes of some seconds; shorter witnesses are in test_agreement.py, test_samples.py and test_rate_state.py
 LONG = {
     "ageing",
+    "ageing-speeds",
     "ageing-springs",
     "growing-grains",
     "rate-state",
     "rate-state-weakening",
     "rotated-domains",
+    "samples",
 }
 
 pytestmark = pytest.mark.usefixtures("in_a_folder")

@@ -1318,6 +1318,7 @@ def test_with_a_delay_no_contact_is_said_to_re_form_at_once(capsys: Any) -> None
     assert "at once" not in page and "instant" not in page
 
 
+@pytest.mark.slow  # quick: the friction of contacts that do not wait, in test_verdict_mass.py
 def test_a_short_delay_is_told_beside_contacts_without_one(capsys: Any, monkeypatch: Any) -> None:
     """A slider without mass slips in no time, beside which every delay is long; one of a delay far below a slip's own
     <x_s>/V, and so short that sliding is stable, acts as if contacts had none, which the page has, too."""
@@ -1877,27 +1878,30 @@ def test_a_delay_that_outlasts_sliding_over_a_threshold_is_followed_with_the_mas
         assert value == pytest.approx(own.slips.mean(name, 3)[0], abs=0.05)
 
 
+@pytest.mark.parametrize(
+    "kind",
+    ["stick-slip", *(pytest.param(one, marks=pytest.mark.slow) for one in ("smooth", "undecided"))],
+)
 def test_that_no_delay_matters_is_told_only_where_a_long_one_was_followed(
-    capsys: Any, monkeypatch: Any
+    capsys: Any, monkeypatch: Any, kind: str
 ) -> None:
     """Where contacts that re-form after a slip slide, a delay far above a slip and <x_s>/v is followed, too."""
     contacts, asked = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.3}}, list[float]()
     drive = {"spring": 1.0, "mass": 1e-2, "damping": 0.1}
-    for kind in ("stick-slip", "smooth", "undecided"):
-        late = replace(infinite(kind, 0), rule="mass")
+    late = replace(infinite(kind, 0), rule="mass")
 
-        def followed(*given: Any, late: Behaviour = late) -> Behaviour:
-            asked.append(given[4] if len(given) > 4 else 0.0)
-            return late if asked[-1] else infinite("smooth", 0)
+    def followed(*given: Any) -> Behaviour:
+        asked.append(given[4] if len(given) > 4 else 0.0)
+        return late if asked[-1] else infinite("smooth", 0)
 
-        monkeypatch.setattr("toolkit.verdict.with_mass.follow_other_delay", followed)
-        _, text, _ = judged(capsys, contacts=contacts, drive=drive)
-        turns = "contacts that form again only after 3 units of time would make it stick-slip"
-        assert (turns in text) is (kind == "stick-slip")
-        same = "the contacts' delay: with one of 3 units of time it is smooth, too" in text
-        assert same is (kind == "smooth")
-        assert ("the contacts' delay: none is given" in text) is (kind != "smooth")
-    assert asked == [0.0, pytest.approx(3.0, rel=1e-3)] * 3
+    monkeypatch.setattr("toolkit.verdict.with_mass.follow_other_delay", followed)
+    _, text, _ = judged(capsys, contacts=contacts, drive=drive)
+    turns = "contacts that form again only after 3 units of time would make it stick-slip"
+    assert (turns in text) is (kind == "stick-slip")
+    same = "the contacts' delay: with one of 3 units of time it is smooth, too" in text
+    assert same is (kind == "smooth")
+    assert ("the contacts' delay: none is given" in text) is (kind != "smooth")
+    assert asked == [0.0, pytest.approx(3.0, rel=1e-3)]
 
 
 @pytest.mark.parametrize("part", [0.0, 0.11, 0.999, 1.0, 1.001, 1.12, 5.0])
