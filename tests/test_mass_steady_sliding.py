@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import simpson, solve_ivp
 
 import master
 import origins
@@ -30,6 +30,9 @@ def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(damping: float) -> N
     assert heavy.force[-1] == pytest.approx(steady + 100.0 * damping, abs=1e-6)
     assert heavy.contact_force[-1] == pytest.approx(steady, abs=1e-6)
     assert heavy.velocity[-1] == pytest.approx(100.0)
+    x = np.linspace(0.0, 2.2, 2001)
+    at_x = master.steady_state(WIDE, velocity=100.0).distribution(x)
+    assert heavy.energy.contacts[-1] == pytest.approx(simpson(0.5 * x**2 * at_x, x=x), rel=1e-3)
     energy = heavy.energy
     stored = energy.spring + energy.contacts + energy.kinetic
     rest = energy.drive - stored - energy.damped - energy.released

@@ -20,6 +20,7 @@ from toolkit.judge.files import comparison_rows, precision_rows, save_judgement
 from toolkit.judge.frontier import draw_picture as draw_precision
 from toolkit.pictures.thresholds import save_thresholds_picture as draw_law
 from toolkit.processes.ranks import on_root
+from toolkit.processes.signals import finishing
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.records import sample_curve
@@ -57,8 +58,7 @@ ON_ONE_RANK = (
 
 
 def scenes(arguments: argparse.Namespace) -> int:
-    """Print names and titles in columns, 100 characters wide, with the numbers of the paper's figures; long titles are
-    wrapped."""
+    """Print names, titles and numbers of the paper's figures, on lines of 100 characters; long titles are wrapped."""
     width = max(map(len, shipped_scenes())) + 2
     for name in shipped_scenes():
         title = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))["title"]
@@ -168,8 +168,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
 
 
 def compare(arguments: argparse.Namespace, comm: Any) -> int:
-    """Propensity of each scene to stick-slip, as a printed table and a picture; returns 1 where a solver missed its
-    tolerance."""
+    """Propensity of each scene to stick-slip, as table and picture; returns 1 where a solver missed its tolerance."""
     from toolkit.judge.lines import table
 
     scenes, began = dict[str, Any](), time.monotonic()
@@ -206,10 +205,11 @@ def verdict(arguments: argparse.Namespace) -> int:
     check_folder(folder)  # before the work, not after it
     with closing(Progress("verdict")) as bar:
         found = judged(scene, bar.doing, keep=True)
-    lines, draw = page(found), partial(draw_verdict, found)
-    tables = lines, plain(found), friction(found)
-    save_judgement(folder, "verdict", draw, *tables, formats, table="friction")
-    print("\n".join([*lines, f"written to {folder}"]))
+    with finishing(f"the answer is written to {folder}", at_once=found.stopped is not None):
+        lines, draw = page(found), partial(draw_verdict, found)
+        tables = lines, plain(found), friction(found)
+        save_judgement(folder, "verdict", draw, *tables, formats, table="friction")
+        print("\n".join([*lines, f"written to {folder}"]))
     if found.stopped is not None:
         found.stopped.add_note(f"what was known by then is written to {folder}")
         raise found.stopped

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from types import FrameType
 from typing import Any, NamedTuple, NoReturn
 
@@ -188,6 +188,19 @@ def deferred() -> Iterator[Deferred]:
         yield asked
     if asked.signal is not None:
         signal.raise_signal(asked.signal)  # it came after the last block
+
+
+@contextmanager
+def finishing(note: str, at_once: bool) -> Iterator[None]:
+    """SIGINT, SIGTERM and SIGHUP wait for the end of the block, and their exception says `note`; not if they are to end
+    it `at_once`."""
+    try:
+        with nullcontext() if at_once else deferred():
+            yield
+    except (KeyboardInterrupt, Terminated) as stop:
+        if not at_once:
+            stop.add_note(note)
+        raise
 
 
 @contextmanager

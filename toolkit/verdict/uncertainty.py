@@ -117,6 +117,8 @@ def other_samples(verdict: Verdict) -> list[str]:
     if drawn := sum(part.n_samples for part in sampled_parts(law)):
         if verdict.own.kinetic.sampling:
             return [f"other samples: one standard error, by resampling the {drawn:,} thresholds"]
+        if verdict.stopped is not None:
+            return [f"other samples: interrupted before the {drawn:,} thresholds were resampled"]
         return [f"other samples: no time was left to resample the {drawn:,} thresholds; {LONGER}"]
     if isinstance(law.interface, Interface):
         return ["other samples: one surface is one sample (n = 1), which tells nothing of others"]

@@ -75,7 +75,7 @@ def sliders(
 ) -> Any:
     """The ensemble's result for sliders of so many contacts each, or of FEW times the power of 2 that a pilot of FEW
     says can be followed within so many seconds, without those in which the kernels and the tables of draws are made;
-    of fewer where these take longer than that says.
+    of a sixteenth of these, or of that, where they take longer than that says.
     Raises InputError where these are no more than those of the pilot, unless `few_will_do`, and for a slider that the
     ensemble does not take."""
     import eq_model
@@ -114,7 +114,7 @@ def sliders(
     while found is None and tried >= min(number, FEW):
         # the last of the time is for fewer, where all of them take longer than is expected, as on a slow machine
         limit = left - (time.monotonic() - began)
-        part = FIRST if tried > FEW else 1.0
+        part = FIRST if tried >= FEWER * FEW else 1.0
         found = _within(eq_model.Ensemble(contacts, path, n_contacts=tried, **asked), part * limit)
         tried //= FEWER
     if found is None and not (few_will_do and pilot):

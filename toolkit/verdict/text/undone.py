@@ -175,7 +175,7 @@ def _not_solved(verdict: Verdict) -> str:
 def _force_error(verdict: Verdict, one: Behaviour) -> float:
     """The error of a behaviour's forces (a length) without that of its period, which `Behaviour.error` covers, too."""
     error, many = one.error * verdict.own.contacts.mean_threshold, one.sliders
-    if many is None or not many.period or not np.isfinite(many.error):
+    if one.kind != "stick-slip" or many is None or not many.period or many.error == np.inf:
         return error
     return error - many.error + many.force_error
 

@@ -30,8 +30,7 @@ from master.soft.in_time.decohered import longest_life
 from master.soft.in_time.steps import Node
 from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.steady_motion import Machine, SteadyMotion
-from master.steady.kinetic_table import KineticTable, tabulated
-from master.steady.response import response
+from master.steady.kinetic_table import KineticTable
 from master.steady.steady import state_at
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
@@ -96,10 +95,7 @@ class SteadySliding(Creep):
         left = max(self._speed, speed) * float(self._motion.times[-1] - last.time)
         if left < WORTH * self._machine.life:
             return None
-        heavy = self._machine.mass * speed**2 > self._machine.life * self._machine.damping * speed
-        begin = self._inertial(way, distance, CHANGE * 0.5**halvings) if heavy else None
-        if begin is None:
-            begin = self._in_balance(way, distance)
+        begin = self._in_balance(way, distance)
         return None if begin is None else self._slid(last, begin, CHANGE * 0.5**halvings)
 
     def _in_balance(self, way: list[HeavyNode], distance: float) -> Begin | None:
@@ -129,56 +125,10 @@ class SteadySliding(Creep):
         self._offset_of_longer_steps = steady.offset
         return Begin(u, table, float(error + steady.offset.variation))
 
-    def _inertial(self, way: list[HeavyNode], distance: float, most_change: float) -> Begin | None:
-        """The begin of sliding on which inertia matters: along the last part of the way F was F_k(V) to within a part
-        of the tolerance, and V changed by little on a life. None where this is not so."""
-        last, sign = way[-1], self._sign
-        late = [n for n in way if sign * (last.position - n.position) <= CREEP.last_part * distance]
-        speeds = sign * np.array([node.speed for node in late])
-        if len(late) <= CREEP.fewest_steps or speeds.min() <= 0.0:
-            return None
-        u, load = np.log(speeds), self._load(last)
-        # the speed to which the spring may bring the mass
-        most = np.hypot(speeds.max(), load / (self._machine.mass * self._spring) ** 0.5)
-        table = self._table_of(np.append(u, np.log([self._speed, most])))
-        if table is None:
-            return None
-        force = sign * np.array([node.force for node in late])
-        off = force - table.force(u)
-        stiffness, inertia = (
-            self._machine.stiffness(u[-1], table),
-            self._machine.mass * speeds[-1] ** 2,
-        )
-        rise = abs(load - force[-1] - self._machine.damping * speeds[-1]) / inertia
-        lag = self._lag_coefficient(u[-1]) * rise
-        error = np.abs(off).max() + lag
-        if error > CREEP.lag * self._tolerance or rise * self._machine.life > most_change:
-            return None
-        if inertia <= self._machine.life * stiffness:
-            return None
-        # in half a swing that is not damped a force moves the spring's by twice of it
-        return Begin(float(u[-1]), table, 2.0 * error)
-
     def _load(self, node: HeavyNode) -> float:
         """The spring's force (a length)."""
         drive = float(self._motion.at(np.array(node.time)))
         return self._sign * self._spring * (drive - node.position)
-
-    def _lag_coefficient(self, u: float) -> float:
-        """By how much F lags behind F_k(V) for each d ln V/dX (length squared), as in Creep."""
-        wave = CREEP.wave_number / self._unit
-        answer = complex(response(self._contacts, float(np.exp(u)), np.array([wave]))[0])
-        return float(abs(answer.real) / wave**2)
-
-    def _table_of(self, needed: Array) -> KineticTable | None:
-        """A table with these ln V; None where F_k is not smooth there."""
-        table, ends = self._table, np.array([needed.min(), needed.max()])
-        if table is None or not (table.ends[0] <= ends[0] and ends[1] <= table.ends[1]):
-            wider = ends + np.log(CREEP.speed_ranges[0]) * np.array([-1.0, 1.0])
-            error = CREEP.table_error * self._tolerance
-            table = tabulated(self._contacts, wider, error, self._until)
-            self._table = table or self._table
-        return table
 
     def _slid(self, last: HeavyNode, begin: Begin, most_change: float) -> Slid:
         """The solution from the last node on."""
@@ -211,7 +161,8 @@ class SteadySliding(Creep):
 def sliding_of(
     contacts: Contacts, drive: Drive, motion: Motion | None, tolerance: float, until: float
 ) -> SteadySliding | None:
-    """Steady sliding of these contacts, None where it is not known; until : as in `creep_of`."""
-    if motion is None or not may_creep(contacts, motion):
+    """Steady sliding of these contacts in heat, None where it is not known; until : as in `creep_of`."""
+    # beside thresholds that grow nothing is held against another road
+    if motion is None or contacts.growing is not None or not may_creep(contacts, motion):
         return None
     return SteadySliding(contacts, drive, motion, tolerance, until)
