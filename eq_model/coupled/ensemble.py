@@ -60,7 +60,8 @@ class Replicas:
         far = int(np.argmax(np.abs(drive.path)))
         if abs(drive.path[far]) > LARGEST * self._unit:
             hint = f"must be below {LARGEST * self._unit:.3g}; positions are whole multiples of {self._unit:.3g}"
-            refuse(f"path[{far}]", drive.path[far], hint)
+            last = far == drive.path.size - 1
+            refuse("path[-1]" if last else f"path[{far}]", drive.path[far], hint)
         self._most = check_work(contacts, drive, n)
 
     def fields(self, state: State) -> dict[str, Any]:
