@@ -144,7 +144,7 @@ def test_the_verdict_on_a_structure(page: str, capsys: Any) -> None:
     status, out, _ = said(capsys, "verdict", "flake.toml")
     (told,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
     first, slips, smooth = told.splitlines()
-    assert status == 0 and first in out
+    assert status == 0 and first in out, "\n".join(out)
     assert any("other samples would change F_k by ± " in line for line in out)
     read = json.loads(Path("flake-output/verdict.json").read_text(encoding="utf-8"))["readings"]
     each = {one["rule"]: one for one in read[0]["behaviours"]}

@@ -31,10 +31,10 @@ INTERRUPTED = "interrupted before it was followed"
 NO_FORCES = (
     f"F_s and K* were not found in time, and without them no slider is followed: {MORE_TIME}"
 )
-# most breaks of all sliders, some 10 s of a slow processor, at 100 ns each; where contacts wait while a mass moves, as
-# it rings on them when it sticks, some 8 s of the processor at 200 ns each; where they break by heat, some 10 s at
-# 800 ns each; and s for them
-MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT, OF_MOST = 1e8, 4e7, 1.2e7, 10.0
+# most breaks of all sliders, some 10 s at 25 ns each; where contacts wait while a mass moves, as it rings on them when
+# it sticks, some 8 s of the processor at 200 ns each; where they break by heat, some 10 s at 800 ns each;
+# and s for them
+MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT, OF_MOST = 4e8, 4e7, 1.2e7, 10.0
 # breaks of each contact along a loading with which a few, that wait for less than a slip of the mass, are followed
 # where nothing else decides: four sliders of a thousand along 6.5 loadings take 4e8, some 50 s of the processor
 MOST_LIVES = 1.5e4

@@ -169,16 +169,17 @@ def follow_by_contacts(
     loading: float,
     until: float,
     rigid: RigidSlider,
+    most: int = MOST_CONTACTS,
 ) -> Behaviour:
-    """Sliders by the ensemble of as many contacts as there are, or fewer where there is no time for all; `loading`: way
-    of the drive up to the static force, `until`: s of the monotonic clock.
+    """Sliders by the ensemble of as many contacts as there are, or fewer, `most` or where there is no time for all;
+    `loading`: way of the drive up to the static force, `until`: s of the monotonic clock.
 
     Fewer slip earlier, by some N^(-2/3): the forces before a slip of two numbers tell by how much.
     """
     length = LOADINGS * loading
     points = np.linspace(0.0, length, machine.points(length))
     path = contacts.start.mean() / machine.spring + points
-    asked = min(round(rigid.contacts), MOST_CONTACTS) if rigid.contacts else CONTACTS
+    asked = min(round(rigid.contacts), most) if rigid.contacts else CONTACTS
     try:
         found = sliders(
             machine, contacts, rule, path, asked, max(until - time.monotonic(), SHORT), True

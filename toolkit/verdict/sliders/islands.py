@@ -16,6 +16,8 @@ from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
 
 # barriers in a bin of the law of these, and most bins: more change F by less than the sampling of 20,000 barriers does
 IN_A_BIN, MOST_BINS = 20, 1000
+# most contacts of each slider, which take a second or two; those of the area are followed after that, if in time
+MOST_CONTACTS = 64_000
 # most different barriers, as of listed angles, that are exact values
 FEW = 100
 
@@ -60,4 +62,5 @@ def follow_islands(
     if barriers is contacts or contacts.held_in_time or rule not in ("reset", "reform-after"):
         return follow(machine, contacts, rule, rigid, wall_time, rings, in_time)
     loading = loading_of(machine, contacts, rigid.static)
-    return follow_by_contacts(machine, barriers, rule, loading, time.monotonic() + wall_time, rigid)
+    until = time.monotonic() + wall_time
+    return follow_by_contacts(machine, barriers, rule, loading, until, rigid, MOST_CONTACTS)
