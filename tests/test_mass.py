@@ -85,12 +85,13 @@ def test_holds_and_changes_of_speed():
         assert np.abs(slips_of(found) - plain.slips).max() < 1e-6 and len(plain.slips) > 0
 
 
-def test_a_plain_integrator_agrees_to_its_own_error():
+@pytest.mark.parametrize("number", [300, pytest.param(1000, marks=pytest.mark.slow)])
+def test_a_plain_integrator_agrees_to_its_own_error(number):
     path, contacts = np.linspace(3.7, 4.1, 9), CONTACTS["narrow"]  # the first slip
     drive = origins.Drive(path, spring=0.3, mass=0.01, damping=0.05)
-    found = pulled(contacts, path, damping=0.05, n=300)
+    found = pulled(contacts, path, damping=0.05, n=number)
     coarse, fine = (
-        PlainSlider(contacts, drive, 300, 3).integrate(tolerance) for tolerance in (1e-4, 1e-8)
+        PlainSlider(contacts, drive, number, 3).integrate(tolerance) for tolerance in (1e-4, 1e-8)
     )
     own = np.abs(coarse - fine).max()
     assert 1e-7 < own < 1e-2 and found.position[-1] > 2.0

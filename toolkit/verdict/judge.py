@@ -72,9 +72,9 @@ def verdict(
 ) -> Verdict:
     """Whether the scene's interface sticks and slips on its machine, for each reading and each slip rule.
 
-    `progress` is called with a word on what begins. `keep`: an interrupt is not raised once something is known, which
-    is given with it, see `Verdict.stopped`. Raises InputError for a scene without an answer under its own reading, for
-    a drive that turns or keeps times, and for unknown readings or rules.
+    `progress` is called with a word on what begins. `keep`: an interrupt ends the work; once F_k is known it is not
+    raised, and the verdict holds it as `stopped`. Raises InputError for a scene without an answer under its own
+    reading, for a drive that turns or keeps times, and for unknown readings or rules.
     """
     began = time.monotonic()
     table = scene.drive_table or DriveTable()

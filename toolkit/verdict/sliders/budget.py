@@ -51,8 +51,8 @@ _MOST_EXPECTED = 4.0
 
 
 class Stops:
-    """What ends a part of the work before it is done: the end of its time, and an interrupt, which is `kept` for later
-    where what is known by then is wanted: `by`, None until it comes. A second one ends all."""
+    """Lets a block of work end early: at the end of its time, and, if interrupts are `kept`, at the first of these. It
+    is then held as `by`, which is None until it comes, so that what is known can be told. A second one is raised."""
 
     def __init__(self, kept: bool = False) -> None:
         """Nothing has come yet."""

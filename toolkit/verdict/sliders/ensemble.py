@@ -74,10 +74,10 @@ def sliders(
     few_will_do: bool = False,
 ) -> Any:
     """The ensemble's result for sliders of so many contacts each, or of FEW times the power of 2 that a pilot of FEW
-    says can be followed within so many seconds, without those in which the kernels and the tables of draws are made;
-    of a sixteenth of these, or of that, where they take longer than that says.
-    Raises InputError where these are no more than those of the pilot, unless `few_will_do`, and for a slider that the
-    ensemble does not take."""
+    says can be followed within so many seconds, without those in which the kernels and the tables of draws are made.
+    Where these take longer all the same, FEWER times fewer are followed, and so on down to FEW.
+    Raises InputError where the pilot says that no more than its own can be followed in time, unless `few_will_do`, and
+    for a slider that the ensemble does not take."""
     import eq_model
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}

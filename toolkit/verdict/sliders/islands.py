@@ -16,8 +16,9 @@ from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
 
 # barriers in a bin of the law of these, and most bins: more change F by less than the sampling of 20,000 barriers does
 IN_A_BIN, MOST_BINS = 20, 1000
-# most contacts of each slider, which take a second or two; those of the area are followed after that, if in time
-MOST_CONTACTS = 64_000
+# contacts of each slider that are followed first, in a second or two; all of the area's are followed after these, in
+# the time that is left
+FIRST_CONTACTS = 64_000
 # most different barriers, as of listed angles, that are exact values
 FEW = 100
 
@@ -63,4 +64,4 @@ def follow_islands(
         return follow(machine, contacts, rule, rigid, wall_time, rings, in_time)
     loading = loading_of(machine, contacts, rigid.static)
     until = time.monotonic() + wall_time
-    return follow_by_contacts(machine, barriers, rule, loading, until, rigid, MOST_CONTACTS)
+    return follow_by_contacts(machine, barriers, rule, loading, until, rigid, FIRST_CONTACTS)

@@ -234,7 +234,8 @@ def _of_few_atoms(own: Answer) -> str:
         or thermal.law == "eyring"
     ):
         return ""
-    return ', as one barrier holds each contact; few atoms that give way at a time (law = "eyring") may change it more'
+    few = 'with barriers of a few atoms (law = "eyring") it may change F_k more'
+    return f", where each contact has one barrier; {few}"
 
 
 def _left_out(verdict: Verdict) -> list[tuple[str, str]]:

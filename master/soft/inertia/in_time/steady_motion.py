@@ -52,11 +52,12 @@ class SteadyMotion:
     by OF_FORCE of a mean threshold, and the time by a FEWEST-th of all, at most.
 
     A state is u, S, the time, the energies that the drive gave and damping and contacts took, and the travel.
+    `swings`: whether inertia mattered anywhere.
     """
 
     def __init__(self, machine: Machine, table: KineticTable, duration: float) -> None:
         self._of, self._table, self._of_time = machine, table, FEWEST / duration
-        self._in_balance = False
+        self._in_balance = self.swings = False
 
     def followed(self, state: Array, end: float, most_change: float) -> tuple[Array, bool]:
         """The variable and states, shape (8, n), from this one on until the time `end`, or until V changes by
@@ -88,6 +89,7 @@ class SteadyMotion:
             event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
         given = {"method": "Radau", "rtol": ACCURACY, "atol": ACCURACY * of.unit}
         while True:
+            self.swings |= not self._in_balance
             stop_after(of.until)
             # numerical slopes by the time and the energies, on which no rate depends, overflow and are 0
             with np.errstate(over="ignore"):

@@ -10,12 +10,12 @@ Where M V u' is far below all that is asked for the slider is in balance, and th
 S = F_k(u) + γ V, (dF_k/du + γ V) u' = S'. Steps in balance lead to such sliding as they lead to creep without a mass,
 where M V^2 is small beside what F_k and damping change by on a life, L (dF_k/du + γ V).
 
-This goes on to the end of the path, or until V changes by CHANGE or more along L, the longest life: where a slip ends
-by turning round, say. There the contacts stand as in steady sliding at that speed, and steps go on.
+Sliding begins in balance. It goes on to the end of the path, or until V changes by CHANGE or more along L, the longest
+life of a contact. There the contacts stand as in steady sliding at that speed, and steps go on.
 
 The error of F is what it is off F_k(V) by as steps end, and by the lag of first order in the change of V
-(master/soft/in_time/creep.py, whose search for steady creep this is). All of it counts as an error of the spring's
-force, too, which is less.
+(master/soft/in_time/creep.py, whose search for steady creep this is). The spring's force is off by no more in balance;
+with inertia by twice as much, as in half a swing that is not damped.
 """
 
 from typing import NamedTuple
@@ -146,7 +146,7 @@ class SteadySliding(Creep):
         nodes = [HeavyNode(*row) for row in np.stack(columns, axis=1).tolist()]
         off = np.flatnonzero(np.abs(load - load[-1]) > self._tolerance)
         steady_from = float(time[off[-1] + 1 if off.size else 0]) if to_end else np.inf
-        error = begin.error + begin.table.error
+        error = (begin.error + begin.table.error) * (2.0 if steady.swings else 1.0)
         return Slid(nodes, breaks / self._unit, error, to_end, steady_from)
 
     def _stored(self, u: Array) -> Array:
