@@ -54,8 +54,12 @@ class StepControl(NamedTuple):
 CONTROL = StepControl()
 # Fraction of a section's first step that is time, as long as none is known: travel and time count alike.
 FIRST_FRACTION = 0.5
-# Most steps of the secant method; bisection, which takes the place of some, gains a factor of 2 with each.
-MOST_SECANTS = 40
+# Factor on the next move of the secant method where the imbalance falls as the time grows.
+LONGER_MOVE = 4.0
+# Moves that measure the slope near the root, in accuracies of a balance.
+NEAR = 1e5
+# Steps of the secant method after which a bracket is left to brentq, and most where there is none.
+SOON, MOST_SECANTS = 12, 40
 # Of K X_T, rounding of K (X_T - X), where X is a sum over thousands of steps.
 ROUNDED_LOAD = 1e-12
 
@@ -226,7 +230,8 @@ class Steps:
         def tried(time_part: float) -> TriedStep:
             return self.tried(size, time_part, slope)
 
-        root = secant(tried, guess.time_fraction * size, slope, accuracy)
+        small = accuracy * self.first_guess.slope
+        root = secant(tried, guess.time_fraction * size, slope, accuracy, small)
         if root.step.time_part < 0.0 and self.contacts.memory.exact:
             # F jumps where exact thresholds break: the secant may have passed a balance just before that
             before = _before_exact(tried, size, accuracy)
@@ -253,22 +258,38 @@ def _before_exact(
 
 
 def secant(
-    tried: Callable[[float], TriedStep], guess: float, slope: float, accuracy: float
+    tried: Callable[[float], TriedStep],
+    guess: float,
+    slope: float,
+    accuracy: float,
+    small: float,
 ) -> Root:
-    """The step without imbalance, which increases with the time units, and the slope there. Both are found from
-    guesses by the secant method. A step that leaves the bracket of the root is replaced by bisection. The last step of
-    MOST_SECANTS has not converged."""
-    low, high = -np.inf, np.inf
+    """The step without imbalance, which is below 0 before it and above 0 behind it; and the slope there.
+
+    Both are found from guesses by the secant method. Where the imbalance is not `small`, the slope has to be measured
+    near the step before that counts as converged: its guess is that of another step, after a slip off by orders of
+    magnitude. Where the imbalance falls as the time grows, as just after a slip, moves become longer. A step that
+    leaves the bracket of the root is replaced by bisection. A bracket in which the secant method has not converged
+    soon is left to brentq. The last step of MOST_SECANTS has not converged."""
+    low, high, measured = -np.inf, np.inf, False
     step = tried(guess)
-    for _ in range(MOST_SECANTS):
+    for count in range(MOST_SECANTS):
         at, value = step.time_part, step.imbalance
         low, high = (at, high) if value < 0.0 else (low, at)
-        after = at - value / slope
-        if abs(after - at) <= accuracy:
-            return Root(step, slope, converged=True)
-        if not low < after < high and np.isfinite(high - low):
+        move = -value / slope
+        if abs(move) <= accuracy:
+            if measured or abs(value) <= small:
+                return Root(step, slope, converged=True)
+            move = float(np.copysign(2.0 * accuracy, move))
+        bracketed = np.isfinite(high - low)
+        if bracketed and count >= SOON:
+            found = brentq(lambda time_part: tried(time_part).imbalance, low, high, xtol=accuracy)
+            return Root(tried(float(found)), slope, converged=True)
+        after = at + move
+        if bracketed and not low < after < high:
             after = 0.5 * (low + high)
         step = tried(after)
         rise = (step.imbalance - value) / (after - at)
-        slope = rise if rise > 0.0 else slope
+        slope = rise if rise > 0.0 else slope / LONGER_MOVE
+        measured = rise > 0.0 and abs(after - at) <= NEAR * accuracy
     return Root(step, slope, converged=False)

@@ -13,19 +13,26 @@ NEAR = 2.0
 # Factor above that slope of X_T(X) at which all contacts stick from which on breaks hold the slider back: above the
 # rounding of short steps.
 SLOWED = 1.01
+# Part of its speed that a drive keeps at least where it goes on: a slip then comes after the bend as it would have
+# before, and how far its begin is off is seen in the slip. Slower drives count as ends, like those that hold or turn.
+GOES_ON = 0.5
 # Rounding of a delay, as a part of it.
 AT_ONCE = 1e-9
 
 
 def undecided_end(sliders: list[Slider]) -> float | None:
-    """The first end or turn of the drive (a time) at which the error of X leads to the begin of a slip, or beyond; None
+    """The first end, turn or slowing down of the drive (a time) at which the error of X leads to the begin of a slip, or beyond; None
     where there is none.
 
     On a soft spring F hardly depends on X, so that errors of X do not show in F. Only the way since the last slip
     counts: that where the slider stood then does not matter.
     """
     motion = sliders[-1].motion
-    for end in [] if motion is None else motion.times[1:].tolist():
+    if motion is None:
+        return None
+    onward = np.append(motion.speeds[1:], 0.0) * np.sign(motion.speeds)
+    ends = onward < GOES_ON * np.abs(motion.speeds)
+    for end in motion.times[1:][ends].tolist():
         before, now = (_distance_since_slip(one, end) for one in sliders[-2:])
         if _to_slip(sliders[-1], end) < NEAR * abs(now - before):
             return end
