@@ -21,8 +21,8 @@ AT_ONCE = 1e-9
 
 
 def undecided_end(sliders: list[Slider]) -> float | None:
-    """The first end, turn or slowing down of the drive (a time) at which the error of X leads to the begin of a slip, or beyond; None
-    where there is none.
+    """The first end or turn of the drive (a time), or bend to a much lower speed, at which the error of X leads to the
+    begin of a slip, or beyond; None where there is none.
 
     On a soft spring F hardly depends on X, so that errors of X do not show in F. Only the way since the last slip
     counts: that where the slider stood then does not matter.
