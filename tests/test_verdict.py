@@ -1270,8 +1270,9 @@ def test_forces_under_two_rules_are_told_each_with_its_own_error() -> None:
     own = answers.Answer("own", contacts, scale, number, number, number, SOFT, (early, full))
     text = "\n".join(page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)))
     assert (
-        "stick-slip: 0.040 ± 0.020 N_c<k> length to 1.500 ± 0.002 N_c<k> length down to 0" in text
+        "stick-slip: 0.040 ± 0.020 N_c<k> length down to 0 N_c<k> length if a slip renews" in text
     )
+    assert "stick-slip: 1.500 ± 0.002 N_c<k> length down to 0" in text
     assert re.search(r"^force before a slip \(reset\) +0.040 ± 0.020 N_c<k> length$", text, re.M)
     told = r"^force before a slip \(reform-after\) +1.500 ± 0.002 N_c<k> length$"
     assert re.search(told, text, re.M)
@@ -1726,7 +1727,7 @@ def test_other_readings_are_drawn_by_their_contact_model() -> None:
         "persson: 2 other readings",
         "gw, mixed: 2 other readings",
     ]
-    assert figure.axes[-1].get_xlabel().startswith("slips at least once below")
+    assert figure.axes[-1].get_xlabel().startswith("balance unstable somewhere below")
 
 
 def test_curves_that_lie_on_one_another_are_one_in_the_legend(capsys: Any) -> None:

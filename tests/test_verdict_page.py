@@ -115,13 +115,14 @@ def of_a_mass(machine: Machine, delay: float) -> answers.Answer:
 
 
 def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
-    """A slip lasts π (M/K)^(1/2) = 0.314, far less than the 600 in which the drive loads this spring to F_s, or more
-    than the 0.06 on a faster drive."""
+    """A slip lasts π (M/K)^(1/2) = 0.314, far less than the 800 in which the drive loads this spring to the force
+    before it, which contacts that do not wait bear, and not to F_s, 0.6; or more than the 0.08 on a faster drive."""
     slow = kinds._of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1.0), 1e-3))
     slow = slow.replace(" units of time", "")
     assert re.fullmatch(
         r"\. With a delay far below \S+, (in|above) which .*, contacts re-form in effect at once; with one far above "
-        r"the 0\.31\d of a slip, and far below the 600 in which the drive loads the spring to F_s, only after the slip",
+        r"the 0\.31\d of a slip, and far below the 800 in which the drive loads the spring to the force before a slip, "
+        r"0\.800 N_c<k> length, only after the slip",
         slow,
     )
     fast = kinds._of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1e4), 1e-3))
@@ -129,7 +130,7 @@ def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
         "with no delay do they all re-form between one slip and the next, as a slip lasts" in fast
     )
     fast = fast.replace(" units of time", "")
-    assert fast.endswith("longer than the 0.06 in which the drive loads the spring to F_s")
+    assert "longer than the 0.08 in which the drive loads the spring to the force before a" in fast
 
 
 def test_what_the_solver_refuses_is_not_mended_by_a_damping_or_a_delay(

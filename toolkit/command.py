@@ -124,7 +124,25 @@ def _parse(words: list[str]) -> "argparse.Namespace":
 
         hint = f"{did_you_mean(words[0], COMMANDS)}mesofriction --help lists the commands"
         parser.exit(2, f"mesofriction: {words[0]}: unknown command; {hint}\n")
-    return parser.parse_args(words)
+    parsed, left = parser.parse_known_args(words)
+    if left:
+        parser.exit(2, f"mesofriction: {_of_words_left(words, left, parsed.command)}\n")
+    return parsed
+
+
+def _of_words_left(words: list[str], left: list[str], command: str) -> str:
+    """What to write instead of words that belong to nothing, such as a unit that the shell took for another word."""
+    from toolkit.scene.drive import UNITS
+
+    for place, word in enumerate(words[:-2]):
+        begin, following = words[place + 1], words[place + 2]
+        two = " ".join(words[place + 2 : place + 4])
+        unit = two if two in UNITS else following
+        if word == "--set" and "=" in begin and (following in left or unit in UNITS):
+            key, _, value = begin.partition("=")
+            text = f"--set {key}='\"{value} {unit}\"'"
+            return f"{unit}: is apart from {begin}; a value with a blank is text, write {text}"
+    return f"{' '.join(left)}: not known here; mesofriction {command} --help says what is"
 
 
 def _written_to(own: "argparse.ArgumentParser", folder: str) -> None:

@@ -197,13 +197,14 @@ def verdict(arguments: argparse.Namespace) -> int:
     from toolkit.verdict.files import friction, plain
     from toolkit.verdict.judge import verdict as judged
     from toolkit.verdict.picture import draw_verdict
+    from toolkit.verdict.sliders.budget import at_most
     from toolkit.verdict.text.words import page
 
     formats = read_formats(arguments.format)
     scene = load_scene(arguments.scene, False, changes=read_changes(arguments.changes))
     folder = arguments.out or f"{scene.name}-output"
     check_folder(folder)  # before the work, not after it
-    with closing(Progress("verdict")) as bar:
+    with closing(Progress("verdict", most=at_most(scene.wall_time))) as bar:
         found = judged(scene, bar.doing, keep=True)
     with finishing(f"the answer is written to {folder}", at_once=found.stopped is not None):
         lines, draw = page(found), partial(draw_verdict, found)
@@ -262,8 +263,7 @@ def precision(arguments: argparse.Namespace) -> int:
     rows = precision_rows(found)
     save_judgement(folder, "precision", draw, [*lines, *found["notes"]], found, rows, formats)
     print("\n".join([*found["notes"], f"written to {folder}"]))
-    worst = (found["witness"] or {}).get("worst_deviation")
-    return 0 if (worst or 0.0) < APART else 1
+    return 0 if ((found["witness"] or {}).get("worst_deviation") or 0.0) < APART else 1
 
 
 def _coverage(arguments: argparse.Namespace, formats: tuple[str, ...]) -> int:

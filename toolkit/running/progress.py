@@ -12,13 +12,17 @@ class Progress:
     """Reports the progress of some work, `what`, from its own thread, also while the work makes no calls.
 
     Create it on rank 0 only, and close it. `things` is what `count` counts; `done` is an event for which it waits
-    between lines (None: its own).
+    between lines (None: its own); `most` : how long all takes at most, in words, "" where that is not known.
     """
 
     def __init__(
-        self, what: str, things: str = "contacts", done: threading.Event | None = None
+        self,
+        what: str,
+        things: str = "contacts",
+        done: threading.Event | None = None,
+        most: str = "",
     ) -> None:
-        self._things = things
+        self._things, self._most = things, most
         self._what, self._said = what, "at work (kernels are compiled on first use)"
         self._begun, self._remaining, self._best = time.monotonic(), 0.0, float("inf")
         self._first: tuple[float, int] | None = None
@@ -34,12 +38,14 @@ class Progress:
         if now > since and done > before:
             pace = (done - before) / (now - since)
             self._remaining = (expected - done) / pace
-            self._said += f", {pace:.3g} a second, {_clock(self._remaining)} left"
+            self._said += f", {pace:.3g} a second, {clock(self._remaining)} left"
 
     def doing(self, what: str) -> None:
         """This begins: told at once, and again where it takes long."""
         self._said = what
-        print(f"mesofriction: {self._what}: {what}", file=sys.stderr, flush=True)
+        since = time.monotonic() - self._begun
+        after = f", after {clock(since)}{self._most}" * bool(self._most)
+        print(f"mesofriction: {self._what}: {what}{after}", file=sys.stderr, flush=True)
 
     def refine(self, error: float) -> None:
         """A solution has this error, in mean thresholds."""
@@ -57,11 +63,12 @@ class Progress:
             if since < PATIENCE and self._remaining < 60.0:
                 wait = PATIENCE - since
                 continue
-            line = f"mesofriction: {self._what}: {self._said}, after {_clock(since)}"
+            line = f"mesofriction: {self._what}: {self._said}, after {clock(since)}{self._most}"
             print(line, file=sys.stderr, flush=True)
             self._said = self._said.removesuffix(" (kernels are compiled on first use)")
             wait = 30.0
 
 
-def _clock(seconds: float) -> str:
+def clock(seconds: float) -> str:
+    """Seconds as on a clock, 0:01:30."""
     return str(timedelta(seconds=round(min(seconds, 8e13))))

@@ -2,11 +2,14 @@
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from copy import deepcopy
 from typing import Any
 
 from origins.errors import InputError, refuse, shown
+from toolkit.scene.laws import THRESHOLDS, with_defaults
+from toolkit.scene.tables import SceneTable, keys_of_tables
 
 _EXAMPLE = """write such as --set drive.spring='"50 N/m"' or --set contacts.thresholds.std=0.1"""
 
@@ -52,6 +55,9 @@ def _put(tables: dict[str, Any], key: str, value: object) -> None:
         if found is None:
             refuse("key", key, "must be names between dots, as drive.spring, or drive.turns[1]")
         steps += [found[1], *map(int, re.findall(r"\d+", found[2]))]
+    whole = SceneTable.__struct_encode_fields__
+    if steps[0] not in whole and (full := _full_keys(tables, key)):
+        refuse("key", key, f"is no whole key; write {' or '.join(full)}")
     place: Any = tables
     for step, after in zip(steps, [*steps[1:], None], strict=True):
         if isinstance(step, int):
@@ -64,3 +70,24 @@ def _put(tables: dict[str, Any], key: str, value: object) -> None:
             place[step] = value
         else:
             place = place[step] if isinstance(step, int) else place.setdefault(step, {})
+
+
+def _full_keys(tables: Mapping[str, Any], end: str) -> list[str]:
+    """The keys of a scene of these tables that end so, such as contacts.thresholds.pressure for "pressure"; of its
+    thresholds those that it leaves out, too."""
+    every: dict[str, Any] = {name: dict.fromkeys(keys) for name, keys in keys_of_tables().items()}
+    contacts = tables.get("contacts")
+    if isinstance(contacts, Mapping):
+        every["contacts"] |= contacts
+        with suppress(InputError):
+            law = with_defaults(THRESHOLDS, contacts.get("thresholds"), "contacts.thresholds")
+            every["contacts"]["thresholds"] = law
+    return [key for key in _keys_in(every, "") if f".{key}".endswith(f".{end}")]
+
+
+def _keys_in(table: Mapping[str, Any], before: str) -> Iterator[str]:
+    """All keys of a table and of the tables within it, each with the way to it."""
+    for name, value in table.items():
+        yield f"{before}{name}"
+        if isinstance(value, Mapping):
+            yield from _keys_in(value, f"{before}{name}.")

@@ -11,7 +11,7 @@ from origins.drive import Drive
 from origins.errors import InputError, non_negative, positive, refuse
 from origins.thresholds.law import Array
 from toolkit.scene import laws
-from toolkit.scene.tables import DriveTable, EqTable
+from toolkit.scene.tables import DriveTable, EqTable, SceneTable
 
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 
@@ -33,17 +33,31 @@ _MACHINE = {
     "damping": MachineUnit("N s/m", "N_c<k> s", "3 N s/m", {"kg/s": 1.0}),
 }
 
+# all of these, as they follow a number
+UNITS = {unit for one in _MACHINE.values() for unit in (one.si, one.shared, *one.others)}
 # of the spring, from no force on, on a path with some slips
 _LOADINGS = 5.0
 
 
-def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | None:
-    """drive.spring, drive.mass or drive.damping over N_c<k>, a number; None without one. Raises InputError.
+class Given(NamedTuple):
+    """A number of the machine as it is given: its value, None without one, and its unit, "" of a bare number."""
 
-    Text gives the unit, for a spring "0.5 N_c<k>", or "50 N/m", which needs thresholds from a surface and drive.area,
-    the nominal area in m². For a surface a bare number but 0 is refused, as either unit could be meant.
-    """
-    interface, own = contacts.interface, _MACHINE[name]
+    value: float | None
+    unit: str
+
+
+def check_machine(scene: SceneTable) -> None:
+    """Refuse numbers of a scene's machine whose unit is wrong or missing. That needs no contacts, which take seconds of
+    a measured surface."""
+    of_surface = scene.contacts.thresholds.get("kind") == "from-topography"
+    for name in _MACHINE:
+        if scene.drive is not None:
+            _given(name, scene.drive, of_surface or scene.contacts.interface is not None)
+
+
+def _given(name: str, table: DriveTable, known: bool) -> Given:
+    """A number of the machine, checked as far as that goes without the contacts; `known`: whether <k> is, in N/m."""
+    own = _MACHINE[name]
     key, given, unit = f"drive.{name}", getattr(table, name), ""
     if isinstance(given, str):
         read = re.fullmatch(f"{_NUMBER} (.+)", given)
@@ -59,14 +73,29 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
         except InputError as error:  # of the text as it was given
             refuse(key, given, str(error).partition(": ")[2])
         unit = own.shared if read[2] == own.shared else own.si
-    if unit == own.si:
-        if interface is None:
-            raise InputError(f"{key}: in {unit} {laws.NEEDS_STIFFNESS}; or give a number")
+    if unit == own.si and not known:
+        raise InputError(f"{key}: in {unit} {laws.NEEDS_STIFFNESS}; or give a number")
+    if unit == own.si and table.area is None:
+        refuse(key, getattr(table, name), "needs drive.area, the nominal area in m²; add it")
+    if known and given and not unit:
+        hint = f'has no unit; of a surface write either {name} = "{given:g} {own.si}" with area ='
+        other = f'{name} = "{given:g} {own.shared}"'
+        refuse(key, given, f"{hint} the nominal area in m², or {other}")
+    return Given(given if given is None else float(given), unit)
+
+
+def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | None:
+    """drive.spring, drive.mass or drive.damping over N_c<k>, a number; None without one. Raises InputError.
+
+    Text gives the unit, for a spring "0.5 N_c<k>", or "50 N/m", which needs thresholds from a surface and drive.area,
+    the nominal area in m². For a surface a bare number but 0 is refused, as either unit could be meant.
+    """
+    interface, own = contacts.interface, _MACHINE[name]
+    given, unit = _given(name, table, interface is not None)
+    if given is not None and unit == own.si and interface is not None and table.area is not None:
         if interface.contact_density is None:
             hint = "needs contacts.interface.contact_density, contacts per nominal area in 1/m²; add it"
-            refuse(key, getattr(table, name), hint)
-        if table.area is None:
-            refuse(key, getattr(table, name), "needs drive.area, the nominal area in m²; add it")
+            refuse(f"drive.{name}", getattr(table, name), hint)
         if (number := interface.contact_density * table.area) < 1.0:
             few = f"holds {number:.2g} contacts"
             # a pressure in MPa has 1e-6 of the contacts that are meant
@@ -77,14 +106,10 @@ def machine_number(name: str, table: DriveTable, contacts: Contacts) -> float | 
                 table.area,
                 f"{few}: {' '.join(asked)} Else{hint[1:]}" if asked else few + hint,
             )
-        return float(given) / (number * interface.mean_stiffness)
-    if interface is not None and given and not unit:
-        hint = f'has no unit; of a surface write either {name} = "{given:g} {own.si}" with area ='
-        other = f'{name} = "{given:g} {own.shared}"'
-        refuse(key, given, f"{hint} the nominal area in m², or {other}")
+        return given / (number * interface.mean_stiffness)
     if table.area is not None and interface is None:
         refuse("drive.area", table.area, f"{laws.NEEDS_STIFFNESS}; or leave it out")
-    return given if given is None else float(given)
+    return given
 
 
 def some_slips(table: DriveTable, contacts: Contacts) -> float:

@@ -22,6 +22,7 @@ from toolkit.processes.ranks import on_root
 from toolkit.scene import laws, samples, tables
 from toolkit.scene.changes import changed
 from toolkit.scene.drive import (
+    check_machine,
     has_path,
     histogram_points,
     make_drive,
@@ -106,9 +107,7 @@ class Scene:
 
     def histogram_points(self) -> npt.NDArray[np.intp]:
         """Indices of the path's points that eq.histograms and eq.histogram_times name. Raises InputError for others."""
-        if self.eq is None:
-            return np.empty(0, np.intp)
-        return histogram_points(self.drive, self.eq)
+        return np.empty(0, np.intp) if self.eq is None else histogram_points(self.drive, self.eq)
 
     def only_forward(self, what: str) -> "Scene":
         """`self` if its slider is rigid and moves forward; else InputError, which says that `what` takes only that."""
@@ -213,6 +212,7 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
     """The scene, with all that its tables say checked. Raises InputError."""
     name, text, given, folder = source
     table = tables.read_table(given)
+    check_machine(table)  # before the contacts, which may take long
     if not name.isprintable():
         refuse("scene", name, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:

@@ -175,6 +175,11 @@ def _with_quoted_keys(tables: Any) -> Any:
     return {**tables, "sweep": own | ({QUOTED: quoted} if quoted else {})}
 
 
+def keys_of_tables() -> dict[str, tuple[str, ...]]:
+    """The keys of each table of a scene, by its name."""
+    return {name: table.__struct_encode_fields__ for name, table in _TABLES.items() if name}
+
+
 def what_is_meant(key: str, names: Iterable[str]) -> str:
     """For a message on an unknown key: the table that has it, if one does; else the known key nearest to it."""
     tables = [

@@ -10,7 +10,8 @@ from toolkit.scene.scale import Scale, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.sliders.ensemble import by_sliders
 from toolkit.verdict.sliders.finite import SMALL
-from toolkit.verdict.sliders.late import EVER_RARER, shrinking
+from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
+from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite
 from toolkit.verdict.slips_in_words import (
     WORTH_SHOWING,
@@ -156,9 +157,10 @@ def behaved(verdict: Verdict, many: Finite) -> str:
 def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
     """The numbers of so many contacts for the table, by their names."""
     scale, whose = verdict.own.scale, of_contacts(many.contacts)
-    over = (
-        f", {written(many.late * scale.force / scale.load, '')} of the load" if scale.load else ""
-    )
+    over, load = "", scale.load
+    if load:
+        late, error = (one * scale.force / load for one in (many.late, many.late_error))
+        over = f", {written(late, '', error)} of the load"
     beside = fluctuating(many, scale)
     if np.isfinite(many.late) and many.kind != "stick-slip":
         still = ", still rising" * many.rises
@@ -166,6 +168,8 @@ def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
     if not np.isfinite(many.before):
         return {f"slips of {whose}": f"none{beside}"}
     rows = {f"slips of {whose}, from": fall_of(many, scale) + left_out(many)}
+    if many.kind == "stick-slip" and many.slips < ENOUGH_SLIPS:
+        rows[f"slips seen of {whose}"] = f"{many.slips:.3g} of each of {SLIDERS} sliders"
     if many.kind == "stick-slip" and many.period is not None:
         rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, many))
     if (mean_force := mean_over_slips(many)) is not None:

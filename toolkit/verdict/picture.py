@@ -15,12 +15,12 @@ from toolkit.pictures.axes import (
     name_axis,
     style_of,
 )
-from toolkit.scene.scale import SHARED
+from toolkit.scene.scale import SHARED, spoken
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.machine import Behaviour, Machine
 from toolkit.verdict.text.words import sentence, warnings
 from toolkit.verdict.trace import draw_trace, drawn, last_cycles, traces_of
-from toolkit.verdict.with_mass import in_its_own_time
+from toolkit.verdict.with_mass import in_its_own_time, rests_after
 
 _DENSITY_POINTS = 400
 # of a breakpoint: so near on both sides of it P_c is drawn, as it may jump or diverge there
@@ -83,7 +83,10 @@ def _draw_slip(axes: Any, verdict: Verdict, behaviour: Behaviour, wide: bool) ->
     seconds, moved = in_its_own_time(behaviour, cast(Machine, verdict.own.machine))
     force, place = ({"color": OKABE_ITO[k], "ls": DASHES[k], "lw": 1.3} for k in (0, 1))
     axes.plot(seconds, behaviour.slip_force * scale.force, label="spring force", **force)
-    axes.plot([], [], label="slider's way", **place)
+    rests = rests_after(behaviour, cast(Machine, verdict.own.machine))
+    until = f"at rest after {spoken(rests, scale.time_unit)}"
+    still = "still moving where this ends" if np.isnan(rests) else until
+    axes.plot([], [], label=f"slider's way, {still}", **place)
     other.plot(seconds, moved, **place)
     axes.axhline(0.0, color="0.8", lw=0.8, zorder=0)
     axes.margins(x=0.0)
@@ -187,8 +190,10 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
     legend_above(axes)
     unit = scale.spring_unit
     name = {"N/m": "$K^*$", "N/m³": "$K^*/A$"}.get(unit, r"$K^*/(N_c\langle k\rangle)$")
-    said = f"slips at least once below\nthe critical spring {name}"
-    if verdict.own.contacts.in_time:
+    own, said = verdict.own, f"slips at least once below\nthe critical spring {name}"
+    if own.machine is not None and own.machine.mass:
+        said = f"balance unstable somewhere below\nthe critical spring {name}"
+    if own.contacts.in_time:
         said = f"steepest fall of the force of\na rigid slider as fast as the drive, {name}"
     name_axis(axes.xaxis, said, "" if unit == SHARED else unit)
 

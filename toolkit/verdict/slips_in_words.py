@@ -10,7 +10,7 @@ from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, writt
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour, Finite
-from toolkit.verdict.uncertainty import PRECISE, widest_uncertainty
+from toolkit.verdict.uncertainty import PRECISE, least_digits, widest_uncertainty
 
 # part of a force by which slips, or forces along the way, differ where it is told
 WORTH_SHOWING = 0.01
@@ -94,7 +94,8 @@ def plain_fall(finite: Finite, force: float, unit: str) -> str:
     """The forces before and after a slip of so many contacts, without errors; "" where they slide."""
     if not np.isfinite(finite.after):
         return ""
-    high, low = (written(end * force, unit) for end in (finite.before, finite.after))
+    ends = (finite.before, finite.before_error), (finite.after, finite.after_error)
+    high, low = (written(end * force, unit, error * force) for end, error in ends)
     return falls(high, low, (finite.before - finite.after) * force, unit)
 
 
@@ -184,11 +185,12 @@ def period_of(
     """A period of the drive as a length and as a time, known to `uncertainty` of itself, or worse; `to_error` :
     to the digit of that, which stands beside the forces."""
     scale, uncertainty = verdict.own.scale, max(uncertainty, widest_uncertainty(verdict))
+    least = least_digits(verdict)
     each = (period, scale.length_unit), (period / verdict.velocity, scale.time_unit)
     every, later = (
         written(one, unit, uncertainty * one, digits=4)
         if to_error
-        else guarded(one, unit, uncertainty * one)
+        else guarded(one, unit, uncertainty * one, least)
         for one, unit in each
     )
     return every, later

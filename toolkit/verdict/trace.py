@@ -27,8 +27,8 @@ UNKNOWN = 0.1
 # of the largest force: curves nearer than that are one in the picture
 _ALIKE = 2e-3
 # cycles on a path beyond which the last few of them are drawn again, as each is some 3 mm wide; and part of a path
-# without cycles whose swings are too many to be drawn
-_MANY, _LAST, _LAST_PART = 45, 6, 0.05
+# without cycles whose swings are too many to be drawn; of one with few the last part shows no more than that, or one
+_MANY, _LAST, _LAST_PART, _MOST_SHOWN = 45, 6, 0.05, 0.25
 Traced = TypeVar("Traced", Behaviour, Finite)
 
 
@@ -54,7 +54,9 @@ def last_cycles(verdict: Verdict) -> float | None:
     begin = None
     for one, *_ in traces_of(verdict):
         end, way = float(one.drive[-1]), float(np.ptp(one.drive))
-        last = _LAST * one.period if one.period else _LAST_PART * way
+        last = _LAST_PART * way
+        if one.period:
+            last = max(min(_LAST * one.period, _MOST_SHOWN * way), one.period)
         crowded = one.rule == "mass" and hides_swings(one.drive, one.force)
         if crowded or (one.period and way > _MANY * one.period):
             begin = min(end - min(last, way), np.inf if begin is None else begin)

@@ -24,6 +24,8 @@ from toolkit.verdict.sliders.machine import Behaviour, critical_damping
 SEEN = 1e-3
 # of a force, or of a period: a larger error of it is told beside it
 PRECISE = 1e-3
+# of a number: a wider scatter of other samples, told with two digits, leaves it two
+VAGUE = 0.1
 # of the forces: a smaller uncertainty is no news beside them
 WORTH_TELLING = 0.01
 # of the widest uncertainty of a force: a smaller difference of two forces is nothing that is known
@@ -99,15 +101,23 @@ def range_of_force(verdict: Verdict, whose: str = "") -> str:
     """F_k over all readings, whose they are, from the least to the largest; where contacts depend on time, and stick
     and slip, the force before a slip of readings that do, as F_k is that of a rigid slider as fast as the drive."""
     scale, uncertainty, answers = verdict.own.scale, widest_uncertainty(verdict), verdict.answers
-    forces, what = [one.kinetic.value * one.scale.force for one in answers], f"F_k{whose}"
-    befores = [
-        [abs(each.before) * one.scale.force for each in one.behaviours if each.kind == "stick-slip"]
-        for one in answers
-    ]
+    forces = [(one.kinetic.value * one.scale.force, 0.0) for one in answers]
+    what, befores = f"F_k{whose}", list[list[tuple[float, float]]]()
+    for one in answers:
+        unit = one.scale.force
+        slipping = [each for each in one.behaviours if each.kind == "stick-slip"]
+        errors = (error_beside(verdict, one, each) * unit for each in slipping)
+        befores.append(
+            list(zip((abs(each.before) * unit for each in slipping), errors, strict=True))
+        )
     if verdict.own.contacts.in_time and befores[0]:
         forces, slip = [one for each in befores for one in each], sum(map(bool, befores))
         what = f"the force before a slip by the {slip} of {len(answers)} readings that slip"
-    ends = (guarded(one, scale.force_unit, uncertainty * one) for one in (min(forces), max(forces)))
+    # each to the digit of its own error, where that is the wider one
+    ends = (
+        to_digits(force, scale.force_unit, uncertainty * force, error, least_digits(verdict))
+        for force, error in (min(forces), max(forces))
+    )
     return f"{what} is {' to '.join(dict.fromkeys(ends))}"
 
 
@@ -132,10 +142,10 @@ def numerical_errors(verdict: Verdict) -> list[str]:
     quantities = {"F_k": own.kinetic, "F_s": own.static}
     if not (own.smoothed or own.critical_spring.lost):
         quantities["K*"] = own.critical_spring
-    most = max(map(_relative, quantities.values()))
-    said = [
-        f"{' and '.join([', '.join([*quantities][:-1]), [*quantities][-1]])}: at most {most:.0e}"
-    ]
+    known = {name: _relative(one) for name, one in quantities.items() if not one.unknown}
+    most = max(known.values())
+    *before, last = known
+    said = [f"{' and '.join([*filter(None, [', '.join(before)]), last])}: at most {most:.0e}"]
     groups = dict[str, list[str]]()
     for one in own.behaviours:
         relative_error = one.error * mean / abs(one.before or np.nan)
@@ -249,10 +259,28 @@ def with_sampling(
     return [*scattered, *quantities[len(scattered) :]]
 
 
-def to_digits(value: float, unit: str, uncertainty: float, error: float) -> str:
+def error_beside(verdict: Verdict, answer: Answer, one: Behaviour) -> float:
+    """The error of a slider's force where it is told beside that, F/(N_c <k>) (a length): where it is a thousandth or
+    more, and the widest uncertainty does not hide it; else 0."""
+    error = one.error * answer.contacts.mean_threshold
+    hidden = max(PRECISE, widest_uncertainty(verdict)) * abs(one.before)
+    return error if hidden < error < np.inf else 0.0
+
+
+def least_digits(verdict: Verdict) -> int:
+    """How many digits forces have at least: 2 where the scatter of other samples, which is told with two, is VAGUE and
+    the widest uncertainty, as it is that of each number; else 3, as readings differ from one another by more than the
+    numbers of each are known."""
+    each = uncertainties_of(verdict)
+    return 2 if max(each.readings, each.numerical, VAGUE) < each.sampling else 3
+
+
+def to_digits(value: float, unit: str, uncertainty: float, error: float, least: int = 3) -> str:
     """A value to the digit of an error that stands beside it or beside what it follows from; where none is (0), to
-    one digit more than its uncertainty leaves."""
-    return written(value, unit, error, digits=4) if error else guarded(value, unit, uncertainty)
+    one digit more than its uncertainty leaves, `least` of them."""
+    if error:
+        return written(value, unit, error, digits=4)
+    return guarded(value, unit, uncertainty, least)
 
 
 def spring_to_digits(value: float, unit: str, uncertainty: float) -> str:

@@ -22,6 +22,7 @@ from toolkit.verdict.sliders.islands import with_barriers
 from toolkit.verdict.sliders.machine import (
     Behaviour,
     Machine,
+    critical_damping,
     first_of,
     not_followed,
     rigid_slider,
@@ -30,8 +31,10 @@ from toolkit.verdict.sliders.machine import (
 from toolkit.verdict.text.kinds import damped, long_delay_of
 
 # how far a slip is shown, in times that it lasts: before its begin, and after it, where a swing with a tenth of
-# critical damping has fallen to a tenth; and points of that time
-BEFORE, AFTER, POINTS = 0.5, 8.0, 400
+# critical damping has fallen to a tenth, and one with less to that of itself, LONGEST at most; and points of the former
+BEFORE, AFTER, LONGEST, FALLEN, POINTS = 0.5, 8.0, 40.0, 0.1, 400
+# of a slip's way: a slider that goes on by less in a slip's time, beside its drive, has come to rest
+RESTS = 0.02
 # of the force, in mean thresholds: no more is seen in a picture
 TOLERANCE = 1e-2
 # times that the slip is looked for: with other points of the path it may begin a little earlier or later
@@ -116,9 +119,11 @@ def closely(found: Behaviour, machine: Machine, contacts: Contacts, seconds: flo
     if found.damping is not None:
         machine = replace(machine, damping=found.damping)
     start, distance = contacts.start.mean() / machine.spring, machine.velocity * lasts
+    shown_after = swings_for(machine)
+    points = round(POINTS * (BEFORE + 1.0 + shown_after) / (BEFORE + 1.0 + AFTER))
     with suppress(InputError):
         for _ in range(TRIES):
-            places = begin + distance * np.linspace(-BEFORE, 1.0 + AFTER, POINTS)
+            places = begin + distance * np.linspace(-BEFORE, 1.0 + shown_after, points)
             places = places[places > start]
             path = np.concatenate([[start], places])
             solved = _solved(found, machine, contacts, path, seconds / TRIES)
@@ -131,6 +136,27 @@ def closely(found: Behaviour, machine: Machine, contacts: Contacts, seconds: flo
                 return replace(found, slip_drive=drive[shown], slip_force=force[shown])
             begin = late
     return found
+
+
+def swings_for(machine: Machine) -> float:
+    """In how many times of a slip a swing of the free mass falls to FALLEN of itself: AFTER to LONGEST of them."""
+    part = machine.damping / critical_damping(machine)
+    if part >= 1.0:
+        return AFTER
+    falls = np.pi * part / np.sqrt(1.0 - part**2)
+    return float(np.clip(-np.log(FALLEN) / falls if falls else np.inf, AFTER, LONGEST))
+
+
+def rests_after(found: Behaviour, machine: Machine) -> float:
+    """Seconds since the first slip began after which the slider rests, up to where its panel ends: it goes on by less
+    than RESTS of the slip's way in a slip's time; nan where it still moves there."""
+    seconds, moved = in_its_own_time(found, machine)
+    lasts = found.slip_time or np.inf
+    # for each time how far it has gone on, or back, since as long before it
+    steps = np.abs(moved - np.interp(seconds - lasts, seconds, moved))
+    moving = np.flatnonzero(steps > RESTS * float(np.ptp(moved)))
+    last = int(moving[-1]) if moving.size else 0
+    return float(seconds[last] - lasts) if seconds[-1] - seconds[last] > lasts else float("nan")
 
 
 def _solved(

@@ -13,6 +13,7 @@ import numpy as np
 
 from origins.contacts import Contacts
 from toolkit.processes.signals import Terminated, TimeIsUp
+from toolkit.running.progress import clock
 from toolkit.verdict.sliders.machine import (
     Machine,
     RigidSlider,
@@ -104,6 +105,13 @@ class Budget:
             return clock, 1.0
         used = min(clock, time.process_time() - self._work)
         return used, (clock + _SMOOTH * self._first_pace) / (used + _SMOOTH)
+
+
+def at_most(wall_time: float | None) -> str:
+    """How long a verdict takes at most, for its progress: the time that is given, or some time of work."""
+    if wall_time is None:
+        return f" of some {clock(WALL_TIME)}, more on a busy machine"
+    return f" of at most {clock(wall_time)} (wall_time)"
 
 
 def late(message: str) -> str:

@@ -76,7 +76,7 @@ def follow(
     in_time: float = TOLERANCE_IN_TIME,
     at_once: float = TOLERANCE,
 ) -> Behaviour:
-    """Pull the slider until it has slipped five times or slides steadily.
+    """Pull the slider until its slips tell what follows, mostly five of them, or it slides steadily.
 
     wall_time : s; rings : whether an undamped slider is known to ring for too long, and is followed with some damping
     in_time, at_once : tolerances (mean thresholds) where a law of the contacts depends on time, and where none does

@@ -5,6 +5,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
+import numpy as np
+
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import LONGER, long_delay
@@ -67,8 +69,16 @@ def a_slip(own: Answer) -> tuple[float, float]:
         and all(times)
     ):
         return cast(tuple[float, float], times)
-    force = abs(first.before) if first.kind == "stick-slip" else own.static.value
+    force = before_a_slip(own)
     return slip_duration(damped(own), force), top_speed(damped(own), force)
+
+
+def before_a_slip(own: Answer) -> float:
+    """The force before a slip of the own reading, F/(N_c <k>) (a length): as followed, where a slip was seen, as
+    contacts on which time acts bear another force on a slider that sticks; else F_s."""
+    every = (*own.behaviours, *reversed(own.extremes))
+    seen = [abs(one.before) for one in every if one.slips and one.kind != "smooth"]
+    return seen[0] if seen and np.isfinite(seen[0]) else own.static.value
 
 
 def damped(own: Answer) -> Machine:
@@ -202,8 +212,9 @@ def _of_agreeing(own: Answer) -> Line:
     force, length = (own.scale.force, own.scale.force_unit), own.scale.length_unit
 
     def slips(one: Behaviour) -> str:
-        ends = (written(end * force[0], force[1], digits=4) for end in (one.before, one.after))
-        every = f" every {written(one.period, length, digits=4)}" if one.period else ""
+        off = one.error * own.contacts.mean_threshold * force[0]
+        ends = (written(end * force[0], force[1], off, 4) for end in (one.before, one.after))
+        every = f" every {written(one.period, length, one.period_error, 4)}" if one.period else ""
         return f"{' down to '.join(ends)}{every} if {NAMED[one.rule]}"
 
     said = f"all stick and slip, between {slips(high)} and {slips(low)}"
@@ -218,7 +229,7 @@ def _same_with(verdict: Verdict, other: Behaviour, what: str) -> Line:
     least = max(WORTH_TELLING * abs(one.before), (one.error + other.error) * mean)
     if one.kind == other.kind and change <= least:
         return Line(NOTHING, f"not the contacts' delay: {what} it does the same")
-    force = written(other.before * scale.force, scale.force_unit)
+    force = written(other.before * scale.force, scale.force_unit, other.error * mean * scale.force)
     where = f"{'at' if other.kind == 'smooth' else 'from'} {force}"
     said = (
         f"{what} it is {other.kind}{', too, but' * (other.kind == one.kind)} {where}"
@@ -257,9 +268,13 @@ def _of_short_delays(own: Answer) -> str:
     why, shortest = "in which a slip goes on by <x_s>", short_delay_of(own)
     if 0.0 < shortest < mean / fastest:
         why = "above which friction falls with the speed by more than the damping rises"
-    loads = own.static.value / machine.spring / machine.velocity
+    force = before_a_slip(own)
+    loads = force / machine.spring / machine.velocity
     short, long = spoken(shortest or mean / fastest, unit), spoken(duration, unit)
-    loaded = f"the {spoken(loads, unit)} in which the drive loads the spring to F_s"
+    to = "F_s"
+    if abs(force - own.static.value) > WORTH_TELLING * own.static.value:
+        to = f"the force before a slip, {written(force * own.scale.force, own.scale.force_unit)}"
+    loaded = f"the {spoken(loads, unit)} in which the drive loads the spring to {to}"
     at_once = f"With a delay far below {short}, {why}, contacts re-form in effect at once"
     after = f"with one far above the {long} of a slip, and far below {loaded}, only after the slip"
     if loads < duration:

@@ -9,11 +9,15 @@ import numpy as np
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.of_area import apart, rows_of
-from toolkit.verdict.sliders.budget import NO_FORCES
+from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
+from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.slips_in_words import mean_over_slips, period_of, with_period_error
+from toolkit.verdict.text.critical_spring import of_critical_spring
 from toolkit.verdict.uncertainty import (
     PRECISE,
+    VAGUE,
+    least_digits,
     other_samples,
     spring_to_digits,
     to_digits,
@@ -22,8 +26,6 @@ from toolkit.verdict.uncertainty import (
 
 # of the contacts: where no more of them hold, F_k is told with their share
 HOLDING = 0.9
-# of a number: a wider scatter of other samples, told with two digits, leaves it two
-_VAGUE = 0.1
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
@@ -79,12 +81,7 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         coefficients = [one.scale.force / (one.scale.load or 1.0) for one in answers]
         yield row("friction coefficient F_k/load", kinetic, coefficients, "", uncertainty)
         yield row("static coefficient F_s/load", static, coefficients, "", uncertainty)
-    # a slider that sticks is slower than the drive: of contacts that depend on time K* promises no slip
-    name = (
-        f"K*, the steepest fall of the force{at}"
-        if at
-        else "slips at least once below the spring K*"
-    )
+    name = f"{of_critical_spring(own)}{at}"
     if own.smoothed:
         yield [name, "-", "hangs on smoothing", ""]
     elif own.critical_spring.lost:
@@ -127,10 +124,9 @@ def row(
     off = max(error, sampling, high - low if apart else 0.0, uncertainty * abs(values[0]))
     if not np.isfinite(off):
         off = uncertainty * abs(values[0])
-    ends = [write(value, unit, off) for value in (low, high)]
-    told = write(values[0], unit, off)
-    if off == sampling > _VAGUE * abs(values[0]):  # beside it, and with as many places
-        told = written(values[0], unit, digits=2)
+    told, *ends = (write(value, unit, off) for value in (values[0], low, high))
+    if off == sampling > VAGUE * abs(values[0]):  # beside it, and with as many places
+        told, *ends = (written(value, unit, digits=2) for value in (values[0], low, high))
     return [
         name,
         told,
@@ -144,6 +140,7 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
     infinitely many; rules that give the same numbers share a row."""
     scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
     force, load, few = scale.force_unit, scale.load, apart(verdict)
+    least = least_digits(verdict)
     for rule, many in few.items():
         for row in rows_of(verdict, many).items():
             rows.setdefault(row, []).append(rule)
@@ -162,21 +159,25 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         # an error that other samples and readings do not hide is told beside its number
         shown = relative_error > max(PRECISE, widest_uncertainty(verdict))
         error = relative_error * abs(before) * shown
-        values = {"force before a slip": _with_error(before, force, uncertainty * before, error)}
-        values["force before a slip"] += _of_load(before, uncertainty, error, load)
-        values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error)
+        values = {
+            "force before a slip": _with_error(before, force, uncertainty * before, error, least)
+        }
+        values["force before a slip"] += _of_load(before, uncertainty, error, load, least)
+        values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error, least)
         if (regained := regained_by(verdict, behaviour)) is not None:
             back = regained * scale.force
-            told = to_digits(back, force, uncertainty * back, error)
+            told = to_digits(back, force, uncertainty * back, error, least)
             values["of it regained over a period"] = told
         if (mean_force := mean_over_slips(behaviour)) is not None:
             mean_force *= scale.force
-            told = to_digits(mean_force, force, uncertainty * mean_force, error)
-            told += _of_load(mean_force, uncertainty, error, load)
+            told = to_digits(mean_force, force, uncertainty * mean_force, error, least)
+            told += _of_load(mean_force, uncertainty, error, load, least)
             values["mean force of stick-slip"] = told
         if behaviour.period is not None:
             beside_forces = period_of(verdict, behaviour.period, uncertainty, bool(error))
             values["period"] = ", ".join(with_period_error(verdict, behaviour) or beside_forces)
+        if behaviour.kind == "stick-slip" and behaviour.slips < ENOUGH_SLIPS:
+            values["slips seen"] = _of_few_slips(behaviour)
         if behaviour.slip_time is not None:
             values["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         whose = ", infinitely many contacts" * (behaviour.rule in few)
@@ -187,12 +188,12 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
 
 
-def _of_load(force: float, uncertainty: float, error: float, load: float | None) -> str:
+def _of_load(force: float, uncertainty: float, error: float, load: float | None, least: int) -> str:
     """A force, with its relative uncertainty and its own error, as a part of the load; "" where none is known."""
     if not load:
         return ""
     over = force / load
-    return f", {to_digits(over, '', uncertainty * over, error / load)} of the load"
+    return f", {to_digits(over, '', uncertainty * over, error / load, least)} of the load"
 
 
 def _of_holding(answer: Answer) -> str:
@@ -202,9 +203,18 @@ def _of_holding(answer: Answer) -> str:
     return f", of whose contacts {100.0 * answer.holding:.2g}% hold"
 
 
-def _with_error(value: float, unit: str, uncertainty: float, error: float) -> str:
-    """A value with its error, or to the digits that its uncertainty leaves where the error is 0."""
-    return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty)
+def _with_error(value: float, unit: str, uncertainty: float, error: float, least: int) -> str:
+    """A value with its error, or to the digits that its uncertainty leaves where the error is 0, `least` of them."""
+    return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty, least)
+
+
+def _of_few_slips(behaviour: Behaviour) -> str:
+    """How many slips were seen where these are fewer than usual, and why no more are needed."""
+    seen, why = f"{behaviour.slips} slip", behaviour.message.partition("; ")[0]
+    if why.startswith(seen):
+        return why
+    whose = f" of each of {SLIDERS} sliders" * (behaviour.contacts is not None)
+    return f"{seen}{'s' * (behaviour.slips != 1)}{whose}"
 
 
 def _unfinished(behaviour: Behaviour) -> str:
@@ -212,38 +222,6 @@ def _unfinished(behaviour: Behaviour) -> str:
     if behaviour.kind != "undecided":
         return ""
     return ": path cut" if behaviour.cut else ": not decided"
-
-
-def without_spring(verdict: Verdict) -> str:
-    """Below which spring the interface slips, over all readings."""
-    if verdict.own.smoothed:
-        return (
-            "slips on springs softer than K*, which is not known: it hangs on the smoothing of P_c of these islands; "
-            "give drive.spring for a verdict on a machine"
-        )
-    if verdict.own.critical_spring.unknown:
-        return NO_FORCES
-    if verdict.own.critical_spring.lost:
-        return (
-            "slips on springs softer than K*, which is not known: its numerical error is as large as itself; give "
-            "drive.spring for a verdict on a machine"
-        )
-    with_spring = [answer for answer in verdict.answers if not answer.critical_spring.lost]
-    springs = [answer.critical_spring.value * answer.scale.spring for answer in with_spring]
-    own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
-    if not np.isfinite(spread):
-        spread = 0.0
-    sampling = (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring
-    spread = max(spread, sampling)
-    said = f"slips on a spring softer than K* = {spring_to_digits(own, unit, spread)}"
-    if sampling >= own:
-        said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
-    if len(springs) > 1:
-        ends = " to ".join(
-            spring_to_digits(one, unit, spread) for one in (min(springs), max(springs))
-        )
-        said += f" (from {ends} over {len(springs)} readings)"
-    return f"{said}; give drive.spring for a verdict on a machine"
 
 
 def drop_of(behaviour: Behaviour) -> float:

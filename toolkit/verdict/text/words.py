@@ -34,6 +34,7 @@ from toolkit.verdict.slips_in_words import (
     swinging,
 )
 from toolkit.verdict.text.border import on_the_border
+from toolkit.verdict.text.critical_spring import without_spring
 from toolkit.verdict.text.hangs_on import dependence, why_smooth
 from toolkit.verdict.text.kinds import (
     a_slip,
@@ -46,10 +47,11 @@ from toolkit.verdict.text.kinds import (
     others,
     without_delay,
 )
-from toolkit.verdict.text.table import drop_of, in_units, speed_unit, table, without_spring
+from toolkit.verdict.text.table import drop_of, in_units, speed_unit, table
 from toolkit.verdict.text.undone import undecided_readings
 from toolkit.verdict.uncertainty import (
-    PRECISE,
+    error_beside,
+    least_digits,
     numerical_errors,
     of_assumed_damping,
     once_over,
@@ -177,7 +179,8 @@ def _disagreement(verdict: Verdict) -> str:
         said += f", from {falls_of.pop()}"
     other = verb(infinite := {one.kind for one, _ in differ})
     sliding = {sliding_force_of(verdict, verdict.own, one) * force for one, _ in differ}
-    at = {guarded(one, unit, widest_uncertainty(verdict) * one) for one in sliding}
+    off, least = widest_uncertainty(verdict), least_digits(verdict)
+    at = {guarded(one, unit, off * one, least) for one in sliding}
     if infinite == {"smooth"} and len(at) == 1:
         other += f" at {at.pop()}"
     said = f"{subject(finite)} {said}{where}"
@@ -198,11 +201,12 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
     groups = dict[tuple[str, str, str, str], list[Behaviour]]()
     first, few = answer.behaviours[0], apart(verdict) if answer is verdict.own else {}
     for one in answer.behaviours:
-        seen = one.rule if one.slips else "first" if one.message == first.message else ""
-        own = ""
-        if many := few.get(one.rule):
-            own = behaved(verdict, many)
-        key = (one.kind, seen if one.kind == "undecided" else "", own, whom_of(verdict, one))
+        # of those that are decided rules whose errors differ are told apart
+        seen = f"{error_beside(verdict, answer, one):.0e}"
+        if one.kind == "undecided":
+            seen = one.rule if one.slips else "first" if one.message == first.message else ""
+        own = behaved(verdict, few[one.rule]) if one.rule in few else ""
+        key = (one.kind, seen, own, whom_of(verdict, one))
         groups.setdefault(key, []).append(one)
     parts = list[str]()
     for (kind, _, own, whom), alike in groups.items():
@@ -225,9 +229,9 @@ def _behaved(
     whom: str = "",
 ) -> str:
     """One kind of behaviour with its numbers; its forces alone if `bare`. The numerical error stands beside these where
-    it is the widest uncertainty. `whom` : of whom, in words, see `whom_of`."""
-    scale, last, uncertainty = answer.scale, alike[0], widest_uncertainty(verdict)
-
+    it is the widest uncertainty. `whom` : of whom, see `whom_of`."""
+    scale, last, least = answer.scale, alike[0], least_digits(verdict)
+    uncertainty = widest_uncertainty(verdict)
     error = max((one.error for one in alike if one.error < np.inf), default=0.0)
     error *= answer.contacts.mean_threshold * scale.force
     top = max((abs(one.before) for one in alike), default=0.0) * scale.force
@@ -238,26 +242,21 @@ def _behaved(
         """One value, or the smallest and the largest where they differ as written; to the digit of an error that
         stands beside it."""
         ends = min(values), max(values)
-        said = [to_digits(end, unit, uncertainty * abs(end), shown_error) for end in ends]
-        return " to ".join(dict.fromkeys(said))
+        each = (to_digits(end, unit, uncertainty * abs(end), shown_error, least) for end in ends)
+        return " to ".join(dict.fromkeys(each))
 
     if kind == "undecided" and not last.slips:
         first = answer.behaviours[0]
         why = f" ({in_units(last.message, scale)})" * (last.message == first.message)
         return f"not decided{why}"
-    shown_error = error if error > max(PRECISE, widest_uncertainty(verdict)) * top else 0.0
+    shown_error = max(error_beside(verdict, answer, one) for one in alike) * scale.force
 
     def with_error(values: Sequence[float]) -> str:
-        """As `span`, of forces of `alike`, each with its own error where errors are told: that of one rule may be a
-        half of its force and a thousandth of that of another rule."""
-        said = span(values, scale.force_unit, shown_error)
+        """As `span`, of forces of `alike`, with their error where it is told."""
         if not shown_error:
-            return said
-        if " to " not in said:
-            return with_scatter(values[0], error, scale.force_unit)
-        unit = answer.contacts.mean_threshold * scale.force
-        each = sorted(zip(values, (one.error * unit for one in alike), strict=True))
-        return " to ".join(with_scatter(*end, scale.force_unit) for end in (each[0], each[-1]))
+            return span(values, scale.force_unit)
+        ends = (with_scatter(end, error, scale.force_unit) for end in (min(values), max(values)))
+        return " to ".join(dict.fromkeys(ends))
 
     after = [one.after * scale.force for one in alike]
     if kind == "smooth":

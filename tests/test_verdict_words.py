@@ -1,0 +1,205 @@
+"""What a verdict's numbers are worth, word by word: digits, errors, slips that were seen; and refusals in one line."""
+
+import re
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from origins import Contacts, Delay, gaussian
+from tests.scenes import said, write
+from toolkit.running.progress import Progress
+from toolkit.scene.scale import scale_of
+from toolkit.verdict import answers
+from toolkit.verdict.picture import draw_verdict
+from toolkit.verdict.sliders.budget import at_most
+from toolkit.verdict.sliders.machine import Behaviour, Machine, not_followed
+from toolkit.verdict.text.critical_spring import of_critical_spring
+from toolkit.verdict.text.words import page
+from toolkit.verdict.trace import last_cycles
+from toolkit.verdict.uncertainty import range_of_force
+from toolkit.verdict.with_mass import closely, rests_after
+
+pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
+
+NUMBER = answers.Quantity(0.5, 1e-9)
+LIGHT, HEAVY = Machine(1e-2, None, 0.0, 1.0), Machine(1e-2, 1e-4, 2e-4, 1.0)
+
+
+def slips(rule: str, **other: Any) -> Behaviour:
+    """A slider that slips from 0.6, as far as its numbers go."""
+    known: dict[str, Any] = {"kind": "stick-slip", "before": 0.6, "after": 0.0, "slips": 6}
+    return replace(not_followed(rule, ""), **(known | {"success": True, "error": 1e-9} | other))
+
+
+def told(
+    *behaviours: Behaviour,
+    kinetic: answers.Quantity = NUMBER,
+    machine: Machine = LIGHT,
+    **more: Any,
+) -> answers.Verdict:
+    """The verdict on thresholds 1 ± 0.3 with these sliders."""
+    contacts = Contacts(gaussian(1.0, 0.3), **more)
+    critical = replace(kinetic, value=0.44)
+    own = answers.Answer(
+        *("own", contacts, scale_of(contacts, None)),
+        *(kinetic, replace(kinetic, value=0.6), critical, machine, behaviours),
+    )
+    return answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)
+
+
+def test_numbers_have_two_digits_where_other_samples_change_them_by_more_than_a_tenth() -> None:
+    """The range over readings and what is smooth, beside ± 0.15, as the table's numbers."""
+    vague = answers.Quantity(0.5123, 1e-9, 0.15)
+    found = told(slips("instant", kind="smooth", before=0.5123, after=0.5123), kinetic=vague)
+    other = replace(found.own, name="other", kinetic=replace(vague, value=0.5234))
+    text = page(replace(found, answers=(found.own, other)))
+    assert text[2].startswith("smooth at 0.51 N_c<k> length; other samples would change F_k by ±")
+    (row,) = (one for one in text if one.startswith("kinetic friction F_k"))
+    assert re.search(r"0\.51 N_c<k> length +± 0\.15 .* 0\.51 \S+ length to 0\.52", row)
+    # readings differ by what their own errors, which are small, let know
+    exact = replace(vague, sampling=None)
+    own = replace(found.own, kinetic=exact, static=exact)
+    other = replace(other, kinetic=replace(exact, value=0.8), static=replace(exact, value=0.8))
+    text = page(replace(found, answers=(own, other)))[2]
+    assert (
+        text
+        == "smooth at 0.512 N_c<k> length; F_k of the 2 readings is 0.512 N_c<k> length to "
+        + ("0.800 N_c<k> length")
+    )
+
+
+def test_a_range_of_forces_has_the_digits_of_their_errors() -> None:
+    """Forces before slips of contacts that wait, each known to a tenth, and F_k of a rigid slider to 1e-9."""
+    own = told(slips("mass", before=2.99, error=0.3), delay=Delay(5.0)).own
+    other = replace(own, name="b", behaviours=(slips("mass", before=3.13, error=0.3),))
+    verdict = replace(told(), answers=(own, other))
+    assert range_of_force(verdict).endswith("is 3.0 N_c<k> length to 3.1 N_c<k> length")
+    sharp = (slips("mass", before=3.13, error=1e-5),)
+    verdict = replace(told(), answers=(own, replace(other, behaviours=sharp)))
+    assert range_of_force(verdict).endswith("is 3.0 N_c<k> length to 3.130 N_c<k> length")
+
+
+def test_rules_with_errors_of_their_own_stand_apart_in_the_headline() -> None:
+    """The same forces, one known to 1e-2 and one to 0.1; as one they would both have the larger error."""
+    apart = page(told(slips("reset", error=1e-2), slips("reform-after", error=0.1)))[2]
+    assert "0.60 ± 0.01 N_c<k> length down to 0 N_c<k> length if a slip renews" in apart
+    assert "stick-slip: 0.60 ± 0.10 N_c<k> length down to 0" in apart
+    assert apart.endswith("if contacts re-form after the slip")
+    alike = page(told(slips("reset", error=1e-2), slips("reform-after", error=1e-2)))[2]
+    assert alike.count("±") == 1
+
+
+def test_few_slips_say_how_many_and_why_they_tell() -> None:
+    """Of two by the master equation the regime's reason; of three of the ensemble that they are of four sliders."""
+    why = "2 slips up to the end of the path, and a reset leaves contacts that slip again"
+    text = "\n".join(page(told(slips("reset", slips=2, message=f"{why}; up to 100% of them"))))
+    assert re.search(rf"\nslips seen \(reset\) +{why}\n", text)
+    text = "\n".join(page(told(slips("reset", slips=3, contacts=2000, message="by 4 sliders"))))
+    assert re.search(r"\nslips seen \(reset\) +3 slips of each of 4 sliders\n", text)
+    assert "slips seen" not in "\n".join(page(told(slips("reset", slips=5))))
+
+
+def test_what_is_not_known_has_no_error() -> None:
+    """K* was not found in time: its error is not told beside those of F_k and F_s."""
+    found = told(slips("reset"))
+    late = replace(found, answers=(replace(found.own, critical_spring=answers.UNKNOWN),))
+    assert "  F_k, F_s and K*: at most 2e-09" in page(found)
+    assert "  F_k and F_s: at most 2e-09" in page(late)
+    nothing = replace(late.own, static=answers.UNKNOWN)
+    assert "  F_k: at most 2e-09" in page(replace(late, answers=(nothing,)))
+
+
+def test_k_star_of_a_slider_with_mass_promises_no_slip() -> None:
+    assert of_critical_spring(told(machine=LIGHT).own).startswith("slips at least once below")
+    assert of_critical_spring(told(machine=HEAVY).own).startswith("balance unstable somewhere")
+    waits = told(machine=HEAVY, delay=Delay(1.0)).own
+    assert of_critical_spring(waits).startswith("K*, the steepest fall")
+    figure = draw_verdict(told(slips("mass", kind="smooth"), machine=HEAVY))
+    assert figure.axes[-1].get_xlabel().startswith("balance unstable somewhere")
+
+
+def test_the_panel_of_a_slip_says_when_the_slider_rests_or_that_it_still_moves() -> None:
+    """Contacts come back after 0.5, in the second half of the first swing, and hold; without damping, after 50, the
+    panel ends before."""
+    for delay, damping, rests in ((0.5, 2e-4, True), (50.0, 0.0, False)):
+        contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(delay))
+        machine = replace(HEAVY, damping=damping)
+        begun = slips("mass", slip_time=0.314, first_slip=79.0, contacts=2000, run_time=0.0)
+        begun = replace(begun, drive=np.array([0.0, 80.0]), force=np.array([0.0, 0.8]))
+        found = closely(begun, machine, contacts, 1e9)
+        after = rests_after(found, machine)
+        assert np.isnan(after) != rests
+        if rests:
+            assert 0.3 < after < 4.0
+        verdict = told(found, machine=machine, delay=Delay(delay))
+        (panel,) = (one for one in draw_verdict(verdict).axes if one.get_label() == "slip")
+        label = panel.lines[1].get_label()
+        assert ("at rest after" in label) == rests and ("still moving" in label) != rests
+
+
+def test_the_last_part_of_a_way_of_few_cycles_is_a_part_of_it() -> None:
+    """Of 6.6 cycles with swings that a line cannot draw not six, which are nearly all, but one or two."""
+    drive = np.linspace(0.0, 6.6, 400)
+    force = np.where(np.arange(400) % 2, 0.5, -0.3)
+    begin = last_cycles(told(slips("mass", drive=drive, force=force, period=1.0), machine=HEAVY))
+    assert begin is not None and 1.0 <= 6.6 - begin <= 2.0
+
+
+def test_a_machine_without_units_is_refused_before_its_surface_is_read(capsys: Any) -> None:
+    """There is no such scan, which would be told if it were looked for."""
+    law = {"kind": "from-topography", "model": "gw", "law": "amontons", "pressure": 1e6}
+    law |= {"surface": {"kind": "scan", "file": "none.di"}}
+    law |= {"material": {"contact_modulus": 1e9, "shear_modulus": 1e9, "local_friction": 0.4}}
+    area = {"area": 1e-6}
+    refused: list[tuple[dict[str, Any], str]] = [
+        ({"spring": 50.0} | area, r"drive\.spring = 50\.0: has no unit; of a surface write"),
+        ({"spring": "50 N/mm2"} | area, r"drive\.spring = '50 N/mm2': unit N/mm2 is not known"),
+        ({"spring": "50 N/m"}, r"drive\.spring = '50 N/m': needs drive\.area"),
+        ({"spring": "50 N/m", "mass": 0.1} | area, r"drive\.mass = 0\.1: has no unit"),
+    ]
+    for drive, says in refused:
+        scene = write(contacts={"thresholds": law}, drive=drive, master=None)
+        status, _, (line,) = said(capsys, "verdict", scene)
+        assert status == 2 and re.search(says, line)
+    scene = write(contacts={"thresholds": law}, drive={"spring": "50 N/m"} | area, master=None)
+    _, _, (line,) = said(capsys, "verdict", scene)
+    assert "none.di" in line
+
+
+def test_the_end_of_a_key_is_told_in_whole(capsys: Any) -> None:
+    for end, whole in (
+        ("mean_atoms", None),
+        ("thresholds.std", "contacts.thresholds.std"),
+        ("slip", "drive.slip"),
+    ):
+        status, _, (line,) = said(capsys, "run", "stick-slip", "--set", f"{end}=0.1")
+        no_such = "unknown key" in line and whole is None  # of other thresholds
+        assert status == 2 and (no_such or line.endswith(f"is no whole key; write {whole}"))
+    _, _, (line,) = said(capsys, "run", "stick-slip", "--set", "tolerance=0.1")
+    assert line.endswith("write eq.tolerance or master.tolerance")
+    _, _, (line,) = said(capsys, "show", "gw-gaussian", "--set", "thresholds.shape=0.1")
+    assert "unknown key" in line
+
+
+def test_a_unit_that_the_shell_took_apart_is_told_with_its_quotes(capsys: Any) -> None:
+    words = "verdict", "stick-slip", "--set", "drive.spring=50", "N/m"
+    status, _, (line,) = said(capsys, *words)
+    assert status == 2 and line.endswith("""write --set drive.spring='"50 N/m"'""")
+    first = "verdict", "--set", "drive.mass=1e-9", "N_c<k>", "s2", "stick-slip"
+    _, _, (line,) = said(capsys, *first)
+    assert line.endswith("""write --set drive.mass='"1e-9 N_c<k> s2"'""")
+    _, _, (line,) = said(capsys, "run", "stick-slip", "another")
+    assert line == "mesofriction: another: not known here; mesofriction run --help says what is"
+
+
+def test_progress_says_how_long_a_verdict_takes_at_most(capsys: Any) -> None:
+    for given, says in ((90.0, "of at most 0:01:30 (wall_time)"), (None, "of some 0:01:00, more")):
+        bar = Progress("verdict", most=at_most(given))
+        bar._begun = time.monotonic() - 7.2
+        bar.doing("reading 1 of 1")
+        bar.close()
+        line = capsys.readouterr().err
+        assert line.startswith(f"mesofriction: verdict: reading 1 of 1, after 0:00:07 {says}")

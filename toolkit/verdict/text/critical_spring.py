@@ -1,0 +1,51 @@
+"""K* in words: what it tells of a slider, and below which spring one without a machine slips."""
+
+import numpy as np
+
+from toolkit.scene.scale import written
+from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.sliders.budget import NO_FORCES
+from toolkit.verdict.uncertainty import spring_to_digits
+
+
+def of_critical_spring(own: Answer) -> str:
+    """What K* tells of the machine's slider."""
+    # one that sticks is slower than the drive: of contacts that depend on time K* promises no slip
+    if own.contacts.in_time:
+        return "K*, the steepest fall of the force"
+    # nor with a mass, whose slip hangs on more
+    if own.machine is not None and own.machine.mass:
+        return "balance unstable somewhere below the spring K*"
+    return "slips at least once below the spring K*"
+
+
+def without_spring(verdict: Verdict) -> str:
+    """Below which spring the interface slips, over all readings."""
+    if verdict.own.smoothed:
+        return (
+            "slips on springs softer than K*, which is not known: it hangs on the smoothing of P_c of these islands; "
+            "give drive.spring for a verdict on a machine"
+        )
+    if verdict.own.critical_spring.unknown:
+        return NO_FORCES
+    if verdict.own.critical_spring.lost:
+        return (
+            "slips on springs softer than K*, which is not known: its numerical error is as large as itself; give "
+            "drive.spring for a verdict on a machine"
+        )
+    with_spring = [answer for answer in verdict.answers if not answer.critical_spring.lost]
+    springs = [answer.critical_spring.value * answer.scale.spring for answer in with_spring]
+    own, unit, spread = springs[0], verdict.own.scale.spring_unit, max(springs) - min(springs)
+    if not np.isfinite(spread):
+        spread = 0.0
+    sampling = (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring
+    spread = max(spread, sampling)
+    said = f"slips on a spring softer than K* = {spring_to_digits(own, unit, spread)}"
+    if sampling >= own:
+        said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
+    if len(springs) > 1:
+        ends = " to ".join(
+            spring_to_digits(one, unit, spread) for one in (min(springs), max(springs))
+        )
+        said += f" (from {ends} over {len(springs)} readings)"
+    return f"{said}; give drive.spring for a verdict on a machine"
