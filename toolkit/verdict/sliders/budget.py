@@ -108,9 +108,10 @@ class Budget:
 
 
 def at_most(wall_time: float | None) -> str:
-    """How long a verdict takes at most, for its progress: the time that is given, or some time of work."""
+    """How long a verdict takes at most, for its progress: the time that is given, or some time of work, which takes
+    longer on a busy machine."""
     if wall_time is None:
-        return f" of some {clock(WALL_TIME)}, more on a busy machine"
+        return f" of some {clock(WALL_TIME)}"
     return f" of at most {clock(wall_time)} (wall_time)"
 
 
