@@ -66,6 +66,24 @@ class IntegratedRate:
         if self._log_relaxed_time is not None:
             rate_at_0 = self._rates.log_rate(0.0, threshold, 1.0)
             return np.maximum(rate_at_0 + self._log_relaxed_time[contact], LEAST_LOG)
+        return np.log(np.maximum(self._summed(contact, threshold, on), np.exp(LEAST_LOG)))
+
+    def on_one_leg(self, threshold: Array) -> Array:
+        """A of all contacts where there is one leg, at thresholds of shape (n, k), as in `log`: no leg is looked for,
+        and no logarithm is taken."""
+        contact = np.arange(threshold.shape[0])
+        if self._log_relaxed_time is not None:
+            return np.asarray(np.exp(self.log(contact, threshold)))
+        together = max(TOGETHER // max(threshold.shape[1], 1), 1)
+        total = np.empty(threshold.shape)
+        for begin in range(0, contact.size, together):
+            some = slice(begin, begin + together)
+            ends = self._stretch[some, :1], self._stretch[some, 1:]
+            total[some] = self._mean_rate(*ends, threshold[some]) * self._duration[some]
+        return total
+
+    def _summed(self, contact: Rows, threshold: Array, on: Array | float) -> Array:
+        """A, as in `log`, leg by leg."""
         total = np.zeros(threshold.shape)
         row, leg = np.nonzero(self._duration[contact] * on)
         together = max(TOGETHER // max(threshold.shape[1], 1), 1)
@@ -77,7 +95,7 @@ class IntegratedRate:
             on_leg = self._mean_rate(*ends, threshold[some]) * self._duration[own, which]
             first = np.flatnonzero(np.append(True, some[1:] != some[:-1]))
             total[some[first]] += np.add.reduceat(on_leg, first, axis=0)
-        return np.log(np.maximum(total, np.exp(LEAST_LOG)))
+        return total
 
     def _mean_rate(self, begin: Array, end: Array, threshold: Array) -> Array:
         """Mean of h over straight moves, at thresholds of shape (n, k); ends of shape (n, 1)."""

@@ -63,7 +63,7 @@ class ThresholdCells:
         # rates are defined.
         passed = np.maximum(np.abs(leg.begin), np.abs(leg.end))
         above = np.maximum(thresholds, passed[:, None])
-        return np.asarray(np.exp(integrated.log(np.arange(count), above)))
+        return integrated.on_one_leg(above)
 
     def survival_and_force(
         self, integrals: Array, stretch: Array, least: Array, unmet: Array
