@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.rate_state.reading import TWICE
 from master.rate_state.traces import VelocityStep
 from origins.thresholds.law import Array
 
@@ -50,48 +49,56 @@ def critical_spring_of(
     """The spring below which smooth sliding is unstable, by the mean answer to small steps up and down; 0 where it is
     stable on every spring. `unit`: a length, the mean threshold.
 
+    The mean of both ways is an even function of ε = ln(v_after/v_before), so that `larger` steps about the same speed
+    are off by ε_l² where these are by ε_s²: by both the transform is extrapolated to ε = 0.
+
     Disturbances so fast that the sign of Re T is not known, by the error of the forces and by what the slips leave out,
-    are not looked at. The error is the sum of three parts. What the steps leave out: the mean of both ways is an even
-    function of ε = ln(v_after/v_before), so that `larger` steps about the same speed are off by ε_l² where these are by
-    ε_s², and these by the difference times ε_s²/(ε_l² - ε_s²), taken twice for higher orders; without them, how far
-    each way alone is from the mean, of first order in ε. What the slips do: the answer taken as straight between those
-    at which it is known, and the error of the forces in Im T, also where they swing on beyond the end. And what that
-    error does as a shift of the whole answer.
+    are not looked at. The error is the sum of what follows. What steps that are not small do: all that the
+    extrapolation changes, or, without larger steps, how far each way alone is from the mean. What the slips do: the
+    answer taken as straight between those at which it is known. What an error of the forces does that moves T by as
+    much, in any direction of the complex plane. And what swings on beyond the end, by what is seen to be left there.
     """
+    waves = np.geomspace(_LEAST_WAVE, _MOST_WAVE, _WAVES) / unit
+    slips, mean, small = steps[0].slip, _mean(steps), abs(steps[0].log_ratio)
+    smooth, plain = _of_curve(steps, waves), transform(slips, mean, waves)
+    shift = steps[0].error / small
+    # of q T, which is a spring
+    sampled = np.maximum.accumulate(waves * np.abs(smooth - plain))
+    significant = np.flatnonzero(waves * np.abs(smooth.real) > sampled + waves * shift)
+    known = slice(significant[-1] + 1 if significant.size else None)
+    waves, smooth, plain, sampled = waves[known], smooth[known], plain[known], sampled[known]
+    answer, of_steps = smooth, _largest(waves, smooth).spring
+    if larger:
+        order = (larger[0].log_ratio / small) ** 2 - 1.0
+        answer = smooth + (smooth - _of_curve(larger, waves)) / order
+    value, wave = _largest(waves, answer)
+    left_out = abs(value - of_steps)
+    if not larger:
+        each = (_largest(waves, transform(slips, one.response, waves)).spring for one in steps)
+        left_out = max(abs(spring - _largest(waves, plain).spring) for spring in each)
+    straight = abs(_largest(waves, plain).spring - of_steps)
+    of_slips = max(straight, float(np.interp(wave, waves, sampled)))
+    # the transform of a constant is that constant
+    moved = (_largest(waves, answer + sign * shift).spring for sign in (-1, 1))
+    of_forces = float(np.hypot(wave * shift, max(abs(spring - value) for spring in moved)))
+    swings = 0.0
+    if wave * unit < _SWINGS:
+        # what is left over the last wave swings on at about this wave number, and decays as it did
+        off = np.abs(mean - np.mean([one.slope for one in steps]))
+        left = off[slips >= slips[-1] - 2.0 * np.pi / max(wave, _LEAST_WAVE / unit)].max()
+        fallen = np.log(off.max() / left) if left else np.inf
+        swings = 0.5 * wave**2 * float(left * slips[-1] / max(fallen, 1.0))
+    return CriticalSpring(value, of_slips + of_forces + swings + left_out)
+
+
+def _of_curve(steps: Sequence[VelocityStep], waves: Array) -> Array:
+    """T at wave numbers, of a smooth curve through the mean answer of these steps."""
     from scipy.interpolate import PchipInterpolator
 
-    def of_answer(slip: Array, response: Array) -> float:
-        """The largest spring by a response at these slips."""
-        return _largest(waves, transform(slip, response, waves)).spring
-
-    waves = np.geomspace(_LEAST_WAVE, _MOST_WAVE, _WAVES) / unit
-    slips, mean = steps[0].slip, _mean(steps)
+    slips = steps[0].slip
     places = np.arange((slips.size - 1) * _FINER + 1) / _FINER
     slip = np.interp(places, np.arange(slips.size), slips)
-    smooth = transform(slip, PchipInterpolator(slips, mean)(slip), waves)
-    plain = transform(slips, mean, waves)
-    small, shift = abs(steps[0].log_ratio), steps[0].error / abs(steps[0].log_ratio)
-    # of q T, which is a spring
-    error = np.maximum.accumulate(waves * np.abs(smooth - plain)) + waves * shift
-    significant = np.flatnonzero(waves * np.abs(smooth.real) > error)
-    waves = waves[: significant[-1] + 1 if significant.size else None]
-    smooth, plain = smooth[: waves.size], plain[: waves.size]
-    value, wave = _largest(waves, smooth)
-    # the transform of a constant is that constant
-    moved = (_largest(waves, smooth + sign * shift).spring for sign in (-1, 1))
-    shifted = max(abs(one - value) for one in moved)
-    straight = _largest(waves, plain).spring
-    if larger:
-        apart = abs(of_answer(larger[0].slip, _mean(larger)) - straight)
-        left_out = TWICE * apart / ((larger[0].log_ratio / small) ** 2 - 1.0)
-    else:
-        left_out = max(abs(of_answer(slips, one.response) - straight) for one in steps)
-    transform_error = float(np.interp(wave, waves, error[: waves.size]))
-    if wave * unit < _SWINGS:
-        # what is left at the end swings on at about this wave number, and decays as it did
-        fallen = np.log(np.abs(mean - mean[-1]).max() / shift) if shift else np.inf
-        transform_error += 0.5 * wave**2 * shift * float(slips[-1] / max(fallen, 1.0))
-    return CriticalSpring(value, max(abs(straight - value), transform_error) + shifted + left_out)
+    return transform(slip, PchipInterpolator(slips, _mean(steps))(slip), waves)
 
 
 def _mean(steps: Sequence[VelocityStep]) -> Array:
