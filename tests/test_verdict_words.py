@@ -8,15 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from origins import Contacts, Delay, gaussian
+from origins import Contacts, Delay, Thermal, gaussian
 from tests.scenes import said, write
 from toolkit.running.progress import Progress
-from toolkit.scene.scale import scale_of
+from toolkit.scene.scale import Scale, scale_of
 from toolkit.verdict import answers
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import at_most
-from toolkit.verdict.sliders.machine import Behaviour, Machine, not_followed
+from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider, not_followed
 from toolkit.verdict.text.critical_spring import of_critical_spring
+from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.words import page
 from toolkit.verdict.trace import last_cycles
 from toolkit.verdict.uncertainty import range_of_force
@@ -195,6 +197,15 @@ def test_a_unit_that_the_shell_took_apart_is_told_with_its_quotes(capsys: Any) -
     assert line == "mesofriction: another: not known here; mesofriction run --help says what is"
 
 
+def test_what_a_solver_says_of_a_slider_with_mass_is_in_the_units_of_the_page() -> None:
+    """Its damping is a time over N_c<k>; 2e6 N/m of these."""
+    newtons = Scale(1.0, "N", 2e6, "N/m", "m", "s")
+    why = "takes 9 steps to t = 518; give a larger damping (a hundredth of the critical one of a slider that sticks is "
+    assert in_units(f"{why}5e-07)", newtons).endswith("of a slider that sticks is 1.00 N s/m)")
+    far = "a slider with mass goes on by 3e-05 or more, in 4e+04 steps"
+    assert "goes on by 30.0 µm or more" in in_units(far, newtons)
+
+
 def test_progress_says_how_long_a_verdict_takes_at_most(capsys: Any) -> None:
     for given, says in ((90.0, "of at most 0:01:30 (wall_time)"), (None, "of some 0:01:00")):
         bar = Progress("verdict", most=at_most(given))
@@ -203,3 +214,24 @@ def test_progress_says_how_long_a_verdict_takes_at_most(capsys: Any) -> None:
         bar.close()
         line = capsys.readouterr().err
         assert line.startswith(f"mesofriction: verdict: reading 1 of 1, after 0:00:07 {says}")
+
+
+def test_the_bound_of_heat_that_is_left_out_is_no_standard_error() -> None:
+    """Nor has a slider that is not decided, and was not seen to slip, a force whose error could be told."""
+    by_contacts = slips("reset", error=0.1, contacts=2000, message="by 4 sliders")
+    cold = replace(by_contacts, heat_left_out=0.09, message="by 4 sliders without heat")
+    said = "between sliders, with what heat that is left out may change"
+    assert said in "\n".join(page(told(cold))) and said not in "\n".join(page(told(by_contacts)))
+    unknown = slips("reset", kind="undecided", slips=0, error=0.1)
+    assert "forces of the slider" not in "\n".join(page(told(unknown, machine=LIGHT)))
+
+
+def test_a_slider_whose_heat_is_left_out_is_pulled_on_until_it_is_decided() -> None:
+    """The bound of cold heat alone is above the tolerance. On a drive as fast as this the mass lags behind: the first
+    path ends before it has slid, a longer one does not."""
+    heat = Thermal(law="stiff", temperature=1e-7, attempt_frequency=1e6)
+    contacts = Contacts(gaussian(1.0, 0.3), thermal=heat)
+    machine = Machine(spring=0.01, mass=1.0, damping=0.2, velocity=30.0)
+    found = follow(machine, contacts, "mass", RigidSlider(0.6, 0.545, 0, 0.44, 3.0), 1e9)
+    assert found.heat_left_out is not None and found.error > 1e-3
+    assert found.kind == "smooth" and found.drive[-1] > 1000.0

@@ -169,7 +169,8 @@ def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
         return {f"slips of {whose}": f"none{beside}"}
     rows = {f"slips of {whose}, from": fall_of(many, scale) + left_out(many)}
     if many.kind == "stick-slip" and many.slips < ENOUGH_SLIPS:
-        rows[f"slips seen of {whose}"] = f"{many.slips:.3g} of each of {SLIDERS} sliders"
+        few = f"{many.slips:.3g} of each of {SLIDERS} sliders, few: their scatter is in the errors"
+        rows[f"slips seen of {whose}"] = few
     if many.kind == "stick-slip" and many.period is not None:
         rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, many))
     if (mean_force := mean_over_slips(many)) is not None:

@@ -149,11 +149,14 @@ def numerical_errors(verdict: Verdict) -> list[str]:
     groups = dict[str, list[str]]()
     for one in own.behaviours:
         relative_error = one.error * mean / abs(one.before or np.nan)
-        if 0.0 < relative_error < np.inf and one.swings is None:  # which are told, and no error
+        # what still swings is told, and no error; of a slider that is not decided there is no force
+        seen = one.swings is None and (one.kind != "undecided" or one.slips)
+        if 0.0 < relative_error < np.inf and seen:
             beyond = ", more than the force" if relative_error > 1.0 else ""
             each = f"at most {relative_error:.0e}{beyond}"
             if one.contacts is not None:  # that of the ensemble is no bound
                 each = f"a standard error of {relative_error:.0e}, between sliders"
+                each += ", with what heat that is left out may change" * bool(one.heat_left_out)
             groups.setdefault(each, []).append(one.rule)
     said += [
         f"forces of the slider under {' and '.join(rules)}: {each}"

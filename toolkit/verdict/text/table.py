@@ -259,9 +259,17 @@ def in_units(message: str, scale: Scale) -> str:
     if scale.length_unit != "m":
         return message
     damping = scale.spring, scale.damping_unit
-    units = dict.fromkeys(("falls with the speed by ", "damping is ", "give one above "), damping)
-    units |= dict.fromkeys(("X_T = ", "X = "), (1.0, scale.length_unit))
-    units |= dict.fromkeys(("lasts some ", "t = "), (1.0, scale.time_unit))
+    of_damping = (
+        "falls with the speed by ",
+        "damping is ",
+        "give one above ",
+        "slider that sticks is ",
+    )
+    units = dict.fromkeys(of_damping, damping)
+    of_length = "X_T = ", "X = ", "a slider with mass goes on by ", "the slider goes by "
+    units |= dict.fromkeys(of_length, (1.0, scale.length_unit))
+    of_time = "lasts some ", "t = ", "to a time of some "
+    units |= dict.fromkeys(of_time, (1.0, scale.time_unit))
     for before, (factor, unit) in units.items():
         for number in re.findall(rf"{before}(\d[\d.]*(?:e[+-]?\d+)?)", message):
             text = written(factor * float(number), unit)

@@ -140,7 +140,9 @@ def turned(verdict: Verdict) -> list[str]:
     if other.rule == "mass":
         late = spoken(long_delay_of(own), own.scale.time_unit)
         whose, tells = f"only after {late}", ""
-    return [f"contacts that form again {whose} would make it {does}{tells}"]
+    # it is followed so, as heat and a mass with another delay would take minutes
+    cold = ", without heat" * (own.contacts.thermal is not None)
+    return [f"contacts that form again {whose} would make it {does}{tells}{cold}"]
 
 
 def _kinds(verdict: Verdict) -> list[str]:

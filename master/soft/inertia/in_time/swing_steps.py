@@ -147,7 +147,7 @@ class SwingSteps(Steps):
             trial = self.contacts.trial(0.0, self.contacts.now + size / self._rate)
             lasts, root = trial.end - self.contacts.now, root._replace(converged=False)
         if not lasts:
-            raise StoppedError(f"steps at t = {self.contacts.now:.9g} are too short for its digits")
+            raise StoppedError(_too_fine(self.contacts.now))
         # a step that leads through the turn ahead, and back beyond the place where it began, is none
         if self.sign * trial.travel < 0.0:
             root = root._replace(converged=False)
@@ -186,3 +186,8 @@ class SwingSteps(Steps):
         if abs(swung.speed) > STILL_MOVES * max(abs(self.speed), self.length * self._fastest):
             raise FaultError(f"no turn of the slider is found beyond t = {self.contacts.now:.6g}")
         return swung._replace(speed=0.0, turns=True)
+
+
+def _too_fine(now: float) -> str:
+    """Why no step is taken at this time: it would be no later by the digits that a time has."""
+    return f"near t = {now:.9g} steps are shorter than the last digit of t: the mass is too light for so slow a drive"
