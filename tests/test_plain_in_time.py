@@ -449,6 +449,17 @@ def test_a_balance_is_found_after_a_slip_whatever_slope_is_guessed(slope: float)
     assert abs(root.step.imbalance) < 1e-8
 
 
+def test_a_balance_between_two_numbers_without_one_between_is_found() -> None:
+    """As of a step without balance, far below 0, where the imbalance rises by rounding from one number to the next."""
+    low = -5.0e12
+
+    def tried(time_part: float) -> Any:
+        return SimpleNamespace(time_part=time_part, imbalance=-1e-14 if time_part <= low else 1e-14)
+
+    root = steps_in_time.secant(tried, low, 1e-11, accuracy=1e-9, small=1e-17)
+    assert root.converged and abs(root.step.time_part - low) <= 2.0 * np.spacing(abs(low))
+
+
 def test_a_step_that_leads_against_the_motion_is_a_fault(monkeypatch: Any) -> None:
     """Steps are counted along the motion: counted the other way their sizes are below 0, and their ends were lost."""
     monkeypatch.setattr(Steps, "turn_round", lambda self: None)

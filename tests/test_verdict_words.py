@@ -16,7 +16,7 @@ from toolkit.verdict import answers
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import at_most
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider, not_followed
+from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
 from toolkit.verdict.text.critical_spring import of_critical_spring
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.words import page
@@ -235,3 +235,26 @@ def test_a_slider_whose_heat_is_left_out_is_pulled_on_until_it_is_decided() -> N
     found = follow(machine, contacts, "mass", RigidSlider(0.6, 0.545, 0, 0.44, 3.0), 1e9)
     assert found.heat_left_out is not None and found.error > 1e-3
     assert found.kind == "smooth" and found.drive[-1] > 1000.0
+
+
+def test_contacts_that_slide_without_a_slip_have_no_few_slips() -> None:
+    smooth = slips("mass", kind="smooth", slips=0, contacts=2000, message="by 4 sliders", error=0.1)
+    smooth = replace(smooth, sliders=Finite("mass", 2000, "smooth"))
+    assert "each of which slipped" not in "\n".join(page(told(smooth, machine=HEAVY)))
+
+
+def test_the_title_of_a_picture_ends_before_a_reason_that_is_cut() -> None:
+    why = slips(
+        "mass", kind="undecided", slips=0, message="takes 9 steps; give a damping (5 of it)"
+    )
+    figure = draw_verdict(told(why, machine=HEAVY))
+    assert figure.get_suptitle().splitlines()[1] == "not decided"
+
+
+def test_forces_with_another_delay_say_that_they_are_without_heat() -> None:
+    slides = slips("mass", kind="smooth", slips=1, before=0.5, after=0.5)
+    heat = Thermal(law="stiff", temperature=1e-7, attempt_frequency=1e6)
+    warm = replace(told(slides, machine=HEAVY, thermal=heat), turned=slips("mass", before=0.9))
+    assert re.search(r"make it stick-slip: 0\.9\S* .* length, without heat$", page(warm)[3])
+    cold = replace(told(slides, machine=HEAVY), turned=slips("mass", before=0.9))
+    assert "make it stick-slip" in page(cold)[3] and "heat" not in page(cold)[3]

@@ -62,6 +62,8 @@ def draw_verdict(verdict: Verdict) -> Any:
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
     # the page has the rest: numbers of infinitely many contacts and of other readings, and why not to trust it
     answer = re.sub(r" \([^()]*for infinitely many\)", "", sentence(verdict)).partition("; ")[0]
+    if answer.count("(") > answer.count(")"):  # a reason that goes on behind what was cut
+        answer = answer.partition(" (")[0]
     doubt = ["do not trust this: the page says why"] * bool(warnings(verdict))
     doubt = [*doubt, answer, *([] if pulled else _why_not_drawn(verdict))]
     title = "\n".join(map(in_lines, [verdict.title, *doubt]))
@@ -194,7 +196,7 @@ def _draw_springs(axes: Any, verdict: Verdict) -> None:
     if own.machine is not None and own.machine.mass:
         said = f"balance unstable somewhere below\nthe critical spring {name}"
     if own.contacts.in_time:
-        said = f"steepest fall of the force of\na rigid slider as fast as the drive, {name}"
+        said = f"steepest fall of the force\nof a rigid slider as fast\nas the drive, {name}"
     name_axis(axes.xaxis, said, "" if unit == SHARED else unit)
 
 

@@ -288,6 +288,8 @@ def secant(
         after = at + move
         if bracketed and not low < after < high:
             after = 0.5 * (low + high)
+        if after == at:  # no number lies between: the root is known to its last digit
+            return Root(step, slope, converged=True)
         step = tried(after)
         rise = (step.imbalance - value) / (after - at)
         slope = rise if rise > 0.0 else slope / LONGER_MOVE

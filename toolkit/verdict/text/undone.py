@@ -116,7 +116,7 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         error_text = written(error * scale.force, scale.force_unit, digits=2)
         which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
         slips = [one.sliders.slips for one in by_contacts if one.rule in rules and one.sliders]
-        if slips and min(slips) < ENOUGH:
+        if slips and 0.0 < min(slips) < ENOUGH:
             said += f", each of which slipped some {min(slips):.2g} times: few, so that their scatter is in the errors"
         more = ", with what more contacts would change" * any(
             _fewer_than_there_are(verdict, one) for one in by_contacts if one.rule in rules

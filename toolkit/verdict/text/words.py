@@ -142,7 +142,7 @@ def turned(verdict: Verdict) -> list[str]:
         whose, tells = f"only after {late}", ""
     # it is followed so, as heat and a mass with another delay would take minutes
     cold = ", without heat" * (own.contacts.thermal is not None)
-    return [f"contacts that form again {whose} would make it {does}{tells}{cold}"]
+    return [f"contacts that form again {whose} would make it {does}{cold}{tells}"]
 
 
 def _kinds(verdict: Verdict) -> list[str]:
