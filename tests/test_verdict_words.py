@@ -61,6 +61,9 @@ def test_numbers_have_two_digits_where_other_samples_change_them_by_more_than_a_
     assert text[2].startswith("smooth at 0.51 N_c<k> length; other samples would change F_k by ±")
     (row,) = (one for one in text if one.startswith("kinetic friction F_k"))
     assert re.search(r"0\.51 N_c<k> length +± 0\.15 .* 0\.51 \S+ length to 0\.52", row)
+    wide = replace(vague, sampling=0.08)
+    own = replace(found.own, kinetic=wide, static=wide)
+    assert page(replace(found, answers=(own,)))[2].startswith("smooth at 0.51 N_c<k> length")
     # readings differ by what their own errors, which are small, let know
     exact = replace(vague, sampling=None)
     own = replace(found.own, kinetic=exact, static=exact)
@@ -161,6 +164,7 @@ def test_a_machine_without_units_is_refused_before_its_surface_is_read(capsys: A
         ({"spring": "50 N/mm2"} | area, r"drive\.spring = '50 N/mm2': unit N/mm2 is not known"),
         ({"spring": "50 N/m"}, r"drive\.spring = '50 N/m': needs drive\.area"),
         ({"spring": "50 N/m", "mass": 0.1} | area, r"drive\.mass = 0\.1: has no unit"),
+        ({"spring": "50 N/m", "slip": "rest"} | area, r"drive\.slip = 'rest': must be \"reset\", "),
     ]
     for drive, says in refused:
         scene = write(contacts={"thresholds": law}, drive=drive, master=None)
@@ -182,6 +186,8 @@ def test_the_end_of_a_key_is_told_in_whole(capsys: Any) -> None:
         assert status == 2 and (no_such or line.endswith(f"is no whole key; write {whole}"))
     _, _, (line,) = said(capsys, "run", "stick-slip", "--set", "tolerance=0.1")
     assert line.endswith("write eq.tolerance or master.tolerance")
+    _, _, (line,) = said(capsys, "run", "stick-slip", "--set", "kelvin=300.0")
+    assert "unknown key" in line  # and not sweep.kelvin, where nothing is swept
     _, _, (line,) = said(capsys, "show", "gw-gaussian", "--set", "thresholds.shape=0.1")
     assert "unknown key" in line
 

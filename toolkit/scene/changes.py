@@ -76,6 +76,8 @@ def _full_keys(tables: Mapping[str, Any], end: str) -> list[str]:
     """The keys of a scene of these tables that end so, such as contacts.thresholds.pressure for "pressure"; of its
     thresholds those that it leaves out, too."""
     every: dict[str, Any] = {name: dict.fromkeys(keys) for name, keys in keys_of_tables().items()}
+    if "sweep" not in tables:  # whose keys are those of other tables
+        del every["sweep"]
     contacts = tables.get("contacts")
     if isinstance(contacts, Mapping):
         every["contacts"] |= contacts

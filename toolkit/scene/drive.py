@@ -1,14 +1,14 @@
 """A scene's [drive]: the points of the slider's path, and their times."""
 
 import re
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.contacts import Contacts
-from origins.drive import Drive
-from origins.errors import InputError, non_negative, positive, refuse
+from origins.drive import Drive, SlipRule
+from origins.errors import InputError, non_negative, one_of, positive, refuse
 from origins.thresholds.law import Array
 from toolkit.scene import laws
 from toolkit.scene.tables import DriveTable, EqTable, SceneTable
@@ -47,8 +47,10 @@ class Given(NamedTuple):
 
 
 def check_machine(scene: SceneTable) -> None:
-    """Refuse numbers of a scene's machine whose unit is wrong or missing. That needs no contacts, which take seconds of
-    a measured surface."""
+    """Refuse a slip rule that is none, and numbers of a scene's machine whose unit is wrong or missing. That needs no
+    contacts, which take seconds of a measured surface."""
+    if scene.drive is not None and scene.drive.slip is not None:
+        one_of("drive.slip", scene.drive.slip, get_args(SlipRule))
     of_surface = scene.contacts.thresholds.get("kind") == "from-topography"
     for name in _MACHINE:
         if scene.drive is not None:

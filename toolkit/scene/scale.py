@@ -208,13 +208,13 @@ def _power_of(value: float, unit: str) -> int:
     return min(max(power, -15), 0 if unit == "s" else 12)
 
 
-def guarded(value: float, unit: str, uncertainty: float, least: int = 3) -> str:
-    """As `written`, of a value whose uncertainty is told elsewhere, with one digit more than that leaves, `least` to 4
-    of them: with two digits two values that are nearly alike may seem 4 % apart."""
+def guarded(value: float, unit: str, uncertainty: float, vague: bool = False) -> str:
+    """As `written`, of a value whose uncertainty is told elsewhere, with one digit more than that leaves, 3 or 4 of
+    them: with two digits two values that are nearly alike may seem 4 % apart. Those that are `vague` have two."""
     if not (value and 0.0 < uncertainty < np.inf):
         return written(value, unit)
-    digits = int(np.clip(_significant_digits(value, uncertainty) + 1, least, 4))
-    return written(value, unit, digits=digits)
+    digits = int(np.clip(_significant_digits(value, uncertainty) + 1, 3, 4))
+    return written(value, unit, digits=2 if vague else digits)
 
 
 def _significant_digits(value: float, uncertainty: float) -> int:

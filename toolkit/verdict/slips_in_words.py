@@ -10,7 +10,7 @@ from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, writt
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour, Finite
-from toolkit.verdict.uncertainty import PRECISE, least_digits, widest_uncertainty
+from toolkit.verdict.uncertainty import PRECISE, is_vague, widest_uncertainty
 
 # part of a force by which slips, or forces along the way, differ where it is told
 WORTH_SHOWING = 0.01
@@ -185,12 +185,12 @@ def period_of(
     """A period of the drive as a length and as a time, known to `uncertainty` of itself, or worse; `to_error` :
     to the digit of that, which stands beside the forces."""
     scale, uncertainty = verdict.own.scale, max(uncertainty, widest_uncertainty(verdict))
-    least = least_digits(verdict)
+    vague = is_vague(verdict)
     each = (period, scale.length_unit), (period / verdict.velocity, scale.time_unit)
     every, later = (
         written(one, unit, uncertainty * one, digits=4)
         if to_error
-        else guarded(one, unit, uncertainty * one, least)
+        else guarded(one, unit, uncertainty * one, vague)
         for one, unit in each
     )
     return every, later

@@ -115,7 +115,7 @@ def range_of_force(verdict: Verdict, whose: str = "") -> str:
         what = f"the force before a slip by the {slip} of {len(answers)} readings that slip"
     # each to the digit of its own error, where that is the wider one
     ends = (
-        to_digits(force, scale.force_unit, uncertainty * force, error, least_digits(verdict))
+        to_digits(force, scale.force_unit, uncertainty * force, error, is_vague(verdict))
         for force, error in (min(forces), max(forces))
     )
     return f"{what} is {' to '.join(dict.fromkeys(ends))}"
@@ -270,20 +270,22 @@ def error_beside(verdict: Verdict, answer: Answer, one: Behaviour) -> float:
     return error if hidden < error < np.inf else 0.0
 
 
-def least_digits(verdict: Verdict) -> int:
-    """How many digits forces have at least: 2 where the scatter of other samples, which is told with two, is VAGUE and
-    the widest uncertainty, as it is that of each number; else 3, as readings differ from one another by more than the
-    numbers of each are known."""
+def is_vague(verdict: Verdict) -> bool:
+    """Whether forces have two digits alone: where the scatter of other samples, which is told with two, is VAGUE and
+    the widest uncertainty, as it is that of each number. Readings differ from one another by more than each is known.
+    """
     each = uncertainties_of(verdict)
-    return 2 if max(each.readings, each.numerical, VAGUE) < each.sampling else 3
+    return max(each.readings, each.numerical, VAGUE) < each.sampling
 
 
-def to_digits(value: float, unit: str, uncertainty: float, error: float, least: int = 3) -> str:
+def to_digits(
+    value: float, unit: str, uncertainty: float, error: float, vague: bool = False
+) -> str:
     """A value to the digit of an error that stands beside it or beside what it follows from; where none is (0), to
-    one digit more than its uncertainty leaves, `least` of them."""
+    one digit more than its uncertainty leaves, two of what is `vague`."""
     if error:
         return written(value, unit, error, digits=4)
-    return guarded(value, unit, uncertainty, least)
+    return guarded(value, unit, uncertainty, vague)
 
 
 def spring_to_digits(value: float, unit: str, uncertainty: float) -> str:

@@ -17,7 +17,7 @@ from toolkit.verdict.text.critical_spring import of_critical_spring
 from toolkit.verdict.uncertainty import (
     PRECISE,
     VAGUE,
-    least_digits,
+    is_vague,
     other_samples,
     spring_to_digits,
     to_digits,
@@ -140,7 +140,7 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
     infinitely many; rules that give the same numbers share a row."""
     scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
     force, load, few = scale.force_unit, scale.load, apart(verdict)
-    least = least_digits(verdict)
+    vague = is_vague(verdict)
     for rule, many in few.items():
         for row in rows_of(verdict, many).items():
             rows.setdefault(row, []).append(rule)
@@ -160,18 +160,18 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         shown = relative_error > max(PRECISE, widest_uncertainty(verdict))
         error = relative_error * abs(before) * shown
         values = {
-            "force before a slip": _with_error(before, force, uncertainty * before, error, least)
+            "force before a slip": _with_error(before, force, uncertainty * before, error, vague)
         }
-        values["force before a slip"] += _of_load(before, uncertainty, error, load, least)
-        values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error, least)
+        values["force before a slip"] += _of_load(before, uncertainty, error, load, vague)
+        values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error, vague)
         if (regained := regained_by(verdict, behaviour)) is not None:
             back = regained * scale.force
-            told = to_digits(back, force, uncertainty * back, error, least)
+            told = to_digits(back, force, uncertainty * back, error, vague)
             values["of it regained over a period"] = told
         if (mean_force := mean_over_slips(behaviour)) is not None:
             mean_force *= scale.force
-            told = to_digits(mean_force, force, uncertainty * mean_force, error, least)
-            told += _of_load(mean_force, uncertainty, error, load, least)
+            told = to_digits(mean_force, force, uncertainty * mean_force, error, vague)
+            told += _of_load(mean_force, uncertainty, error, load, vague)
             values["mean force of stick-slip"] = told
         if behaviour.period is not None:
             beside_forces = period_of(verdict, behaviour.period, uncertainty, bool(error))
@@ -188,12 +188,14 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
 
 
-def _of_load(force: float, uncertainty: float, error: float, load: float | None, least: int) -> str:
+def _of_load(
+    force: float, uncertainty: float, error: float, load: float | None, vague: bool
+) -> str:
     """A force, with its relative uncertainty and its own error, as a part of the load; "" where none is known."""
     if not load:
         return ""
     over = force / load
-    return f", {to_digits(over, '', uncertainty * over, error / load, least)} of the load"
+    return f", {to_digits(over, '', uncertainty * over, error / load, vague)} of the load"
 
 
 def _of_holding(answer: Answer) -> str:
@@ -203,9 +205,9 @@ def _of_holding(answer: Answer) -> str:
     return f", of whose contacts {100.0 * answer.holding:.2g}% hold"
 
 
-def _with_error(value: float, unit: str, uncertainty: float, error: float, least: int) -> str:
-    """A value with its error, or to the digits that its uncertainty leaves where the error is 0, `least` of them."""
-    return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty, least)
+def _with_error(value: float, unit: str, uncertainty: float, error: float, vague: bool) -> str:
+    """A value with its error, or to the digits that its uncertainty leaves where the error is 0, two if `vague`."""
+    return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty, vague)
 
 
 def _of_few_slips(behaviour: Behaviour) -> str:

@@ -51,7 +51,7 @@ from toolkit.verdict.text.table import drop_of, in_units, speed_unit, table
 from toolkit.verdict.text.undone import undecided_readings
 from toolkit.verdict.uncertainty import (
     error_beside,
-    least_digits,
+    is_vague,
     numerical_errors,
     of_assumed_damping,
     once_over,
@@ -181,8 +181,8 @@ def _disagreement(verdict: Verdict) -> str:
         said += f", from {falls_of.pop()}"
     other = verb(infinite := {one.kind for one, _ in differ})
     sliding = {sliding_force_of(verdict, verdict.own, one) * force for one, _ in differ}
-    off, least = widest_uncertainty(verdict), least_digits(verdict)
-    at = {guarded(one, unit, off * one, least) for one in sliding}
+    off, vague = widest_uncertainty(verdict), is_vague(verdict)
+    at = {guarded(one, unit, off * one, vague) for one in sliding}
     if infinite == {"smooth"} and len(at) == 1:
         other += f" at {at.pop()}"
     said = f"{subject(finite)} {said}{where}"
@@ -232,7 +232,7 @@ def _behaved(
 ) -> str:
     """One kind of behaviour with its numbers; its forces alone if `bare`. The numerical error stands beside these where
     it is the widest uncertainty. `whom` : of whom, see `whom_of`."""
-    scale, last, least = answer.scale, alike[0], least_digits(verdict)
+    scale, last, vague = answer.scale, alike[0], is_vague(verdict)
     uncertainty = widest_uncertainty(verdict)
     error = max((one.error for one in alike if one.error < np.inf), default=0.0)
     error *= answer.contacts.mean_threshold * scale.force
@@ -244,7 +244,7 @@ def _behaved(
         """One value, or the smallest and the largest where they differ as written; to the digit of an error that
         stands beside it."""
         ends = min(values), max(values)
-        each = (to_digits(end, unit, uncertainty * abs(end), shown_error, least) for end in ends)
+        each = (to_digits(end, unit, uncertainty * abs(end), shown_error, vague) for end in ends)
         return " to ".join(dict.fromkeys(each))
 
     if kind == "undecided" and not last.slips:
