@@ -57,12 +57,12 @@ LATE = {
 }
 
 
+SLOW = {"exact value and width", "ageing", "grains, older in the start"}
+
+
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] * (name in ("exact value and width", "ageing")))
-        for name in LATE
-    ],
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in LATE],
 )
 def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
     contacts = LATE[name]

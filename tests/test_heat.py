@@ -20,7 +20,7 @@ from origins.laws.soft import SoftRates
 TABLE = Path(__file__).with_name("thermal_table.csv")
 WIDE = gaussian(1.0, 0.2)
 # paths of the thresholds with a gap, and of those of summits, in the quick suite
-FEW = {"gap": ("on after a hold",), "gw_elastic": ("slow", "hold")}
+FEW = {"gap": ("on after a hold",), "gw_elastic": ("slow",)}
 
 
 @pytest.mark.parametrize(

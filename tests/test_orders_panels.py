@@ -20,7 +20,7 @@ SCRIPT = Path(__file__).with_name("order_of_panels.py")
     [
         pytest.param(3, (128, 256, 512), marks=pytest.mark.slow),
         pytest.param(4, (96, 192, 384), marks=pytest.mark.slow),
-        (5, (80, 120, 180)),
+        (5, (60, 90, 135)),
     ],
 )
 def test_the_order_is_one_more_than_the_degree(tmp_path: Path, degree: int, counts: tuple) -> None:

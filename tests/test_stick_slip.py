@@ -249,7 +249,7 @@ COARSE = {
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[pytest.mark.slow] * (name in ("stiff, delay", "grains")))
+        pytest.param(name, marks=[pytest.mark.slow] * (name not in ("linked", "ageing")))
         for name in COARSE
     ],
 )

@@ -52,9 +52,8 @@ def slope(beta, velocity, thermal=None):
 
 
 # the kernel of Eyring's rates takes longer to compile than this file to run; test_strengthening_master has its slope
-@pytest.mark.parametrize(
-    ("thermal", "slope"), [(SOFT, -0.0109), pytest.param(EYRING, 0.0190, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("thermal", "slope"), [(SOFT, -0.0109), (EYRING, 0.0190)])
+@pytest.mark.slow  # quick: the slope in test_strengthening_master.py, and both solvers in test_agreement.py
 def test_the_slope_of_heat_and_growth_together(thermal, slope):
     """Over two decades of speed, in units of F_k(∞) for each factor e: by Eyring's heat with α = β = 0.03, and by that
     of soft contacts, which takes two thirds of what growth alone does. Blocks of three mean thresholds tell the error

@@ -97,7 +97,13 @@ SLOW = {
     "turning, from a width",
     "turning, heat",
 }
-SLOW |= {"holds, heat", "holds, heat, paper's closure", "holds, re-forming, heat"}
+SLOW |= {
+    "turning, jumps",
+    "turning, re-forming",
+    "holds, heat",
+    "holds, heat, paper's closure",
+    "holds, re-forming, heat",
+}
 
 
 @pytest.mark.parametrize(

@@ -685,6 +685,7 @@ def test_few_samples_are_told_on_the_page(capsys: Any, monkeypatch: Any) -> None
     assert "few thresholds" in page and "3 samples" in page
 
 
+@pytest.mark.slow  # quick: the page's errors of other samples, below; their size in test_samples.py
 def test_samples_have_a_sampling_error_near_that_of_their_mean(capsys: Any) -> None:
     """F_k = <x²>/2<x> of n samples of a narrow law scatters as half their mean, std/(2 n^(1/2))."""
     samples = np.random.default_rng(1).normal(1.0, 0.1, 100).tolist()
@@ -1993,7 +1994,9 @@ def test_the_commands_own_limit_of_time_is_named_as_such() -> None:
             time.sleep(1.0)
 
 
-@pytest.mark.parametrize("damping", [1.0, 10.0, pytest.param(60.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "damping", [10.0, *(pytest.param(one, marks=pytest.mark.slow) for one in (1.0, 60.0))]
+)
 def test_a_mass_is_followed_until_its_swing_has_died_away(damping: float) -> None:
     """Sliding at F_k the spring bears F_k + γv in the end; a path of a few loadings is shorter than one period."""
     contacts = Contacts(gaussian(1.0, 0.2))
