@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from eq_model.coupled.ensemble import unit_of
+from eq_model.coupled.work import growth
 from eq_model.draws.births import births_of
 from eq_model.draws.streams import make_stream
 from eq_model.draws.supply import make_supply
@@ -37,13 +38,9 @@ class PlainSlider:
         self.unit, stream = unit_of(contacts), make_stream(seed, 0)
         self.draws = [make_supply(births, stream) for births in births_of(contacts, self.unit)]
         self.contacts, self.drive, self.n, self.fraction = contacts, drive, n, fraction
-        self.law, self.now, self.born = (
-            None,
-            0.0,
-            np.zeros(0),
-        )  # no thresholds that grow beside a mass
+        self.law = contacts.strengthening
         self.x = self.v = self.t = 0.0
-        self.zero, self.threshold, self.k = np.zeros((3, 0))
+        self.zero, self.threshold, self.k, self.born = np.zeros((4, 0))
         self.returns, self.breaks = list[float](), 0
         self.form(n, start=True)
         balance = self.k @ -self.zero / n / drive.spring
@@ -58,6 +55,7 @@ class PlainSlider:
         self.stuck_at, self.held = self.x, n
 
     form = PlainReplica.form  # from the same fields
+    now = property(lambda self: self.t)
 
     def spring_force(self, x: float, t: float) -> float:
         return self.drive.spring * (np.interp(t, self.clock, self.places) - x)
@@ -83,6 +81,11 @@ class PlainSlider:
             return drift + ((parts * roots) @ np.exp(np.multiply.outer(roots, t))).real
 
         return way, speed, np.abs(roots).max()
+
+    def left(self, way, times) -> np.ndarray:
+        """How far each contact that grows (a row) is from its break after these times (columns)."""
+        grown = self.law.factor(self.t + times - self.born[:, None])
+        return self.threshold[:, None] * grown - np.abs(self.x + way(times) - self.zero[:, None])
 
     def falls(self, times, speed, way, velocity: float) -> None:
         """Begin and end falls of the spring's force where the speed passes that of the drive between these times."""
@@ -172,7 +175,7 @@ class PlainSlider:
             (weight * part).sum() / weight.sum() for part in (x, 0.5 * k * x**2, k**2 * x**3 / 3.0)
         )
         each = square / (mean + wait) - (force / (mean + wait)) ** 2 + square / mean / self.n
-        return min(6.0 * (each / self.n) ** 0.5, mean)
+        return min(6.0 * (each / self.n) ** 0.5, mean) * growth(self.contacts, self.drive)
 
     def watch(self) -> None:
         """Whether the slider sticks: contacts hold it in a narrow room, and few break, as the spring's force rises."""
@@ -206,28 +209,40 @@ class PlainSlider:
                 places = np.stack([self.zero + self.threshold, self.threshold - self.zero])
                 ahead = min(places[0], default=np.inf) - self.x
                 behind = min(places[1], default=np.inf) + self.x
+                if self.law is not None:
+                    ahead = behind = self.left(way, np.zeros(1)).min(initial=np.inf)
                 if ahead > 0.0 and behind > 0.0:
                     if self.begun is None:
                         self.watch()
                     self.seen = self.breaks
                 times = np.linspace(0.0, due, 200 + int(150.0 * fastest * due))
                 ways = way(times)
-                passed = np.flatnonzero((ways >= ahead) | (ways <= -behind))
-                broke = 0
+                passed, broke, first = np.flatnonzero((ways >= ahead) | (ways <= -behind)), 0, -1
+                if self.law is not None:
+                    passed = np.flatnonzero(
+                        self.left(way, times).min(axis=0, initial=np.inf) <= 0.0
+                    )
                 if passed.size and passed[0] > 0:
                     i = passed[0]
                     broke = 1 if ways[i] >= ahead else -1
                     level = ahead if broke > 0 else -behind
-                    due = brentq(lambda t: way(t) - level, times[i - 1], times[i], xtol=1e-15)  # noqa: B023
+                    least = lambda t: way(t) - level  # noqa: B023, E731
+                    if self.law is not None:
+                        least = lambda t: self.left(way, np.array([t])).min()  # noqa: B023, E731
+                    due = brentq(least, times[i - 1], times[i], xtol=1e-15)
                     times = np.append(times[:i], due)
                 elif passed.size:  # several at one place
                     broke, due, times = 1 if ahead <= 0.0 else -1, 0.0, np.zeros(1)
+                if broke and self.law is not None:
+                    first = int(np.argmin(self.left(way, np.array([due]))))
+                    broke = 1 if self.x + way(due) > self.zero[first] else -1
                 self.falls(times, speed, way, velocity)
                 self.x, self.v, self.t = self.x + way(due), speed(due), self.t + due
                 if broke:
-                    first = int(np.argmin(places[0 if broke > 0 else 1]))
-                    self.x = self.zero[first] + broke * self.threshold[first]
-                    for name in ("zero", "threshold", "k"):
+                    if self.law is None:
+                        first = int(np.argmin(places[0 if broke > 0 else 1]))
+                        self.x = self.zero[first] + broke * self.threshold[first]
+                    for name in ("zero", "threshold", "k", "born"):
                         setattr(self, name, np.delete(getattr(self, name), first))
                     self.breaks, self.loose = self.breaks + 1, self.loose + 1
                     if delay is None:

@@ -241,7 +241,7 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
                 'contacts.thermal: closure = "paper" is an approximation of the master equation; use closure = "exact"'
             )
         takes.append("thermal")
-    if isinstance(contacts, Contacts) and contacts.strengthening and not heavy:
+    if isinstance(contacts, Contacts) and contacts.strengthening:
         takes.append("growing")
     check_contacts(contacts, solver, tuple(takes), own_rates=True, other="master.solve")
     if heavy and contacts.reforming is not None:

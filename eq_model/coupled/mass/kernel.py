@@ -3,6 +3,7 @@
 import numpy as np
 
 from eq_model.compiling import bare, entry, inlined, unsigned
+from eq_model.coupled.ages import threshold_of
 from eq_model.coupled.mass.motion import first_passage, first_top
 from eq_model.coupled.mass.moves import MOVED, damped_move, motion_of, quick_move, slow_move
 from eq_model.coupled.mass.nearest import (
@@ -33,6 +34,7 @@ from eq_model.coupled.mass.state import (
     speed_limit,
     spring_force,
     stored,
+    time_now,
 )
 from eq_model.coupled.mass.swings import (
     begin_fall,
@@ -49,10 +51,15 @@ AT_ONCE = 1 << 17  # events after which Python can handle an interrupt
 
 
 @inlined
-def _form(s, contacts, i, supply, mean, pull):  # type: ignore[no-untyped-def]
-    """Contact i forms at the slider's present place."""
+def _form(s, contacts, i, supply, pull, age):  # type: ignore[no-untyped-def]
+    """Contact i, of this age, forms at the slider's present place."""
     x, r = take(supply)
-    k = np.float64(x) / mean if mean > 0.0 else 1.0
+    k = np.float64(x) / pull.mean if pull.mean > 0.0 else 1.0
+    ages = contacts.ages
+    if ages.numbered:
+        now = time_now(s, pull)
+        ages.fresh[i], ages.born[i] = ages.fresh_ratio * np.float64(x), now - age
+        x = np.int64(np.rint(threshold_of(ages, i, now)))
     s.n_holding += 1
     s.stiffness += k
     s.force += k * np.float64(r)
@@ -70,13 +77,28 @@ def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
     s = slider[0]
     s.stuck, s.held, pull.swing[F_BEFORE] = True, np.int64(pull.n), -np.inf
     for i in range(np.int64(pull.n)):
-        _form(s, contacts, i, supply, pull.mean, pull)
+        _form(s, contacts, i, supply, pull, pull.age)
+
+
+@inlined
+def _has_grown(s, contacts, i, pull):  # type: ignore[no-untyped-def]
+    """Whether contact i, which the slider would break by its earlier threshold, has a larger one by now, at whose
+    places it then breaks."""
+    ahead = contacts.ahead.places[i]
+    before = (ahead + contacts.behind.places[i]) // 2
+    now = np.int64(np.rint(threshold_of(contacts.ages, i, time_now(s, pull))))
+    if now <= before:
+        return False
+    set_place(contacts.ahead, i, ahead + (now - before))
+    set_place(contacts.behind, i, now - (ahead - before))
+    s.grown = True
+    return True
 
 
 @inlined
 def _break(s, contacts, side, pull):  # type: ignore[no-untyped-def]
     """The nearest contact ahead (side 1) or behind (-1) breaks. Returns its number if it forms again at once, or -1 as
-    it waits."""
+    it waits, or holds on as it has grown."""
     if side > 0:
         if contacts.ahead.at[NEXT] >= contacts.ahead.at[FETCHED]:
             fetch(contacts.ahead, contacts.behind)
@@ -85,6 +107,8 @@ def _break(s, contacts, side, pull):  # type: ignore[no-untyped-def]
     else:
         i = contacts.behind.at[WHO]
         go_to(s, pull, -contacts.behind.places[i])
+    if contacts.ages.numbered and _has_grown(s, contacts, i, pull):
+        return np.int64(-1)
     x = 0.5 * np.float64(contacts.ahead.places[i] + contacts.behind.places[i])
     k = x / pull.mean if pull.mean > 0.0 else 1.0
     s.force -= side * k * x
@@ -163,9 +187,9 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             stiffness = pull.spring + s.stiffness * each
             pulled = spring_force(s, pull)
             net = pulled - contact_force(s, pull)
-            if not s.falling:
+            if not s.falling and not s.grown:
                 watch(s, pull, pulled)
-            s.seen = s.breaks
+            s.seen, s.grown = s.breaks, False
             if known if s.speed >= 0.0 else known_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
                 if side == 0:
@@ -199,7 +223,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
         elif remaining <= most:
             slipped = _end_leg(s, pull) or slipped
         if forms >= 0:
-            _form(s, contacts, forms, supply, pull.mean, pull)
+            _form(s, contacts, forms, supply, pull, 0.0)
         if slipped:
             return SLIP_ENDED
     return GOING_ON

@@ -8,6 +8,7 @@ import numpy as np
 from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.coupled.ensemble import check_coupled, checked_slip_fraction, unit_of
 from eq_model.coupled.mass.chance import fall_by_chance
+from eq_model.coupled.work import growth
 from eq_model.result import SIZES, Energy, HeavySlips, means
 from origins import Contacts, Drive, identical
 from origins.drive import RISE, ROOM, SLIP_FRACTION
@@ -15,6 +16,7 @@ from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 
 MOST_BREAKS = 10**11  # of a replica: some two hours
+SLOWER = 15  # time of a break of contacts that grow beside one of others
 FURTHEST = 2.0**60  # of positions in whole units
 LONGEST = 1e13  # oscillations between two points of the path, after which a double has three digits of their phase
 CURVES = "position", "force", "holding", "velocity", "contact_force"
@@ -62,6 +64,7 @@ class HeavySliders:
         self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
         self._dropped = dropped
         self._n, self._unit = blocks.each, unit_of(contacts)
+        self._most_breaks = MOST_BREAKS // (SLOWER if contacts.strengthening else 1)
         self._births = births_of(contacts, self._unit)
         self._check_length()
 
@@ -69,7 +72,8 @@ class HeavySliders:
         """InputError for paths that are too long to be followed."""
         contacts, drive, end = self._contacts, self._drive, self._drive.path[-1]
         spring, mean = drive.spring or 0.0, contacts.mean_threshold
-        most, force = 0.25 * FURTHEST * self._unit, mean + abs(contacts.start.mean())
+        most = 0.25 * FURTHEST * self._unit
+        force = mean * growth(contacts, drive) + abs(contacts.start.mean())
         if end > most:
             hint = f"must be below {most:.3g}; positions are whole multiples of {self._unit:.3g}"
             refuse("path[-1]", end, hint)
@@ -78,12 +82,12 @@ class HeavySliders:
             hint = f"must be above {force / most:.3g}; slips are longer than positions have digits"
             refuse("spring", spring, hint)
         # before the first slip no contact need break; a contact breaks once a mean threshold where it does not wait
-        breaks = self._n * max(end / mean - 1.0 / spring, 0.0)
-        if contacts.delay is None and breaks > MOST_BREAKS:
+        breaks = self._n * max(end / mean / growth(contacts, drive) - 1.0 / spring, 0.0)
+        if contacts.delay is None and breaks > self._most_breaks:
             refuse(
                 "path[-1]",
                 end,
-                f"takes {breaks:.1e} breaks of {self._n} contacts, and at most {MOST_BREAKS:.0e} are followed; "
+                f"takes {breaks:.1e} breaks of {self._n} contacts, and at most {self._most_breaks:.0e} are followed; "
                 f"shorten the path, or give fewer contacts or a delay",
             )
         lasts = self._legs(contacts.start.mean() / spring).lasts
@@ -160,7 +164,9 @@ class HeavySliders:
         balance = s["force"] / n / spring * unit
         pull.places[:], pull.speeds[:], pull.lasts[:] = self._legs(balance)
         pull.places[:] /= unit
+        pull.begins[1:] = np.cumsum(pull.lasts[:-1])
         pull.chance[:] = fall_by_chance(self._contacts, n, pull.speeds) / unit
+        pull.chance[:] *= growth(self._contacts, self._drive)  # as do all forces, or by less
         pull.least_breaks[:] = n * self._least_share(pull.speeds)
         pull.speeds[:] /= unit
         pull.energy[:] = 0.0
@@ -171,8 +177,8 @@ class HeavySliders:
             elif reason == kernel.TOO_MANY:
                 drive = pull.places[s["leg"]] * unit
                 raise InputError(
-                    f"path[-1] = {self._drive.path[-1]:g}: takes more than {MOST_BREAKS:.0e} breaks of {n} contacts, "
-                    f"so many by X_T = {drive:g}; shorten the path, or give fewer contacts or a longer delay"
+                    f"path[-1] = {self._drive.path[-1]:g}: takes more than {self._most_breaks:.0e} breaks of {n} "
+                    f"contacts, so many by X_T = {drive:g}; shorten the path, or give fewer contacts or a longer delay"
                 )
             check_dropped(self._dropped)
         curves = pull.at_points * self._scales()
@@ -195,6 +201,7 @@ class HeavySliders:
 
     def _pulled(self) -> Pulled:
         """At X = 0, where the slider rests, and without legs."""
+        from eq_model.coupled.ages import NoHeat, ages_of
         from eq_model.coupled.mass import state
         from eq_model.coupled.mass.nearest import make_nearest
 
@@ -209,7 +216,9 @@ class HeavySliders:
             make_nearest(n, width),
             np.empty(waits, np.int32),
             np.empty(waits),
+            ages_of(contacts, n, NoHeat()),
         )
+        law = contacts.strengthening
         mean = contacts.mean_threshold / self._unit if contacts.stiffness == "linked" else 0.0
         pull = state.Pull(
             n=n,
@@ -224,10 +233,12 @@ class HeavySliders:
             room=ROOM * contacts.mean_threshold / self._unit,
             rise=RISE * contacts.mean_threshold / self._unit,
             chance=np.empty(points),
-            most_breaks=MOST_BREAKS,
+            most_breaks=self._most_breaks,
             places=np.empty(points),
             speeds=np.empty(points),
             lasts=np.empty(points),
+            begins=np.zeros(points),
+            age=0.0 if law is None else float(law.start_pinned_for),
             at_points=np.empty((state.ENERGIES + 4, points)),
             swing=np.zeros(8),
             slipped=np.zeros(8),

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from eq_model.blocks import Whole
 from eq_model.compiling import inlined, unsigned
+from eq_model.coupled.ages import Ages
 from eq_model.coupled.mass.nearest import Nearest
 from origins.thresholds.law import Array
 
@@ -58,6 +59,7 @@ SLIDER = np.dtype(
         ("rest_force", np.float64),  # the spring's force there
         ("rest_breaks", np.int64),  # number of all breaks up to there
         ("seen", np.int64),  # number of all breaks, but for those at the present place
+        ("grown", np.bool_),  # whether the last event was no break, as the contact had grown
     ]
 )
 
@@ -69,6 +71,7 @@ class Contacts(NamedTuple):
     behind: Nearest  # with the opposite sign
     out: npt.NDArray[np.int32]  # numbers of those that wait for their return
     waits: Array  # time between each break that waits and the one before, a ring
+    ages: Ages  # thresholds that grow; a contact has one number for good
 
 
 class Pull(NamedTuple):
@@ -90,6 +93,8 @@ class Pull(NamedTuple):
     places: Array  # X_T where each leg of the drive begins
     speeds: Array  # its speed on each leg
     lasts: Array  # the time that it takes
+    begins: Array  # when it begins
+    age: float  # of contacts as they form at X = 0
     at_points: Array  # (9, legs), at the end of each leg
     swing: Array  # (8,), the present swing down of the spring's force, or the next one, of which the begin is known
     slipped: Array  # (8,), the last one that was a slip
@@ -111,6 +116,12 @@ def spring_force(s, pull):  # type: ignore[no-untyped-def]
     """K (X_T - X) per N <k>."""
     drive = pull.places[unsigned(s.leg)] + pull.speeds[unsigned(s.leg)] * s.elapsed
     return pull.spring * ((drive - np.float64(s.at)) - s.off)
+
+
+@inlined
+def time_now(s, pull):  # type: ignore[no-untyped-def]
+    """The time since the slider rested at X = 0."""
+    return pull.begins[unsigned(s.leg)] + s.elapsed
 
 
 @inlined

@@ -173,7 +173,7 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         contacts = contacts.replace(thermal=None)
     laws_in_time = set(contacts.held_in_time)
     if laws_in_time - TAKEN or (laws_in_time and rule == "mass"):
-        why = "the ensemble takes no contacts on a spring that age, and none beside a mass that break by heat or grow"
+        why = "the ensemble takes no contacts on a spring that age, and here none beside a mass in heat or that grow"
         return Finite(rule, present, "unknown", message=why)
     # fewer contacts have to be pulled further
     most = most_breaks(contacts, rule)
