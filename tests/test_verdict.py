@@ -66,7 +66,6 @@ RENDERED = (
     "test_few_contacts_slip_where_infinitely_many_slide",
     "test_an_undamped_slider_that_rings_is_told_of_with_some_damping[1.0]",
     "test_a_page_is_written_of_what_is_known_where_f_s_is_too_late[exact]",
-    "test_what_the_verdict_hangs_on_is_sorted_by_how_much_it_changes",
 )
 
 pytestmark = pytest.mark.usefixtures("in_a_folder")

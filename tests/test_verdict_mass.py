@@ -173,6 +173,7 @@ def test_what_a_shorter_path_told_stands_where_a_longer_one_takes_too_long(
     assert ends[1] == pytest.approx(3600.0 + 2.2 * 1400.0)
 
 
+@pytest.mark.slow  # quick: contacts that wait, below, are pulled beyond that force, too
 def test_contacts_of_a_fast_drive_are_pulled_beyond_the_force_that_infinitely_many_reach() -> None:
     """While a mass is fast its contacts wait, but before its first slip the spring pulls more than F_s of a slider that
     moves with the drive, and by half of that in the time of a slip."""
