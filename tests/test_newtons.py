@@ -506,6 +506,15 @@ def test_a_power_that_few_samples_leave_open_is_told_from_where_to_where() -> No
     assert onset_in_words(Number(3.0, 2.0, ""), 8) == "1 to 5"
 
 
+def test_an_error_that_is_not_known_is_told_behind_the_unit() -> None:
+    numbers = {
+        "critical_spring": Number(0.0, np.inf, "N_c<k>"),
+        "static_to_kinetic": Number(1.0, np.inf, ""),
+    }
+    spring, ratio, _ = table_of(Description(numbers, (), True, True, 1.0), (), ())
+    assert spring.endswith("  0 N_c<k>, error not known") and ratio.endswith("  1, error not known")
+
+
 @pytest.mark.parametrize("stated, refused", [(20.0, False), (20, False), (5.0, True)])
 def test_a_stiffness_stated_twice_is_one(stated: float, refused: bool) -> None:
     """Forces in nN over 20 N/m are lengths, which 5 N/m would turn into forces of a quarter."""

@@ -117,6 +117,15 @@ def test_what_is_not_known_has_no_error() -> None:
     assert "  F_k: at most 2e-09" in page(replace(late, answers=(nothing,)))
 
 
+def test_k_star_has_the_same_digits_in_the_answer_and_in_the_table() -> None:
+    own = told(machine=LIGHT).own
+    critical = answers.Quantity(0.43872246, 1e-8)
+    own = replace(own, machine=None, behaviours=(), critical_spring=critical)
+    text = page(replace(told(), answers=(own,)))
+    assert "softer than K* = 0.4387 N_c<k>;" in text[2]
+    assert any(re.fullmatch(r"slips at least once below.* 0\.4387 N_c<k>", one) for one in text)
+
+
 def test_k_star_of_a_slider_with_mass_promises_no_slip() -> None:
     assert of_critical_spring(told(machine=LIGHT).own).startswith("slips at least once below")
     assert of_critical_spring(told(machine=HEAVY).own).startswith("balance unstable somewhere")

@@ -251,7 +251,8 @@ def table_of(
             value, unit = written(number.value, unit), ""
         else:
             value = with_error(number.value, number.error or 0.0, 8)
-            value = value.replace(" ± inf", ", error not known")
+            if " ± inf" in value:
+                value, unit = value.replace(" ± inf", f" {unit}".rstrip() + ", error not known"), ""
         row = f"  {name.replace('_', ' '):{width}}{value} {unit}".rstrip()
         out.append(f"{row}  ({labels[name]})" if laws and name in labels else row)
     out += [f"  {note}" for note in found.notes]

@@ -39,7 +39,8 @@ def without_spring(verdict: Verdict) -> str:
     if not np.isfinite(spread):
         spread = 0.0
     sampling = (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring
-    spread = max(spread, sampling)
+    # as in the table
+    spread = max(spread, sampling, verdict.own.critical_spring.error * verdict.own.scale.spring)
     said = f"slips on a spring softer than K* = {spring_to_digits(own, unit, spread)}"
     if sampling >= own:
         said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
