@@ -41,7 +41,7 @@ def simulate(
     X_T make an avalanche (eq_model.coupled; in plain Python in tests/plain_coupled.py). Then of the laws heat, delay,
     strengthening and linked stiffness are possible, and with slip "instant" and no delay re-forming stretched. Heat is
     exact, too: breaks are proposed at rates above the contacts' own, and thinned. With a mass there is
-    none, and the drive never turns.
+    none, and the drive must not turn.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the distribution of contacts does: the master equation, solved as a renewal equation."""
+"""What the distribution of contacts does: the master equation, solved as a renewal equation, or in steps of time."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

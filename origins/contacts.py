@@ -160,8 +160,8 @@ class Contacts:
 
     @property
     def strengthening(self) -> Strengthening | None:
-        """Thresholds that grow with the logarithm of the age, or None."""
-        return self.growing if isinstance(self.growing, Strengthening) else None
+        """Thresholds that grow with the logarithm of the age, or None; a class made from it has another growth."""
+        return self.growing if type(self.growing) is Strengthening else None
 
     @property
     def laws(self) -> tuple[str, ...]:

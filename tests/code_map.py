@@ -153,6 +153,16 @@ QUESTIONS = {
         "eq_model:watch",
         "eq_model:end_fall",
     ),
+    "a drive that turns on a spring in the ensemble": ("eq_model:turn",),
+    "a, b and D_c; the critical spring of rate and state, by the law and solved": (
+        "master:read_steps",
+        "master:_spring_by_law",
+        "master:critical_spring_of",
+    ),
+    "sliders of as many contacts as the area holds: their number and way; followed": (
+        "toolkit:follow_finite",
+        "toolkit/verdict/sliders/ensemble.py:sliders",
+    ),
     "heat on a spring in the ensemble: proposed breaks; windows": (
         "eq_model:proposed",
         "eq_model:_window",

@@ -7,6 +7,7 @@ import pytest
 
 import master
 import origins
+from origins.laws.strengthening import Strengthening
 from origins.thresholds.law import Array
 from toolkit.judge import describe
 from toolkit.running.resampled import like
@@ -58,3 +59,14 @@ def test_a_resampled_law_of_growing_thresholds_grows_alike() -> None:
     expected = 0.5 * at_break**2 / (at_break + 0.3)
     assert other.delay is contacts.delay
     assert master.steady_state(other).force == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_growth_of_ones_own_has_no_other_samples() -> None:
+    """It was left out of them without a word."""
+
+    class Own(Strengthening):
+        law = "own"
+
+    contacts = origins.Contacts(Own(origins.from_samples(X_S), beta=0.1, time=0.01))
+    with pytest.raises(origins.InputError, match="has no other samples"):
+        like(contacts, origins.gaussian(mean=1.0, std=0.1))

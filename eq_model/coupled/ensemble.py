@@ -130,11 +130,11 @@ class Replicas:
         rules, curves = self._rules(), list[Array]()
         for leg in legs_of(self._drive, balance):
             pull = self._pull(rules, leg, s)
-            if leg.way != s["way"]:
+            if leg.direction != s["way"]:
                 turn(slider, queue, ages, pull, *room)
             while (reason := kernel.slide(slider, queue, later, ages, pull)) != kernel.PATH_DONE:
                 if reason == kernel.SLIP_ENDED:
-                    slip = leg.way * pull.avalanche[:-1]
+                    slip = leg.direction * pull.avalanche[:-1]
                     slips.append(np.r_[replica, len(slips), slip, pull.avalanche[-1]])
                 elif reason == kernel.OVERTAKEN:
                     raise InputError(
@@ -142,11 +142,11 @@ class Replicas:
                         "use a stiffer spring, or stretches closer to 0"
                     )
                 if s["breaks"] > self._most:  # a slider that creeps takes more than one that slips
-                    at = leg.way * (s["base"] + s["drive"] / spring) * unit
+                    at = leg.direction * (s["base"] + s["drive"] / spring) * unit
                     hint = f"takes more than {self._most:.0e} breaks of {n} contacts, here up to X_T = {at:.4g}"
                     refuse("path[-1]", self._drive.path[-1], f"{hint}; end the path before")
                 check_dropped(self._dropped)
-            curves.append(np.array([[leg.way], [leg.way], [1]]) * pull.at_points)
+            curves.append(np.array([[leg.direction], [leg.direction], [1]]) * pull.at_points)
         each = unit / n
         x, force, holding = np.concatenate(curves, axis=1) + 0.0  # no number is -0
         numbers = replica, s["breaks"], balance
@@ -190,9 +190,9 @@ class Replicas:
 
     def _pull(self, rules: Any, leg: Any, s: np.void) -> Any:
         """The Pull of a slider on a leg of the drive, mirrored where that goes back."""
-        places, clock, limits = leg.way * leg.places / self._unit, leg.clock, self._limits
+        places, clock, limits = leg.direction * leg.places / self._unit, leg.clock, self._limits
         # relaxed contacts come to rest behind the drive; before they do, the slider has passed where all others are
-        begin, furthest = leg.way * s["way"] * s["at"], limits.largest_threshold / self._unit
+        begin, furthest = leg.direction * s["way"] * s["at"], limits.largest_threshold / self._unit
         if leg.first == 0:
             furthest = limits.largest_birth / self._unit
         return rules._replace(

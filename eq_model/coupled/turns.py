@@ -1,7 +1,8 @@
 """The drive of a slider on a spring turns: slider and contacts are mirrored, so that kernels only ever go forward.
 
 A contact breaks at its threshold on either side: one of stretch x on the way back is one of stretch -x on the way
-forward. Where the drive turns the slider goes back with it, and no contact breaks.
+forward. At the turn itself nothing breaks. Mirrored, a contact that is relaxed at the position z is relaxed at -z, and
+breaks at -z + x_s ahead: from b = z + x_s, where it would have broken, that is 2 x_s - b.
 """
 
 from typing import NamedTuple
@@ -27,10 +28,10 @@ from origins.thresholds.law import Array
 
 
 class Leg(NamedTuple):
-    """A part of the drive that goes one way: its `way`, 1 or -1, and its points path[first:last]; `places` are X_T
-    where it begins and at its points, `clock` the times."""
+    """A part of the drive that goes one way: its `direction`, 1 or -1, and its points path[first:last]; `places` are
+    X_T where it begins and at its points, `clock` the times."""
 
-    way: int
+    direction: int
     first: int
     last: int
     places: Array
@@ -54,9 +55,9 @@ def legs_of(drive: Drive, begin: float) -> list[Leg]:
 
 
 @entry
-def turn(slider, queue, ages, pull, places, names):  # type: ignore[no-untyped-def]
-    """Mirror a slider that sticks, and its contacts, where the drive turns to the way of `pull`; places, names: room
-    for each contact."""
+def turn(slider, queue, ages, pull, places, keys):  # type: ignore[no-untyped-def]
+    """Mirror a slider that sticks, and its contacts, where the drive turns to the way of `pull`, which is mirrored
+    already; places, keys: room for each contact."""
     s = slider[0]
     ahead = look_ahead(s, queue, pull)
     drive = pull.spring * (-pull.clock_drive[0] - np.float64(s.base))
@@ -65,31 +66,33 @@ def turn(slider, queue, ages, pull, places, names):  # type: ignore[no-untyped-d
     pass_time(s, pull.clock[0])
     s.at, s.base, s.force, s.drive, s.way = -s.at, -s.base, -s.force, -drive, -s.way
     s.point = 0
-    mirror(ages.heat, s, queue, ages, places, names)
+    mirror(ages.heat, s, queue, ages, places, keys)
 
 
 @bare
-def _mirror_contacts(s, queue, ages, places, names):  # type: ignore[no-untyped-def]
+def _mirror_contacts(s, queue, ages, places, keys):  # type: ignore[no-untyped-def]
     """Let contacts wait for their breaks on the other side of a slider that is mirrored already."""
-    many = _take_all(queue, places, names)
+    many = _take_all(queue, places, keys)
     clear(queue, s.at)
     for i in range(many):
-        b, x = places[i], names[i]
+        b, key = places[i], keys[i]
         if ages.numbered:
-            ages.zero[x] = -ages.zero[x]
-            b = place_of(ages, x, s)
+            ages.zero[key] = -ages.zero[key]
+            b = place_of(ages, key, s)
         else:
-            b = 2 * x - b
-        add_break(queue, max(b, s.at), x)
+            b = 2 * key - b
+        # rounding may put it behind the slider
+        add_break(queue, max(b, s.at), key)
 
 
 @bare
-def _take_all(queue, places, names):  # type: ignore[no-untyped-def]
-    """Take all breaks out of the queue: their places, and by what it knows them. Returns how many."""
+def _take_all(queue, places, keys):  # type: ignore[no-untyped-def]
+    """Take all breaks out of the queue: their places, and the keys by which it knows contacts, their numbers or else
+    thresholds. Returns how many."""
     many, (event, b) = 0, next_event(queue)
     while event != NOTHING:
         if event == BREAK:
-            places[many], names[many] = b, take_next(queue)
+            places[many], keys[many] = b, take_next(queue)
             many += 1
         else:
             open_bucket(queue, b)
@@ -106,6 +109,6 @@ def _mirror_warm_contacts(s, queue, ages):  # type: ignore[no-untyped-def]
 
 
 mirror = by_heat(
-    lambda heat, s, queue, ages, places, names: _mirror_warm_contacts(s, queue, ages),
+    lambda heat, s, queue, ages, places, keys: _mirror_warm_contacts(s, queue, ages),
     lambda heat, *rest: _mirror_contacts(*rest),
 )

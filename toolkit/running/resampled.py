@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 from origins.contacts import Contacts
+from origins.errors import refuse
 from origins.laws.strengthening import Strengthening, strengthening
 from origins.samples.from_samples import bootstrap_law
 from origins.thresholds.law import Thresholds
@@ -17,12 +18,17 @@ T = TypeVar("T")
 
 def like(contacts: Contacts, law: Thresholds) -> Contacts:
     """These contacts with a resampled law in place of their own, and all other laws as they are: in strong heat, where
-    F_k is a small part of that without, other samples change it by that much less, too."""
-    growth = contacts.growing
-    if isinstance(growth, Strengthening):
-        grown = strengthening(law, growth.beta, growth.time_unit, growth.age)
-        return contacts.replace(thresholds=grown)
-    return contacts.replace(thresholds=law)
+    F_k is a small part of that without, other samples change it by that much less, too. Raises InputError for
+    thresholds that change by a law of one's own, which would be lost."""
+    growth = contacts.changing
+    if growth is None or contacts.ageing is not None:
+        return contacts.replace(thresholds=law)
+    if type(growth) is not Strengthening:
+        hint = "has no other samples: they are those of thresholds that stay, age or strengthen"
+        refuse("contacts.thresholds", growth, hint)
+    return contacts.replace(
+        thresholds=strengthening(law, growth.beta, growth.time_unit, growth.age)
+    )
 
 
 def of_resampled(

@@ -1,8 +1,9 @@
 """The verdict on an interface and its machine: does it stick and slip, how strongly, and what does that hang on?
 
 Whether a slider sticks and slips is decided from its slips in `master/soft/regime.py`, which `toolkit/results/kinds.py`
-puts in one word; `sliders/follow.py` chooses how far it is driven, and which solver tells. `Behaviour`, what a slider
-does, and `Finite`, what as many contacts as the area holds do, stand in `sliders/machine.py`.
+puts in one word; `sliders/` chooses which solver tells, of how many contacts, and how far they are driven.
+`Behaviour`, what a slider does, and `Finite`, what as many contacts as the area holds do, stand in
+`sliders/machine.py`.
 
 In reading order: `answers.py`, what a verdict holds; `sliders/`, what sliders do; `readings.py`, over what they are
 compared; `with_mass.py`, more of a slider with mass; `uncertainty.py` and `of_area.py`, how well the numbers are known,

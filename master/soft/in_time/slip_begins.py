@@ -131,8 +131,8 @@ class SlipBegins:
 
     def _chosen(self, root: Root, slips: bool) -> Trial:
         """Where the step leads that will be taken. Its imbalance is an error of F: one that is not small shows that the
-        search has not converged, or has ended by a slope that is far off. Of a converged step up to a slip it is none,
-        as no balance may be left from there on."""
+        search has not converged, or has ended by a slope that is far off. Up to a slip a converged step leads to the
+        fold, beyond which there may be no balance: its imbalance is no error."""
         contacts = self._steps.contacts
         if not (slips and root.converged):
             contacts.unresolved.note(OF_BALANCE, abs(root.step.imbalance), contacts.now)

@@ -56,7 +56,8 @@ CONTROL = StepControl()
 FIRST_FRACTION = 0.5
 # Factor on the next move of the secant method where the imbalance falls as the time grows.
 LONGER_MOVE = 4.0
-# Moves that measure the slope near the root, in accuracies of a balance.
+# Longest moves that measure the slope near the root, in accuracies of a balance: a ten-thousandth of a step, on which
+# the imbalance is straight, and far above the rounding of both.
 NEAR = 1e5
 # Steps of the secant method after which a bracket is left to brentq, and most where there is none.
 SOON, MOST_SECANTS = 12, 40
@@ -94,9 +95,9 @@ class TriedStep(NamedTuple):
     """A step of a chosen size, so much of it time, the rest travel.
 
     time_part : how much of its size is time, in time units, as it was tried: where the section ends before, the step
-        is cut there, and its size, `Steps.size`, is less. No step takes less than none: below 0 that of no time is
-        tried, and from its imbalance a straight line leads on below 0. So each search finds a root, and one below 0
-        says that forces balance after no step of this size.
+        is cut there, and its size, `Steps.size`, is less. Below 0, which no step takes, the step of no time is tried,
+        and the imbalance is that of a straight line from there, of the slope that is guessed. So each search finds a
+        root; one below 0 says that forces balance after no step of this size.
     trial : where it leads to
     imbalance : of the forces at its end, see Steps.imbalance (a length)
     """
@@ -222,8 +223,8 @@ class Steps:
         """The balanced step of this size, or up to the section's end, looked for from a guess.
 
         The more of its size is time, the farther the drive gets and the less the slider travels: the imbalance rises
-        with the time units, and its root is the balance. Where the root is below 0 there is none after a step of this
-        size, see TriedStep.
+        with the time units, but for the first of them after a slip, and its root is the balance. Where the root is
+        below 0 there is none after a step of this size, see TriedStep.
         """
         slope, accuracy = guess.slope, self.contacts.memory.balance * size
 
@@ -264,7 +265,7 @@ def secant(
     accuracy: float,
     small: float,
 ) -> Root:
-    """The step without imbalance, which is below 0 before it and above 0 behind it; and the slope there.
+    """The step at which the imbalance crosses 0, from below to above as the time grows, and the slope there.
 
     Both are found from guesses by the secant method. Where the imbalance is not `small`, the slope has to be measured
     near the step before that counts as converged: its guess is that of another step, after a slip off by orders of
