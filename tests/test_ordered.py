@@ -168,3 +168,16 @@ def test_what_the_kernel_does_not_know_is_refused_in_one_line(contacts, says):
     with pytest.raises(InputError, match=says) as refused:
         eq_model.simulate(contacts, PATH, time=CLOCK)
     assert "\n" not in str(refused.value)
+
+
+def test_contacts_that_outrun_the_slider_are_refused_with_the_speed_that_breaks_them() -> None:
+    """x_s0 + age/2: at a speed of 0.5 all hold for ever, on a spring as well; just above, all break."""
+    contacts = Contacts(Law("hardening", lambda x, age, travelled: np.maximum(x - 0.5 * age, 0.0)))
+    contacts.changing.largest_threshold = lambda fresh, share, duration: fresh + 0.5 * duration
+    for more in ({}, {"spring": 0.3}):
+        with pytest.raises(
+            InputError, match=r"^velocity = 0\.4: .* never break below v = 0\.5, as"
+        ):
+            call = master.solve if more else master.steady_state
+            call(contacts, *([[3.0]] if more else []), velocity=0.4, **more)
+    assert master.steady_state(contacts, velocity=0.6).success

@@ -104,5 +104,7 @@ class ChangingLife(Life):
         while law.largest_threshold(strongest, NEGLECTED, longest) > velocity * longest - to_0:
             longest *= LATER
             if longest > LATEST * unit:
-                refuse("velocity", velocity, "is outrun by the strongest thresholds; slide faster")
+                slowest = law.largest_threshold(strongest, NEGLECTED, longest) / longest
+                hint = f"the strongest contacts never break below v = {slowest:.3g}, as fast as they grow; slide faster"
+                refuse("velocity", velocity, hint)
         return longest
