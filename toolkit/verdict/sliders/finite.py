@@ -2,14 +2,15 @@
 master equation."""
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
-from typing import cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
+from origins.thresholds.law import Array
 from toolkit.results.sliding import has_slid, late_force, scatter_of
 from toolkit.results.slips import (
     are_fading,
@@ -24,19 +25,14 @@ from toolkit.results.slips import (
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
 from toolkit.verdict.sliders.budget import (
-    LONG_DELAY,
-    PlannedDrive,
     breaks_until,
-    lives_in_a_slip,
     most_breaks,
-    way_without_contacts,
 )
 from toolkit.verdict.sliders.ensemble import FEW, NOT_SLID, sliders, until_settled
 from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
-from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, slip_duration
+from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
+from toolkit.verdict.sliders.plans import BEYOND, Asked
 
-# rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
-FLOWING = ("instant", "mass")
 # most contacts of each slider
 MOST_CONTACTS = 2_000_000
 # laws in time of contacts that hold, with which the ensemble takes them on a spring without a mass
@@ -46,10 +42,6 @@ MORE = 1.01
 # Where the force rises by this part of a drop above that before any slip, the slips are not those of the force; and the
 # part of the drop of infinitely many contacts by which it has to swing for this to be said.
 UNSEEN, SWINGING = 0.08, 0.5
-# length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
-LOADINGS, BEYOND = 3.2, 40.0
-# loadings of few contacts, so that slips of two kinds are told apart, where these are no more breaks, some 0.1 s
-MANY_LOADINGS, CHEAP = 8.0, 4e6
 # of the path, and of its end, where the force of those that slide is looked at
 POINTS = 100
 # of BEYOND, for the scatter of the places at which sliders with mass begin to slide
@@ -69,23 +61,6 @@ ABOVE, LEAST_ABOVE = (7.5, 12.5, 17.5, 22.5), 3.0
 FAR, LONGER = 100.0, 3.0
 
 
-@dataclass(frozen=True)
-class _Asked:
-    """Of which contacts, on which machine, it is asked what `number` of them do: the arguments of `follow_finite`."""
-
-    machine: Machine
-    contacts: Contacts
-    number: float
-    infinite: Behaviour
-    static: float
-
-    @property
-    def settles(self) -> bool:
-        """Whether contacts that re-form at once go on to slide."""
-        slips = self.infinite.kind == "stick-slip"
-        return self.infinite.rule == "instant" and not slips and not self.contacts.waiting_time
-
-
 def follow_finite(
     machine: Machine,
     contacts: Contacts,
@@ -100,7 +75,9 @@ def follow_finite(
     """
     if infinite.damping is not None:  # infinitely many were followed with one that is not given
         machine = replace(machine, damping=infinite.damping)
-    asked = _Asked(machine, contacts, number, infinite, static)
+    if infinite.heat_left_out is not None:  # nor do finitely many need it
+        contacts = contacts.replace(thermal=None)
+    asked = Asked(machine, contacts, number, infinite, static)
     until, found = time.monotonic() + seconds, None
     for least, above in pairwise((LEAST_ABOVE, *ABOVE)):
         began = time.monotonic()
@@ -115,78 +92,40 @@ def follow_finite(
     return cast(Finite, found)
 
 
-def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Finite:
-    """As `follow_finite`, with contacts that re-form at once pulled `above` the force of infinitely many, and `sliding`
-    along a part of that at most, both in mean thresholds times N^(-2/3)."""
+class Way(NamedTuple):
+    """The points of the drive, X_T (n,); how far from its begin on the force is taken as that of steady sliding, and
+    that part of the way which a transient takes at least (lengths)."""
+
+    path: Array
+    steady: float
+    settling: float
+
+
+def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finite:
+    """As `follow_finite`, with contacts that re-form at once pulled `above` the force of infinitely many, on the last
+    part of which, `sliding`, they slide at most: both in mean thresholds times N^(-2/3)."""
     until = time.monotonic() + seconds
-    machine, contacts = asked.machine, asked.contacts
-    infinite, static = asked.infinite, asked.static
-    from eq_model.engine import breaks_by_heat
-
-    rule, slips = infinite.rule, infinite.kind == "stick-slip"
-    settles = asked.settles
-    present = max(round(asked.number), 1)
-    mean = contacts.mean_threshold
-    heavy = rule == "mass"
-    waits = way_without_contacts(machine if heavy else replace(machine, mass=None), contacts)
-    # with a delay far above the time of a slip (see `may_follow`) contacts are out until the slip is over
-    lasts = slip_duration(machine, static) if heavy else 0.0
-    outlasted = heavy and contacts.waiting_time >= LONG_DELAY * lasts > 0.0
-    flowing = rule in FLOWING and not outlasted
-
-    def planned(number: int) -> PlannedDrive:
-        """The way of the drive for so many contacts, and how often each breaks on it, at most."""
-        softness = number ** (-2.0 / 3.0) / machine.spring if settles else 0.0
-        # contacts that wait hold a slider that sticks to more than F_s of one that moves with the drive
-        highest_force = max(static, infinite.before) if slips else static
-        if rule == "mass" and infinite.kind != "undecided":
-            highest_force = max(highest_force, float(infinite.force.max(initial=0.0)))
-        loading = highest_force / machine.spring + (1.0 + above * softness) * mean + waits
-        end = LOADINGS * loading if slips else loading + BEYOND * mean
-        if infinite.slips and infinite.period and (slips or infinite.kind == "undecided"):
-            # a heavy slider may slip for longer than the drive loads its spring
-            end = max(end, (infinite.first_slip or 0.0) + LOADINGS * infinite.period)
-        longer = MANY_LOADINGS * loading
-        lasting = MANY_LOADINGS if slips else longer / mean
-        if rule not in FLOWING and SLIDERS * number * lasting < CHEAP:
-            end = max(end, longer)
-        # in a slip that renews contacts all break once; contacts that re-form at once do at each threshold passed
-        lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
-        in_a_slip = np.inf
-        if heavy and flowing and machine.damping and contacts.waiting_time:
-            in_a_slip = lives_in_a_slip(machine, contacts, highest_force, loading)
-            lives = min(lives, 2.0 + BEYOND + end / loading * in_a_slip)
-        lives += sliding * softness
-        if contacts.thermal is not None and not slips:
-            # A slider that does not slip creeps under any rule, long before F is that of sliding: on a spring of 2e-6
-            # N_c<k> by 8,000 mean thresholds. How far is not known here, but not beyond the drive.
-            lives += end / mean
-        elif flowing and not slips:
-            # the spring relaxes to the force of sliding, to none where that is not known
-            relaxed = infinite.after if np.isfinite(infinite.after) else 0.0
-            lives += min(max(static - relaxed, 0.0) / machine.spring / mean, in_a_slip)
-        if contacts.thermal is not None:  # and those that break while the slider sticks
-            lives += breaks_by_heat(contacts, end / machine.velocity)
-        return PlannedDrive(end, SLIDERS * number * lives)
-
-    if infinite.heat_left_out is not None:  # nor do as many contacts need it
-        contacts = contacts.replace(thermal=None)
+    machine, contacts, infinite = asked.machine, asked.contacts, asked.infinite
+    rule, present, mean = infinite.rule, asked.present, contacts.mean_threshold
     laws_in_time = set(contacts.held_in_time)
     if laws_in_time - TAKEN or (laws_in_time and rule == "mass"):
         why = "the ensemble takes no contacts on a spring that age, and here none beside a mass in heat or that grow"
         return Finite(rule, present, "unknown", message=why)
+    plan = asked.planned(present, above, sliding)
+    breaks_of_all, most = plan.breaks, most_breaks(contacts, rule)
     # fewer contacts have to be pulled further
-    most = most_breaks(contacts, rule)
-    followed, plan = min(present, MOST_CONTACTS), planned(present)
-    breaks_of_all = plan.breaks
-    while followed >= min(present, FEW) and (plan := planned(followed)).breaks > MORE * most:
+    followed = min(present, MOST_CONTACTS)
+    while (
+        followed >= min(present, FEW)
+        and (plan := asked.planned(followed, above, sliding)).breaks > MORE * most
+    ):
         followed = int(followed * most / plan.breaks)
     if followed < min(present, FEW) or followed < min(present, (infinite.contacts or 0) + 1):
         why = f"some {breaks_of_all:.1g} breaks are more than are followed here"
         return Finite(rule, present, "unknown", message=why)
     # the static force of so many scatters by some N^(-1/2) of itself
-    further = static / np.sqrt(present) / machine.spring / mean
-    if rule == "mass" and not slips and further > SCATTERED * BEYOND:
+    further = asked.static / np.sqrt(present) / machine.spring / mean
+    if asked.heavy and not asked.sticks and further > SCATTERED * BEYOND:
         scatter = f"F_s of such sliders scatters by some {present**-0.5:.1%}"
         far = spoken(further * mean, length_unit_of(contacts.thresholds))
         why = (
@@ -194,21 +133,25 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         )
         return Finite(rule, present, "unknown", message=why)
     steady = plan.end - SETTLED * BEYOND * mean
-    many = machine.points(plan.end) if rule == "mass" else POINTS
-    points = np.unique(np.linspace([0.0, max(steady, 0.0)], plan.end, many))
+    count = machine.points(plan.end) if asked.heavy else POINTS
+    points = np.unique(np.linspace([0.0, max(steady, 0.0)], plan.end, count))
     path = contacts.start.mean() / machine.spring + points
     try:
         found = sliders(machine, contacts, rule, path, followed, seconds)
     except InputError as refused:
         return Finite(rule, present, "unknown", message=str(refused))
-    # a slip to no force leaves a soft spring to be pulled far beyond BEYOND before the next
-    # nor do contacts that are out bear the slider
-    settling, few = SETTLED * BEYOND * mean + waits, infinite.slips if flowing else 0
-    if not slips and not settles and may_go_on(found, machine.spring, settling, few):
+    # contacts that are out do not bear the slider
+    settling, of_transient = SETTLED * BEYOND * mean + asked.waits, _slips_of_transient(asked)
+    # after a slip to no force the next on a soft spring is far beyond BEYOND
+    if (
+        not asked.sticks
+        and not asked.settles
+        and may_go_on(found, machine.spring, settling, of_transient)
+    ):
         seen, end = found, regained_at(found.slips, machine.spring, SEVERAL) + BEYOND * mean
-        end += SEVERAL * waits
+        end += SEVERAL * asked.waits
         steady = end - path[0] - settling
-        path = path[0] + np.unique(np.linspace([0.0, steady], end - path[0], many))
+        path = path[0] + np.unique(np.linspace([0.0, steady], end - path[0], count))
         breaks, number = breaks_until(end, seen, mean), seen.contacts // SLIDERS
         number = min(number, int(number * MORE * most / breaks))
         try:
@@ -218,9 +161,24 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
         except InputError as refused:
             told = Finite(rule, seen.contacts // SLIDERS, "unknown", message=str(refused))
             return with_late_slips(told, seen.slips)
-    if not settles:
+    if not asked.settles:
         found = until_settled(found, machine, contacts, rule, until, settling)
         path, steady = found.path, max(steady, float(np.ptp(found.path)) - settling)
+    return _judged(asked, found, Way(path, steady, settling))
+
+
+def _slips_of_transient(asked: Asked) -> int:
+    """How many slips finitely many contacts have beside those that go on: infinitely many that slide may have slipped
+    before, and contacts that re-form at once forget their start in many slips, as F falls from static to kinetic."""
+    return asked.infinite.slips if asked.flowing else 0
+
+
+def _judged(asked: Asked, found: Any, way: Way) -> Finite:
+    """What sliders do that were followed along a way."""
+    machine, contacts, infinite = asked.machine, asked.contacts, asked.infinite
+    rule, present, mean = infinite.rule, asked.present, contacts.mean_threshold
+    slips, settles, of_transient = asked.sticks, asked.settles, _slips_of_transient(asked)
+    path, steady, settling = way
     drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     if settles:
@@ -236,21 +194,18 @@ def _pulled(asked: _Asked, seconds: float, above: float, sliding: float) -> Fini
     if swing > SWINGING * drop > 0.0:
         why = f"their force swings by {swing / mean:.2g} <x_s>, in falls of few of them each"
         return Finite(rule, present, "unknown", message=why)
-    # contacts that re-form at once forget their start in many slips, as F falls from static to kinetic
-    # and nobody knows how many of the slips that were seen of infinitely many are followed by others
-    if (flowing or infinite.slips) and infinite.kind == "undecided":
-        few, main = found.contacts // SLIDERS, main_slips(found.slips)
+    # nobody knows how many of the slips that were seen of infinitely many are followed by others
+    if (asked.flowing or infinite.slips) and infinite.kind == "undecided":
+        number, main = found.contacts // SLIDERS, main_slips(found.slips)
         slips = are_lasting(main, SLIDERS)
         if not slips and (counts.any() or infinite.slips):
-            why = (
-                f"{few:,} slip, perhaps only until they slide: what infinitely many do is not known"
-            )
+            why = f"{number:,} slip, perhaps only until they slide: what infinitely many do is not known"
             return Finite(rule, present, "unknown", message=why if counts.any() else NOT_SLID)
         found = replace(found, slips=main) if slips else found
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
     if not slips:
-        go_on = may_go_on(found, machine.spring, settling, few)
+        go_on = may_go_on(found, machine.spring, settling, of_transient)
         if settles:
             go_on = bool((found.slips.drive > path[0] + steady).any())
         if not go_on:
