@@ -55,12 +55,10 @@ MOVED: dict[str, tuple[Contacts, float, float]] = {
     "ageing": (A06, 6.0, 60.0),
     "grains": (Contacts(growing_grains(1.0, 1.0, age=4.0)), 1.0, 6.0),
 }
-SLOW = {"heat", "ageing", "room temperature"}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in MOVED]
-)
+@pytest.mark.slow  # quick: each memory on a stiff spring, in test_plain_in_time.py
+@pytest.mark.parametrize("name", MOVED)
 def test_the_force_is_that_of_a_rigid_slider_on_the_same_way(name: str) -> None:
     """Where nothing slips; straight between the points, which the slider's own motion is not."""
     contacts, velocity, spring = MOVED[name]

@@ -471,7 +471,9 @@ def test_a_slow_machine_follows_fewer_contacts_than_its_pilot_promised(monkeypat
         assert found.contacts == 4 * kept and len(np.unique(found.slips.replica)) == 4
 
 
-@pytest.mark.parametrize("stop", [KeyboardInterrupt, Terminated])
+@pytest.mark.parametrize(
+    "stop", [pytest.param(KeyboardInterrupt, marks=pytest.mark.slow), Terminated]
+)
 def test_an_interrupted_verdict_tells_what_is_known(
     stop: type[BaseException], capsys: Any, monkeypatch: Any
 ) -> None:
