@@ -160,6 +160,7 @@ QUESTIONS = {
         "master:critical_spring_of",
     ),
     "sliders of as many contacts as the area holds: their number and way; followed": (
+        "toolkit:Asked.planned",
         "toolkit:follow_finite",
         "toolkit/verdict/sliders/ensemble.py:sliders",
     ),

@@ -142,7 +142,7 @@ def test_what_has_no_first_passage_is_refused_in_one_line(name: str, call: str) 
     "name",
     [
         # kernels of ageing with heat take half a minute to compile
-        pytest.param(name, marks=[pytest.mark.slow] * (name in ("heat", "not normal")))
+        pytest.param(name, marks=[pytest.mark.slow] * (name == "heat"))
         for name in LEFT_TO_THE_ENSEMBLE
     ],
 )

@@ -48,9 +48,7 @@ def test_every_break_is_that_of_plain_python(seed: int, machines: int) -> None:
         assert np.abs(curves - plain.curves[[0, 1, 2, 4]]).max() < 1e-6
         slips = np.stack([getattr(found.slips, name) for name in SLIPS], axis=1)
         assert slips.shape == plain.slips.shape
-        off = np.abs(slips - plain.slips).max(axis=0, initial=0.0)
-        # where a slider sticks is looked for at breaks, and in the ensemble where a contact has grown, too
-        assert off[5] <= 6.0 and np.delete(off, 5).max() < 1e-6
+        assert np.abs(slips - plain.slips).max(initial=0.0) < 1e-6
         assert found.breaks == plain.breaks
         assert np.abs(found.energy.imbalance).max() < 1e-12
         breaks += found.breaks

@@ -460,6 +460,17 @@ def test_a_balance_between_two_numbers_without_one_between_is_found() -> None:
     assert root.converged and abs(root.step.time_part - low) <= 2.0 * np.spacing(abs(low))
 
 
+def test_a_balance_that_is_not_found_is_no_error_of_a_library() -> None:
+    """Around its root the imbalance is so flat that brentq takes all of its steps: this one has not converged."""
+
+    def tried(time_part: float) -> Any:
+        off = np.float64(time_part) - 288.21858514104144
+        return steps_in_time.TriedStep(time_part, SimpleNamespace(), 30.2 * off**5)
+
+    root = steps_in_time.secant(tried, 0.7294965609839984, 0.52, accuracy=1e-9, small=1e-10)
+    assert not root.converged and abs(root.step.imbalance) < 1e-5
+
+
 def test_a_step_that_leads_against_the_motion_is_a_fault(monkeypatch: Any) -> None:
     """Steps are counted along the motion: counted the other way their sizes are below 0, and their ends were lost."""
     monkeypatch.setattr(Steps, "turn_round", lambda self: None)

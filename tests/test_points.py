@@ -242,7 +242,6 @@ main(["run", sys.argv[1]])
 """
 
 
-@pytest.mark.slow  # quick: processes share them; ranks share blocks in test_ranks.py
 def test_ranks_share_the_points_and_find_the_same(mpirun: Any) -> None:
     write(**{"thresholds": WIDE, **swept()})
     (Path("small.toml")).write_text(Path("mine.toml").read_text())

@@ -246,10 +246,14 @@ COARSE = {
 }
 
 
+# of the others a delay, grains and exact ends have tests of their own at finer tolerances
+QUICKLY_SOLVED = ("linked", "ageing", "soft", "births at many stretches")
+
+
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[pytest.mark.slow] * (name not in ("linked", "ageing")))
+        pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICKLY_SOLVED))
         for name in COARSE
     ],
 )

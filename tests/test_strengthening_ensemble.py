@@ -53,9 +53,8 @@ def slope(beta, velocity, thermal=None):
     return (up - down) / (2.0 * np.log(1.1)) / UNAGED
 
 
-# the kernel of Eyring's rates takes longer to compile than this file to run; test_strengthening_master has its slope
 @pytest.mark.parametrize(("thermal", "slope"), [(SOFT, -0.0109), (EYRING, 0.0190)])
-@pytest.mark.slow  # quick: the slope in test_strengthening_master.py, and both solvers in test_agreement.py
+@pytest.mark.slow  # quick: Eyring's slope in test_strengthening_master.py, soft heat in test_agreement.py
 def test_the_slope_of_heat_and_growth_together(thermal, slope):
     """Over two decades of speed, in units of F_k(∞) for each factor e: by Eyring's heat with α = β = 0.03, and by that
     of soft contacts, which takes two thirds of what growth alone does. Blocks of three mean thresholds tell the error

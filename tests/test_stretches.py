@@ -99,7 +99,6 @@ SLOW = {
 }
 SLOW |= {
     "turning, jumps",
-    "turning, re-forming",
     "holds, heat",
     "holds, heat, paper's closure",
     "holds, re-forming, heat",

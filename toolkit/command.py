@@ -138,7 +138,7 @@ def _of_words_left(words: list[str], left: list[str], command: str) -> str:
         begin, following = words[place + 1], words[place + 2]
         two = " ".join(words[place + 2 : place + 4])
         unit = two if two in UNITS else following
-        if word == "--set" and "=" in begin and (following in left or unit in UNITS):
+        if word == "--set" and "=" in begin and unit in UNITS:
             key, _, value = begin.partition("=")
             text = f"--set {key}='\"{value} {unit}\"'"
             return f"{unit}: is apart from {begin}; a value with a blank is text, write {text}"

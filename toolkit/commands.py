@@ -20,7 +20,6 @@ from toolkit.judge.files import comparison_rows, precision_rows, save_judgement
 from toolkit.judge.frontier import draw_picture as draw_precision
 from toolkit.pictures.thresholds import save_thresholds_picture as draw_law
 from toolkit.processes.ranks import on_root
-from toolkit.processes.signals import finishing
 from toolkit.results.files import another, write_json
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.results.records import sample_curve
@@ -194,27 +193,10 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
 def verdict(arguments: argparse.Namespace) -> int:
     """Whether the scene's interface sticks and slips on its machine: one page, a picture, tables; returns 1 where a
     solver missed its tolerance."""
-    from toolkit.verdict.files import friction, plain
-    from toolkit.verdict.judge import verdict as judged
-    from toolkit.verdict.picture import draw_verdict
-    from toolkit.verdict.sliders.budget import at_most
-    from toolkit.verdict.text.words import page
+    from toolkit.judge.verdict import report_verdict
 
-    formats = read_formats(arguments.format)
-    scene = load_scene(arguments.scene, False, changes=read_changes(arguments.changes))
-    folder = arguments.out or f"{scene.name}-output"
-    check_folder(folder)  # before the work, not after it
-    with closing(Progress("verdict", most=at_most(scene.wall_time))) as bar:
-        found = judged(scene, bar.doing, keep=True)
-    with finishing(f"the answer is written to {folder}", at_once=found.stopped is not None):
-        lines, draw = page(found), partial(draw_verdict, found)
-        tables = lines, plain(found), friction(found)
-        save_judgement(folder, "verdict", draw, *tables, formats, table="friction")
-        print("\n".join([*lines, f"written to {folder}"]))
-    if found.stopped is not None:
-        found.stopped.add_note(f"what was known by then is written to {folder}")
-        raise found.stopped
-    return 0 if found.success else 1
+    changes, formats = read_changes(arguments.changes), read_formats(arguments.format)
+    return 0 if report_verdict(arguments.scene, changes, arguments.out, formats).success else 1
 
 
 def rate_state(arguments: argparse.Namespace) -> int:
@@ -263,7 +245,8 @@ def precision(arguments: argparse.Namespace) -> int:
     rows = precision_rows(found)
     save_judgement(folder, "precision", draw, [*lines, *found["notes"]], found, rows, formats)
     print("\n".join([*found["notes"], f"written to {folder}"]))
-    return 0 if ((found["witness"] or {}).get("worst_deviation") or 0.0) < APART else 1
+    worst = (found["witness"] or {}).get("worst_deviation")
+    return 0 if (worst or 0.0) < APART else 1
 
 
 def _coverage(arguments: argparse.Namespace, formats: tuple[str, ...]) -> int:

@@ -24,7 +24,8 @@ def like(contacts: Contacts, law: Thresholds) -> Contacts:
     if growth is None or contacts.ageing is not None:
         return contacts.replace(thresholds=law)
     if type(growth) is not Strengthening:
-        hint = "has no other samples: they are those of thresholds that stay, age or strengthen"
+        hint = "has no other samples, which are those of thresholds that stay, age or strengthen"
+        hint += "; give a law that is not from samples, or origins.strengthening"
         refuse("contacts.thresholds", growth, hint)
     return contacts.replace(
         thresholds=strengthening(law, growth.beta, growth.time_unit, growth.age)

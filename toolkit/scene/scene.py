@@ -212,7 +212,6 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
     """The scene, with all that its tables say checked. Raises InputError."""
     name, text, given, folder = source
     table = tables.read_table(given)
-    check_machine(table)  # before the contacts, which may take long
     if not name.isprintable():
         refuse("scene", name, "holds a letter that no picture can show; leave it out")
     if solved and table.master is None and table.eq is None and table.sweep is None:
@@ -227,11 +226,13 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
     one_of("units", table.units, (SI, SHARED))
     if table.sweep is not None and (grid := make_grid(table.sweep, given)) is not None:
         return _checked_grid(source, grid, solved, comm)
-    contacts = make_contacts(table.contacts, folder, comm)
-    drive = sweep = None
     followed = solved and (table.master is not None or table.eq is not None)
-    if table.drive is not None and (followed or has_path(table.drive)):
-        drive = make_drive(table.drive, contacts)
+    driven = table.drive is not None and (followed or has_path(table.drive))
+    if driven:
+        check_machine(table)  # before the contacts, which may take long
+    contacts = make_contacts(table.contacts, folder, comm)
+    drive = make_drive(table.drive, contacts) if table.drive is not None and driven else None
+    sweep = None
     if table.sweep is not None:
         sweep = make_sweep(table.sweep, contacts, sliding_speed(drive, table.drive))
     scene = Scene(

@@ -81,9 +81,9 @@ def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _has_grown(s, contacts, i, pull):  # type: ignore[no-untyped-def]
-    """Whether contact i, which the slider would break by its earlier threshold, has a larger one by now, at whose
-    places it then breaks."""
+def _move_if_grown(s, contacts, i, pull):  # type: ignore[no-untyped-def]
+    """Where contact i has grown since its places were set, move them to those of its threshold of now. Returns whether
+    it has."""
     ahead = contacts.ahead.places[i]
     before = (ahead + contacts.behind.places[i]) // 2
     now = np.int64(np.rint(threshold_of(contacts.ages, i, time_now(s, pull))))
@@ -107,7 +107,7 @@ def _break(s, contacts, side, pull):  # type: ignore[no-untyped-def]
     else:
         i = contacts.behind.at[WHO]
         go_to(s, pull, -contacts.behind.places[i])
-    if contacts.ages.numbered and _has_grown(s, contacts, i, pull):
+    if contacts.ages.numbered and _move_if_grown(s, contacts, i, pull):
         return np.int64(-1)
     x = 0.5 * np.float64(contacts.ahead.places[i] + contacts.behind.places[i])
     k = x / pull.mean if pull.mean > 0.0 else 1.0
@@ -189,7 +189,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             net = pulled - contact_force(s, pull)
             if not s.falling and not s.grown:
                 watch(s, pull, pulled)
-            s.seen, s.grown = s.breaks, False
+            s.seen = s.breaks
             if known if s.speed >= 0.0 else known_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
                 if side == 0:
@@ -214,14 +214,16 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             look_through(contacts.ahead)
         elif side < 0 and not known_behind:
             look_through(contacts.behind)
-        elif side != 0:
-            forms = _break(s, contacts, side, pull)
-            if s.breaks >= pull.most_breaks:
-                return TOO_MANY
-        elif s.due <= 0.0:
-            forms = _return(s, contacts, pull)
-        elif remaining <= most:
-            slipped = _end_leg(s, pull) or slipped
+        else:
+            s.grown = False
+            if side != 0:
+                forms = _break(s, contacts, side, pull)
+                if s.breaks >= pull.most_breaks:
+                    return TOO_MANY
+            elif s.due <= 0.0:
+                forms = _return(s, contacts, pull)
+            elif remaining <= most:
+                slipped = _end_leg(s, pull) or slipped
         if forms >= 0:
             _form(s, contacts, forms, supply, pull, 0.0)
         if slipped:

@@ -15,7 +15,7 @@ from origins.drive import RISE, ROOM, SLIP_FRACTION
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 
-MOST_BREAKS = 10**11  # of a replica: some two hours
+MOST_BREAKS = 10**11  # of a replica: some two hours, also of fewer that are SLOWER
 SLOWER = 15  # time of a break of contacts that grow beside one of others
 FURTHEST = 2.0**60  # of positions in whole units
 LONGEST = 1e13  # oscillations between two points of the path, after which a double has three digits of their phase
@@ -166,7 +166,7 @@ class HeavySliders:
         pull.places[:] /= unit
         pull.begins[1:] = np.cumsum(pull.lasts[:-1])
         pull.chance[:] = fall_by_chance(self._contacts, n, pull.speeds) / unit
-        pull.chance[:] *= growth(self._contacts, self._drive)  # as do all forces, or by less
+        pull.chance[:] *= growth(self._contacts, self._drive)  # by which forces grow at most
         pull.least_breaks[:] = n * self._least_share(pull.speeds)
         pull.speeds[:] /= unit
         pull.energy[:] = 0.0

@@ -71,7 +71,7 @@ class Contacts(NamedTuple):
     behind: Nearest  # with the opposite sign
     out: npt.NDArray[np.int32]  # numbers of those that wait for their return
     waits: Array  # time between each break that waits and the one before, a ring
-    ages: Ages  # thresholds that grow; a contact has one number for good
+    ages: Ages  # thresholds that grow, by number; one that forms again takes any that is free
 
 
 class Pull(NamedTuple):

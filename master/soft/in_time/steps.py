@@ -15,7 +15,7 @@ Steps of the size s = 1 on K = 0.2 at v = 1, of P_c(1, 0.2) with heat ("soft", 0
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -284,8 +284,9 @@ def secant(
             move = float(np.copysign(2.0 * accuracy, move))
         bracketed = np.isfinite(high - low)
         if bracketed and count >= SOON:
-            found = brentq(lambda time_part: tried(time_part).imbalance, low, high, xtol=accuracy)
-            return Root(tried(float(found)), slope, converged=True)
+            given: dict[str, Any] = {"xtol": accuracy, "full_output": True, "disp": False}
+            found, how = brentq(lambda at: tried(at).imbalance, low, high, **given)
+            return Root(tried(float(found)), slope, converged=bool(how.converged))
         after = at + move
         if bracketed and not low < after < high:
             after = 0.5 * (low + high)

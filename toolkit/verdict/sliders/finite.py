@@ -93,8 +93,8 @@ def follow_finite(
 
 
 class Way(NamedTuple):
-    """The points of the drive, X_T (n,); how far from its begin on the force is taken as that of steady sliding, and
-    that part of the way which a transient takes at least (lengths)."""
+    """The points of the drive, X_T (n,); `steady`, the distance from the first of them behind which the force is taken
+    as that of steady sliding; and `settling`, the part of the way that a transient takes at least (lengths)."""
 
     path: Array
     steady: float
@@ -109,7 +109,7 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
     rule, present, mean = infinite.rule, asked.present, contacts.mean_threshold
     laws_in_time = set(contacts.held_in_time)
     if laws_in_time - TAKEN or (laws_in_time and rule == "mass"):
-        why = "the ensemble takes no contacts on a spring that age, and here none beside a mass in heat or that grow"
+        why = "contacts that age are not followed on a spring here, nor beside a mass those in heat or that strengthen"
         return Finite(rule, present, "unknown", message=why)
     plan = asked.planned(present, above, sliding)
     breaks_of_all, most = plan.breaks, most_breaks(contacts, rule)

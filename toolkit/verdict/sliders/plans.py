@@ -72,7 +72,8 @@ class Asked:
     def planned(self, number: int, above: float, sliding: float) -> PlannedDrive:
         """The way of the drive for so many contacts, and how often all of them break on it, at most.
 
-        above, sliding : as `_pulled` of finite.py takes them
+        above, sliding : how far contacts that re-form at once are pulled beyond the force of infinitely many, and how
+            much of that they slide at most; both in mean thresholds times N^(-2/3)
         """
         machine, contacts, infinite = self.machine, self.contacts, self.infinite
         mean, flowing, slips = contacts.mean_threshold, self.flowing, self.sticks

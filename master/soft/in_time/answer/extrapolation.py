@@ -226,12 +226,13 @@ def _of_slips_unmatched(last: Slider, slips: ComparedSlips) -> ErrorPart:
 
 
 def _of_undecided_end(sliders: list[Slider], answer: Answer) -> ErrorPart | None:
-    """The error where a slip may come before the drive turns or ends, or not: all that is known of F is that it lies
-    between 0 and the largest. None where that is decided."""
+    """The error where a slip may come before the drive turns, slows down or ends, or not: all that is known of F is
+    that it lies between 0 and the largest. None where that is decided."""
     end = undecided_end(sliders)
     if end is None:
         return None
-    of = f"a slip that may come just before the drive turns or ends, {_near(sliders[-1], end)}"
+    before = "the drive turns, slows down or ends"
+    of = f"a slip that may come just before {before}, {_near(sliders[-1], end)}"
     largest_force = float(np.abs(answer.force).max())
     return ErrorPart(of, largest_force, "turn or end the path a little elsewhere")
 
