@@ -30,10 +30,14 @@ from toolkit.verdict.sliders.machine import (
 )
 from toolkit.verdict.text.kinds import damped, long_delay_of
 
-# how far a slip is shown, in times that it lasts: before its begin, and after it, where a swing with a tenth of
-# critical damping has fallen to a tenth, and one with less to that of itself, LONGEST at most; and points of the former
-BEFORE, AFTER, LONGEST, FALLEN, POINTS = 0.5, 8.0, 40.0, 0.1, 400
-# of a slip's way: a slider that goes on by less in a slip's time, beside its drive, has come to rest
+# how far a slip is shown before its begin and after it, in times that it lasts: a swing with a tenth of critical
+# damping has fallen to a tenth by then
+BEFORE, AFTER = 0.5, 8.0
+# with less damping it is shown until its swings have fallen to this part, up to so many times of the slip
+FALLEN, LONGEST = 0.1, 40.0
+# points of the drive where it is shown for AFTER
+POINTS = 400
+# of a slip's way: a slider that goes on by less in the time of the slip has come to rest, or goes on with its drive
 RESTS = 0.02
 # of the force, in mean thresholds: no more is seen in a picture
 TOLERANCE = 1e-2

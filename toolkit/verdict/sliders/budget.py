@@ -100,11 +100,11 @@ class Budget:
 
     def _used(self) -> tuple[float, float]:
         """Seconds that count, and the pace."""
-        clock = time.monotonic() - self._clock
+        passed = time.monotonic() - self._clock
         if self._strict:
-            return clock, 1.0
-        used = min(clock, time.process_time() - self._work)
-        return used, (clock + _SMOOTH * self._first_pace) / (used + _SMOOTH)
+            return passed, 1.0
+        used = min(passed, time.process_time() - self._work)
+        return used, (passed + _SMOOTH * self._first_pace) / (used + _SMOOTH)
 
 
 def at_most(wall_time: float | None) -> str:
