@@ -1,5 +1,6 @@
 """A soft slider along its whole path, K (X_T - X) = F, step by step and slip after slip."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from master.soft.in_time.decohered import Decohered
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Node, Steps
-from master.soft.in_time.unresolved import OF_CREEP, OF_DELAY, OF_SMALL_SLIPS
+from master.soft.in_time.unresolved import OF_BEND, OF_CREEP, OF_DELAY, OF_SMALL_SLIPS
 from origins.drive import Drive
 
 # A slip in which F falls by this part of the largest force at a slip so far is a large one: the drive then loads the
@@ -24,6 +25,9 @@ SHORTEST = 1e-6
 # Of a step's size, by which rounding of its times may put it below 0. Of a size further below 0 the state at its end
 # would be left out where forces are read (answer/reading.py).
 ROUNDED_SIZE = 1e-6
+# Ends of steps through which a curved line goes (answer/reading.py). On fewer a straight one is drawn: where the time
+# is a parabola of the size, as up to a slip, F is off by a quarter of its change, or twice that where F bends, too.
+OF_CURVE, OFF_STRAIGHT = 4, 0.5
 
 
 class Slip(NamedTuple):
@@ -140,7 +144,14 @@ class Slider:
                 steps.check_balance("a step", imbalance, nodes[-1])
         if slips and contacts.delay:
             self._bound_error_of_delay(nodes)
+        if slips and len(nodes) < OF_CURVE and self._begins_at_bend(nodes):
+            change = max(abs(after.force - node.force) for node, after in pairwise(nodes))
+            contacts.unresolved.note(OF_BEND, OFF_STRAIGHT * change, contacts.now)
         return slips
+
+    def _begins_at_bend(self, nodes: list[Node]) -> bool:
+        """Whether a section of these nodes begins where the drive changes its speed or turns."""
+        return self.motion is not None and nodes[0].time in self.motion.times[1:]
 
     def _crept_to_end(self, nodes: list[Node]) -> bool:
         """Let the slider creep steadily from the last of these nodes of a section to the end of the path, if it does

@@ -17,6 +17,7 @@ OF_SMALL_SLIPS = "slips that are too small to be listed"
 OF_BALANCE = "steps at whose ends the forces do not balance"
 OF_STEADY_SLIP = "the rest of a long slip, on which F is taken as steady"
 OF_DELAY = "a step up to a slip, which is longer than the delay of contacts that break on it"
+OF_BEND = "a step or two from where the drive changes its speed to a slip, between whose ends F is not known"
 OF_CREEP = "steady creep, at whose begin F was not that of steady sliding at the slider's speed"
 OF_QUIET = "inertia of a slider that hardly swings, which is left out"
 # Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
