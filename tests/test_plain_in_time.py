@@ -460,6 +460,16 @@ def test_a_balance_between_two_numbers_without_one_between_is_found() -> None:
     assert root.converged and abs(root.step.time_part - low) <= 2.0 * np.spacing(abs(low))
 
 
+def test_a_move_below_the_last_digit_by_a_guessed_slope_is_no_balance() -> None:
+    """So far off 0 that the move by a slope that is far too steep changes nothing: the imbalance counts."""
+
+    def tried(time_part: float) -> Any:
+        return steps_in_time.TriedStep(time_part, SimpleNamespace(), 1e-13 * time_part)
+
+    root = steps_in_time.secant(tried, -5.0e12, 1e30, accuracy=1e-9, small=1e-10)
+    assert not root.converged and root.step.imbalance == -0.5
+
+
 def test_a_balance_that_is_not_found_is_no_error_of_a_library() -> None:
     """Around its root the imbalance is so flat that brentq takes all of its steps: this one has not converged."""
 

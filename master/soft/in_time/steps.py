@@ -259,11 +259,7 @@ def _before_exact(
 
 
 def secant(
-    tried: Callable[[float], TriedStep],
-    guess: float,
-    slope: float,
-    accuracy: float,
-    small: float,
+    tried: Callable[[float], TriedStep], guess: float, slope: float, accuracy: float, small: float
 ) -> Root:
     """The step at which the imbalance crosses 0, from below to above as the time grows, and the slope there.
 
@@ -290,8 +286,11 @@ def secant(
         after = at + move
         if bracketed and not low < after < high:
             after = 0.5 * (low + high)
-        if after == at:  # no number lies between: the root is known to its last digit
-            return Root(step, slope, converged=True)
+        if (
+            after == at
+        ):  # the move is below the last digit of the step, and no number lies in a closed bracket
+            closed = high - low <= 2.0 * np.spacing(abs(at))
+            return Root(step, slope, converged=measured or bool(closed))
         step = tried(after)
         rise = (step.imbalance - value) / (after - at)
         slope = rise if rise > 0.0 else slope / LONGER_MOVE

@@ -1,5 +1,5 @@
 """The answer of sliders that solved the same path with halved steps: read at the times asked, extrapolated, its error.
 
 `extrapolation.py` gives it, from what `reading.py` reads between the ends of steps; `near_slip.py` says whether steps
-leave open if a slip comes before the drive turns or ends.
+leave open if a slip comes before the drive turns, slows down or ends.
 """
