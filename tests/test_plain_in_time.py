@@ -1193,3 +1193,16 @@ def test_a_path_of_too_many_slips_is_refused_the_same_backward() -> None:
             master.solve(contacts, [far], velocity=1.0, spring=0.8, slip="reform-after")
         told.append(str(refused.value).partition("0: ")[2])
     assert told[0] == told[1]
+
+
+def test_a_search_for_a_balance_that_runs_beyond_all_numbers_ends_at_the_last_one_before() -> None:
+    """Of a slider with mass on contacts that strengthen, whose spring pulls ever less with the time; it was a
+    traceback."""
+
+    def tried(time_part: float) -> Any:
+        imbalance = -1.0 - time_part if time_part < 1e300 else float("nan")
+        return SimpleNamespace(time_part=time_part, imbalance=imbalance)
+
+    root = steps_in_time.secant(tried, 0.5, 1.0, accuracy=1e-9, small=1e-10)
+    assert not root.converged
+    assert 1e200 < root.step.time_part < 1e300

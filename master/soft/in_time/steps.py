@@ -267,11 +267,14 @@ def secant(
     near the step before that counts as converged: its guess is that of another step, after a slip off by orders of
     magnitude. Where the imbalance falls as the time grows, as just after a slip, moves become longer. A step that
     leaves the bracket of the root is replaced by bisection. A bracket in which the secant method has not converged
-    soon is left to brentq. The last step of MOST_SECANTS has not converged."""
+    soon is left to brentq. The last step of MOST_SECANTS has not converged, nor has the last one before moves are so
+    long that no imbalance is a number."""
     low, high, measured = -np.inf, np.inf, False
-    step = tried(guess)
+    last = step = tried(guess)
     for count in range(MOST_SECANTS):
         at, value = step.time_part, step.imbalance
+        if not np.isfinite(value):
+            return Root(last, slope, converged=False)
         low, high = (at, high) if value < 0.0 else (low, at)
         move = -value / slope
         if abs(move) <= accuracy:
@@ -291,7 +294,7 @@ def secant(
         ):  # the move is below the last digit of the step, and no number lies in a closed bracket
             closed = high - low <= 2.0 * np.spacing(abs(at))
             return Root(step, slope, converged=measured or bool(closed))
-        step = tried(after)
+        last, step = step, tried(after)
         rise = (step.imbalance - value) / (after - at)
         slope = rise if rise > 0.0 else slope / LONGER_MOVE
         measured = rise > 0.0 and abs(after - at) <= NEAR * accuracy
