@@ -33,9 +33,12 @@ NO_FORCES = (
     f"F_s and K* were not found in time, and without them no slider is followed: {MORE_TIME}"
 )
 # most breaks of all sliders, some 10 s at 25 ns each; where contacts wait while a mass moves, as it rings on them when
-# it sticks, some 8 s of the processor at 200 ns each; where they break by heat, some 10 s at 800 ns each;
-# and s for them
+# it sticks, some 8 s of the processor at 200 ns each; where they break by heat, some 10 s at 800 ns each, and where
+# they strengthen on a slider with mass at 2 µs each; and s for them
 MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT, OF_MOST = 4e8, 4e7, 1.2e7, 10.0
+MOST_BREAKS_GROWING = 5e6
+# laws in time of contacts that hold, with which the ensemble takes them on a spring, and there beside a mass
+TAKEN, TAKEN_WITH_MASS = {"thermal", "strengthening"}, {"strengthening"}
 # breaks of each contact along a loading with which a few, that wait for less than a slip of the mass, are followed
 # where nothing else decides: four sliders of a thousand along 6.5 loadings take 4e8, some 50 s of the processor
 MOST_LIVES = 1.5e4
@@ -160,9 +163,10 @@ def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlid
 
     With a mass where a delay is far above the time of a slip, `slip_duration`: else contacts re-form while it goes on,
     and break again at every threshold that it passes. Without one under the rules that renew contacts after a slip, on
-    springs far below K*: near it their number decides.
+    springs far below K*: near it their number decides. Where laws in time act, those alone that the ensemble takes
+    beside a mass.
     """
-    if contacts.held_in_time:
+    if set(contacts.held_in_time) - (TAKEN_WITH_MASS if rule == "mass" else set()):
         return False
     if rule == "mass":
         return contacts.waiting_time >= LONG_DELAY * slip_duration(machine, rigid.static)
@@ -180,7 +184,7 @@ def few_are_followed(machine: Machine, contacts: Contacts, static: float) -> boo
 def most_breaks(contacts: Contacts, rule: str) -> float:
     """Most breaks of all sliders of these contacts that are followed under this slip rule, or with a "mass"."""
     if contacts.held_in_time:
-        return MOST_BREAKS_IN_HEAT
+        return MOST_BREAKS_GROWING if rule == "mass" else MOST_BREAKS_IN_HEAT
     return MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
 
 

@@ -72,12 +72,13 @@ def sliders(
     number: int,
     seconds: float,
     few_will_do: bool = False,
+    known: int = 0,
 ) -> Any:
     """The ensemble's result for sliders of so many contacts each, or of FEW times the power of 2 that a pilot of FEW
     says can be followed within so many seconds, without those in which the kernels and the tables of draws are made.
     Where these take longer all the same, FEWER times fewer are followed, and so on down to FEW.
-    Raises InputError where the pilot says that no more than its own can be followed in time, unless `few_will_do`, and
-    for a slider that the ensemble does not take."""
+    Raises InputError where the pilot says that no more than its own can be followed in time, unless `few_will_do`, or
+    no more than those `known` already, and for a slider that the ensemble does not take."""
     import eq_model
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
@@ -99,7 +100,9 @@ def sliders(
         if took < SHORT:  # which tells less than the breaks do
             took = OF_MOST * pilot.breaks / most
         times = min(remaining / max(took, 1e-9), most / max(pilot.breaks, 1))
-        if number > times * FEW and times <= 1.0:
+        # by powers of 2, as the time differs from run to run, and answers should not
+        fewer = FEW * 2 ** int(np.log2(times)) if times > 1.0 else 0
+        if number > times * FEW and fewer <= known:
             if few_will_do:
                 return pilot
             needed, breaks = took * number / FEW, pilot.breaks * number / FEW
@@ -108,8 +111,7 @@ def sliders(
                 why = f"break some {breaks:.1g} times, more than are followed here"
             raise InputError(f"{number:,} contacts {why}")
         if number > times * FEW:
-            # by powers of 2, as the time differs from run to run, and answers should not
-            number = FEW * 2 ** int(np.log2(times))
+            number = fewer
     began, found, tried = time.monotonic(), None, number
     while found is None and tried >= min(number, FEW):
         # the last of the time is for fewer, where all of them take longer than is expected, as on a slow machine

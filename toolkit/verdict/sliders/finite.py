@@ -25,6 +25,8 @@ from toolkit.results.slips import (
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
 from toolkit.verdict.sliders.budget import (
+    TAKEN,
+    TAKEN_WITH_MASS,
     breaks_until,
     most_breaks,
 )
@@ -35,8 +37,6 @@ from toolkit.verdict.sliders.plans import BEYOND, Asked
 
 # most contacts of each slider
 MOST_CONTACTS = 2_000_000
-# laws in time of contacts that hold, with which the ensemble takes them on a spring without a mass
-TAKEN = {"thermal", "strengthening"}
 # times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01
 # Where the force rises by this part of a drop above that before any slip, the slips are not those of the force; and the
@@ -107,20 +107,19 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
     until = time.monotonic() + seconds
     machine, contacts, infinite = asked.machine, asked.contacts, asked.infinite
     rule, present, mean = infinite.rule, asked.present, contacts.mean_threshold
-    laws_in_time = set(contacts.held_in_time)
-    if laws_in_time - TAKEN or (laws_in_time and rule == "mass"):
-        why = "contacts that age are not followed on a spring here, nor beside a mass those in heat or that strengthen"
+    if set(contacts.held_in_time) - (TAKEN_WITH_MASS if rule == "mass" else TAKEN):
+        why = "contacts that age are not followed on a spring here, nor beside a mass those in heat"
         return Finite(rule, present, "unknown", message=why)
     plan = asked.planned(present, above, sliding)
     breaks_of_all, most = plan.breaks, most_breaks(contacts, rule)
     # fewer contacts have to be pulled further
-    followed = min(present, MOST_CONTACTS)
+    followed, known = min(present, MOST_CONTACTS), infinite.contacts or 0
     while (
         followed >= min(present, FEW)
         and (plan := asked.planned(followed, above, sliding)).breaks > MORE * most
     ):
         followed = int(followed * most / plan.breaks)
-    if followed < min(present, FEW) or followed < min(present, (infinite.contacts or 0) + 1):
+    if followed < min(present, FEW) or followed < min(present, known + 1):
         why = f"some {breaks_of_all:.1g} breaks are more than are followed here"
         return Finite(rule, present, "unknown", message=why)
     # the static force of so many scatters by some N^(-1/2) of itself
@@ -137,7 +136,7 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
     points = np.unique(np.linspace([0.0, max(steady, 0.0)], plan.end, count))
     path = contacts.start.mean() / machine.spring + points
     try:
-        found = sliders(machine, contacts, rule, path, followed, seconds)
+        found = sliders(machine, contacts, rule, path, followed, seconds, known=known)
     except InputError as refused:
         return Finite(rule, present, "unknown", message=str(refused))
     # contacts that are out do not bear the slider

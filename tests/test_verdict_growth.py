@@ -1,0 +1,93 @@
+"""What a verdict says of contacts that strengthen with age beside a mass: the ensemble follows them."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eq_model
+import master
+from origins import Contacts, Delay, InputError, Thermal, gaussian, strengthening
+from toolkit.verdict.sliders.budget import MOST_BREAKS_GROWING, may_follow, most_breaks
+from toolkit.verdict.sliders.ensemble import FEW, sliders
+from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider, slip_duration
+
+GROWING = Contacts(strengthening(gaussian(1.0, 0.3), beta=0.05, time=1e-2), delay=Delay(0.3))
+LIGHT = Machine(spring=0.1, mass=None, damping=0.0, velocity=0.1)
+# beyond critical damping; a slip takes 0.29 units of time, and its contacts come back after it
+HEAVY = replace(LIGHT, mass=1e-5, damping=4e-3)
+KNOWN = RigidSlider(0.86, 0.56, 1e-9, 0.4165, 3.0)
+# of infinitely many of them without a mass, whose contacts form again after a slip: see the slow test
+BEFORE, PERIOD = 0.94231, 10.7202
+
+
+def of_many(**named: Any) -> Behaviour:
+    """What infinitely many contacts do."""
+    told: dict[str, Any] = {"error": 5e-5, "success": True, "message": "", "run_time": 0.0}
+    return Behaviour("mass", "stick-slip", BEFORE, 0.0, PERIOD, 5, **(told | named))
+
+
+def test_contacts_of_the_area_grow_as_they_are_followed_beside_a_mass() -> None:
+    """A slip of a light, overdamped mass is one without a mass, but for the 0.29 units of time that it takes: the drive
+    goes on by 0.03 then, in which the contacts that it broke wait already."""
+    found = follow_finite(HEAVY, GROWING, 8000, of_many(), KNOWN.static, 1e4)
+    assert (found.kind, found.contacts, found.message) == ("stick-slip", 8000, "")
+    assert found.slips >= 8.0
+    assert abs(found.before - BEFORE) < 4.0 * found.before_error < 0.06
+    gone_on = HEAVY.velocity * slip_duration(HEAVY, BEFORE)
+    assert gone_on == pytest.approx(0.03, abs=5e-3)
+    assert abs(found.period - (PERIOD - gone_on)) < 4.0 * found.period_error < 0.15
+    assert abs(found.after) < 0.02
+
+
+@pytest.mark.slow  # some 35 s; quick: the test before, against the numbers of this one
+def test_infinitely_many_growing_contacts_slip_so_without_a_mass() -> None:
+    steady = master.steady_state(GROWING, velocity=LIGHT.velocity)
+    assert steady.force == pytest.approx(KNOWN.kinetic, abs=0.01)
+    told = follow(LIGHT, GROWING, "reform-after", KNOWN, 1e4)
+    assert told.kind == "stick-slip" and told.error < 2e-4
+    assert told.before == pytest.approx(BEFORE, abs=2.0 * told.error + 1e-5)
+    assert told.period == pytest.approx(PERIOD, abs=1e-3)
+
+
+def test_growing_contacts_are_followed_in_place_of_infinitely_many(monkeypatch: Any) -> None:
+    """Where the master equation takes no such slider; with heat beside them the ensemble takes none either."""
+
+    def refused(*arguments: Any, **named: Any) -> None:
+        raise InputError("mass: takes 8001 steps")
+
+    monkeypatch.setattr(master, "solve", refused)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 4000)
+    waiting = GROWING.replace(delay=Delay(1.0))
+    told = follow(HEAVY, waiting, "mass", KNOWN, 1e4)
+    assert told.kind == "stick-slip" and told.contacts == 4000
+    assert abs(told.before - BEFORE) < 4.0 * told.error + 0.01
+    hot = waiting.replace(thermal=Thermal("soft", 0.02, 1.0))
+    told = follow(HEAVY, hot, "mass", KNOWN, 1e4)
+    assert told.kind == "undecided" and told.message == "takes 8001 steps"
+    assert may_follow(HEAVY, waiting, "mass", KNOWN)
+    assert not may_follow(HEAVY, hot, "mass", KNOWN)
+    assert not may_follow(LIGHT, GROWING, "reset", KNOWN)
+
+
+def test_breaks_of_growing_contacts_are_counted_as_the_dear_ones_they_are(monkeypatch: Any) -> None:
+    """Fewer are followed than of others, and none where a pilot says that no more can be than are known already."""
+    cold = Contacts(gaussian(1.0, 0.3))
+    assert most_breaks(GROWING, "mass") == MOST_BREAKS_GROWING < most_breaks(GROWING, "reset")
+    assert most_breaks(GROWING, "reset") < most_breaks(cold, "mass")
+    path, asked = np.linspace(0.0, 30.0, 5), list[int]()
+    pilot = eq_model.simulate(
+        GROWING, path, n_contacts=FEW, n_replicas=4, seed=1, **HEAVY.keywords("mass")
+    )
+    monkeypatch.setattr(
+        "toolkit.verdict.sliders.budget.MOST_BREAKS_GROWING", 4.5 * float(pilot.breaks)
+    )
+    for known in (0, 2000):
+        found = sliders(HEAVY, GROWING, "mass", path, 20_000, 1e4, known=known)
+        asked.append(found.contacts // 4)
+    assert asked == [4000, 4000]
+    with pytest.raises(InputError, match="20,000 contacts break some"):
+        sliders(HEAVY, GROWING, "mass", path, 20_000, 1e4, known=4000)
