@@ -289,9 +289,8 @@ def secant(
         after = at + move
         if bracketed and not low < after < high:
             after = 0.5 * (low + high)
-        if (
-            after == at
-        ):  # the move is below the last digit of the step, and no number lies in a closed bracket
+        # the move is below the last digit of the step, and no number lies in a closed bracket
+        if after == at:
             closed = high - low <= 2.0 * np.spacing(abs(at))
             return Root(step, slope, converged=measured or bool(closed))
         last, step = step, tried(after)
