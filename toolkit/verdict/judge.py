@@ -18,7 +18,7 @@ from toolkit.scene.scale import of_contacts, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
-from toolkit.verdict.of_area import with_more
+from toolkit.verdict.of_area import tells_instead, with_finite
 from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
 from toolkit.verdict.sliders.budget import (
     INTERRUPTED,
@@ -129,7 +129,9 @@ def verdict(
                     turned = with_other_delay(answers[0], budget.part(OWN))
             share = OWN if many > 1 else NEARLY_ALL
             finite = _finite(scene, answers[0], budget, budget.part(share), progress)
-            answers[0] = _with_more(answers[0], finite)
+            answers[0] = with_finite(answers[0], finite)
+            if turned is None and answers[0].behaviours[:1] and answers[0].behaviours[0].instead:
+                turned = with_other_delay(answers[0], budget.part(OWN))
             answers[0] = _with_a_slip(answers[0], budget.part(OWN))
     return Verdict(
         name=scene.name,
@@ -174,21 +176,14 @@ def _finite(
             progress(f"sliders of {of_contacts(number)}, slip rule {one.rule}")
             static, remaining = own.static.value, part.remaining()
             found.append(follow_finite(own.machine, contacts, number, one, static, remaining))
+            if one.rule == "mass" and tells_instead(one, found[-1]):
+                return tuple(found)  # which decides: slip rules without the mass do not
     late = [one.rule for one in each[len(found) :]]
     why = INTERRUPTED if every.stops.by else NO_TIME
     return (
         *found,
         *(Finite(rule, max(round(number), 1), "unknown", message=why) for rule in late),
     )
-
-
-def _with_more(own: Answer, finite: tuple[Finite, ...]) -> Answer:
-    """The own reading's answer with the numbers of more contacts, where fewer told what its slider does."""
-    if own.machine is None or not finite:
-        return own
-    unit = own.contacts.mean_threshold
-    more = [with_more(*pair, unit) for pair in zip(own.behaviours, finite, strict=False)]
-    return replace(own, behaviours=(*more, *own.behaviours[len(more) :]))
 
 
 def _with_a_slip(own: Answer, budget: Budget) -> Answer:

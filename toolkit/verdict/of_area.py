@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from toolkit.scene.scale import Scale, of_contacts, with_scatter, written
-from toolkit.verdict.answers import Verdict
+from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.ensemble import by_sliders
 from toolkit.verdict.sliders.finite import SMALL
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
@@ -44,7 +44,8 @@ def apart(verdict: Verdict) -> dict[str, Finite]:
     by_rule = dict[str, Finite]()
     for one, many in _pairs(verdict):
         if (
-            _kinds_differ(verdict, one, many)
+            one.instead
+            or _kinds_differ(verdict, one, many)
             or _slips_differ(verdict, one, many)
             or _slides_apart(many, verdict.own.kinetic.value, _error_of(verdict, one))
             or scatters(many)
@@ -193,28 +194,38 @@ def late_force_of(finite: Finite, kinetic: float, scale: Scale) -> str:
     return f"; at the end they bear {sliding_force(finite, scale)}{still}, infinitely many {beside}"
 
 
+def tells_instead(behaviour: Behaviour, finite: Finite) -> bool:
+    """Whether sliders of all contacts decide what the master equation does not: they go on to slip, or slide at a force
+    that no longer rises."""
+    if behaviour.kind != "undecided" or finite.message:
+        return False
+    slips = finite.kind in ("stick-slip", EVER_RARER) and finite.period is not None
+    return slips or (finite.kind == "smooth" and np.isfinite(finite.late) and not finite.rises)
+
+
 def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
-    """A behaviour that fewer sliders of the ensemble told with the numbers of these, of more contacts; `unit`: the mean
-    threshold, a length. Where they are all that there are, their error is that
+    """A behaviour that fewer sliders of the ensemble told, or that is not decided, with the numbers of these, of more
+    contacts, or of all; `unit`: the mean threshold, a length. Where they are all that there are, their error is that
     of their scatter alone."""
     fewer, slip = behaviour.contacts, finite.kind == "stick-slip" and finite.period is not None
-    more = fewer is not None and behaviour.kind == "stick-slip" and finite.contacts > fewer
-    # or with those of all contacts, where what infinitely many do is not known
-    seen = behaviour.kind == "undecided" and behaviour.slips and not finite.message
-    if not slip or not (more or seen):
+    more = slip and fewer is not None and behaviour.kind == "stick-slip" and finite.contacts > fewer
+    instead = tells_instead(behaviour, finite)
+    if not (more or instead):
         return behaviour
-    error = finite.error / unit
+    slides = finite.kind == "smooth"
+    error = (finite.late_error if slides else finite.error) / unit
     error += behaviour.heat_left_out or 0.0
     if finite.message:
         error += behaviour.error * ((fewer or 0) / finite.contacts) ** (2.0 / 3.0)
     return replace(
         behaviour,
-        kind="stick-slip",
+        kind=finite.kind,
         success=True,
         cut=False,
-        before=finite.before,
-        after=finite.after,
+        before=finite.late if slides else finite.before,
+        after=finite.late if slides else finite.after,
         period=finite.period,
+        instead=(behaviour.message or "it does not decide") if instead else "",
         slips=int(finite.slips),
         error=error,
         message=by_sliders(finite.contacts, behaviour.heat_left_out),
@@ -223,3 +234,15 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
         drive=finite.drive,
         force=finite.force,
     )
+
+
+def with_finite(own: Answer, finite: tuple[Finite, ...]) -> Answer:
+    """The own reading's answer with the numbers of all contacts of the area, or of more than told what its slider does.
+    Where these decide what a slider with mass does, slip rules without the mass tell no more."""
+    if own.machine is None or not finite:
+        return own
+    unit = own.contacts.mean_threshold
+    more = [with_more(*pair, unit) for pair in zip(own.behaviours, finite, strict=False)]
+    if more[0].rule == "mass" and more[0].instead:
+        return replace(own, behaviours=(more[0],), extremes=())
+    return replace(own, behaviours=(*more, *own.behaviours[len(more) :]))

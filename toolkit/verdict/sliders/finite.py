@@ -11,7 +11,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.results.sliding import has_slid, late_force, scatter_of
+from toolkit.results.sliding import has_slid, late_force, mean_forces, scatter_of
 from toolkit.results.slips import (
     are_fading,
     are_lasting,
@@ -30,10 +30,11 @@ from toolkit.verdict.sliders.budget import (
     breaks_until,
     most_breaks,
 )
-from toolkit.verdict.sliders.ensemble import FEW, NOT_SLID, sliders, until_settled
+from toolkit.verdict.sliders.ensemble import FEW, NOT_SLID, RINGS, sliders, until_settled
 from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
+from toolkit.verdict.sliders.steady import settling_distance
 
 # most contacts of each slider
 MOST_CONTACTS = 2_000_000
@@ -172,12 +173,32 @@ def _slips_of_transient(asked: Asked) -> int:
     return asked.infinite.slips if asked.flowing else 0
 
 
+def _sliding_with_mass(finite: Finite, found: Any, settled: Array, unit: float) -> Finite:
+    """With the force of sliders with mass at these last points of their way, of which damping bears a part; "unknown"
+    where it still swings there. `unit`: the mean threshold."""
+    swing = float(np.ptp(found.forces[:, settled], axis=1).max()) / unit
+    if swing > RINGS:
+        why = f"their force still swings at the end of the way, by {swing:.2g} <x_s>"
+        return replace(finite, kind="unknown", message=why)
+    each = mean_forces(found, settled)
+    error = float(each.std(ddof=1)) / SLIDERS**0.5
+    return replace(finite, late=float(each.mean()), late_error=error)
+
+
+def _slips_late(asked: Asked, found: Any, way: Way) -> bool:
+    """Whether sliders whose slips are not known to last may slip beyond the way, see `may_go_on`; of contacts that
+    re-form at once, whether they slip on the part that counts as steady sliding."""
+    if asked.settles:
+        return bool((found.slips.drive > way.path[0] + way.steady).any())
+    return may_go_on(found, asked.machine.spring, way.settling, _slips_of_transient(asked))
+
+
 def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     """What sliders do that were followed along a way."""
     machine, contacts, infinite = asked.machine, asked.contacts, asked.infinite
     rule, present, mean = infinite.rule, asked.present, contacts.mean_threshold
-    slips, settles, of_transient = asked.sticks, asked.settles, _slips_of_transient(asked)
-    path, steady, settling = way
+    slips, settles = asked.sticks, asked.settles
+    path, steady, _ = way
     drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     if settles:
@@ -196,17 +217,23 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     # nobody knows how many of the slips that were seen of infinitely many are followed by others
     if (asked.flowing or infinite.slips) and infinite.kind == "undecided":
         number, main = found.contacts // SLIDERS, main_slips(found.slips)
+        if asked.heavy and settling_distance(machine, mean) > np.ptp(path):
+            # falls may be those of a swing
+            why = (
+                "a swing of the mass takes longer to die away than their way: give a larger damping"
+            )
+            return Finite(rule, present, "unknown", message=why)
         slips = are_lasting(main, SLIDERS)
-        if not slips and (counts.any() or infinite.slips):
+        # those of all contacts are over where these have slid on since
+        over = number >= present and not _slips_late(asked, found, way)
+        if not (slips or over) and (counts.any() or infinite.slips):
             why = f"{number:,} slip, perhaps only until they slide: what infinitely many do is not known"
             return Finite(rule, present, "unknown", message=why if counts.any() else NOT_SLID)
         found = replace(found, slips=main) if slips else found
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
     more = counts - (0 if slips else infinite.slips)
     if not slips:
-        go_on = may_go_on(found, machine.spring, settling, of_transient)
-        if settles:
-            go_on = bool((found.slips.drive > path[0] + steady).any())
+        go_on = _slips_late(asked, found, way)
         if not go_on:
             more[:] = 0  # chance has given them some more, and they are over
         elif (more > 0).any() and are_fading(found.slips):
@@ -233,7 +260,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         main = found.slips if settles else main_slips(found.slips)
         smaller = 0 if settles else all_slips - main.drive.size
         finite = with_late_slips(replace(finite, smaller=smaller), main)
-        if not settles:
+        if not settles and (kind != "smooth" or infinite.kind != "undecided"):
             lasting = kind == "stick-slip" and rule == "mass" and not message
             asked_of = replace(found, slips=main)
             return in_the_end(finite, asked_of, machine, contacts) if lasting else finite
@@ -241,8 +268,10 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     settled = path >= path[0] + steady
     forces = found.forces[:, settled]
     finite = replace(finite, fluctuation=scatter_of(forces))
-    if rule == "mass":
+    if rule == "mass" and infinite.kind != "undecided":
         return finite
+    if rule == "mass":
+        return _sliding_with_mass(finite, found, settled, mean)
     late = late_force(forces, path[settled], machine.spring, SETTLED * BEYOND)
     moved = float((found.positions[:, -1] - found.positions[:, 0]).min())
     rises = late.rises and moved < FAR * mean

@@ -151,7 +151,8 @@ class Finite:
         are none
     drive, force : the trace of the first slider, F/(N_c <k>) (lengths), with each slip at its own place
     late, late_error : mean force over the last part of the way (of BEYOND), and its standard error, where none slips or
-        contacts re-form at once, F/(N_c <k>) (lengths); nan of others, and with a mass, whose damping bears a part
+        contacts re-form at once, F/(N_c <k>) (lengths); nan of others, and with a mass, whose damping bears a part, but
+        where what infinitely many do is not known
     rises : whether the force still rises there, as the sliders do not yet go with the drive
     fluctuation : standard deviation of the force there between sliders, which is that along the drive of each as they
         slide steadily (a length), as `late`, and with a mass; where slips get ever rarer that between slips; nan of
@@ -213,6 +214,7 @@ class Behaviour:
         later half of the main slips.
     period_error : of the period (a length), from above; where slips differ with the standard error of its mean
     sliders : what tells it of finitely many contacts, whose means of late slips the numbers are; None: no such slips
+    instead : why the master equation does not decide, where sliders of all contacts do in its place; "" where it does
     slip_time, top_speed : of the last slip; None where slips take no time
     first_slip : X_T as the first main slip begins, where slips take time
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
@@ -259,6 +261,7 @@ class Behaviour:
     smaller: int = 0
     delay: float | None = None
     refused: bool = False
+    instead: str = ""
     drive: Array = field(default_factory=lambda: np.empty(0))
     force: Array = field(default_factory=lambda: np.empty(0))
     slip_drive: Array = field(default_factory=lambda: np.empty(0))

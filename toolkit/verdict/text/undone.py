@@ -21,6 +21,7 @@ from toolkit.verdict.text.kinds import (
     by_reason,
     named,
     not_decided,
+    of_damping,
     others,
     out_of_time,
 )
@@ -100,6 +101,16 @@ def undecided_readings(verdict: Verdict) -> list[str]:
     one = "is" if len(missing) == 1 else "are"
     count = f"the other {len(missing)} {one} not decided{late}"
     return [f"this is of {whose}, {count}; {range_of_force(verdict, f' of all {many}')}"]
+
+
+def followed_instead(own: Answer, one: Behaviour) -> str:
+    """That sliders of all contacts tell a behaviour, and why the master equation does not; "" where it does."""
+    if not one.instead:
+        return ""
+    why = "takes no such slider" if one.refused else "does not decide"
+    why = "ran out of time" if "wall_time" in one.instead else why
+    borne = of_damping(own, one, True) if one.kind == "smooth" else ""
+    return f"{borne}, followed contact by contact: the master equation {why}"
 
 
 def of_errors(verdict: Verdict) -> Iterator[Line]:
@@ -183,6 +194,8 @@ def _force_error(verdict: Verdict, one: Behaviour) -> float:
 def _fewer_than_there_are(verdict: Verdict, one: Behaviour) -> bool:
     """Whether the contacts that tell are not all of the area; where their number is not known they are taken as few."""
     number = verdict.own.scale.contacts
+    if one.instead:
+        return False
     return number is None or (one.contacts or 0) < round(number)
 
 

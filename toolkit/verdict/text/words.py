@@ -48,7 +48,7 @@ from toolkit.verdict.text.kinds import (
     without_delay,
 )
 from toolkit.verdict.text.table import drop_of, in_units, speed_unit, table
-from toolkit.verdict.text.undone import undecided_readings
+from toolkit.verdict.text.undone import followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
     error_beside,
     is_vague,
@@ -208,6 +208,7 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
         if one.kind == "undecided":
             seen = one.rule if one.slips else "first" if one.message == first.message else ""
         own = behaved(verdict, few[one.rule]) if one.rule in few else ""
+        own += followed_instead(answer, one)
         key = (one.kind, seen, own, whom_of(verdict, one))
         groups.setdefault(key, []).append(one)
     parts = list[str]()
@@ -215,7 +216,7 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
         said = _behaved(verdict, answer, kind, alike, bare=own.startswith(kind), whom=whom)
         if own:
             # of those that are followed in place of infinitely many nothing else is known
-            no_more = all(one.sliders is few[one.rule] for one in alike)
+            no_more = all(one.instead or one.sliders is few[one.rule] for one in alike)
             said = own if no_more else f"{own} ({said} for infinitely many)"
         parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
     elsewhere = bool(not_decided(verdict)) or answer is not verdict.own
