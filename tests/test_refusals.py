@@ -666,6 +666,11 @@ WRONG: list[tuple[str, Any, str]] = [
     ),
     (
         "contacts.thresholds",
+        ROUGH | {"surface": SUMMIT | {"step": 2}},
+        "contacts.thresholds.surface.step = 2: unknown key; it stands beside surface, not in it; summits",
+    ),
+    (
+        "contacts.thresholds",
         ROUGH | {"surface": SUMMIT | {"radius": 1e-300}},
         "some of its numbers are too large or too",
     ),

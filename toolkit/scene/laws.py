@@ -114,7 +114,6 @@ def build(
     Raises InputError with the path of the bad key, counted from `where`.
     """
     call = _called(kinds, table, where)
-    title, function = call.title, call.function
     parameters, arguments = call.keys, call.arguments
     given = {"folder": folder, "comm": comm, "thresholds": thresholds}  # not for a scene to say
     given = {key: value for key, value in given.items() if key in call.given}
@@ -131,15 +130,13 @@ def build(
                     for k, part in enumerate(value)
                 ]
         try:
-            return function(**arguments, **given)
+            return call.function(**arguments, **given)
         except InputError:
             raise
-        except (
-            ArithmeticError,
-            ValueError,
-        ) as error:  # numpy's, of numbers near the ends of floating point
+        # numpy's, of numbers near the ends of floating point
+        except (ArithmeticError, ValueError) as error:
             hint = "some of its numbers are too large or too small; are they in the right unit?"
-            raise InputError(f"{title}: {hint}") from error
+            raise InputError(f"{call.title}: {hint}") from error
 
 
 class _Call(NamedTuple):
@@ -175,7 +172,10 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
     takes = f"{title} takes {', '.join(keys)}"
     for key, value in arguments.items():
         if key not in keys and (not others or key == "kind"):  # no function means a kind
-            refuse(f"{where}.{key}", value, f"unknown key; {what_is_meant(key, keys)}{takes}")
+            meant = what_is_meant(key, keys)
+            if where.endswith("surface") and key in ("step", "detrend", "patch_area", "pressure"):
+                meant = "it stands beside surface, not in it; "
+            refuse(f"{where}.{key}", value, f"unknown key; {meant}{takes}")
     for key, parameter in keys.items():
         if parameter.default is parameter.empty and key not in arguments:
             raise InputError(f"{where}.{key}: is missing; {_choice(str(place), key)}{takes}")
