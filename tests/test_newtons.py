@@ -226,6 +226,7 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert with_scatter(0.0, 3e-6, "N") == with_uncertainty(0.0, 3e-6, "N")
     assert with_scatter(1.778e-3, 6e-7, "N") == "1.7780 ± 0.0006 mN"
     assert with_scatter(1.25, 0.02, "N_c<k> length") == "1.25 ± 0.02 N_c<k> length"
+    assert with_scatter(5.571e-9, 2e-11, "N_c<k> m") == "(5.57 ± 0.02)e-09 N_c<k> m"
     # the forces of one slider have no scatter
     assert with_uncertainty(0.2512, np.inf, "N") == "251.2 mN (error unknown)"
     assert of_surface(1e11, 200.0, 1e6, None).force == 2e13

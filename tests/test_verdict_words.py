@@ -1,16 +1,19 @@
 """What a verdict's numbers are worth, word by word: digits, errors, slips that were seen; and refusals in one line."""
 
+import json
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from origins import Contacts, Delay, Thermal, gaussian
-from tests.scenes import said, write
+from tests.scenes import ROUGH, said, write
 from toolkit.running.progress import Progress
 from toolkit.scene.scale import Scale, scale_of
+from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import at_most
@@ -225,6 +228,35 @@ def test_what_a_solver_says_of_a_slider_with_mass_is_in_the_units_of_the_page() 
     assert in_units(f"{why}5e-07)", newtons).endswith("of a slider that sticks is 1.00 N s/m)")
     far = "a slider with mass goes on by 3e-05 or more, in 4e+04 steps"
     assert "goes on by 30.0 µm or more" in in_units(far, newtons)
+
+
+def test_a_verdict_in_units_of_the_own_contacts_stiffness_has_that_of_one_reading_for_all(
+    capsys: Any,
+) -> None:
+    """Readings have different N_c<k>: forces and springs of all are those in newtons over that of the scene's own."""
+    tables = {"master": None, "verdict": {"readings": ["gw/amontons", "persson/amontons"]}}
+    tables["verdict"] |= {"rules": ["reset"]}
+    drive = {"spring": "1e5 N/m", "area": 1e-8, "velocity": 1e-6}
+    pages, found = list[str](), list[Any]()
+    for units in ("SI", "N_c<k>"):
+        name = write(thresholds=ROUGH, drive=drive, units=units, **tables)
+        status, out, _ = said(capsys, "verdict", name)
+        assert status == 0
+        pages.append("\n".join(out))
+        found.append(json.loads(Path("mine-output/verdict.json").read_text()))
+    surface = load_scene("mine.toml", solved=False).contacts.interface
+    together = surface.contact_density * 1e-8 * surface.mean_stiffness
+    for one, shared in zip(*(each["readings"] for each in found), strict=True):
+        assert shared["units"]["force"] == "N_c<k> m" and shared["units"]["spring"] == "N_c<k>"
+        for name in ("kinetic", "static", "critical_spring"):
+            assert shared[name]["value"] * together == pytest.approx(one[name]["value"], rel=1e-9)
+        for name in ("spring", "load"):
+            assert shared[name] * together == pytest.approx(one[name], rel=1e-9)
+        before = [each["behaviours"][0]["before"] for each in (shared, one)]
+        assert before[0] * together == pytest.approx(before[1], rel=1e-9)
+    mu = [re.search(r"F_k/load +(\S+)", text)[1] for text in pages]
+    assert mu[0] == mu[1] and "mN" in pages[0]
+    assert "N_c<k> m" in pages[1] and not re.search(r"\d [mµn]?N\b", pages[1])
 
 
 def test_progress_says_how_long_a_verdict_takes_at_most(capsys: Any) -> None:

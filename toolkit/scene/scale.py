@@ -1,6 +1,6 @@
 """From lengths, in which both solvers give forces, to the units of the user: newtons, pascals, or N_c<k>."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -62,7 +62,17 @@ class Scale:
     @property
     def damping_unit(self) -> str:
         """Of N_c<k> times a time, where `spring` is N_c<k>."""
-        return {"N/m": "N s/m", "N/m³": "N s/m³"}.get(self.spring_unit, "N_c<k> time")
+        return {"N/m": "N s/m", "N/m³": "N s/m³"}.get(
+            self.spring_unit, f"{SHARED} {self.time_unit}"
+        )
+
+    def over(self, other: "Scale") -> "Scale":
+        """The same, but forces and springs over N_c<k> of the contacts of `other`, which is in the same unit."""
+        if not (self.in_si and other.in_si):
+            return self
+        shared = replace(self, force=self.force / other.force, force_unit=f"{SHARED} m")
+        shared = replace(shared, spring=self.spring / other.spring, spring_unit=SHARED)
+        return shared if self.load is None else replace(shared, load=self.load / other.force)
 
     @property
     def in_si(self) -> bool:
@@ -246,12 +256,14 @@ def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
         return with_uncertainty(value, error, unit, digits)
     # an error of a ten-thousandth stands in the fifth digit
     number, _, prefixed = written(value, unit, error, digits + 1).partition(" ")
-    beside = error / 10.0 ** _power_of(value, unit)
+    number, _, power = number.partition("e")  # of units without a prefix: (5.57 ± 0.02)e-09 m
+    beside = error / 10.0 ** (int(power) if power else _power_of(value, unit))
     # an error that leaves a value less than its two digits has as many places as these
     text = _rounded(beside, 1 if _significant_digits(value, error) > 1 else 2)
     if "e-" in text:  # a value of 1 to 10 with so small an error
         text = np.format_float_positional(beside, precision=1, fractional=False, trim="-")
-    return f"{number} ± {text} {prefixed}".strip()
+    both = f"({number} ± {text})e{power}" if power else f"{number} ± {text}"
+    return f"{both} {prefixed}".strip()
 
 
 def of_contacts(number: float, digits: str = ",.0f") -> str:

@@ -14,7 +14,7 @@ from origins.errors import InputError, refuse
 from origins.samples.from_samples import sampled_parts
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.running.solvers import within
-from toolkit.scene.scale import of_contacts, scale_of
+from toolkit.scene.scale import SHARED, of_contacts, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
@@ -133,6 +133,9 @@ def verdict(
             if turned is None and answers[0].behaviours[:1] and answers[0].behaviours[0].instead:
                 turned = with_other_delay(answers[0], budget.part(OWN))
             answers[0] = _with_a_slip(answers[0], budget.part(OWN))
+    if scene.units == SHARED:  # that of its own reading for all, so that they can be compared
+        own = answers[0].scale
+        answers = [replace(one, scale=one.scale.over(own)) for one in answers]
     return Verdict(
         name=scene.name,
         title=scene.title or scene.name,
