@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import overload
 
+from eq_model.blocks import Whole
 from eq_model.compiling import bare, inlined, real, unsigned, whole
 from eq_model.draws.births import LEVEL_UNIT, DrawnBirths
 from eq_model.draws.streams import Stream
@@ -67,6 +68,7 @@ class Cold(NamedTuple):
     """Breaks at the threshold only, which counts as reached within `tie` units where the slider turns or stops."""
 
     tie: np.int64
+    further: Whole  # (m,): see whole_drive.further_legs
 
 
 class Warm(NamedTuple):
@@ -140,14 +142,13 @@ def place_of(clock, leg, drive):  # type: ignore[no-untyped-def]
 def later(clock, leg, time, drive):  # type: ignore[no-untyped-def]
     """Clock and leg after `time` has passed; a clock beyond the drive's end if that comes first."""
     while leg < drive.directions.size:
-        pace = drive.paces[leg]
-        remaining = (drive.begins[leg + 1] - clock) * pace
+        pace, end = drive.paces[unsigned(leg)], drive.begins[unsigned(leg + 1)]
+        remaining = (end - clock) * pace
         if time <= remaining:
             ticks = whole(np.floor(time / pace + 0.5)) if pace > 0.0 else whole(0)
-            return min(clock + ticks, drive.begins[leg + 1]), leg
+            return min(clock + ticks, end), leg
         time -= remaining
-        leg += 1
-        clock = drive.begins[leg]
+        leg, clock = leg + 1, end
     return clock + 1, leg
 
 

@@ -72,7 +72,7 @@ class Engine:
         self._edges = make_edges(furthest, limits.largest_threshold, limits.typical_threshold)
         watched = in_units.bin_of_point[points][self._order]
         per_x, per_y = (in_units.unit / float(edges[2] - edges[1]) for edges in self._edges)
-        before = np.searchsorted(watched, np.arange(in_units.bin_ends.size + 2))
+        before = np.searchsorted(watched, np.arange(in_units.bin_ends.size + 1))
         in_units = in_units._replace(
             watched=watched, before=before, per_stretch=per_x, per_threshold=per_y
         )
@@ -96,7 +96,7 @@ class Engine:
         self._shape = (
             2,
             2 + (contacts.ageing is not None),
-            in_units.bin_ends.size,
+            in_units.bin_ends.size - 1,
             6 if linked else 3,
         )
         kind = np.uint32 if blocks.total < 1 << 32 else np.uint64

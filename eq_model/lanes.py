@@ -13,7 +13,6 @@ import numpy as np
 from eq_model.compiling import compiled, inlined, real, unsigned, whole
 from eq_model.contact import (
     aged_threshold,
-    bin_of,
     by_law,
     count_event,
     count_squares,
@@ -22,7 +21,7 @@ from eq_model.contact import (
 )
 from eq_model.draws.births import draw_stretches, draw_thresholds, draw_values
 from eq_model.draws.streams import EXPOSURES, LANES
-from eq_model.row_breaks import Forward, Lanes, breaks_of, contact_of
+from eq_model.row_breaks import Forward, Lanes, breaks_of, chosen, contact_of, put_on
 from eq_model.whole_drive import STIFFNESS_UNIT
 
 
@@ -42,17 +41,27 @@ def _look(law, n, work, lanes, counts):  # type: ignore[no-untyped-def]
 @inlined
 def _bins_of(instants, n, drive, bins):  # type: ignore[no-untyped-def]
     """Set the bins of n instants; those beyond the end have the one after the last."""
-    many, end = drive.bin_ends.size, drive.end
+    ends, late = drive.bin_ends, whole(0)
     for i in range(unsigned(n if drive.even else 0)):
-        bins[i] = np.int32(min(max((instants[i] + drive.offset) >> drive.shift, whole(0)), many))
-    for i in range(0 if drive.even else n):
-        bins[i] = np.int32(many if instants[i] > end else bin_of(instants[i], drive))
+        at = (instants[i] + drive.offset) >> drive.shift
+        bins[i] = np.int32(min(max(at, whole(0)), ends.size - 1))
+    uneven = unsigned(0 if drive.even else n)
+    for i in range(uneven):
+        bins[i] = np.int32(min(instants[i], drive.end) >> drive.shift)
+    for i in range(uneven):  # nearly always the first bin of the cell or the next, and no branch
+        j = whole(drive.first_bin[unsigned(bins[i])])
+        j += whole(ends[unsigned(j)] < instants[i])
+        late |= ends[unsigned(j)] - instants[i]
+        bins[i] = np.int32(j)
+    for i in range(uneven if late < 0 else unsigned(0)):
+        while ends[unsigned(bins[i])] < instants[i]:
+            bins[i] += np.int32(1)
 
 
 @inlined
 def _count_lives(n, work, lanes, sums):  # type: ignore[no-untyped-def]
-    """Add births and breaks of n contacts to the sums of their bins, as contact.count_event does; all that they add is
-    computed before, in vector code."""
+    """Add births and breaks of n contacts to the sums of their bins, as contact.count_event does; where all stiffnesses
+    are equal their positions themselves, from which `follow` takes those of the bins."""
     positions, birth = work.drive.bin_positions, lanes.birth
     born_in, bins = lanes.born_in, lanes.bins
     formed, broken, stiffness = lanes.square, lanes.place, lanes.waiting
@@ -60,23 +69,29 @@ def _count_lives(n, work, lanes, sums):  # type: ignore[no-untyped-def]
         k = real(lanes.threshold[i]) / work.mean if work.linked else 1.0
         count_squares(whole(1), k, birth[i], born_in[i], work, sums)
         count_squares(whole(-1), k, birth[i], bins[i], work, sums)
-    for i in range(unsigned(n)):
+    linked = unsigned(n if work.linked else 0)
+    for i in range(linked):
         formed[i] = birth[i] - positions[unsigned(born_in[i])]
         broken[i] = birth[i] - positions[unsigned(bins[i])]
-    for i in range(unsigned(n if work.linked else 0)):
+    for i in range(linked):
         k = real(lanes.threshold[i]) / work.mean
         formed[i] = whole(np.floor(k * real(formed[i]) + 0.5))
         broken[i] = whole(np.floor(k * real(broken[i]) + 0.5))
         stiffness[i] = whole(np.floor(k * STIFFNESS_UNIT + 0.5))
-    for i in range(unsigned(n)):
+    for i in range(linked):
         first, last = unsigned(born_in[i]), unsigned(bins[i])
         sums[first, 0] += 1
         sums[first, 1] += formed[i]
+        sums[first, 3] += stiffness[i]
         sums[last, 0] -= 1
         sums[last, 1] -= broken[i]
-        if work.linked:
-            sums[first, 3] += stiffness[i]
-            sums[last, 3] -= stiffness[i]
+        sums[last, 3] -= stiffness[i]
+    for i in range(unsigned(0 if work.linked else n)):
+        first, last = unsigned(born_in[i]), unsigned(bins[i])
+        sums[first, 0] += 1
+        sums[first, 1] += birth[i]
+        sums[last, 0] -= 1
+        sums[last, 1] -= birth[i]
 
 
 @inlined
@@ -102,7 +117,7 @@ def _count_changes(n, place, work, lanes, sums):  # type: ignore[no-untyped-def]
 def _count_linked(n, count, work, lanes, sums):  # type: ignore[no-untyped-def]
     """Add to the sums n contacts of linked stiffness that form at once where those before them broke, less these: both
     are in one bin, which has as many contacts as before. Contacts of the start form in the first bin."""
-    positions, many, linked = work.drive.bin_positions, work.drive.bin_ends.size, unsigned(n)
+    positions, many, linked = work.drive.bin_positions, work.drive.bin_ends.size - 1, unsigned(n)
     force, stiffness, bins = lanes.square, lanes.waiting, lanes.bins
     for i in range(linked):
         first = np.int32(0 if lanes.number[i] < count else many)
@@ -130,43 +145,36 @@ def _count_linked(n, count, work, lanes, sums):  # type: ignore[no-untyped-def]
 @inlined
 def _wait(n, work, lanes):  # type: ignore[no-untyped-def]
     """Move the instants and legs of n breaks on to the next births, as the delay passes."""
-    drive, on, waiting, delayed = work.drive, lanes.breaks_on, lanes.waiting, whole(0)
+    drive, on, until, delayed = work.drive, lanes.breaks_on, lanes.until, lanes.place
     broken, instant = lanes.instant, lanes.broken  # the births before are not needed any more
     for i in range(unsigned(n)):
-        broken[i] = instant[i]
-    for i in range(unsigned(n)):
-        leg = unsigned(on[i])
-        until = drive.begins[leg + unsigned(1)]
-        instant[i] = max(min(broken[i] + work.ticks[leg], until), broken[i])
-        waiting[unsigned(delayed)] = whole(i)
-        delayed += whole(
-            (broken[i] <= until) & (work.wait > real(until - broken[i]) * drive.paces[leg])
-        )
-    for j in range(unsigned(delayed)):  # their delay goes on after the end of the leg
-        lane = unsigned(waiting[j])
+        clock, ticks = instant[i], lanes.ticks[i]
+        broken[i], instant[i] = clock, max(min(clock + ticks, until[i]), clock)
+        # ticks are rounded: where they take nearly all of the leg `later` decides
+        delayed[i] = whole((clock + ticks + (ticks >> 48) >= until[i]) & (clock <= until[i]))
+    many = chosen(n, delayed, lanes.waiting)
+    for j in range(unsigned(many)):  # their delay ends with the leg, or goes on after it
+        lane = unsigned(lanes.waiting[j])
         instant[lane], leg_then = later(broken[lane], on[lane], work.wait, drive)
-        on[lane] = min(leg_then, whole(drive.paces.size - 1))
+        put_on(min(leg_then, whole(drive.paces.size - 1)), lane, work, lanes)
 
 
 @inlined
 def _on_path(n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
     """Set when and on which legs the next contacts form, and the place at which the slider then is."""
-    drive, on = work.drive, lanes.breaks_on
-    for i in range(unsigned(n)):  # the leg of a contact that holds to the end does not matter
-        on[i] = on[i] if broken[i] <= drive.end else whole(0)
     if work.wait > 0.0:
         _wait(n, work, lanes)
     for i in range(unsigned(n)):
-        leg, then = unsigned(on[i]), unsigned(on[i] + 1)
-        far, until = drive.positions[then], drive.begins[then]
-        lanes.far[i], lanes.until[i] = far, until
-        place[i] = far - drive.directions[leg] * (until - broken[i])
-    first_far, first_until = drive.positions[1], drive.begins[1]
+        place[i] = lanes.far[i] - lanes.direction[i] * (lanes.until[i] - broken[i])
+    drive, ticks = work.drive, work.ticks[0]
+    far, until, direction = drive.positions[1], drive.begins[1], drive.directions[0]
     for i in range(unsigned(n)):
         over = broken[i] > drive.end
-        lanes.leg[i] = whole(0) if over else on[i]
-        lanes.far[i] = first_far if over else lanes.far[i]
-        lanes.until[i] = first_until if over else lanes.until[i]
+        lanes.far[i] = far if over else lanes.far[i]
+        lanes.until[i] = until if over else lanes.until[i]
+        lanes.direction[i] = direction if over else lanes.direction[i]
+        lanes.ticks[i] = ticks if over else lanes.ticks[i]
+        lanes.breaks_on[i] = whole(0) if over else lanes.breaks_on[i]
 
 
 def _by_path(law, n, work, lanes, broken, place):  # type: ignore[no-untyped-def]
@@ -244,7 +252,7 @@ def _row(law, n, count, work, lanes, sums, counts):  # type: ignore[no-untyped-d
 def follow(law, work, scratch, count, sums, counts):  # type: ignore[no-untyped-def]
     """Follow one block of contacts under a law to the drive's end. Returns the number of breaks.
 
-    sums : increased, as in contact.count_event. counts : increased, as in contact.look_at.
+    sums : zeros, set as in contact.count_event. counts : increased, as in contact.look_at.
     """
     stream, starts = work.stream, work.starts
     # the stretches of the start, a single one if it is that of all contacts
@@ -259,14 +267,14 @@ def follow(law, work, scratch, count, sums, counts):  # type: ignore[no-untyped-
         for stretch in starting:
             count_event(whole(1) if starts.drawn else count, 1.0, -stretch, 0, work, sums)
     # allocated in the kernel, which then knows that they do not overlap
-    m, bins = np.zeros((18, LANES + 8), whole), np.zeros((2, LANES), np.int32)
+    m, bins = np.zeros((20, LANES + 8), whole), np.zeros((2, LANES), np.int32)
     stiffness, log_amount = np.zeros(LANES), np.zeros(LANES)
-    for i in range(LANES):
-        m[0, i], m[1, i] = i, 1
-        m[4, i], m[5, i] = work.drive.positions[1], work.drive.begins[1]
-    early = m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10]
-    more = m[11], m[12], m[13], m[14], m[15], m[16], m[17]
+    early = m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11]
+    more = m[12], m[13], m[14], m[15], m[16], m[17], m[18], m[19]
     lanes = Lanes(*early, *more, stiffness, log_amount, bins[0], bins[1])
+    for i in range(LANES):
+        lanes.number[i], lanes.initial[i] = i, 1
+        put_on(whole(0), unsigned(i), work, lanes)
     n, turn, breaks, least = min(LANES, count), whole(0), whole(0), whole(0)
     while least < count:
         for row in range(whole(4)):
@@ -275,6 +283,8 @@ def follow(law, work, scratch, count, sums, counts):  # type: ignore[no-untyped-
         turn, least = turn + 1, lanes.number[0]
         for i in range(LANES):
             least = min(least, lanes.number[i])
+    for j in range(0 if work.at_once or work.linked else sums.shape[0]):  # see `_count_lives`
+        sums[j, 1] -= sums[j, 0] * work.drive.bin_positions[j]
     return breaks
 
 

@@ -33,7 +33,9 @@ class WholeDrive(NamedTuple):
     positions: Whole  # (m + 1,): the slider there
     directions: Whole  # (m,): of the motion, 0 in a hold
     paces: Array  # (m,): time in one unit of the clock
-    bin_ends: Whole  # (n,): the last instant that belongs to each bin
+    bin_ends: (
+        Whole  # (n + 1,): the last instant that belongs to each bin; and one that is never reached
+    )
     bin_positions: (
         Whole  # (n + 1,): the slider there, to which stretches of the bin's events refer; and 0
     )
@@ -76,7 +78,7 @@ def whole_drive(drive: Drive, scale: float, largest: float, exact: bool) -> Whol
             "follows contacts along a path of at most 8e9 of them"
         )
     spacing *= spacing >= scale * 2.0**-bits  # points closer than a unit share bins
-    width = spacing or max(length / (4 * points.size), shortest)
+    width = spacing or max(length / (16 * points.size), shortest)
     shift = max(int(np.floor(np.log2(width / scale))) + bits, 0)
     unit = width * 2.0**-shift if spacing else scale * 2.0**-bits
     positions = np.rint(np.append(0.0, np.cumsum(legs[0])) / unit).astype(np.int64)
@@ -101,7 +103,7 @@ def whole_drive(drive: Drive, scale: float, largest: float, exact: bool) -> Whol
         positions,
         directions,
         paces=legs[1] / ticks,
-        bin_ends=ends,
+        bin_ends=np.append(ends, np.iinfo(np.int64).max),
         bin_positions=np.append(positions[leg] + directions[leg] * (whole - begins[leg]), 0),
         first_bin=np.minimum(first, ends.size - 1).astype(np.int32),
         shift=np.int64(shift),
@@ -115,8 +117,25 @@ def whole_drive(drive: Drive, scale: float, largest: float, exact: bool) -> Whol
 def ticks_of(drive: WholeDrive, wait: float) -> Whole:
     """Ticks of the clock in a time, on each leg, shape (m,); far beyond the end where the clock runs that fast."""
     paces = drive.paces
-    ticks = np.divide(wait, paces, out=np.zeros(paces.size), where=paces > 0.0)
+    ticks = np.divide(wait, paces, out=np.full(paces.size, np.inf), where=paces > 0.0)
     return np.floor(np.minimum(ticks, 2.0**62) + 0.5).astype(np.int64)
+
+
+def further_legs(drive: WholeDrive) -> Whole:
+    """For each leg the first later one that ends beyond both of its ends, or else the last one; shape (m,).
+
+    A contact that has held to both ends of a leg breaks on none before.
+    """
+    ends = drive.positions.tolist()
+    last = len(ends) - 2
+    found = [last] * (last + 1)
+    for leg in range(last - 1, -1, -1):
+        low, high = sorted(ends[leg : leg + 2])
+        later = leg + 1
+        while later < last and low <= ends[later + 1] <= high:
+            later = found[later]  # until then the slider stays between the ends of `later`
+        found[leg] = later
+    return np.array(found)
 
 
 def _bits(number: float) -> int:

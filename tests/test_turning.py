@@ -10,6 +10,7 @@ import scipy.stats
 from scipy.special import ndtr
 from solving import held_to_claim, through
 
+import eq_model
 import master
 import origins
 from master.paper.explicit import explicit_loop
@@ -38,6 +39,14 @@ def test_identical_thresholds_are_a_polygon(start):
     solution = master.solve(origins.Contacts(origins.identical(1.0), start), path, 1e-9)
     assert solution.success
     assert np.abs(solution.force - walk(start, path, 1.0)).max() <= 1e-12
+
+
+@pytest.mark.parametrize("step", [0.2, 0.7])
+def test_legs_on_which_a_contact_seldom_breaks(step: float) -> None:
+    """The ensemble goes from leg to leg by what the slider reaches on them, not by all that it passes."""
+    path = step * np.cumsum(np.random.default_rng(2).normal(size=400))
+    found = eq_model.simulate(Contacts(origins.identical(1.0), 0.3), path, n_contacts=1)
+    assert np.abs(found.force - walk(0.3, path, 1.0)).max() < 1e-9 and found.breaks > 5
 
 
 def test_turns_that_fall_on_breaks():

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from eq_model import contact
-from eq_model.whole_drive import WholeDrive
+from eq_model.whole_drive import WholeDrive, further_legs
 from origins import (
     Ageing,
     Contacts,
@@ -74,7 +74,7 @@ def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
     """The settings of these contacts' law in whole units; `tie` as in contact.Cold."""
     changing = contacts.changing
     if contacts.thermal is None and changing is None:
-        return contact.Cold(np.int64(tie))
+        return contact.Cold(np.int64(tie), further_legs(drive))
     found = rates_of(contacts)
     if changing is not None:
         heat = contacts.thermal is not None, found.law, drive.unit
