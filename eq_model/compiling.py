@@ -52,3 +52,5 @@ def sources() -> str:
 # the same bits as another type of number
 bits_of = inlined(lambda x: np.float64(x).view(np.int64))
 double_of = inlined(lambda x: np.int64(x).view(np.float64))
+# the nearest whole number
+rounded = inlined(lambda x: np.int64(np.floor(x + 0.5)))

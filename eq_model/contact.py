@@ -11,7 +11,7 @@ import numpy as np
 from numba.extending import overload
 
 from eq_model.blocks import Whole
-from eq_model.compiling import bare, inlined, real, unsigned, whole
+from eq_model.compiling import bare, inlined, real, rounded, unsigned, whole
 from eq_model.draws.births import LEVEL_UNIT, DrawnBirths
 from eq_model.draws.streams import Stream
 from eq_model.draws.tables import QuantileTable
@@ -168,8 +168,8 @@ def count_event(sign, stiffness, birth, j, work, sums):  # type: ignore[no-untyp
     if not work.linked:
         sums[place, 1] += sign * y
         return
-    sums[place, 1] += sign * whole(np.floor(stiffness * real(y) + 0.5))
-    sums[place, 3] += sign * whole(np.floor(stiffness * STIFFNESS_UNIT + 0.5))
+    sums[place, 1] += sign * rounded(stiffness * real(y))
+    sums[place, 3] += sign * rounded(stiffness * STIFFNESS_UNIT)
 
 
 @inlined
@@ -177,10 +177,10 @@ def count_squares(sign, stiffness, birth, j, work, sums):  # type: ignore[no-unt
     """What `count_event` adds in measured blocks alone."""
     j = unsigned(j)
     exact, k = real(birth - work.drive.bin_positions[j]), stiffness * stiffness
-    sums[j, 2] += sign * whole(np.floor(k * exact * exact * work.drive.square + 0.5))
+    sums[j, 2] += sign * rounded(k * exact * exact * work.drive.square)
     if work.linked:
-        sums[j, 4] += sign * whole(np.floor(k * exact + 0.5))
-        sums[j, 5] += sign * whole(np.floor(k * STIFFNESS_UNIT + 0.5))
+        sums[j, 4] += sign * rounded(k * exact)
+        sums[j, 5] += sign * rounded(k * STIFFNESS_UNIT)
 
 
 @bare

@@ -10,7 +10,7 @@ and cached on disk, which closures cannot be; those without tables become vector
 
 import numpy as np
 
-from eq_model.compiling import compiled, inlined, real, unsigned, whole
+from eq_model.compiling import compiled, inlined, real, rounded, unsigned, whole
 from eq_model.contact import (
     aged_threshold,
     by_law,
@@ -75,9 +75,8 @@ def _count_lives(n, work, lanes, sums):  # type: ignore[no-untyped-def]
         broken[i] = birth[i] - positions[unsigned(bins[i])]
     for i in range(linked):
         k = real(lanes.threshold[i]) / work.mean
-        formed[i] = whole(np.floor(k * real(formed[i]) + 0.5))
-        broken[i] = whole(np.floor(k * real(broken[i]) + 0.5))
-        stiffness[i] = whole(np.floor(k * STIFFNESS_UNIT + 0.5))
+        formed[i], broken[i] = rounded(k * real(formed[i])), rounded(k * real(broken[i]))
+        stiffness[i] = rounded(k * STIFFNESS_UNIT)
     for i in range(linked):
         first, last = unsigned(born_in[i]), unsigned(bins[i])
         sums[first, 0] += 1
@@ -106,7 +105,7 @@ def _count_changes(n, place, work, lanes, sums):  # type: ignore[no-untyped-def]
     for i in range(measured):
         displacement = place[i] - birth[i]
         change = real(displacement) * real(2 * (place[i] - square[i]) - displacement) * drive.square
-        square[i] = whole(np.floor(0.5 + change))
+        square[i] = rounded(change)
     for i in range(unsigned(n)):
         sums[unsigned(bins[i]), 1] += place[i] - birth[i]
         if work.measured:
@@ -124,18 +123,27 @@ def _count_linked(n, count, work, lanes, sums):  # type: ignore[no-untyped-def]
         bins[i] = first if lanes.initial[i] else bins[i]
     for i in range(linked):
         force[i] = positions[unsigned(bins[i])]
-    for i in range(n if work.measured else 0):
+    # as count_squares does
+    measured, square = unsigned(n if work.measured else 0), work.drive.square
+    squares, crossed, stiff = lanes.place, lanes.broken, lanes.waiting
+    for i in range(measured):
         last = 0.0 if lanes.initial[i] else lanes.stiffness[i]
         k = real(lanes.threshold[i]) / work.mean
-        count_squares(whole(1), k, lanes.birth[i], bins[i], work, sums)
-        count_squares(whole(-1), last, lanes.last_birth[i], bins[i], work, sums)
+        new, old = k * k, last * last
+        x, y = real(lanes.birth[i] - force[i]), real(lanes.last_birth[i] - force[i])
+        squares[i] = rounded(new * x * x * square) - rounded(old * y * y * square)
+        crossed[i] = rounded(new * x) - rounded(old * y)
+        stiff[i] = rounded(new * STIFFNESS_UNIT) - rounded(old * STIFFNESS_UNIT)
+    for i in range(measured):
+        sums[unsigned(bins[i]), 2] += squares[i]
+        sums[unsigned(bins[i]), 4] += crossed[i]
+        sums[unsigned(bins[i]), 5] += stiff[i]
     for i in range(linked):
         last = 0.0 if lanes.initial[i] else lanes.stiffness[i]
-        k, place = real(lanes.threshold[i]) / work.mean, force[i]
-        new, old = k * STIFFNESS_UNIT, last * STIFFNESS_UNIT
-        stiffness[i] = whole(np.floor(new + 0.5)) - whole(np.floor(old + 0.5))
-        new, old = k * real(lanes.birth[i] - place), last * real(lanes.last_birth[i] - place)
-        force[i] = whole(np.floor(new + 0.5)) - whole(np.floor(old + 0.5))
+        k = real(lanes.threshold[i]) / work.mean
+        x, y = real(lanes.birth[i] - force[i]), real(lanes.last_birth[i] - force[i])
+        stiffness[i] = rounded(k * STIFFNESS_UNIT) - rounded(last * STIFFNESS_UNIT)
+        force[i] = rounded(k * x) - rounded(last * y)
         lanes.stiffness[i], lanes.last_birth[i] = k, lanes.birth[i]
     for i in range(linked):
         sums[unsigned(bins[i]), 1] += force[i]
