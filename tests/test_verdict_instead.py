@@ -9,11 +9,13 @@ import pytest
 
 import eq_model
 import master
-from origins import Contacts, InputError, gaussian
+from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.test_verdict import MACHINE, RESET, STATED, infinite, judged
 from toolkit.verdict.of_area import tells_instead, with_more
+from toolkit.verdict.sliders.alike import told_by_another_rule
+from toolkit.verdict.sliders.budget import OF_MOST, most_breaks, seconds_of
 from toolkit.verdict.sliders.finite import follow_finite
-from toolkit.verdict.sliders.machine import Finite, Machine
+from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
@@ -121,3 +123,53 @@ def test_a_slider_with_mass_that_still_rings_does_not_decide() -> None:
     kinetic = master.steady_state(contacts, velocity=1.0).force
     assert abs(slides.late - kinetic - 0.5) < max(4.0 * slides.late_error, 2e-3)
     assert rings.kind == "unknown" and "longer to die away than their way" in rings.message
+
+
+def test_sliders_of_the_area_are_followed_once_where_slip_rules_do_the_same() -> None:
+    """In heat that lets nobody slip no rule acts, and where each slip leaves no force contacts begin anew by both rules
+    that renew them; elsewhere, and of contacts that wait, each rule is followed."""
+    warm = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.02, 100.0))
+    cold = Contacts(gaussian(1.0, 0.2))
+    smooth, slips = infinite("smooth", 0), replace(infinite("stick-slip", 5), before=0.8, after=0.0)
+    slid = Finite("reset", 500, "smooth", late=0.5, late_error=1e-3)
+    stuck = Finite("reset", 500, "stick-slip", 0.8, 1e-3, 0.0, 0.0, 12.0, period=1.5)
+    late = Finite("reset", 500, "unknown", message="take more than 4 s")
+
+    def told(kind: Behaviour, rule: str, seen: Finite, contacts: Contacts) -> Finite | None:
+        first = replace(kind, rule="reset")
+        return told_by_another_rule(replace(kind, rule=rule), [(first, seen)], contacts)
+
+    for rule in ("reform-after", "instant"):
+        assert told(smooth, rule, slid, warm) == replace(slid, rule=rule)
+        assert told(smooth, rule, late, warm) == replace(late, rule=rule)
+        assert told(smooth, rule, slid, cold) is None
+        assert told(smooth, rule, replace(slid, slips=0.25), warm) is None
+        assert told(replace(smooth, slips=1), rule, slid, warm) is None
+    assert told(slips, "reform-after", stuck, cold) == replace(stuck, rule="reform-after")
+    assert told(slips, "instant", stuck, cold) is None
+    assert told(slips, "reform-after", replace(stuck, after=0.1), cold) is None
+    assert told(replace(slips, after=0.1), "reform-after", stuck, cold) is None
+    assert told(slips, "reform-after", stuck, cold.replace(delay=Delay(1.0))) is None
+    # which is right: the same draws give the same slips, break by break
+    way, each = np.linspace(0.0, 60.0, 31), list[Any]()
+    for rule in ("reset", "reform-after"):
+        each.append(eq_model.simulate(cold, way, spring=0.05, slip=rule, n_contacts=500, seed=3))
+    drops = [one.slips.drop.mean() for one in each]
+    assert all((one.slips.force_after == 0.0).all() for one in each)
+    assert abs(drops[0] - drops[1]) < 0.02
+
+
+def test_a_short_pilot_in_heat_counts_by_its_time() -> None:
+    """Of a slider that creeps moves cost more than breaks; no more than DEAREST times as much, as a machine is busy."""
+    cold = Contacts(gaussian(1.0, 0.2))
+    warm = cold.replace(thermal=Thermal("eyring", width=0.03))
+    usual = OF_MOST * 1e5 / most_breaks(warm, "reset")
+    for took, counted in (
+        (0.1 * usual, usual),
+        (3.0 * usual, 3.0 * usual),
+        (9.0 * usual, 5.0 * usual),
+    ):
+        assert seconds_of(1e5, warm, "reset", took) == pytest.approx(counted)
+    cheap = OF_MOST * 1e5 / most_breaks(cold, "reset")
+    assert seconds_of(1e5, cold, "reset", 1.9) == cheap
+    assert seconds_of(1e5, cold, "reset", 2.1) == seconds_of(1e5, warm, "reset", 2.1) == 2.1

@@ -20,16 +20,18 @@ from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
 from toolkit.verdict.of_area import tells_instead, with_finite
 from toolkit.verdict.readings import Reading, acting, readings_of, rules_of
+from toolkit.verdict.sliders.alike import told_by_another_rule
 from toolkit.verdict.sliders.budget import (
     INTERRUPTED,
     NO_FORCES,
     NO_TIME,
+    SHORT,
     WALL_TIME,
     Budget,
     Stops,
     lacks_damping,
+    part_of_sliders,
 )
-from toolkit.verdict.sliders.ensemble import SHORT
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
 from toolkit.verdict.sliders.islands import follow_islands, with_barriers
@@ -52,10 +54,8 @@ from toolkit.verdict.with_mass import (
     with_other_delay,
 )
 
-# of the time that is left, for the scene's own reading, and then for the number of its contacts
+# of the time that is left, for the scene's own reading
 OWN = 0.5
-# of the time that is left, for that number where there is no other reading; the picture of a slip has the rest
-NEARLY_ALL = 0.9
 # of a reading's time for a slider with mass; where that does not do, slip rules have the rest
 HEAVY = 0.8
 # of K* and F_s of readings other than the scene's own
@@ -127,7 +127,7 @@ def verdict(
             if not budget.stops.by:
                 with budget.stops.or_late():
                     turned = with_other_delay(answers[0], budget.part(OWN))
-            share = OWN if many > 1 else NEARLY_ALL
+            share = part_of_sliders(scene.contacts, many > 1)
             finite = _finite(scene, answers[0], budget, budget.part(share), progress)
             answers[0] = with_finite(answers[0], finite)
             if turned is None and answers[0].behaviours[:1] and answers[0].behaviours[0].instead:
@@ -176,9 +176,12 @@ def _finite(
             if one.sliders is not None and one.sliders.contacts == max(round(number), 1):
                 found.append(one.sliders)  # all of them were followed in place of infinitely many
                 continue
-            progress(f"sliders of {of_contacts(number)}, slip rule {one.rule}")
-            static, remaining = own.static.value, part.remaining()
-            found.append(follow_finite(own.machine, contacts, number, one, static, remaining))
+            same = told_by_another_rule(one, zip(each, found, strict=False), contacts)
+            if same is None:
+                progress(f"sliders of {of_contacts(number)}, slip rule {one.rule}")
+                static, remaining = own.static.value, part.remaining()
+                same = follow_finite(own.machine, contacts, number, one, static, remaining)
+            found.append(same)
             if one.rule == "mass" and tells_instead(one, found[-1]):
                 return tuple(found)  # which decides: slip rules without the mass do not
     late = [one.rule for one in each[len(found) :]]

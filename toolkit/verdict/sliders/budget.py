@@ -37,6 +37,10 @@ NO_FORCES = (
 # they strengthen on a slider with mass at 2 µs each; and s for them
 MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT, OF_MOST = 4e8, 4e7, 1.2e7, 10.0
 MOST_BREAKS_GROWING = 5e6
+# s that there always are for sliders, and are no noise of a busy machine
+SHORT = 2.0
+# times as long as above a break in heat may take, as on a slider that creeps in Eyring heat, where a pilot says so
+DEAREST = 5.0
 # laws in time of contacts that hold, with which the ensemble takes them on a spring, and there beside a mass
 TAKEN, TAKEN_WITH_MASS = {"thermal", "strengthening"}, {"strengthening"}
 # breaks of each contact along a loading with which a few, that wait for less than a slip of the mass, are followed
@@ -48,6 +52,8 @@ LONG_DELAY, SOFT = 3.0, 0.1
 NO_DAMPING = "no damping is given"
 # what a solver says of a slider that swings on, as its damping is small, and of the damping that ends it
 _SWINGS = re.compile(r"; sliding swings.*?; give one above [^ ,;]+")
+# parts of the time for the contacts of the area, see `part_of_sliders`
+NEARLY_ALL, OF_SLIDERS, LESS = 0.9, 0.5, 0.3
 # s by which the pace is smoothed, as that of the first moments says little
 _SMOOTH = 1.0
 # largest pace that is expected before any is seen: the load may be that of cores which this process does not share
@@ -108,6 +114,15 @@ class Budget:
             return passed, 1.0
         used = min(passed, time.process_time() - self._work)
         return used, (passed + _SMOOTH * self._first_pace) / (used + _SMOOTH)
+
+
+def part_of_sliders(contacts: Contacts, many: bool) -> float:
+    """Which part of the time that is left once the own reading is known is for the contacts of the area, in all but
+    what the picture of a slip takes where there are not `many` readings; less where a law acts in time, under which
+    other readings take longer, and fewer contacts tell the same."""
+    if not many:
+        return NEARLY_ALL
+    return LESS if contacts.held_in_time else OF_SLIDERS
 
 
 def at_most(wall_time: float | None) -> str:
@@ -186,6 +201,15 @@ def most_breaks(contacts: Contacts, rule: str) -> float:
     if contacts.held_in_time:
         return MOST_BREAKS_GROWING if rule == "mass" else MOST_BREAKS_IN_HEAT
     return MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
+
+
+def seconds_of(breaks: float, contacts: Contacts, rule: str, took: float) -> float:
+    """How many s of the processor so many breaks take, which a pilot did in `took`: a short one tells less than their
+    number, but in heat, where moves of a slider that creeps cost more than breaks do."""
+    usual = OF_MOST * breaks / most_breaks(contacts, rule)
+    if took >= SHORT:
+        return took
+    return min(max(took, usual), DEAREST * usual) if contacts.thermal is not None else usual
 
 
 def loading_of(machine: Machine, contacts: Contacts, static: float) -> float:

@@ -16,8 +16,9 @@ from toolkit.results.traces import trace_of
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.sliders.budget import (
     MORE_TIME,
-    OF_MOST,
+    SHORT,
     most_breaks,
+    seconds_of,
     too_long,
     way_without_contacts,
 )
@@ -46,8 +47,8 @@ CONTACTS, SEED = 20_000, 1
 LOADINGS = 6.5
 # most contacts of a slider that is followed
 MOST_CONTACTS = 2_000_000
-# contacts whose sliders tell how long all of them would take; s that there are, and are no noise of a busy machine
-FEW, SHORT = 1_000, 2.0
+# contacts whose sliders tell how long all of them would take
+FEW = 1_000
 # part of the time in which so many contacts have to be followed, and how many times fewer are followed in the rest
 FIRST, FEWER = 0.6, 16
 # of the force: swings that are larger are told by their ends, and are no error of it
@@ -97,8 +98,7 @@ def sliders(
         left = max(remaining, SHORT)
         most = most_breaks(contacts, rule)
         took = min(pilot.run_time, time.process_time() - spent)  # on a busy machine the latter
-        if took < SHORT:  # which tells less than the breaks do
-            took = OF_MOST * pilot.breaks / most
+        took = seconds_of(pilot.breaks, contacts, rule, took)
         times = min(remaining / max(took, 1e-9), most / max(pilot.breaks, 1))
         # by powers of 2, as the time differs from run to run, and answers should not
         fewer = FEW * 2 ** int(np.log2(times)) if times > 1.0 else 0
