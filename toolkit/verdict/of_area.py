@@ -176,7 +176,8 @@ def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
         rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, many))
     if (mean_force := mean_over_slips(many)) is not None:
         error = many.force_error * scale.force
-        over = f", {mean_force / scale.load * scale.force:.2g} of the load" if scale.load else ""
+        if load:
+            over = f", {written(mean_force * scale.force / load, '', error / load)} of the load"
         told = with_scatter(mean_force * scale.force, error, scale.force_unit)
         rows[f"mean force of stick-slip of {whose}"] = told + over
     if fewer := spacings(many, scale):

@@ -168,9 +168,8 @@ def why_smooth(verdict: Verdict) -> list[str]:
         *(round(one.slips) for one in verdict.finite if one.kind == "smooth"),
     ]
     often = " to ".join(f"{one:,}" for one in dict.fromkeys((min(seen), max(seen))))
-    often = {"0": "no more", "1": "once, and then no more"}.get(
-        often, f"{often} times, and then no more"
-    )
+    words = {"0": "no more", "1": "once, and then no more", "0 to 1": "at most once"}
+    often = words.get(often, f"{often} times, and then no more")
     return [f"{said}{after}the slider slips {often}, as contacts have forgotten their start"]
 
 
