@@ -11,6 +11,9 @@ demo: $(READY)
 	$(BIN)/mpirun -n 2 $(BIN)/mesofriction compare rough-gw-paper rough-gw-amontons rough-gw-strength \
 	  rough-persson-paper rough-persson-amontons --out demo-output
 
+# tests as pytest compiles them are kept: else each worker compiles all again, in 3 s of CPU time
+test test-slow: export PYTHONDONTWRITEBYTECODE :=
+
 test: $(READY)
 	$(BIN)/python -m pytest -n auto --dist worksteal
 
