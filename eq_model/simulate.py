@@ -40,8 +40,8 @@ def simulate(
     K (X_T - X) = sum of k_i x_i. Every break moves the slider, so that more contacts may break; all that break at one
     X_T make an avalanche (eq_model.coupled; in plain Python in tests/plain_coupled.py). Then of the laws heat, delay,
     strengthening and linked stiffness are possible, and with slip "instant" and no delay re-forming stretched. Heat is
-    exact, too: breaks are proposed at rates above the contacts' own, and thinned. With a mass there is
-    none, and the drive must not turn.
+    exact, too: breaks are proposed at rates above the contacts' own, and thinned. With a mass the drive
+    must not turn, and contacts re-form relaxed.
 
     Parameters
     ----------

@@ -242,11 +242,12 @@ GRAINS = Contacts(origins.growing_grains(1.0, 1.0, age=4.0), thermal=SOFT)
 @pytest.mark.parametrize(
     "contacts, path, more, said",
     [
+        (PAPER, [1.0], {"mass": 0.1}, r'contacts\.thermal: closure = "paper" .* use closure'),
         (
-            COLDER,
-            [1.0],
-            {"mass": 0.1},
-            r"contacts\.thermal: .* with a mass takes T = 0; take master.* or leave out",
+            HOT,
+            [100.0],
+            {"mass": 0.1, "n_contacts": 1000},
+            r"takes \d\.\de\+10 breaks .* most 3e\+09",
         ),
         (PAPER, [1.0], {}, r'contacts\.thermal: closure = "paper" .* use closure = "exact"'),
         (HOT, [100.0], {"n_contacts": 1000}, r"takes about \d\.\de\+10 breaks .* more than 3e\+09"),

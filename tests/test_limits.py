@@ -28,7 +28,7 @@ FEW: dict[str, Any] = {"n_contacts": 50, "n_replicas": 2, "seed": 1}
 
 # words of the row, the call that it tells of, and a part of its refusal
 REFUSED: list[tuple[str, Callable[[], object], str]] = [
-    ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(HOT, PATH, **HEAVY, **FEW), "T = 0"),
+    ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(AGEING, PATH, **HEAVY, **FEW), "ageing"),
     ("in an `[eq]` with a `spring`", lambda: eq_model.simulate(AGEING, PATH, spring=1.0, **FEW), "ageing"),
     ("whose drive turns back", lambda: eq_model.simulate(PLAIN, [0.0, 3.0, 1.0], **HEAVY, **FEW), "turn"),
     ("`mass` in heat, ageing", lambda: master.solve(PLAIN.replace(reforming=-0.2), [1e4], **HEAVY), "steps of time"),

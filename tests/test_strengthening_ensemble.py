@@ -223,14 +223,11 @@ def test_exact_thresholds_grow_all_alike():
 
 
 def test_a_spring_refuses_other_growth():
-    """Grains grow by another law; heat beside it is refused with a mass."""
+    """Grains grow by another law."""
     contacts = Contacts(strengthening(PC, 0.03, TIME))
     grains = Contacts(origins.growing_grains(1.0, 1.0, age=4.0))
     with pytest.raises(InputError, match=r"contacts\.grains: .*does not take it yet"):
         eq_model.simulate(grains, [1.0], spring=0.5)
-    warm = contacts.replace(thermal=Thermal("eyring", width=0.03))
-    with pytest.raises(InputError, match=r"contacts\.thermal: .*mass takes T = 0"):
-        eq_model.simulate(warm, [1.0], spring=0.5, mass=0.1)
     # a path as long as 1e11 breaks of contacts that do not grow would take half a day
     with pytest.raises(InputError, match=r"slip = 'instant': takes about .*, more than 5e\+09"):
         eq_model.simulate(contacts, [1e5], spring=0.5, slip="instant", n_contacts=1_000_000)

@@ -231,11 +231,6 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
     solver = "eq_model.simulate with a mass" if heavy else "eq_model.simulate with a spring"
     takes = ["delay", "reforming", "stiffness"]
     if isinstance(contacts, Contacts) and contacts.thermal is not None:
-        if heavy:
-            raise InputError(
-                f"contacts.thermal: {solver} takes T = 0; take master.solve, which follows it in steps of time, "
-                "or leave out the heat or the mass"
-            )
         if contacts.thermal.closure == "paper":
             raise InputError(
                 'contacts.thermal: closure = "paper" is an approximation of the master equation; use closure = "exact"'

@@ -98,7 +98,7 @@ def _swap(heat, contact, j):  # type: ignore[no-untyped-def]
 
 
 @bare
-def _set_level(heat, contact, level):  # type: ignore[no-untyped-def]
+def set_level(heat, contact, level):  # type: ignore[no-untyped-def]
     """Move a contact to another level, over the border of each on the way."""
     first, old = heat.first, heat.level[contact]
     while old < level:
@@ -113,7 +113,7 @@ def _set_level(heat, contact, level):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _level_of(heat, near, far, least, largest, k):  # type: ignore[no-untyped-def]
+def level_of(heat, near, far, least, largest, k):  # type: ignore[no-untyped-def]
     """The lowest level above all rates at stretches from near to far, of thresholds from least to largest (units)."""
     unit = heat.unit
     bound = most(heat.rates, real(near) * unit, real(far) * unit, least * unit, largest * unit, k)
@@ -121,7 +121,7 @@ def _level_of(heat, near, far, least, largest, k):  # type: ignore[no-untyped-de
 
 
 @inlined
-def _stiffness_of(heat, ages, contact):  # type: ignore[no-untyped-def]
+def stiffness_of(heat, ages, contact):  # type: ignore[no-untyped-def]
     return ages.fresh[contact] / heat.mean if heat.mean > 0.0 else 1.0
 
 
@@ -129,40 +129,40 @@ def _stiffness_of(heat, ages, contact):  # type: ignore[no-untyped-def]
 def _window(heat, ages, contact, s, allowed):  # type: ignore[no-untyped-def]
     """Give a contact a window with a level of at most `allowed`, or the one above its rate's. Returns its end ahead, or
     the slider's X where it is at its threshold."""
-    x, k = s.at - ages.zero[contact], _stiffness_of(heat, ages, contact)
+    x, k = s.at - ages.zero[contact], stiffness_of(heat, ages, contact)
     y, oldest = threshold_of(ages, contact, s.now), threshold_of(ages, contact, heat.end)
     ahead, back = whole(np.rint(y)) - abs(x), min(heat.margin, whole(np.rint(y)) - abs(x))
     if ahead <= 0:
-        _set_level(heat, contact, max(heat.level[contact], 1))
+        set_level(heat, contact, max(heat.level[contact], 1))
         heat.ends[contact] = s.at
         return s.at
     if x < 0:
         ahead -= 2 * x
     else:
         back = min(heat.margin, back + 2 * x)
-    level = _level_of(heat, max(abs(x) - back, 0), abs(x), y, oldest, k)
+    level = level_of(heat, max(abs(x) - back, 0), abs(x), y, oldest, k)
     allowed = max(allowed, level + 1)
     while True:
         far = max(x + ahead, back - x)
-        level = _level_of(heat, max(x - back, -x - ahead, 0), far, y, oldest, k)
+        level = level_of(heat, max(x - back, -x - ahead, 0), far, y, oldest, k)
         if level <= allowed or ahead + back <= 2:
             break
         if back - x > x + ahead:
             back = max(back >> 1, 1)
         else:
             ahead = max(ahead >> 1, 1)
-    _set_level(heat, contact, level)
+    set_level(heat, contact, level)
     heat.ends[contact], s.back = s.at + ahead, max(s.back, s.at - back)
     return s.at + ahead
 
 
 @bare
-def _next_proposal(heat, s):  # type: ignore[no-untyped-def]
-    """When a break is proposed next; infinite if never."""
+def time_to_proposal(heat, s):  # type: ignore[no-untyped-def]
+    """The time until a break is proposed if all levels stay; infinite if none ever is."""
     s.total = 0.0
     for j in range(1, heat.bounds.size):
         s.total += real(heat.first[j + 1] - heat.first[j]) * heat.bounds[j]
-    return s.now + s.budget / s.total if s.total > 0.0 else np.inf
+    return max(s.budget, 0.0) / s.total if s.total > 0.0 else np.inf
 
 
 @bare
@@ -186,14 +186,14 @@ def proposed(heat, ages, s):  # type: ignore[no-untyped-def]
     contact = heat.order[i]
     bound = heat.bounds[heat.level[contact]]
     x, y = abs(s.at - ages.zero[contact]), threshold_of(ages, contact, s.now)
-    rate = rate_at(real(x), y, heat, _stiffness_of(heat, ages, contact))
+    rate = rate_at(real(x), y, heat, stiffness_of(heat, ages, contact))
     return contact, uniform(words[0], words[1]) * bound < rate, rate < RARE * bound
 
 
 @inlined
 def _leave(heat, contact):  # type: ignore[no-untyped-def]
     """Let a contact hold no more; the queue's key of it is passed over."""
-    _set_level(heat, contact, 0)
+    set_level(heat, contact, 0)
     heat.ends[contact] = NOWHERE
 
 
@@ -227,4 +227,4 @@ leave_all = by_heat(lambda heat: _leave_all(heat), lambda heat: None)
 is_gone = by_heat(
     lambda heat, contact, at: heat.ends[contact] != at, lambda heat, contact, at: False
 )
-next_proposal = by_heat(lambda heat, s: _next_proposal(heat, s), lambda heat, s: np.inf)
+time_to_next = by_heat(lambda heat, s: time_to_proposal(heat, s), lambda heat, s: np.inf)

@@ -21,7 +21,7 @@ from eq_model.coupled.forming import (
     form_many,
     stiffness_of,
 )
-from eq_model.coupled.heat import is_gone, next_proposal, queue_position
+from eq_model.coupled.heat import is_gone, queue_position, time_to_next
 from eq_model.coupled.heat_moves import furthest_back, go_back, propose
 from eq_model.coupled.moves import (
     balance,
@@ -47,7 +47,7 @@ PROPOSALS = 256
 def _stick(s, pull, ages, ahead):  # type: ignore[no-untyped-def]
     """Let the drive go on to the next event of a slider that sticks, which is returned."""
     due, drive = next_return(s, pull)
-    time = next_proposal(ages.heat, s)
+    time = s.now + time_to_next(ages.heat, s)
     if time < due:
         load = load_at(time, s, pull)
         if load < ahead.needs:

@@ -19,9 +19,7 @@ def check_work(contacts: Contacts, drive: Drive, n: int) -> float:
     from eq_model.coupled import ages, heat
 
     by_age = ages.SLOWER if contacts.strengthening is not None else 1.0
-    by_heat = heat.SLOWER if contacts.thermal is not None else 1.0
-    if contacts.thermal is not None and not hasattr(contacts.thermal.rates, "compiled"):
-        by_heat *= OWN_LAW
+    by_heat = heat.SLOWER * slower_by_own_law(contacts) if contacts.thermal is not None else 1.0
     most = MOST_BREAKS / max(by_age, by_heat)
     if (breaks := expected_breaks(contacts, drive, n)) > most:
         instead = "master.solve, another slip rule" if drive.slip == "instant" else "master.solve"
@@ -32,6 +30,12 @@ def check_work(contacts: Contacts, drive: Drive, n: int) -> float:
             f"take 40 minutes; use {instead}, fewer contacts, or a shorter path",
         )
     return most
+
+
+def slower_by_own_law(contacts: Contacts) -> float:
+    """Time of a break by heat beside that by a law of rates that is compiled."""
+    own = contacts.thermal is not None and not hasattr(contacts.thermal.rates, "compiled")
+    return OWN_LAW if own else 1.0
 
 
 def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
@@ -46,13 +50,8 @@ def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
     """
     law, mean, spring = contacts.thresholds, contacts.mean_threshold, drive.spring or np.inf
     if contacts.thermal is not None:
-        rates, cold = contacts.thermal.rates, contacts.replace(thermal=None)
-        by_heat = breaks_by_heat(contacts, lasts(drive))
-        if not hasattr(
-            rates, "compiled"
-        ):  # nothing but `scale` bounds its rates, at which breaks are proposed
-            by_heat = max(by_heat, rates.scale * lasts(drive))
-        return n * by_heat * (by_heat > 1.0) + expected_breaks(cold, drive, n)
+        cold = contacts.replace(thermal=None)
+        return n * often_by_heat(contacts, drive) + expected_breaks(cold, drive, n)
     ways = ways_of_legs(drive) / growth(contacts, drive)
     turned = np.arange(ways.size) > 0
     if contacts.delay is not None:
@@ -69,6 +68,17 @@ def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
     static = max(kinetic, force[falls[0]] if falls.size else 0.0)
     slides = ways > (static + kinetic * turned) / spring
     return float(n * (ways - (1 + turned) * kinetic / spring)[slides].sum() / mean)
+
+
+def often_by_heat(contacts: Contacts, drive: Drive) -> float:
+    """About how often a contact breaks by heat until the end of the path, or is proposed to; 0 below once."""
+    if contacts.thermal is None:
+        return 0.0
+    rates, by_heat = contacts.thermal.rates, breaks_by_heat(contacts, lasts(drive))
+    if not hasattr(rates, "compiled"):
+        # nothing but `scale` bounds its rates, at which breaks are proposed
+        by_heat = max(by_heat, rates.scale * lasts(drive))
+    return by_heat * (by_heat > 1.0)
 
 
 def ways_of_legs(drive: Drive) -> Array:

@@ -4,5 +4,5 @@
 place of the next break; `motion.py` says when the slider gets there, in closed form, and `moves.py` takes short ways to
 that; `state.py` has the slider, its forces and energies. `swings.py` tells what is a slip, by the rule in
 `origins/drive.py`, and `chance.py` how much of a fall chance makes of few contacts. `integrals.py` has what the motion
-adds to the energies. `sliders.py` makes the input of all this, and its result.
+adds to the energies; `heat.py` proposes breaks by heat. `sliders.py` makes the input of all this, and its result.
 """

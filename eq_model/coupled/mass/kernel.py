@@ -3,7 +3,8 @@
 import numpy as np
 
 from eq_model.compiling import bare, entry, inlined, unsigned
-from eq_model.coupled.ages import threshold_of
+from eq_model.coupled.heat import leave, time_to_next
+from eq_model.coupled.mass.heat import begin_heat, propose, reach_of, stiffness_of
 from eq_model.coupled.mass.motion import first_passage, first_top
 from eq_model.coupled.mass.moves import MOVED, damped_move, motion_of, quick_move, slow_move
 from eq_model.coupled.mass.nearest import (
@@ -38,6 +39,7 @@ from eq_model.coupled.mass.state import (
 )
 from eq_model.coupled.mass.swings import (
     begin_fall,
+    begin_if_fast,
     end_fall,
     has_loosened,
     take_slip,
@@ -57,9 +59,10 @@ def _form(s, contacts, i, supply, pull, age):  # type: ignore[no-untyped-def]
     k = np.float64(x) / pull.mean if pull.mean > 0.0 else 1.0
     ages = contacts.ages
     if ages.numbered:
-        now = time_now(s, pull)
-        ages.fresh[i], ages.born[i] = ages.fresh_ratio * np.float64(x), now - age
-        x = np.int64(np.rint(threshold_of(ages, i, now)))
+        s.now = time_now(s, pull)
+        ages.fresh[i], ages.born[i] = ages.fresh_ratio * np.float64(x), s.now - age
+        ages.zero[i] = s.at - r
+        x = reach_of(ages.heat, ages, i, s)
     s.n_holding += 1
     s.stiffness += k
     s.force += k * np.float64(r)
@@ -76,29 +79,30 @@ def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
     """All contacts form at X = 0, where the slider rests."""
     s = slider[0]
     s.stuck, s.held, pull.swing[F_BEFORE] = True, np.int64(pull.n), -np.inf
+    begin_heat(contacts.ages.heat, s)
     for i in range(np.int64(pull.n)):
         _form(s, contacts, i, supply, pull, pull.age)
 
 
 @inlined
 def _move_if_grown(s, contacts, i, pull):  # type: ignore[no-untyped-def]
-    """Where contact i has grown since its places were set, move them to those of its threshold of now. Returns whether
-    it has."""
+    """Where contact i has grown since its places were set, or they lie before its threshold, move them on. Returns
+    whether it was so."""
     ahead = contacts.ahead.places[i]
     before = (ahead + contacts.behind.places[i]) // 2
-    now = np.int64(np.rint(threshold_of(contacts.ages, i, time_now(s, pull))))
+    s.now = time_now(s, pull)
+    now = reach_of(contacts.ages.heat, contacts.ages, i, s)
     if now <= before:
         return False
     set_place(contacts.ahead, i, ahead + (now - before))
     set_place(contacts.behind, i, now - (ahead - before))
-    s.grown = True
     return True
 
 
 @inlined
-def _break(s, contacts, side, pull):  # type: ignore[no-untyped-def]
-    """The nearest contact ahead (side 1) or behind (-1) breaks. Returns its number if it forms again at once, or -1 as
-    it waits, or holds on as it has grown."""
+def _met(s, contacts, side, pull):  # type: ignore[no-untyped-def]
+    """The slider is at the nearest place ahead (side 1) or behind (-1). Returns the number of the contact that breaks
+    there, or -1 as it holds on."""
     if side > 0:
         if contacts.ahead.at[NEXT] >= contacts.ahead.at[FETCHED]:
             fetch(contacts.ahead, contacts.behind)
@@ -109,14 +113,23 @@ def _break(s, contacts, side, pull):  # type: ignore[no-untyped-def]
         go_to(s, pull, -contacts.behind.places[i])
     if contacts.ages.numbered and _move_if_grown(s, contacts, i, pull):
         return np.int64(-1)
-    x = 0.5 * np.float64(contacts.ahead.places[i] + contacts.behind.places[i])
-    k = x / pull.mean if pull.mean > 0.0 else 1.0
-    s.force -= side * k * x
+    return np.int64(i)
+
+
+@inlined
+def _break(s, contacts, i, pull):  # type: ignore[no-untyped-def]
+    """Contact i breaks where the slider is. Returns its number if it forms again at once, or -1 as it waits."""
+    ahead, behind = contacts.ahead.places[i], contacts.behind.places[i]
+    x = np.float64(s.at - (ahead - behind) // 2)
+    stretch = x + s.off
+    k = stiffness_of(contacts.ages.heat, contacts.ages, i, ahead, behind, pull.mean)
+    leave(contacts.ages.heat, i)
+    s.force -= k * x
     s.stiffness -= k
     s.n_holding -= 1
-    released = 0.5 * k * x * x
-    add(pull.energy, RELEASED, released)
-    add(pull.energy, STORED, -released)
+    add(pull.energy, RELEASED, 0.5 * k * stretch * stretch)
+    # as counted with the slider at a whole position
+    add(pull.energy, STORED, -0.5 * k * x * x)
     if s.n_holding == 0:  # nothing is left of what rounding has added up
         s.force, s.stiffness = 0.0, 0.0
         pull.energy[STORED] = 0.0
@@ -181,7 +194,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
         behind = np.float64(nearest(contacts.behind) + s.at) + s.off
         known, known_behind = contacts.ahead.at[KNOWN] != 0, contacts.behind.at[KNOWN] != 0
         remaining = pull.lasts[unsigned(s.leg)] - s.elapsed
-        most, slipped = max(min(remaining, s.due), 0.0), False
+        proposal = time_to_next(contacts.ages.heat, s)
+        most, slipped = max(min(remaining, s.due, proposal), 0.0), False
         side = 1 if ahead <= 0.0 else -1 if behind <= 0.0 else 0
         if side == 0:
             stiffness = pull.spring + s.stiffness * each
@@ -207,22 +221,31 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                         t, side, most, s.tried = early, 0, early, s.loose
                 if side == 0 or (known if side > 0 else known_behind):
                     travel = ahead if side > 0 else -behind
-                    slipped = slow_move(s, pull, motion, t, side, travel)
-        forms = np.int64(-1)
+                    slow_move(s, pull, motion, t, side, travel)
+        forms = breaks = np.int64(-1)
         # at a bound, where the slider has not moved yet, the places are looked up
         if side > 0 and not known:
             look_through(contacts.ahead)
         elif side < 0 and not known_behind:
             look_through(contacts.behind)
         else:
-            s.grown = False
+            due = side == 0 and s.due <= 0.0
+            proposed = side == 0 and not due and proposal <= most
             if side != 0:
-                forms = _break(s, contacts, side, pull)
+                breaks = _met(s, contacts, side, pull)
+            elif proposed:
+                s.now = time_now(s, pull)
+                breaks = propose(contacts.ages.heat, s, contacts)
+            s.grown = breaks < 0 and (side != 0 or proposed)
+            if not s.grown:
+                slipped = begin_if_fast(s, pull)
+            if breaks >= 0:
+                forms = _break(s, contacts, breaks, pull)
                 if s.breaks >= pull.most_breaks:
                     return TOO_MANY
-            elif s.due <= 0.0:
+            elif due:
                 forms = _return(s, contacts, pull)
-            elif remaining <= most:
+            elif not s.grown and remaining <= most:
                 slipped = _end_leg(s, pull) or slipped
         if forms >= 0:
             _form(s, contacts, forms, supply, pull, 0.0)

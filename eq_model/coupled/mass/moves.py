@@ -16,7 +16,7 @@ from eq_model.coupled.mass.motion import (
     speed_at_break,
 )
 from eq_model.coupled.mass.state import pass_time, speed_limit
-from eq_model.coupled.mass.swings import begin_fall, end_fall
+from eq_model.coupled.mass.swings import end_fall
 
 MOVED = 2  # what quick_move returns where no contact breaks
 
@@ -164,8 +164,7 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
 
 @inlined
 def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
-    """Move for a time t in closed form, then a break (side 1 or -1) at `travel`. Returns whether a slip has
-    ended."""
+    """Move for a time t in closed form, then a break (side 1 or -1) at `travel`."""
     there, drive = place_at(motion, t), pull.speeds[unsigned(s.leg)]
     speed = there.speed
     if side == 0:
@@ -173,13 +172,22 @@ def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
     else:
         speed = speed_at_break(motion, there, travel - there.travel)
     integral, squares = motion_integrals(motion, t, there)
-    slipped, limit, slower = False, speed_limit(drive), np.inf
+    limit, slower = speed_limit(drive), np.inf
     if s.falling:
         slower, s.top = first_slower(motion, limit, t, s.top)
     pass_time(s, pull, t, travel, speed, integral, squares)
     if s.falling and slower < t:
         end_fall(s, pull, t - slower, travel - place_at(motion, slower).travel)
-    if not s.falling and speed > limit:
+    was_fast, s.fast = s.fast, not s.falling and speed > limit
+    if s.fast:
         faster, top = last_faster(motion, limit, t)
-        slipped = begin_fall(s, pull, t - faster, travel - place_at(motion, faster).travel, top)
-    return slipped
+        if was_fast and faster == 0.0:
+            s.fast_for += t
+            s.fast_way += travel
+            s.top = max(s.top, top)
+        else:
+            s.fast_for, s.fast_way, s.top = (
+                t - faster,
+                travel - place_at(motion, faster).travel,
+                top,
+            )

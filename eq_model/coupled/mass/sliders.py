@@ -8,7 +8,7 @@ import numpy as np
 from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.coupled.ensemble import check_coupled, checked_slip_fraction, unit_of
 from eq_model.coupled.mass.chance import fall_by_chance
-from eq_model.coupled.work import growth
+from eq_model.coupled.work import growth, often_by_heat, slower_by_own_law
 from eq_model.result import SIZES, Energy, HeavySlips, means
 from origins import Contacts, Drive, identical
 from origins.drive import RISE, ROOM, SLIP_FRACTION
@@ -57,6 +57,7 @@ class HeavySliders:
         dropped: Callable[[], bool] | None = None,
     ) -> None:
         """Choose the unit of length; InputError for what is not followed, and for what would take too long."""
+        from eq_model.coupled import heat
         from eq_model.draws.births import births_of
 
         check_coupled(contacts, drive)
@@ -64,7 +65,9 @@ class HeavySliders:
         self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
         self._dropped = dropped
         self._n, self._unit = blocks.each, unit_of(contacts)
-        self._most_breaks = MOST_BREAKS // (SLOWER if contacts.strengthening else 1)
+        by_heat = heat.SLOWER * slower_by_own_law(contacts) if contacts.thermal else 1
+        by_age = SLOWER if contacts.strengthening else 1
+        self._most_breaks = MOST_BREAKS // int(max(by_age, by_heat))
         self._births = births_of(contacts, self._unit)
         self._check_length()
 
@@ -83,7 +86,9 @@ class HeavySliders:
             refuse("spring", spring, hint)
         # before the first slip no contact need break; a contact breaks once a mean threshold where it does not wait
         breaks = self._n * max(end / mean / growth(contacts, drive) - 1.0 / spring, 0.0)
-        if contacts.delay is None and breaks > self._most_breaks:
+        breaks *= contacts.delay is None
+        breaks += self._n * often_by_heat(contacts, drive)
+        if breaks > self._most_breaks:
             refuse(
                 "path[-1]",
                 end,
@@ -151,14 +156,16 @@ class HeavySliders:
         from eq_model.draws.supply import make_supply
 
         if replica < 0:
-            few = Contacts(identical(1.0)), Drive([3.0], spring=1.0, mass=1.0), Blocks(2, 2)
-            HeavySliders(*few, seed=0, slip_fraction=1.0).follow(0)
+            mean = self._contacts.mean_threshold  # to which a temperature belongs
+            few = Contacts(identical(mean), thermal=self._contacts.thermal)
+            drive = Drive([3.0 * mean], spring=1.0, mass=1.0)
+            HeavySliders(few, drive, Blocks(2, 2), seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
         check_dropped(self._dropped)
         n, unit, stream = self._n, self._unit, make_stream(self._seed, replica)
         first, later = (make_supply(births, stream) for births in self._births)
         spring = self._drive.spring or 0.0
-        slider, contacts, pull = self._pulled()
+        slider, contacts, pull = self._pulled(stream)
         kernel.form_all(slider, contacts, first, pull)
         s, slips = slider[0], list[Array]()
         balance = s["force"] / n / spring * unit
@@ -199,9 +206,10 @@ class HeavySliders:
         holding = mean / (mean + np.abs(speeds) * self._contacts.waiting_time)
         return np.maximum(RISE, min(self.slip_fraction, SLIP_FRACTION) * holding)
 
-    def _pulled(self) -> Pulled:
+    def _pulled(self, stream: Any) -> Pulled:
         """At X = 0, where the slider rests, and without legs."""
-        from eq_model.coupled.ages import NoHeat, ages_of
+        from eq_model.coupled.ages import ages_of
+        from eq_model.coupled.heat import heat_of
         from eq_model.coupled.mass import state
         from eq_model.coupled.mass.nearest import make_nearest
 
@@ -216,7 +224,7 @@ class HeavySliders:
             make_nearest(n, width),
             np.empty(waits, np.int32),
             np.empty(waits),
-            ages_of(contacts, n, NoHeat()),
+            ages_of(contacts, n, heat_of(contacts, drive, n, self._unit, stream)),
         )
         law = contacts.strengthening
         mean = contacts.mean_threshold / self._unit if contacts.stiffness == "linked" else 0.0
@@ -264,6 +272,9 @@ class HeavySliders:
             holds = ahead != FAR
             ahead, behind = ahead[holds], behind[holds]
             stretch = 0.5 * (2 * s["at"] + (behind - ahead)) + s["off"]
-            k = self._contacts.relative_stiffness(0.5 * (ahead + behind) * self._unit)
+            threshold = 0.5 * (ahead + behind)
+            if contacts.ages.numbered:  # whose places may lie before their thresholds
+                threshold = contacts.ages.fresh[part][holds]
+            k = self._contacts.relative_stiffness(threshold * self._unit)
             total += float(k @ stretch**2)
         return 0.5 * total

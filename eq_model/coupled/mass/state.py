@@ -59,7 +59,17 @@ SLIDER = np.dtype(
         ("rest_force", np.float64),  # the spring's force there
         ("rest_breaks", np.int64),  # number of all breaks up to there
         ("seen", np.int64),  # number of all breaks, but for those at the present place
-        ("grown", np.bool_),  # whether the last event was no break, as the contact had grown
+        # the slider is faster than the drive since an event that broke nothing: not yet a fall
+        ("fast", np.bool_),  # whether it is
+        ("fast_for", np.float64),  # since when
+        ("fast_way", np.float64),  # how far it has moved since
+        # whether the last event was no break, as the contact had grown, or has another window in heat
+        ("grown", np.bool_),
+        # with heat: the time now, the sum of all levels, its integral until the next proposal, and the number of draws
+        ("now", np.float64),
+        ("total", np.float64),
+        ("budget", np.float64),
+        ("draws", np.int64),
     ]
 )
 
@@ -171,6 +181,7 @@ def pass_time(s, pull, t, travel, speed, travel_integral, squares):  # type: ign
     _shift(s, pull, shift)
     s.speed = speed
     s.elapsed += t
+    s.budget -= s.total * t
     s.due -= t
     s.since += t
     s.clock += t

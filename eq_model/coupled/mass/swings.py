@@ -89,6 +89,16 @@ def begin_fall(s, pull, before, travel_before, top):  # type: ignore[no-untyped-
 
 
 @inlined
+def begin_if_fast(s, pull):  # type: ignore[no-untyped-def]
+    """Where the slider is faster than the drive at an event, a fall has begun; returns as `begin_fall`. One that begins
+    and ends between two events does not count, wherever a contact was looked at in between."""
+    if not s.fast:
+        return False
+    s.fast = False
+    return begin_fall(s, pull, s.fast_for, s.fast_way, s.top)
+
+
+@inlined
 def take_slip(s, pull):  # type: ignore[no-untyped-def]
     """The present swing down is over. Returns whether it was a slip, which is kept."""
     slipped, s.slipping = s.slipping, False
