@@ -111,7 +111,7 @@ def follow(
     found = _by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":
         return _settled(found, machine, rigid, contacts)
-    # it is followed cold, as the ensemble takes no heat beside a mass: what heat changes is known to be little
+    # it is followed cold: what heat changes is known to be little
     by_contacts &= contacts.thermal is None or found.heat_left_out is not None
     if by_contacts and (rule != "mass" or not found.success):
         other = follow_by_contacts(machine, cold, rule, loading, end, rigid)
