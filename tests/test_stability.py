@@ -402,6 +402,16 @@ def test_a_scene_that_is_not_answered_is_not_said_to_be_trusted() -> None:
     assert list(trusted(found)) == ["not answered within the tolerance as it is: a reason"]
 
 
+def test_what_was_not_answered_in_its_time_is_told_as_such() -> None:
+    numbers_of_rows = (np.nan, np.nan, np.nan, 0.0, "")
+    answered = ["x 1", "x 1e+1: 2"]
+    found = [Row("as it is", "x 1", "master", "exact", *numbers_of_rows, "")]
+    found += [Row("drive.mass", x, "master", "exact", *numbers_of_rows, "") for x in answered]
+    found += [Row("drive.mass", "x 1e+2: 20", "master", "slow", *numbers_of_rows, "cut")]
+    said = "drive.mass: answered within the tolerance at 1 to 10 times its value"
+    assert list(trusted(found)) == [f"{said}; not answered in its time at 100"]
+
+
 def test_what_is_no_scene_with_a_path_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stability", "--set", "drive.to=2.0"]) == 2
     assert "name one" in capsys.readouterr().err

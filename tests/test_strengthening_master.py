@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -10,6 +12,7 @@ from solving import gauss
 import eq_model
 import master
 import origins
+from master.survival.growing import GrowingLife
 from origins import Contacts, Delay, InputError, Thermal, strengthening
 
 PC = origins.gaussian(mean=1.0, std=0.2)
@@ -423,3 +426,25 @@ def test_what_is_not_followed_is_refused_in_one_line(name):
     with pytest.raises(InputError, match=said) as refusal:
         call()
     assert "\n" not in str(refusal.value)
+
+
+def test_a_looser_tolerance_takes_no_more_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At one speed, with heat: rates are integrated no more often at 1e-4 than at 1e-5, and F is the same."""
+    rates = Thermal("eyring", width=0.05, attempt_frequency=30.0)
+    contacts = Contacts(strengthening(origins.gaussian(1.0, 0.2), 0.05, 0.1), thermal=rates)
+    integrate, work = GrowingLife._integrated_rate, list[int]()
+
+    def counted(self: GrowingLife, hazard: Any, *rest: Any) -> Any:
+        work.append(np.size(hazard))
+        return integrate(self, hazard, *rest)
+
+    monkeypatch.setattr(GrowingLife, "_integrated_rate", counted)
+    forces, works = list[float](), list[int]()
+    for tolerance in (1e-4, 1e-5):
+        work.clear()
+        solved = master.solve(contacts, np.linspace(0.1, 5.0, 50), tolerance, velocity=0.01)
+        assert solved.success
+        forces.append(float(solved.force[-1]))
+        works.append(sum(work))
+    assert works[0] <= works[1]
+    assert forces[0] == pytest.approx(forces[1], abs=1e-8)

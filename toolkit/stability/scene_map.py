@@ -133,10 +133,12 @@ def trusted(found: list[Row]) -> Iterator[str]:
         return
     for key in dict.fromkeys(row.group for row in found):
         own = [row for row in found if row.group == key and row.solver != "ensemble"]
-        decades = [int(_decade(row)) for row in own if row.verdict in good]
+        decades = [_decade(row) for row in own if row.verdict in good]
         if key != "as it is":
-            ends = (10.0 ** min([0, *decades]), 10.0 ** max([0, *decades]))
-            yield f"{key}: answered within the tolerance at {ends[0]:g} to {ends[1]:g} times its value"
+            first, last = (10.0 ** end([0, *decades]) for end in (min, max))
+            late = sorted(f"{10.0 ** _decade(row):g}" for row in own if row.verdict == "slow")
+            beyond = f"; not answered in its time at {', '.join(late)}" if late else ""
+            yield f"{key}: answered within the tolerance at {first:g} to {last:g} times its value{beyond}"
 
 
 def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Case:
