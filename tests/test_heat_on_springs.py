@@ -12,6 +12,10 @@ from test_coupled import CONTACTS, HOLDS, RULES
 import eq_model
 import master
 import origins
+from master.soft.in_time.contacts import ContactsInSteps
+from master.soft.in_time.refining import memory_of
+from master.soft.in_time.slip_ends import _balance_between
+from master.soft.in_time.unresolved import OF_BALANCE
 from origins import Contacts, Delay, Thermal, gaussian_start
 from origins.errors import InputError
 from origins.start import FormationLaw
@@ -299,3 +303,19 @@ def test_a_path_of_too_many_steps_says_how_little_heat_does() -> None:
     x = np.linspace(0.0, 5.0, 26)
     forces = [master.solve(each, x, 1e-6).force for each in (hot, cold)]
     assert 1e-4 < np.abs(forces[0] - forces[1]).max() <= float(said[1]) < 0.01
+
+
+def test_a_slip_may_end_where_the_force_jumps() -> None:
+    """As |x| passes the edge of a cell of thresholds. What is left of the imbalance there is an error of the force: a
+    scan in Eyring heat with a delay of 10 s, on 50 N/m, ended in "a fault of the program"."""
+    cold = Contacts(origins.gaussian(1.0, 0.2))
+    contacts = ContactsInSteps(cold, memory_of(cold, 0, 1.0), 0, np.inf)
+    for jump in (0.0, 3e-4):
+
+        def imbalance(travel: float, jump: float = jump) -> float:
+            return 0.5 - travel + (0.5 * jump if travel < 0.5 else -0.5 * jump)
+
+        travel, left = _balance_between(imbalance, 0.1, 1.0, contacts)
+        assert travel == pytest.approx(0.5, abs=1e-12)
+        assert abs(left) == pytest.approx(0.5 * jump, abs=1e-12)
+    assert contacts.unresolved.error_of(OF_BALANCE) == pytest.approx(1.5e-4)

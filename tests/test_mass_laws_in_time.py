@@ -315,3 +315,15 @@ def test_a_slider_that_rings_without_damping_asks_for_one() -> None:
 def test_wall_time_ends_the_work() -> None:
     found = master.solve(HOT, PATH, 1e-6, spring=0.1, mass=0.01, velocity=0.1, wall_time=1e-3)
     assert not found.success and "wall_time" in found.message
+
+
+def test_no_birth_is_taken_back_where_none_holds() -> None:
+    """A slow step longer than the delay, before a slip, tells too many births. A slider with mass keeps them, as a
+    negative share of the contacts would push it: its stiffness had no root, and the verdict ended in a traceback."""
+    waiting = Contacts(WIDE, delay=Delay(30.0))
+    for keeps in (False, True):
+        contacts = ContactsInSteps(waiting, memory_of(waiting, 0, 1.0), 0, np.inf)
+        contacts.takes_no_birth_back = keeps
+        contacts.holding, contacts._births = 0.0, 0.3
+        trial = contacts.trial(3.0, 1.0)
+        assert (trial.births, trial.holding < 0.0) == ((0.3, False) if keeps else (0.0, True))

@@ -63,6 +63,7 @@ class ContactsInSteps:
     largest_stiffness : k_i/<k> of the stiffest contacts
     halvings : how often steps are halved; steps, cost, work : those taken so far, by OF_SLIP, and operations in them
     unresolved : errors of F that finer steps may not show; those who find one note it
+    takes_no_birth_back : whether J never falls, as a slider with mass asks; see `trial`
 
     _births : J up to now; _births_in_cohorts : the same by the weights of all cohorts, which are to agree
     _left_out : share of all contacts in groups that were left out while they held
@@ -75,7 +76,7 @@ class ContactsInSteps:
         self.delay = contacts.waiting_time
         self.halvings, self.steps, self.cost, self.work = halvings, 0, 0.0, 0.0
         self.position = self.now = 0.0
-        self.unresolved = Unresolved()
+        self.unresolved, self.takes_no_birth_back = Unresolved(), False
         self.unit = contacts.mean_threshold
         self.largest_stiffness = float(contacts.relative_stiffness(memory.largest_stretch))
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
@@ -165,9 +166,10 @@ class ContactsInSteps:
             # takes none back, and `rest`, a part of J, is no bound. Without a delay, say, J = B(end) and rest = 0: with
             # J_0 in its place all births so far would be counted once more.
             # Where none holds after a slip they are taken back all the same, until contacts form: held back, they would
-            # form at once on each short step, and the slider would go on by one threshold a step.
+            # form at once on each short step, and the slider would go on by one threshold a step. With mass it goes on
+            # anyway, and a negative share would push it.
             rest_is_all_births = not per_break
-            if self.holding and rest_is_all_births:
+            if (self.holding or self.takes_no_birth_back) and rest_is_all_births:
                 rest = max(rest, self._births)
         broken_of_new = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - kept + survival * self._births + broken_of_new * rest

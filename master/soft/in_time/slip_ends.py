@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.decohered import Decohered, SlipSoFar
 from master.soft.in_time.steps import Node, Steps
+from master.soft.in_time.unresolved import OF_BALANCE
 
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
 # rise at first, as the weakest have broken.
@@ -52,8 +53,7 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
 
 
 def _check_balance(contacts: ContactsInSteps, steps: Steps, imbalance: float) -> None:
-    """FaultError unless the forces differ by this imbalance (a length) where a slip has just ended: by none, but where
-    no travel led to a pull of the spring, so that the slip ended where it began."""
+    """FaultError unless the forces differ by this imbalance (a length) where a slip has just ended."""
     end = Node(0.0, contacts.now, contacts.force, contacts.holding, contacts.position)
     steps.check_balance("a slip", imbalance, end)
 
@@ -75,9 +75,24 @@ def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> tuple[float, 
         trial = contacts.trial(high, contacts.now, without_births=True)
         pull = steps.imbalance(trial)
         if pull <= 0.0:
-            return float(brentq(imbalance, low, high, xtol=AT_END * contacts.unit)), 0.0
+            return _balance_between(imbalance, low, high, contacts)
         stiffest = steps.spring + contacts.largest_stiffness * trial.holding
         low, high = high, high + steps.sign * max(pull / stiffest, shortest)
+
+
+def _balance_between(
+    imbalance: Callable[[float], float], low: float, high: float, contacts: ContactsInSteps
+) -> tuple[float, float]:
+    """The travel of a slip to the balance between two travels, and the imbalance left there (lengths).
+
+    With heat F may jump where |x| passes the edge of a cell of thresholds, as A is read off the edges ahead of |x|. A
+    balance may lie at such a jump: what is left of the imbalance there counts as an error of F, which falls with the
+    cells.
+    """
+    travel = float(brentq(imbalance, low, high, xtol=AT_END * contacts.unit))
+    left = imbalance(travel)
+    contacts.unresolved.note(OF_BALANCE, abs(left), contacts.now)
+    return travel, left
 
 
 def slip_with_births(
@@ -131,7 +146,7 @@ def slip_with_births(
             so_far.decohered_since = so_far.travelled[-1]
     at_end = imbalance(low)
     if at_end > 0.0:
-        low, at_end = float(brentq(imbalance, low, step_travel, xtol=AT_END * contacts.unit)), 0.0
+        low, at_end = _balance_between(imbalance, low, step_travel, contacts)
     contacts.take(contacts.trial(low, contacts.now), 0.0)
     _check_balance(contacts, steps, at_end)
 
