@@ -8,8 +8,8 @@ import pytest
 
 import eq_model
 import master
-from origins import Contacts, Delay, InputError, Thermal, gaussian, strengthening
-from toolkit.verdict.sliders.budget import MOST_BREAKS_GROWING, may_follow, most_breaks
+from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, strengthening
+from toolkit.verdict.sliders.budget import MOST_BREAKS_IN_TIME, may_follow, most_breaks
 from toolkit.verdict.sliders.ensemble import FEW, NOT_SLID, sliders
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
@@ -69,7 +69,7 @@ def test_infinitely_many_growing_contacts_slip_so_without_a_mass() -> None:
 
 
 def test_growing_contacts_are_followed_in_place_of_infinitely_many(monkeypatch: Any) -> None:
-    """Where the master equation takes no such slider; with heat beside them the ensemble takes none either."""
+    """Where the master equation takes no such slider; with heat beside them, too, by which they slip from less."""
 
     def refused(*arguments: Any, **named: Any) -> None:
         raise InputError("mass: takes 8001 steps")
@@ -80,25 +80,28 @@ def test_growing_contacts_are_followed_in_place_of_infinitely_many(monkeypatch: 
     told = follow(HEAVY, waiting, "mass", KNOWN, 1e4)
     assert told.kind == "stick-slip" and told.contacts == 4000
     assert abs(told.before - BEFORE) < 4.0 * told.error + 0.01
-    hot = waiting.replace(thermal=Thermal("soft", 0.02, 1.0))
-    told = follow(HEAVY, hot, "mass", KNOWN, 1e4)
-    assert told.kind == "undecided" and told.message == "takes 8001 steps"
+    hot = waiting.replace(thermal=Thermal("soft", 0.05, 100.0))
+    warm = follow(HEAVY, hot, "mass", KNOWN, 1e4)
+    assert warm.kind == "stick-slip" and warm.contacts == 4000
+    assert warm.before + 3.0 * warm.error < told.before
     assert may_follow(HEAVY, waiting, "mass", KNOWN)
-    assert not may_follow(HEAVY, hot, "mass", KNOWN)
+    assert may_follow(HEAVY, hot, "mass", KNOWN)
+    ageing = waiting.replace(thresholds=gaussian(1.0, 0.2), ageing=Ageing(gaussian(1.0, 0.3), 1.0))
+    assert not may_follow(HEAVY, ageing, "mass", KNOWN)
     assert not may_follow(LIGHT, GROWING, "reset", KNOWN)
 
 
 def test_breaks_of_growing_contacts_are_counted_as_the_dear_ones_they_are(monkeypatch: Any) -> None:
     """Fewer are followed than of others, and none where a pilot says that no more can be than are known already."""
     cold = Contacts(gaussian(1.0, 0.3))
-    assert most_breaks(GROWING, "mass") == MOST_BREAKS_GROWING < most_breaks(GROWING, "reset")
+    assert most_breaks(GROWING, "mass") == MOST_BREAKS_IN_TIME < most_breaks(GROWING, "reset")
     assert most_breaks(GROWING, "reset") < most_breaks(cold, "mass")
     path, asked = np.linspace(0.0, 30.0, 5), list[int]()
     pilot = eq_model.simulate(
         GROWING, path, n_contacts=FEW, n_replicas=4, seed=1, **HEAVY.keywords("mass")
     )
     monkeypatch.setattr(
-        "toolkit.verdict.sliders.budget.MOST_BREAKS_GROWING", 4.5 * float(pilot.breaks)
+        "toolkit.verdict.sliders.budget.MOST_BREAKS_IN_TIME", 4.5 * float(pilot.breaks)
     )
     for known in (0, 2000):
         found = sliders(HEAVY, GROWING, "mass", path, 20_000, 1e4, known=known)

@@ -34,15 +34,15 @@ NO_FORCES = (
 )
 # most breaks of all sliders, some 10 s at 25 ns each; where contacts wait while a mass moves, as it rings on them when
 # it sticks, some 8 s of the processor at 200 ns each; where they break by heat, some 10 s at 800 ns each, and where
-# they strengthen on a slider with mass at 2 µs each; and s for them
+# heat or strengthening acts on a slider with mass at 2 µs each; and s for them
 MOST_BREAKS, MOST_BREAKS_RINGING, MOST_BREAKS_IN_HEAT, OF_MOST = 4e8, 4e7, 1.2e7, 10.0
-MOST_BREAKS_GROWING = 5e6
+MOST_BREAKS_IN_TIME = 5e6
 # s that there always are for sliders, and are no noise of a busy machine
 SHORT = 2.0
 # times as long as above a break in heat may take, as on a slider that creeps in Eyring heat, where a pilot says so
 DEAREST = 5.0
-# laws in time of contacts that hold, with which the ensemble takes them on a spring, and there beside a mass
-TAKEN, TAKEN_WITH_MASS = {"thermal", "strengthening"}, {"strengthening"}
+# laws in time of contacts that hold, with which the ensemble takes them on a spring, beside a mass, too
+TAKEN = {"thermal", "strengthening"}
 # breaks of each contact along a loading with which a few, that wait for less than a slip of the mass, are followed
 # where nothing else decides: four sliders of a thousand along 6.5 loadings take 4e8, some 50 s of the processor
 MOST_LIVES = 1.5e4
@@ -181,7 +181,7 @@ def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlid
     springs far below K*: near it their number decides. Where laws in time act, those alone that the ensemble takes
     beside a mass.
     """
-    if set(contacts.held_in_time) - (TAKEN_WITH_MASS if rule == "mass" else set()):
+    if set(contacts.held_in_time) - (TAKEN if rule == "mass" else set()):
         return False
     if rule == "mass":
         return contacts.waiting_time >= LONG_DELAY * slip_duration(machine, rigid.static)
@@ -199,7 +199,7 @@ def few_are_followed(machine: Machine, contacts: Contacts, static: float) -> boo
 def most_breaks(contacts: Contacts, rule: str) -> float:
     """Most breaks of all sliders of these contacts that are followed under this slip rule, or with a "mass"."""
     if contacts.held_in_time:
-        return MOST_BREAKS_GROWING if rule == "mass" else MOST_BREAKS_IN_HEAT
+        return MOST_BREAKS_IN_TIME if rule == "mass" else MOST_BREAKS_IN_HEAT
     return MOST_BREAKS_RINGING if rule == "mass" and contacts.waiting_time else MOST_BREAKS
 
 

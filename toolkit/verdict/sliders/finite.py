@@ -26,7 +26,6 @@ from toolkit.results.traces import trace_of
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
 from toolkit.verdict.sliders.budget import (
     TAKEN,
-    TAKEN_WITH_MASS,
     breaks_until,
     most_breaks,
 )
@@ -108,8 +107,8 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
     until = time.monotonic() + seconds
     machine, contacts, infinite = asked.machine, asked.contacts, asked.infinite
     rule, present, mean = infinite.rule, asked.present, contacts.mean_threshold
-    if set(contacts.held_in_time) - (TAKEN_WITH_MASS if rule == "mass" else TAKEN):
-        why = "contacts that age are not followed on a spring here, nor beside a mass those in heat"
+    if set(contacts.held_in_time) - TAKEN:
+        why = "contacts that age are not followed on a spring here"
         return Finite(rule, present, "unknown", message=why)
     plan = asked.planned(present, above, sliding)
     breaks_of_all, most = plan.breaks, most_breaks(contacts, rule)
@@ -253,7 +252,10 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         if infinite.contacts is not None:  # few contacts told of it
             message = f"the {present:,} of the area break too often to be followed"
         if kind != infinite.kind:
-            message = f"{present:,} take too long, and {followed:,} do something else than infinitely many: {kind}"
+            other = "do something else than infinitely many"
+            if infinite.kind == "undecided":
+                other = "do what is not known of infinitely many"
+            message = f"{present:,} take too long, and {followed:,} {other}: {kind}"
             return Finite(rule, present, "unknown", message=message)
     finite = Finite(rule, followed, kind, message=message, drive=drive, force=force)
     if counts.any():

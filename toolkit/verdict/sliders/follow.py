@@ -111,10 +111,12 @@ def follow(
     found = _by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":
         return _settled(found, machine, rigid, contacts)
-    # it is followed cold: what heat changes is known to be little
-    by_contacts &= contacts.thermal is None or found.heat_left_out is not None
+    # cold where what heat changes is known to be little; else warm beside a mass, which a rule would take without need
+    matters = contacts.thermal is not None and found.heat_left_out is None
+    by_contacts &= not matters or rule == "mass"
     if by_contacts and (rule != "mass" or not found.success):
-        other = follow_by_contacts(machine, cold, rule, loading, end, rigid)
+        followed = contacts if matters else cold
+        other = follow_by_contacts(machine, followed, rule, loading, end, rigid)
         if other.kind == "undecided" and not other.slips:
             return found
         return other if found.heat_left_out is None else without_heat(other, found.heat_left_out)
