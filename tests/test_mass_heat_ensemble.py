@@ -237,3 +237,23 @@ def test_the_slip_is_that_of_the_master_equation(heat: str) -> None:
     assert np.abs((value - exact) / np.hypot(error, claim)).max() < 4.0
     other, error, _ = both(1.1)
     assert np.abs((other - exact) / np.hypot(error, claim)).max() > 8.0
+
+
+@pytest.mark.parametrize("mass", [None, 1e-24])
+def test_kernels_are_compiled_at_the_speed_of_the_rates(mass: float | None) -> None:
+    """By two contacts before the first replica: at a speed of 1 they would break by heat more often than any path may
+    take, and a call with fast rates on a fast drive was refused."""
+    heat = Thermal("eyring", width=0.2, attempt_frequency=1e12)
+    machine: dict[str, Any] = (
+        {"slip": "reset"} if mass is None else {"mass": mass, "damping": 1e-12}
+    )
+    found = eq_model.simulate(
+        Contacts(gaussian(1.0, 0.2), thermal=heat),
+        np.array([0.5, 1.0]),
+        spring=1.0,
+        velocity=1e12,
+        n_contacts=50,
+        seed=1,
+        **machine,
+    )
+    assert np.isfinite(found.force).all()

@@ -204,11 +204,11 @@ def test_precision_of_a_slider_with_mass_has_both_solvers(capsys: Any, monkeypat
 
 
 def test_what_no_solver_takes_is_refused_with_the_reasons_of_both(capsys: Any) -> None:
-    law = {"law": "soft", "temperature": 0.5}
+    law = {"rate": 0.1, "final": {"kind": "gaussian", "mean": 2.0, "std": 0.2}}
     heavy = {"to": 3.0, "points": 9, "spring": 0.5, "mass": 1.0}
     exact = {"kind": "identical", "value": 1.0}
     line = refused(
-        capsys, "precision", write(contacts={"thresholds": exact, "thermal": law}, drive=heavy)
+        capsys, "precision", write(contacts={"thresholds": exact, "ageing": law}, drive=heavy)
     )
     assert "master: left out; " in line and "ensemble: left out; " in line
     assert not Path("mine-output").exists()

@@ -409,7 +409,7 @@ def test_what_was_not_answered_in_its_time_is_told_as_such() -> None:
     found += [Row("drive.mass", x, "master", "exact", *numbers_of_rows, "") for x in answered]
     found += [Row("drive.mass", "x 1e+2: 20", "master", "slow", *numbers_of_rows, "cut")]
     said = "drive.mass: answered within the tolerance at 1 to 10 times its value"
-    assert list(trusted(found)) == [f"{said}; not answered in its time at 100"]
+    assert list(trusted(found)) == [f"{said}; not answered in its time at 1e+2"]
 
 
 def test_what_is_no_scene_with_a_path_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -91,6 +91,26 @@ def test_growing_contacts_are_followed_in_place_of_infinitely_many(monkeypatch: 
     assert not may_follow(LIGHT, GROWING, "reset", KNOWN)
 
 
+def test_fewer_contacts_that_are_late_cost_no_verdict(monkeypatch: Any) -> None:
+    """By a thousand it is told how much earlier the others slip than infinitely many. Where they are not followed in
+    time the others' own force bounds that; their refusal ended the whole verdict."""
+
+    def refused(*arguments: Any, **named: Any) -> None:
+        raise InputError("mass: takes 8001 steps")
+
+    def late(machine: Any, contacts: Any, rule: str, path: Any, number: int, *rest: Any) -> Any:
+        if number == FEW:
+            raise InputError("1,000 contacts take more than 2 s: raise wall_time")
+        return sliders(machine, contacts, rule, path, number, *rest)
+
+    monkeypatch.setattr(master, "solve", refused)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 4000)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.sliders", late)
+    told = follow(HEAVY, GROWING.replace(delay=Delay(1.0)), "mass", KNOWN, 1e4)
+    assert told.kind == "stick-slip" and told.contacts == 4000
+    assert abs(told.before - BEFORE) < told.error + 0.01
+
+
 def test_breaks_of_growing_contacts_are_counted_as_the_dear_ones_they_are(monkeypatch: Any) -> None:
     """Fewer are followed than of others, and none where a pilot says that no more can be than are known already."""
     cold = Contacts(gaussian(1.0, 0.3))

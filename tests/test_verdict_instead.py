@@ -150,7 +150,7 @@ def test_sliders_of_the_area_are_followed_once_where_slip_rules_do_the_same() ->
     assert told(slips, "reform-after", replace(stuck, after=0.1), cold) is None
     assert told(replace(slips, after=0.1), "reform-after", stuck, cold) is None
     assert told(slips, "reform-after", stuck, cold.replace(delay=Delay(1.0))) is None
-    # which is right: the same draws give the same slips, break by break
+    # which is right: both fall alike
     way, each = np.linspace(0.0, 60.0, 31), list[Any]()
     for rule in ("reset", "reform-after"):
         each.append(eq_model.simulate(cold, way, spring=0.05, slip=rule, n_contacts=500, seed=3))

@@ -107,7 +107,9 @@ class Replicas:
             mean = self._contacts.mean_threshold  # to which a temperature belongs
             few = Contacts(identical(mean), thermal=self._contacts.thermal)
             path = [3.0 * mean, 2.0 * mean] if self._may_turn() else [3.0 * mean]
-            drive, blocks = Drive(path, spring=1.0), Blocks(2, 2)
+            # so fast that contacts in heat break a few times at most
+            rate = 1.0 if few.thermal is None else few.thermal.rates.scale
+            drive, blocks = Drive(path, mean * rate, spring=1.0), Blocks(2, 2)
             Replicas(few, drive, blocks, seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
         check_dropped(self._dropped)

@@ -21,6 +21,8 @@ from toolkit.stability.work import within_work
 
 LETTERS = dict(zip(VERDICTS, "etslrw", strict=True))  # of verdicts in the picture
 DECADES = 6  # how far a number is pushed, each way
+# verdicts of answers as good as asked
+GOOD = "exact", "within tolerance"
 # what says how a scene is computed, not what it is; a seed or a number of points has no decades
 _COMPUTED = {"points", "seed", "number", "step", "area", "to", "histograms", "degree", "resamples"}
 _TABLES = ("contacts", "drive", "master")
@@ -61,9 +63,7 @@ def scene_map(
         """Whether both solvers answer the scene with these changes."""
         own = answered(_case(scene, group, name, changes), say)
         found.extend(own)
-        return all(
-            row.verdict in ("exact", "within tolerance") for row in own if row.solver != "ensemble"
-        )
+        return all(row.verdict in GOOD for row in own if row.solver != "ensemble")
 
     work, clock = time.process_time(), time.monotonic()
 
@@ -126,18 +126,18 @@ def not_asked(scene: Scene, found: list[Row]) -> str:
 
 def trusted(found: list[Row]) -> Iterator[str]:
     """Between which factors each number may be trusted, in words; rows of the ensemble do not count."""
-    good = ("exact", "within tolerance")
     plain = [row for row in found if row.group == "as it is" and row.solver != "ensemble"]
-    if any(row.verdict not in good for row in plain):
+    if any(row.verdict not in GOOD for row in plain):
         yield f"not answered within the tolerance as it is: {plain[0].said}"
         return
     for key in dict.fromkeys(row.group for row in found):
         own = [row for row in found if row.group == key and row.solver != "ensemble"]
-        decades = [_decade(row) for row in own if row.verdict in good]
+        decades = [0, *(_decade(row) for row in own if row.verdict in GOOD)]
         if key != "as it is":
-            first, last = (10.0 ** end([0, *decades]) for end in (min, max))
-            late = sorted(f"{10.0 ** _decade(row):g}" for row in own if row.verdict == "slow")
-            beyond = f"; not answered in its time at {', '.join(late)}" if late else ""
+            first, last = 10.0 ** min(decades), 10.0 ** max(decades)
+            late = [_decade(row) for row in own if row.verdict == "slow"]
+            at = ", ".join(f"1e{decade:+d}" for decade in sorted(late))
+            beyond = f"; not answered in its time at {at}" if late else ""
             yield f"{key}: answered within the tolerance at {first:g} to {last:g} times its value{beyond}"
 
 

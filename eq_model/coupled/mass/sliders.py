@@ -89,11 +89,12 @@ class HeavySliders:
         breaks *= contacts.delay is None
         breaks += self._n * often_by_heat(contacts, drive)
         if breaks > self._most_breaks:
+            less = "a lower temperature" if contacts.thermal is not None else "a delay"
             refuse(
                 "path[-1]",
                 end,
                 f"takes {breaks:.1e} breaks of {self._n} contacts, and at most {self._most_breaks:.0e} are followed; "
-                f"shorten the path, or give fewer contacts or a delay",
+                f"shorten the path, or give fewer contacts or {less}",
             )
         lasts = self._legs(contacts.start.mean() / spring).lasts
         most = float(lasts.max()) * np.sqrt((spring + 1.0) / (drive.mass or 1.0)) / (2.0 * np.pi)
@@ -158,7 +159,9 @@ class HeavySliders:
         if replica < 0:
             mean = self._contacts.mean_threshold  # to which a temperature belongs
             few = Contacts(identical(mean), thermal=self._contacts.thermal)
-            drive = Drive([3.0 * mean], spring=1.0, mass=1.0)
+            # so fast that contacts in heat break a few times at most
+            rate = 1.0 if few.thermal is None else few.thermal.rates.scale
+            drive = Drive([3.0 * mean], mean * rate, spring=1.0, mass=rate**-2)
             HeavySliders(few, drive, Blocks(2, 2), seed=0, slip_fraction=1.0).follow(0)
             return self.nothing
         check_dropped(self._dropped)

@@ -199,8 +199,8 @@ class Steps:
 
     def check_balance(self, what: str, told: float, now: Node) -> None:
         """FaultError unless the forces in this state, K (X_T - X) and F, differ by the imbalance that was `told` (a
-        length, along the motion): that of the step's trial, or none after a slip. Rounding is that of X_T on a stiff
-        spring, and of F."""
+        length, along the motion): that of the step's trial, or what is left at the end of a slip. Rounding is that
+        of X_T on a stiff spring, and of F."""
         load = self.spring * float(self._drive_motion.at(np.array(now.time)))
         imbalance = self.sign * (load - self.spring * now.position - now.force)
         rounding = UNACCOUNTED * self.contacts.unit + ROUNDED_LOAD * abs(load)

@@ -205,11 +205,8 @@ def follow_by_contacts(
         many = with_late_slips(many, slips)
         before, after, error = many.before, many.after, many.error
     if slipped and number < (round(rigid.contacts) if rigid.contacts else np.inf):
-        few = found
-        if number > FEW:
-            few = sliders(machine, contacts, rule, path, FEW, SHORT)
-            few = replace(few, slips=main_slips(few.slips))
-        error += (too_early := _too_early(found, few, unit))
+        few = _fewer(machine, contacts, rule, path, until) if number > FEW else None
+        error += (too_early := _too_early(found, few or found, unit))
         if before - after < SURE * error:
             return not_followed(rule, f"{number:,} contacts slip, perhaps as they are so few")
     if not common and not has_slid(found, unit):
@@ -276,6 +273,17 @@ def without_heat(found: Behaviour, change: float) -> Behaviour:
     number = found.contacts or 0
     message = found.message.replace(by_sliders(number), by_sliders(number, change))
     return replace(found, error=found.error + change, message=message, heat_left_out=change)
+
+
+def _fewer(
+    machine: Machine, contacts: Contacts, rule: str, path: Array, until: float
+) -> Any | None:
+    """Sliders of FEW contacts with their main slips; None where they are not followed in time."""
+    try:
+        few = sliders(machine, contacts, rule, path, FEW, max(until - time.monotonic(), SHORT))
+    except InputError:
+        return None
+    return replace(few, slips=main_slips(few.slips))
 
 
 def _too_early(found: Any, few: Any, unit: float) -> float:
