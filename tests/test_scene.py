@@ -419,3 +419,13 @@ def test_what_cannot_be_is_one_line_that_names_its_key(name: str, each: int) -> 
             assert "\n" not in told and len(told) < 400, (way, value, told)
             if isinstance(value, float) and math.isnan(value):  # nothing takes it
                 assert str(way[0] if isinstance(way[-1], int) else way[-1]) in told, (way, told)
+
+
+def test_an_unknown_kind_is_no_stiffness_that_is_not_known(tmp_path: Path) -> None:
+    """The kind "gw" of a rough surface is none; beside a spring in N/m its <k> was said to be missing."""
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        '[contacts]\nthresholds = { kind = "gw" }\n[drive]\nto = 1.0\nspring = "50 N/m"\narea = 1e-6\n'
+    )
+    with pytest.raises(InputError, match=r"^contacts\.thresholds\.kind = 'gw': must be one of"):
+        toolkit.load_scene(str(file), solved=False)

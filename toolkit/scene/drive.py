@@ -51,7 +51,10 @@ def check_machine(scene: SceneTable) -> None:
     contacts, which take seconds of a measured surface."""
     if scene.drive is not None and scene.drive.slip is not None:
         one_of("drive.slip", scene.drive.slip, get_args(SlipRule))
-    of_surface = scene.contacts.thresholds.get("kind") == "from-topography"
+    kind = scene.contacts.thresholds.get("kind")
+    if kind not in list(laws.THRESHOLDS):
+        return  # it is refused as what it is, where contacts are made, and not as one whose <k> is not known
+    of_surface = kind == "from-topography"
     for name in _MACHINE:
         if scene.drive is not None:
             _given(name, scene.drive, of_surface or scene.contacts.interface is not None)
