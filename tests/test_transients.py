@@ -131,13 +131,15 @@ def test_the_contacts_of_the_area_tell_a_lasting_cycle_of_slips_that_were_not_de
     told = with_more(seen, many, 1.0)
     assert told.kind == "stick-slip" and told.success and told.before == many.before
     assert told.error == many.error
-    # fewer than there are tell nothing of it, nor those that shrink, nor what was never seen to slip
+    # fewer than there are tell nothing of it, nor those that shrink
     for one, other in (
         (seen, replace(many, message="as infinitely many do")),
         (seen, replace(many, kind="unknown")),
-        (replace(seen, slips=0), many),
     ):
         assert with_more(one, other, 1.0) is one
+    # where nobody saw infinitely many slip, falls of a slider that rings for so long may be those of its swing
+    nobody = follow_finite(machine, contacts, 1000.0, replace(seen, slips=0), 0.56, 1e4)
+    assert nobody.kind == "unknown" and "a swing of the mass" in nobody.message
 
 
 @pytest.mark.slow  # quick: swings that have not died out, below

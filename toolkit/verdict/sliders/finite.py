@@ -216,13 +216,14 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     # nobody knows how many of the slips that were seen of infinitely many are followed by others
     if (asked.flowing or infinite.slips) and infinite.kind == "undecided":
         number, main = found.contacts // SLIDERS, main_slips(found.slips)
-        if asked.heavy and settling_distance(machine, mean) > np.ptp(path):
-            # falls may be those of a swing
+        slips = are_lasting(main, SLIDERS)
+        rings = asked.heavy and settling_distance(machine, mean) > np.ptp(path)
+        if rings and not (slips and infinite.slips):
+            # falls may be those of a swing, but for those that last as they were seen of infinitely many
             why = (
                 "a swing of the mass takes longer to die away than their way: give a larger damping"
             )
             return Finite(rule, present, "unknown", message=why)
-        slips = are_lasting(main, SLIDERS)
         # those of all contacts are over where these have slid on since
         over = number >= present and not _slips_late(asked, found, way)
         if not (slips or over) and (counts.any() or infinite.slips):
