@@ -33,9 +33,8 @@ class WholeDrive(NamedTuple):
     positions: Whole  # (m + 1,): the slider there
     directions: Whole  # (m,): of the motion, 0 in a hold
     paces: Array  # (m,): time in one unit of the clock
-    bin_ends: (
-        Whole  # (n + 1,): the last instant that belongs to each bin; and one that is never reached
-    )
+    # (n + 1,): the last instant that belongs to each bin; and one that is never reached
+    bin_ends: Whole
     bin_positions: (
         Whole  # (n + 1,): the slider there, to which stretches of the bin's events refer; and 0
     )

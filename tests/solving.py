@@ -3,11 +3,12 @@
 import dataclasses
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+import eq_model
 import master
 import origins
 
@@ -86,3 +87,48 @@ def same_bits(one: Any, other: Any, *but: str) -> None:
                 same_bits(first, second)
         else:
             assert np.array_equal(mine, yours, equal_nan=isinstance(mine, np.ndarray)), field.name
+
+
+class FirstSlip(NamedTuple):
+    """The force along a path, and of its only slip X_T, the forces before and after it and the duration, all in one
+    array of shape (n + 4,); and their errors."""
+
+    value: Array
+    error: Array
+
+    def apart(self, other: "FirstSlip") -> float:
+        """How far the two differ at most, in both errors."""
+        off = np.abs(self.value - other.value) / np.hypot(self.error, other.error)
+        return float(off.max())
+
+
+# the slip's numbers, as both solvers name them
+OF_SLIP = "drive", "force_before", "force_after", "duration"
+
+
+def first_slip_of_contacts(
+    contacts: origins.Contacts, path: npt.ArrayLike, **drive: Any
+) -> FirstSlip:
+    """By the ensemble, from 4,000 and 32,000 contacts extrapolated to infinitely many, as N^(-2/3)."""
+    runs = [
+        eq_model.simulate(contacts, path, n_contacts=n, n_replicas=replicas, seed=1, **drive)
+        for n, replicas in ((4_000, 60), (32_000, 20))
+    ]
+    slips = np.array([[one.slips.mean(name, 0) for name in OF_SLIP] for one in runs])
+    rows = np.array([[one.force, one.force_standard_error] for one in runs]).transpose(0, 2, 1)
+    many = np.concatenate([rows, slips], axis=1)
+    first, second = 4_000.0 ** (-2 / 3), 32_000.0 ** (-2 / 3)
+    weights = np.array([-second, first]) / (first - second)
+    return FirstSlip(weights @ many[..., 0], np.hypot(*(weights[:, None] * many[..., 1])))
+
+
+def first_slip_of_master(
+    contacts: origins.Contacts, path: npt.ArrayLike, tolerance: float, **drive: Any
+) -> FirstSlip:
+    """By the master equation, with its claims."""
+    solved: Any = master.solve(contacts, path, tolerance, **drive)
+    assert solved.success and solved.slips.drive.size == 1
+    slip = [getattr(solved.slips, name)[0] for name in OF_SLIP]
+    claim = np.full(solved.force.size + len(slip), solved.force_error)
+    claim[[-4, -1]] = solved.slips.drive_error, solved.slips.duration_error
+    return FirstSlip(np.r_[solved.force, slip], claim)

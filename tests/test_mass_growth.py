@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 from plain_heavy import PlainSlider
+from solving import first_slip_of_contacts, first_slip_of_master
 
 import eq_model
-import master
 from origins import Contacts, Delay, Drive, gaussian, gaussian_start, strengthening
 
 SLIPS = ("drive", "before", "after", "force_before", "force_after", "breaks", "duration")
@@ -62,38 +62,12 @@ def test_every_break_is_that_of_plain_python(seed: int, machines: int) -> None:
 def test_the_slip_is_that_of_the_master_equation() -> None:
     """And the force at 27 places of the drive before and after, extrapolated from 4,000 and 32,000 contacts; growth
     that is a tenth weaker is told apart."""
-    path, machine = np.linspace(0.2, 5.4, 27), {"spring": 0.3, "mass": 0.01, "damping": 0.02}
+    path = np.linspace(0.2, 5.4, 27)
+    machine = {"spring": 0.3, "mass": 0.01, "damping": 0.02, "velocity": 0.5}
 
-    def both(beta: float) -> tuple[np.ndarray, np.ndarray, Any]:
-        contacts = Contacts(strengthening(WIDE, beta=beta, time=1e-2))
-        runs = [
-            eq_model.simulate(
-                contacts, path, velocity=0.5, n_contacts=n, n_replicas=replicas, seed=1, **machine
-            )
-            for n, replicas in ((4_000, 60), (32_000, 20))
-        ]
-        names = "drive", "force_before", "force_after", "duration"
-        slips = np.array([[one.slips.mean(name, 0) for name in names] for one in runs])
-        rows = np.array([[one.force, one.force_standard_error] for one in runs]).transpose(0, 2, 1)
-        many = np.concatenate([rows, slips], axis=1)
-        first, second = 4_000.0 ** (-2 / 3), 32_000.0 ** (-2 / 3)
-        weights = np.array([-second, first]) / (first - second)
-        value = weights @ many[..., 0]
-        return value, np.hypot(*(weights[:, None] * many[..., 1])), contacts
+    def grown(beta: float) -> Contacts:
+        return Contacts(strengthening(WIDE, beta=beta, time=1e-2))
 
-    value, error, contacts = both(0.05)
-    solved = master.solve(contacts, path, 1e-3, velocity=0.5, **machine)
-    told = [
-        solved.slips.drive,
-        solved.slips.force_before,
-        solved.slips.force_after,
-        solved.slips.duration,
-    ]
-    assert solved.success and solved.slips.drive.size == 1
-    exact = np.r_[solved.force, np.concatenate(told)]
-    claim = np.full(exact.size, solved.force_error)
-    claim[[-4, -1]] = solved.slips.drive_error, solved.slips.duration_error
-    z = (value - exact) / np.hypot(error, claim)
-    assert np.abs(z).max() < 4.0
-    other, error, _ = both(0.045)
-    assert np.abs((other - exact) / np.hypot(error, claim)).max() > 8.0
+    solved = first_slip_of_master(grown(0.05), path, 1e-3, **machine)
+    assert first_slip_of_contacts(grown(0.05), path, **machine).apart(solved) < 4.0
+    assert first_slip_of_contacts(grown(0.045), path, **machine).apart(solved) > 8.0

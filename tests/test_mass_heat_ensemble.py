@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 from plain_heavy_in_heat import HeavyInHeat, stepped
+from solving import first_slip_of_contacts, first_slip_of_master
 
 import eq_model
 import master
@@ -206,37 +207,18 @@ def test_in_steady_sliding_the_force_is_that_of_the_master_equation(velocity: fl
 def test_the_slip_is_that_of_the_master_equation(heat: str) -> None:
     """The first one, and the force at 27 places of the drive before and after, extrapolated from 4,000 and 32,000
     contacts; contacts warmer by a tenth are told apart."""
-    path, machine = np.linspace(0.2, 5.4, 27), {"spring": 0.3, "mass": 0.01, "damping": 0.02}
+    path = np.linspace(0.2, 5.4, 27)
+    machine = {"spring": 0.3, "mass": 0.01, "damping": 0.02, "velocity": 0.5}
 
-    def both(warmer: float) -> tuple[np.ndarray, np.ndarray, Contacts]:
+    def warm(warmer: float) -> Contacts:
         thermal = Thermal("soft", 0.04 * warmer, 20.0)
         if heat == "eyring":
             thermal = Thermal("eyring", width=0.06 * warmer, attempt_frequency=20.0)
-        contacts = Contacts(PC, thermal=thermal)
-        runs = [
-            eq_model.simulate(
-                contacts, path, velocity=0.5, n_contacts=n, n_replicas=replicas, seed=1, **machine
-            )
-            for n, replicas in ((4_000, 60), (32_000, 20))
-        ]
-        names = "drive", "force_before", "force_after", "duration"
-        slips = np.array([[one.slips.mean(name, 0) for name in names] for one in runs])
-        rows = np.array([[one.force, one.force_standard_error] for one in runs]).transpose(0, 2, 1)
-        many = np.concatenate([rows, slips], axis=1)
-        first, second = 4_000.0 ** (-2 / 3), 32_000.0 ** (-2 / 3)
-        weights = np.array([-second, first]) / (first - second)
-        return weights @ many[..., 0], np.hypot(*(weights[:, None] * many[..., 1])), contacts
+        return Contacts(PC, thermal=thermal)
 
-    value, error, contacts = both(1.0)
-    solved = master.solve(contacts, path, 1e-3, velocity=0.5, **machine)
-    assert solved.success
-    slips = solved.slips
-    told = [slips.drive[0], slips.force_before[0], slips.force_after[0], slips.duration[0]]
-    exact, claim = np.r_[solved.force, told], np.full(31, solved.force_error)
-    claim[[-4, -1]] = slips.drive_error, slips.duration_error
-    assert np.abs((value - exact) / np.hypot(error, claim)).max() < 4.0
-    other, error, _ = both(1.1)
-    assert np.abs((other - exact) / np.hypot(error, claim)).max() > 8.0
+    solved = first_slip_of_master(warm(1.0), path, 1e-3, **machine)
+    assert first_slip_of_contacts(warm(1.0), path, **machine).apart(solved) < 4.0
+    assert first_slip_of_contacts(warm(1.1), path, **machine).apart(solved) > 8.0
 
 
 @pytest.mark.parametrize("mass", [None, 1e-24])

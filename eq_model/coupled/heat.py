@@ -157,7 +157,7 @@ def _window(heat, ages, contact, s, allowed):  # type: ignore[no-untyped-def]
 
 
 @bare
-def time_to_proposal(heat, s):  # type: ignore[no-untyped-def]
+def _time_to_proposal(heat, s):  # type: ignore[no-untyped-def]
     """The time until a break is proposed if all levels stay; infinite if none ever is."""
     s.total = 0.0
     for j in range(1, heat.bounds.size):
@@ -227,4 +227,4 @@ leave_all = by_heat(lambda heat: _leave_all(heat), lambda heat: None)
 is_gone = by_heat(
     lambda heat, contact, at: heat.ends[contact] != at, lambda heat, contact, at: False
 )
-time_to_next = by_heat(lambda heat, s: time_to_proposal(heat, s), lambda heat, s: np.inf)
+time_to_next = by_heat(lambda heat, s: _time_to_proposal(heat, s), lambda heat, s: np.inf)

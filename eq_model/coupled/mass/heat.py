@@ -1,16 +1,24 @@
 """Contacts that also break by heat on a slider with mass: proposals at rates above their own, as on a spring.
 
 Levels and proposals are those of coupled/heat.py. A contact's window is all |x| up to a *reach*, at its threshold or
-before, and its level is above its rate at any of them, wherever the slider swings: exact whatever the reach is. The
-slider breaks the contact at its reach, or it has a farther one. Until a proposal the motion is closed as ever, and no
-step follows the rate of a slider that rings.
+before, and its level is above its rate at any of them, wherever the slider swings: exact whatever the reach is. A
+contact that the slider takes to its reach breaks there if that is its threshold, and else gets a farther reach. Until a
+proposal the motion is closed as ever, and no step follows the rate of a slider that rings.
 """
 
 import numpy as np
 
 from eq_model.compiling import bare, real, whole
 from eq_model.coupled.ages import threshold_of
-from eq_model.coupled.heat import by_heat, draw_budget, leave_all, level_of, proposed, set_level
+from eq_model.coupled.heat import (
+    by_heat,
+    draw_budget,
+    leave_all,
+    level_of,
+    proposed,
+    set_level,
+    stiffness_of,
+)
 from eq_model.coupled.mass.nearest import set_place
 
 
@@ -25,7 +33,7 @@ def _begin(heat, s):  # type: ignore[no-untyped-def]
 def _reach(heat, ages, contact, s, allowed):  # type: ignore[no-untyped-def]
     """The |x| up to which a contact has a level of at most `allowed`, or the one above that of its rates up to now; its
     threshold at most. The contact has that level from now on."""
-    k = ages.fresh[contact] / heat.mean if heat.mean > 0.0 else 1.0
+    k = stiffness_of(heat, ages, contact)
     y, oldest = threshold_of(ages, contact, s.now), threshold_of(ages, contact, heat.end)
     here, most = abs(s.at - ages.zero[contact]), whole(np.rint(y))
     allowed, way = max(allowed, level_of(heat, 0, here, y, oldest, k) + 1), max(most - here, 1)
@@ -55,11 +63,9 @@ reach_of = by_heat(
     lambda heat, ages, contact, s: _reach(heat, ages, contact, s, heat.allowed),
     lambda heat, ages, contact, s: whole(np.rint(threshold_of(ages, contact, s.now))),
 )
-# the stiffness of a contact with these places
-stiffness_of = by_heat(
-    lambda heat, ages, contact, ahead, behind, mean: (
-        ages.fresh[contact] / mean if mean > 0.0 else 1.0
-    ),
+# the stiffness of a contact with these places, which without heat are at its threshold
+stiffness_by_places = by_heat(
+    lambda heat, ages, contact, ahead, behind, mean: stiffness_of(heat, ages, contact),
     lambda heat, ages, contact, ahead, behind, mean: (
         0.5 * real(ahead + behind) / mean if mean > 0.0 else 1.0
     ),

@@ -4,7 +4,7 @@ import numpy as np
 
 from eq_model.compiling import bare, entry, inlined, unsigned
 from eq_model.coupled.heat import leave, time_to_next
-from eq_model.coupled.mass.heat import begin_heat, propose, reach_of, stiffness_of
+from eq_model.coupled.mass.heat import begin_heat, propose, reach_of, stiffness_by_places
 from eq_model.coupled.mass.motion import first_passage, first_top
 from eq_model.coupled.mass.moves import MOVED, damped_move, motion_of, quick_move, slow_move
 from eq_model.coupled.mass.nearest import (
@@ -122,7 +122,7 @@ def _break(s, contacts, i, pull):  # type: ignore[no-untyped-def]
     ahead, behind = contacts.ahead.places[i], contacts.behind.places[i]
     x = np.float64(s.at - (ahead - behind) // 2)
     stretch = x + s.off
-    k = stiffness_of(contacts.ages.heat, contacts.ages, i, ahead, behind, pull.mean)
+    k = stiffness_by_places(contacts.ages.heat, contacts.ages, i, ahead, behind, pull.mean)
     leave(contacts.ages.heat, i)
     s.force -= k * x
     s.stiffness -= k

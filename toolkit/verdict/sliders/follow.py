@@ -111,7 +111,8 @@ def follow(
     found = _by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":
         return _settled(found, machine, rigid, contacts)
-    # cold where what heat changes is known to be little; else warm beside a mass, which a rule would take without need
+    # Cold where heat is known to change little. Where it matters, in heat, and beside a mass alone: the forces of a
+    # slip rule in heat are the master equation's.
     matters = contacts.thermal is not None and found.heat_left_out is None
     by_contacts &= not matters or rule == "mass"
     if by_contacts and (rule != "mass" or not found.success):

@@ -18,8 +18,9 @@ from toolkit.verdict.sliders.machine import Behaviour, Machine, slip_duration
 FLOWING = ("instant", "mass")
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS, BEYOND = 3.2, 40.0
-# times F_s of a rigid slider that contacts which strengthen bear at most on one that sticks, where nobody has seen it:
-# by a hundredth for each factor e they are 1.5 times as strong after twelve decades
+# times F_s of a rigid slider that contacts with a law in time bear at most on one that sticks, where nobody has seen
+# it: those that strengthen by a hundredth for each factor e are 1.3 times as strong after twelve decades, and heat that
+# breaks the weak ones leaves those that bear more
 GROWN = 2.0
 # loadings of sliders whose slips are few breaks, fewer than CHEAP in all, some 0.1 s: so many tell slips of two kinds
 # apart
