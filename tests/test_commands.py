@@ -377,6 +377,23 @@ def test_a_scene_without_a_solver_or_a_path_is_one_line_and_leaves_nothing(capsy
 
 
 @pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("precision --cases 5", "--coverage --cases 5"),
+        ("precision mine.toml --seed 0", "--coverage --seed 0"),
+        ("precision --coverage --cases 0", "a number of cases above 0"),
+        ("precision --coverage --seed -1", "from 0 on"),
+        ("precision mine.toml --coverage", "leave the scene and --set out"),
+        ("run mine.toml --dry-run --checkpoint -5", "checkpoint = -5.0: must be above zero"),
+    ],
+)
+def test_an_option_that_says_nothing_here_is_one_line(words: str, says: str, capsys: Any) -> None:
+    write()
+    assert says in refused(capsys, *words.split())
+    assert os.listdir() == ["mine.toml"]
+
+
+@pytest.mark.parametrize(
     ("text", "says"),
     [
         ("a = " + "[" * 5000 + "]" * 5000, "nested too deeply"),

@@ -24,7 +24,7 @@ from toolkit.judge import frontier
 from toolkit.judge.reference import exact_force
 from toolkit.judge.rigid import on_rigid_slider
 from toolkit.processes.signals import TooMuchWork, no_longer_than
-from toolkit.running.cost import cost
+from toolkit.running.cost import cost, cost_lines
 from toolkit.running.solvers import solve_master
 from toolkit.scene.scene import load_scene, shipped_scenes
 
@@ -360,7 +360,13 @@ def test_cost_tells_what_a_scene_imports_and_leaves_out() -> None:
     packages = {name for stage in found["stages"] for name in stage["packages"]}
     assert found["rooms"]["eq_model"][0] == 0 < found["rooms"]["master"][0]
     assert "numpy" in packages and not {"numba", "matplotlib", "h5py", "mpi4py"} & packages
-    assert all(stage["cpu_seconds"] >= 0.0 for stage in found["stages"])
+    assert all(stage["cpu_seconds"] >= 0.0 == stage["by_workers"] for stage in found["stages"])
+    start, _, run = cost_lines(found)[1:4]
+    found["stages"][-1] |= {"cpu_seconds": 5.0, "by_workers": 4.0}
+    beside = cost_lines(found)
+    assert "5.00 CPU-seconds with those of worker processes" in beside[3] and beside[1] == start
+    assert "CPU-seconds" not in run and "beside each other" in beside[6]
+    assert "the rest of the run" not in beside[6]
     assert found["no_solvers"] == ["[eq]"] and set(found["runs"]) == {"master"}
     assert {"numba", "matplotlib"} <= set(found["no_packages"])
     assert "delay" not in found["no_laws"] and {"thermal", "ageing"} <= set(found["no_laws"])

@@ -111,8 +111,8 @@ def _parse(words: list[str]) -> "argparse.Namespace":
             explained = "without a scene: how often error bars hold the true error, over cases drawn at random"
             own.add_argument("--coverage", action="store_true", help=explained)
             whole: Any = {"type": int, "metavar": "NUMBER"}
-            own.add_argument("--cases", default=1000, help="of --coverage (default: 1000)", **whole)
-            own.add_argument("--seed", default=1, help="of --coverage (default: 1)", **whole)
+            own.add_argument("--cases", help="of --coverage (default: 1000)", **whole)
+            own.add_argument("--seed", help="of --coverage (default: 1)", **whole)
         if name == "run":
             kept = "how often a long ensemble writes what it has found into DIR, from which the same command goes on"
             seconds: Any = {"metavar": "SECONDS", "type": float, "default": 60.0}

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from origins.errors import InputError, refuse
+from origins.errors import InputError, positive, refuse
 from origins.roughness.interface import Interface
 from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
@@ -111,6 +111,8 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
     """Run every solver that the scene names, report, and write; returns 1 where a solver missed its tolerance, or where
     both disagree (results are written nevertheless)."""
     formats = read_formats(arguments.format)
+    # before a forecast, too, which writes none
+    positive("checkpoint", arguments.checkpoint)
     scene = load_scene(arguments.scene, comm=comm, changes=read_changes(arguments.changes))
     first = comm is None or comm.Get_rank() == 0
     before = [] if scene.grid is not None else foreseen(scene)
@@ -227,6 +229,10 @@ def precision(arguments: argparse.Namespace) -> int:
     formats = read_formats(arguments.format)
     if arguments.coverage:
         return _coverage(arguments, formats)
+    for option, given in (("--cases", arguments.cases), ("--seed", arguments.seed)):
+        if given is not None:
+            use = f"mesofriction precision --coverage {option} {given}"
+            refuse(option, given, f"is of --coverage, which draws cases; leave it out, or: {use}")
     if arguments.scene is None:
         raise InputError(
             "scene: is missing; name one, or ask for mesofriction precision --coverage"
@@ -256,12 +262,15 @@ def _coverage(arguments: argparse.Namespace, formats: tuple[str, ...]) -> int:
     if arguments.scene is not None or arguments.changes:
         given = arguments.scene or arguments.changes[0]
         refuse("--coverage", given, "draws its own cases; leave the scene and --set out")
-    if arguments.cases < 1 or arguments.seed < 0:
-        given = arguments.cases if arguments.cases < 1 else arguments.seed
-        refuse("--cases, --seed", given, "must be a number of cases above 0, and a seed from 0 on")
+    cases = 1000 if arguments.cases is None else arguments.cases
+    seed = 1 if arguments.seed is None else arguments.seed
+    if cases < 1:
+        refuse("--cases", cases, "must be a number of cases above 0")
+    if seed < 0:
+        refuse("--seed", seed, "must be a whole number from 0 on")
     folder = arguments.out or "coverage-output"
     say_it = partial(print, flush=True)
-    found = report_coverage(arguments.cases, arguments.seed, folder, say_it, formats)
+    found = report_coverage(cases, seed, folder, say_it, formats)
     print(f"written to {folder}")
     return 0 if found.promise_kept and found.sigmas_kept else 1
 

@@ -24,8 +24,9 @@ Cost = dict[str, Any]
 def cost(scene: str, changes: Mapping[str, Any] | None = None) -> Cost:
     """Run the scene once in a process of its own, writing nothing.
 
-    Returns `title`; `stages`, each with its `name`, `seconds` on the clock, `cpu_seconds` with those of its worker
-    processes, peak `memory` in MB at its end, and the third-party `packages` that it imported; `rooms`, of each the
+    Returns `title`; `stages`, each with its `name`, `seconds` on the clock, `cpu_seconds`, with those of worker
+    processes, which are `by_workers`, peak `memory` in MB by its end of that process which held most, and the
+    third-party `packages` that it imported; `rooms`, of each the
     numbers of its files that were imported and of all, which of eq_model are more where numba's cache holds kernels of
     other laws, whose files it imports; what it `builds` and `runs`, the latter by its run time in s; and, left out,
     `no_laws`, `no_solvers`, `no_packages`.
@@ -47,13 +48,17 @@ def cost_lines(found: Cost) -> list[str]:
     lines = [found["title"]]
     for stage in found["stages"]:
         packages = ", ".join(stage["packages"]) or "no further package"
-        memory = f"{stage['memory']:.0f} MB at most"
-        lines.append(f"{stage['name']:9}{stage['seconds']:.2f} s, {memory}; imports {packages}")
+        told = [f"{stage['seconds']:.2f} s", f"{stage['memory']:.0f} MB at most"]
+        if stage["by_workers"]:
+            told.insert(1, f"{stage['cpu_seconds']:.2f} CPU-seconds with those of worker processes")
+        lines.append(f"{stage['name']:9}{', '.join(told)}; imports {packages}")
     rooms = [f"{room} {some} of {all_} files" for room, (some, all_) in found["rooms"].items()]
     runs = [f"{name} {seconds:.2g} s" for name, seconds in found["runs"].items()]
     unused = [*found["no_solvers"], *found["no_laws"], *found["no_packages"]]
     lines += [f"code     imported of {', '.join(rooms)}", f"builds   {', '.join(found['builds'])}"]
     rest = "; the rest of the run is imports, and compilation of what no run has compiled yet"
+    if found["stages"][-1]["by_workers"]:
+        rest = " by the clock, in all processes together, which work beside each other"
     lines += [f"runs     {', '.join(runs)}{rest}", f"left out {', '.join(unused) or 'nothing'}"]
     return [*lines, "the scene ran once in a process of its own; nothing was written"]
 
@@ -65,17 +70,19 @@ def _measured(scene: str, changes: Mapping[str, Any]) -> Cost:
     required = {match[0].lower() for line in wanted if (match := re.match(r"[\w.-]+", line))}
     # modules of the distributions that are asked for; such as mpich have none
     wanted_by = {name: of[0] for name, of in homes.items() if of[0].lower() in required}
-    began, used = time.perf_counter(), sum(os.times()[:4])
+    began, used = time.perf_counter(), os.times()
 
     def done(name: str) -> None:
         nonlocal began, used
+        now, whose = os.times(), (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
         stage: dict[str, Any] = {"name": name, "seconds": time.perf_counter() - began}
-        stage["cpu_seconds"] = sum(os.times()[:4]) - used
-        stage["memory"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / _IN_MB
+        stage["cpu_seconds"] = sum(now[:4]) - sum(used[:4])
+        stage["by_workers"] = sum(now[2:4]) - sum(used[2:4])
+        stage["memory"] = max(resource.getrusage(one).ru_maxrss for one in whose) / _IN_MB
         there = {of for name, of in wanted_by.items() if name in sys.modules}
         stages.append(stage | {"packages": sorted(there - seen)})
         seen.update(there)
-        began, used = time.perf_counter(), sum(os.times()[:4])
+        began, used = time.perf_counter(), os.times()
 
     import_module("toolkit.commands")  # as `mesofriction run` does
     from toolkit.running.runner import solve
