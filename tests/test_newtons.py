@@ -18,7 +18,7 @@ from origins.errors import InputError
 from toolkit.judge.describe import Description, describe, onset_in_words, table_of
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.results.report import report
-from toolkit.scene.interfaces import Number, of_temperature, remarks
+from toolkit.scene.interfaces import Number, of_temperature, remarks, with_error
 from toolkit.scene.scale import (
     of_machine,
     of_stretch,
@@ -220,6 +220,12 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert written(4.81e10, "N/m³") == "48.1 GN/m³" and written(2.5e5, "Pa") == "250 kPa"
     assert with_uncertainty(0.2512, 3e-3, "N") == "251 mN ± 3 mN"
     assert with_uncertainty(0.2512, 3e-9, "N") == "251.2 mN"
+    # no error is told smaller than it is: that of a critical spring, 24 kN/m, was ± 20 kN/m
+    assert with_uncertainty(1.21e6, 2.4e4, "N/m", digits=3) == "1.21 MN/m ± 30 kN/m"
+    assert with_uncertainty(0.2512, 9.1e-3, "N") == "251 mN ± 10 mN"
+    assert (
+        with_error(1.2345, 0.024, 5) == "1.23 ± 0.03" and with_error(2.0, 0.097, 5) == "2.0 ± 0.1"
+    )
     assert with_scatter(0.2512, 3e-4, "N") == "251.2 ± 0.3 mN"
     assert with_scatter(0.2512, 9.8e-4, "N") == "251.2 ± 1.0 mN"
     assert with_scatter(0.2512, 3e-6, "N") == "251.2 mN ± 3 µN"

@@ -13,7 +13,14 @@ from origins.roughness.stated import InSI
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
 from toolkit.scene.of_samples import of_islands, of_samples
-from toolkit.scene.scale import length_unit_of, of_contacts, of_stretch, of_units, written
+from toolkit.scene.scale import (
+    length_unit_of,
+    of_contacts,
+    of_stretch,
+    of_units,
+    rounded_up,
+    written,
+)
 from toolkit.scene.scene import Scene
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
@@ -43,10 +50,11 @@ class Number:
 
 
 def with_error(value: float, error: float, digits: int) -> str:
-    """Value and error as text, the value to `digits` or to the first digit of the error; without an error of 0."""
+    """Value and error, rounded up, as text, the value to `digits` or to the first digit of the error; without an error
+    of 0."""
     if not (np.isfinite(value) and 0.0 < error < np.inf):
         return f"{value:.{digits}g}" + " ± inf" * bool(np.isfinite(value) and error == np.inf)
-    error_text = f"{error:.1g}"
+    error_text = f"{rounded_up(error):.1g}"
     shown = int(np.floor(np.log10(abs(value) or error)) - np.floor(np.log10(float(error_text)))) + 1
     if shown >= digits:
         return f"{value:.{digits}g} ± {error_text}"

@@ -240,13 +240,22 @@ def spoken(value: float, unit: str) -> str:
 
 
 def with_uncertainty(value: float, error: float, unit: str, digits: int = 4) -> str:
-    """A value with its error, each with a prefix of its own, such as 0.2512 N ± 3 µN; an error below a millionth of the
-    value, numerical as a rule, is left out, and that of one replica is unknown."""
+    """A value with its error, rounded up, each with a prefix of its own, such as 0.2512 N ± 3 µN; an error below a
+    millionth of the value, numerical as a rule, is left out, and that of one replica is unknown."""
     said = written(value, unit, error, digits)
     if error == np.inf:
         return f"{said} (error unknown)"
     shown = error > 1e-6 * abs(value)
-    return f"{said} ± {written(error, unit, digits=1)}" if shown else said
+    return f"{said} ± {written(rounded_up(error), unit, digits=1)}" if shown else said
+
+
+def rounded_up(error: float) -> float:
+    """A finite error with one digit, none below it: 0.024 becomes 0.03, as a bound that is told too small is wrong."""
+    if not error > 0.0:
+        return error
+    power = float(np.floor(np.log10(error)))
+    # a digit that a sum of floating point exceeds by its rounding stays
+    return float(f"{np.ceil(error / 10.0**power * (1.0 - 1e-9)):.0f}e{power:.0f}")
 
 
 def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
