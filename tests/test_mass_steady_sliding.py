@@ -17,38 +17,48 @@ from origins import Contacts, Drive, Thermal
 
 EYRING = Thermal("eyring", width=0.03, attempt_frequency=1e3)
 WIDE = Contacts(origins.gaussian(1.0, 0.2), thermal=EYRING)
+# thresholds that grow by 1.5 % of their first values in each factor e of time
+STRONGER = Contacts(
+    origins.strengthening(origins.gaussian(1.0, 0.2), 0.015, 1e-3),
+    thermal=Thermal("eyring", width=0.06, attempt_frequency=1e3),
+)
 
 
 @pytest.mark.parametrize(
-    ("damping", "beside"),
+    ("contacts", "damping", "beside"),
     [
-        (8e-9, False),
+        (WIDE, 8e-9, False),
         # beside the slider without mass
-        pytest.param(8e-9, True, marks=pytest.mark.slow),
-        pytest.param(8e-5, False, marks=pytest.mark.slow),
+        pytest.param(WIDE, 8e-9, True, marks=pytest.mark.slow),
+        pytest.param(WIDE, 8e-5, False, marks=pytest.mark.slow),
+        pytest.param(STRONGER, 8e-9, True, marks=pytest.mark.slow),
     ],
 )
-def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(damping: float, beside: bool) -> None:
+def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(
+    contacts: Contacts, damping: float, beside: bool
+) -> None:
     """Without its damping it is the slider without mass; with it the spring bears γ V more, at V = v in the end."""
     spring, path = 1e-6, np.linspace(0.0, 1e6, 41)[1:]
     machine = {"spring": spring, "velocity": 100.0}
-    heavy = master.solve(WIDE, path, 1e-2, mass=1.6e-9, damping=damping, **machine)
+    heavy = master.solve(contacts, path, 1e-2, mass=1.6e-9, damping=damping, **machine)
     assert heavy.success and heavy.regime.verdict == "smooth" and "slides steadily" in heavy.message
-    steady = master.steady_state(WIDE, velocity=100.0).force
-    assert heavy.force[-1] == pytest.approx(steady + 100.0 * damping, abs=1e-6)
-    assert heavy.contact_force[-1] == pytest.approx(steady, abs=1e-6)
+    steady = master.steady_state(contacts, velocity=100.0).force
+    # F_k is read off a table, of thresholds that grow to a thousandth of the tolerance only, as that takes long
+    off = 1e-6 if contacts is WIDE else 1e-5
+    assert heavy.force[-1] == pytest.approx(steady + 100.0 * damping, abs=off)
+    assert heavy.contact_force[-1] == pytest.approx(steady, abs=off)
     assert heavy.velocity[-1] == pytest.approx(100.0)
-    x = np.linspace(0.0, 2.2, 2001)
-    at_x = master.steady_state(WIDE, velocity=100.0).distribution(x)
+    x = np.linspace(0.0, 3.2, 2001)
+    at_x = master.steady_state(contacts, velocity=100.0).distribution(x)
     assert heavy.energy.contacts[-1] == pytest.approx(simpson(0.5 * x**2 * at_x, x=x), rel=1e-3)
     energy = heavy.energy
     stored = energy.spring + energy.contacts + energy.kinetic
     rest = energy.drive - stored - energy.damped - energy.released
-    np.testing.assert_allclose(rest, rest[0], atol=1e-6 * energy.drive[-1])
+    np.testing.assert_allclose(rest, rest[0], atol=off * energy.drive[-1])
     if beside:
-        light = master.solve(WIDE, path, 1e-2, slip="instant", **machine)
-        off = np.abs(heavy.force - light.force).max()
-        assert off <= heavy.force_error + light.force_error
+        light = master.solve(contacts, path, 1e-2, slip="instant", **machine)
+        apart = np.abs(heavy.force - light.force).max()
+        assert apart <= heavy.force_error + light.force_error
 
 
 @pytest.mark.parametrize(

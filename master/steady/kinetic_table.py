@@ -48,10 +48,18 @@ def tabulated(
 ) -> KineticTable | None:
     """The table between these ends (2,) of ln V; None where its error would be above the most (a length), as F_k is not
     smooth in ln V. `until`: reading of time.monotonic() after which StoppedError comes."""
+    forces, off = np.empty(0), 0.0
     for degree in DEGREES:
-        nodes = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
-        at = ends.mean() + 0.5 * np.diff(ends) * nodes
-        forces, off = _forces(contacts, np.exp(at), most_error, until)
+        # places where the polynomial of this degree is 1 or -1: each second one stands in the list before
+        nodes = np.cos(np.pi * np.arange(degree + 1) / degree)
+        new = np.s_[1::2] if forces.size else np.s_[:]
+        found, missed = _forces(
+            contacts, np.exp(ends.mean() + 0.5 * np.diff(ends) * nodes[new]), most_error, until
+        )
+        before, forces = forces, np.empty(nodes.size)
+        if before.size:
+            forces[::2] = before
+        forces[new], off = found, max(off, missed)
         series = np.asarray(chebyshev.chebfit(nodes, forces, degree), float)
         error = float(np.abs(series[-2:]).sum()) + off
         if error <= most_error:

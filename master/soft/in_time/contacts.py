@@ -112,11 +112,18 @@ class ContactsInSteps:
         record = self.memory.start(stretches.stretch)
         self._replace_all(divided_by_survival(self.memory, stretches), record)
 
-    def slide_to(self, position: float, now: float, velocity: float, step: float) -> None:
+    def slide_to(
+        self, position: float, now: float, velocity: float, step: float, life: float = np.inf
+    ) -> None:
         """Be there at this time after long steady sliding at this velocity, along which a cohort was born on each
-        `step` (a length)."""
+        `step`, and none is left beyond a `life` (lengths)."""
         self.position, self.now = position, now
-        self._begin_with(steady_groups(self.memory, self._at_birth, velocity, step), abs(velocity))
+        groups = steady_groups(self.memory, self._at_birth, velocity, life, step)
+        self._begin_with(groups, abs(velocity))
+
+    def stored_at(self, speed: float, step: float, life: float) -> float:
+        """Energy of the contacts in steady sliding at this speed (length squared); arguments as those of `slide_to`."""
+        return steady_groups(self.memory, self._at_birth, speed, life, step).stored(self.memory)
 
     def _replace_all(self, start: StretchNodes, record: Array) -> None:
         """Set these contacts in place of all others, as if no contact had broken before."""

@@ -58,6 +58,11 @@ class Groups(NamedTuple):
         """See Memory; shape (2, n)."""
         return memory.survival_and_force(self.record, self.stretch, self.largest)
 
+    def stored(self, memory: Memory) -> float:
+        """Energy of the contacts that hold, per N_c<k> (length squared)."""
+        _, force = self.survival_and_force(memory)
+        return 0.5 * float((force * self.stretch) @ self.weight)
+
     def pick(self, which: slice | npt.NDArray[np.bool_]) -> "Groups":
         """Some of them."""
         return Groups(*(part[which] for part in self))
@@ -102,11 +107,15 @@ class Trial(NamedTuple):
     kept: float
 
 
-def steady_groups(memory: Memory, born: StretchNodes, velocity: float, step: float) -> Groups:
-    """All contacts in steady sliding at this velocity, all of which hold, by a cohort for each `step` of the way, the
-    oldest first: the births on it belong to the cohorts at its ends, as in the steps of a slider."""
-    count = int(np.ceil(memory.largest_stretch / step))
-    way, speed = np.copysign(memory.largest_stretch / count, velocity), abs(velocity)
+def steady_groups(
+    memory: Memory, born: StretchNodes, velocity: float, life: float, step: float
+) -> Groups:
+    """All contacts in steady sliding at this velocity, all of which hold, by a cohort for each `step` of the way on
+    which one holds, a `life` at most, the oldest first: the births on it belong to the cohorts at its ends, as in the
+    steps of a slider."""
+    longest = min(life, memory.largest_stretch)
+    count = int(np.ceil(longest / step))
+    way, speed = np.copysign(longest / count, velocity), abs(velocity)
     groups = _fresh(memory, born, speed)
     groups = groups._replace(weight=0.5 * groups.weight)
     for last in range(count):

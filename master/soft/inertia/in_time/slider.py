@@ -244,7 +244,7 @@ class HeavySlider:
         contacts, motion, sliding = self.contacts, self.motion, self._sliding
         if sliding is None or motion is None or leg < motion.speeds.size - 1:
             return False
-        slid = sliding.slide(self._way, contacts.halvings)
+        slid = sliding.slide(self._way, contacts)
         if slid is None:
             return False
         before = self._broken_before + contacts.past_breaks.total
@@ -253,7 +253,8 @@ class HeavySlider:
             self._watch(leg, one, after, broken)
         last, self._broken_before = slid.nodes[-1], before + float(slid.breaks[-1])
         contacts.unresolved.note(OF_CREEP, slid.error, contacts.now)
-        contacts.slide_to(last.position, last.time, last.speed, self._size * self._swings.length)
+        step = self._size * self._swings.length
+        contacts.slide_to(last.position, last.time, last.speed, step, sliding.life)
         self._work, self._damped, self._on_contacts = last.work, last.damped, last.on_contacts
         self.sections.append(slid.nodes)
         self.slides.append(slid)
@@ -264,9 +265,7 @@ class HeavySlider:
     def _node(self, sizes_so_far: float, speed: float) -> HeavyNode:
         """The end of the step just taken, with this speed of the slider."""
         state = self.contacts
-        groups = state.groups
-        _, force = groups.survival_and_force(state.memory)
-        stored = 0.5 * float((force * groups.stretch) @ groups.weight)
+        stored = state.groups.stored(state.memory)
         return HeavyNode(
             sizes_so_far,
             state.now,

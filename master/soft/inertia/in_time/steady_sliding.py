@@ -21,17 +21,16 @@ with inertia by twice as much, as in half a swing that is not damped.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import simpson
 from scipy.optimize import brentq
 
 from master.motion import Motion
+from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.creep import CREEP, Creep, may_creep
-from master.soft.in_time.decohered import longest_life
+from master.soft.in_time.decohered import NONE_HOLDS, longest_life
 from master.soft.in_time.steps import Node
 from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.steady_motion import Machine, SteadyMotion
 from master.steady.kinetic_table import KineticTable
-from master.steady.steady import state_at
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
 
@@ -42,8 +41,10 @@ CHANGE = 0.1
 LIGHT = 0.5
 # Least way that is worth it, in longest lives.
 WORTH = 20.0
-# Speeds at which the energy of steady contacts is summed, and stretches of each sum.
-ENERGIES, STRETCHES = 7, 401
+# Relative change of the life of contacts that grow as it is found.
+LIFE_IS_FOUND = 1e-3
+# Speeds at which the energy of steady contacts is summed, and cohorts of each sum.
+ENERGIES, COHORTS = 7, 200
 
 
 class Slid(NamedTuple):
@@ -79,11 +80,11 @@ class SteadySliding(Creep):
             spring=self._spring,
             drive_speed=self._speed,
             unit=self._unit,
-            life=longest_life(contacts.thresholds),
+            life=_life_at(contacts, self._speed),
             until=until,
         )
 
-    def slide(self, way: list[HeavyNode], halvings: int) -> Slid | None:
+    def slide(self, way: list[HeavyNode], contacts: ContactsInSteps) -> Slid | None:
         """How the slider goes on from the last of these nodes, since it turned round last. None where it goes on in
         steps: where sliding is not steady or not known to be, or the path ends soon."""
         last, sign = way[-1], self._sign
@@ -93,10 +94,13 @@ class SteadySliding(Creep):
             return None
         self._nodes_at_last_look = len(way)
         left = max(self._speed, speed) * float(self._motion.times[-1] - last.time)
+        # contacts that grow live longest where the slider is slowest
+        slowest = min(self._speed, speed)
+        self._machine = self._machine._replace(life=_life_at(self._contacts, slowest))
         if left < WORTH * self._machine.life:
             return None
         begin = self._in_balance(way, distance)
-        return None if begin is None else self._slid(last, begin, CHANGE * 0.5**halvings)
+        return None if begin is None else self._slid(last, begin, contacts)
 
     def _in_balance(self, way: list[HeavyNode], distance: float) -> Begin | None:
         """The begin of sliding in balance, by the rules of steady creep; None where it is not known to be so."""
@@ -130,17 +134,18 @@ class SteadySliding(Creep):
         drive = float(self._motion.at(np.array(node.time)))
         return self._sign * self._spring * (drive - node.position)
 
-    def _slid(self, last: HeavyNode, begin: Begin, most_change: float) -> Slid:
+    def _slid(self, last: HeavyNode, begin: Begin, contacts: ContactsInSteps) -> Slid:
         """The solution from the last node on."""
         steady = SteadyMotion(self._machine, begin.table, float(self._motion.times[-1]) - last.time)
         state = np.array([begin.u, self._load(last), last.time, *np.zeros(4)])
+        most_change = CHANGE * 0.5**contacts.halvings
         rows, to_end = steady.followed(state, float(self._motion.times[-1]), most_change)
         sigma, u, load, time, given, damped, on_contacts, breaks = rows
         if to_end:
             time[-1] = self._motion.times[-1]
         force, speed, sign = begin.table.force(u), np.exp(u), self._sign
         place = self._motion.at(time) - sign * load / self._spring
-        stored = self._stored(u)
+        stored = self._stored(u, contacts)
         energies = last.work + given, last.damped + damped, last.on_contacts + on_contacts
         columns = sigma, time, sign * force, np.ones(u.size), place, sign * speed, *energies, stored
         nodes = [HeavyNode(*row) for row in np.stack(columns, axis=1).tolist()]
@@ -149,20 +154,35 @@ class SteadySliding(Creep):
         error = (begin.error + begin.table.error) * (2.0 if steady.swings else 1.0)
         return Slid(nodes, breaks / self._unit, error, to_end, steady_from)
 
-    def _stored(self, u: Array) -> Array:
+    @property
+    def life(self) -> float:
+        """The longest life of a contact since sliding began last (a length)."""
+        return self._machine.life
+
+    def _stored(self, u: Array, contacts: ContactsInSteps) -> Array:
         """Energy of the contacts at these ln V (length squared), straight between some of them."""
         at = np.linspace(u.min(), u.max(), ENERGIES if np.ptp(u) else 1)
-        x = np.linspace(0.0, self._machine.life, STRETCHES)
-        states = (state_at(self._contacts, speed) for speed in np.exp(at).tolist())
-        energies = [float(simpson(0.5 * x**2 * one.distribution(x), x=x)) for one in states]
+        step = self.life / COHORTS
+        energies = [contacts.stored_at(speed, step, self.life) for speed in np.exp(at).tolist()]
         return np.asarray(np.interp(u, at, energies))
+
+
+def _life_at(contacts: Contacts, speed: float) -> float:
+    """The way on which all but NONE_HOLDS of the contacts break at this speed (a length), also as they grow stronger on
+    it."""
+    life, growing = longest_life(contacts.thresholds), contacts.growing
+    if growing is None:
+        return life
+    hazard, before = -np.log(NONE_HOLDS), 0.0
+    while life > (1.0 + LIFE_IS_FOUND) * before:
+        before, life = life, float(growing.threshold_at(hazard, life / speed))
+    return life
 
 
 def sliding_of(
     contacts: Contacts, drive: Drive, motion: Motion | None, tolerance: float, until: float
 ) -> SteadySliding | None:
     """Steady sliding of these contacts in heat, None where it is not known; until : as in `creep_of`."""
-    # beside thresholds that grow nothing is held against another road
-    if motion is None or contacts.growing is not None or not may_creep(contacts, motion):
+    if motion is None or not may_creep(contacts, motion):
         return None
     return SteadySliding(contacts, drive, motion, tolerance, until)
