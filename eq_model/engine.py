@@ -52,6 +52,7 @@ class Engine:
         forward, scale = drive.forward and steady, contacts.mean_threshold
         self._limits = limits = StretchLimits(contacts, drive)
         linked = contacts.stiffness == "linked"
+        begins_at_0 = contacts.growing is not None and contacts.growing.begins_at_0
         stiffest = max(limits.largest_threshold / scale, 1.0) if linked else 1.0
         course = Drive(drive.path, drive.velocity) if forward else drive
         exact = contacts.thresholds.atoms[0].size > 0
@@ -87,7 +88,7 @@ class Engine:
             mean=scale / in_units.unit,
             wait=contacts.waiting_time,
             ticks=ticks_of(in_units, contacts.waiting_time),
-            needs_exposure=contacts.grains is not None
+            needs_exposure=begins_at_0
             or (contacts.thermal is not None and contacts.growing is None),
             linked=linked,
             measured=False,

@@ -27,6 +27,11 @@ from origins import (
     InputError,
     ProportionalGrowth,
 )
+from origins.laws.strengthening import Strengthening
+from toolkit.running.resampled import like
+from toolkit.scene import laws
+from toolkit.scene.scene import load_scene
+from toolkit.scene.tables import GROWTHS
 
 PC = origins.gaussian(mean=1.0, std=0.2)
 
@@ -280,6 +285,75 @@ def test_a_law_in_another_law_s_place_is_named_by_its_class(name):
     assert repr(Contacts(Power(PC, 0.1, 1.0))).startswith("Contacts(thresholds=Power(...), ")
 
 
+@pytest.mark.slow
+def test_the_ensemble_agrees_on_a_spring():
+    """By any factor, also of a class that is made from a compiled one: its own was once that with the logarithm."""
+
+    class Root(Strengthening):
+        law = "root"
+
+        def factor(self, age):
+            return np.sqrt(1.0 + self.beta * np.asarray(age) / self.time_unit)
+
+    path = np.linspace(0.5, 6.0, 12)
+    asked = {"velocity": 0.1, "spring": 0.5, "slip": "instant"}
+    for law in (Power(PC, 0.2, 0.5, age=3.0), Root(PC, beta=0.1, time=2.0)):
+        exact = master.solve(Contacts(law), path, 1e-3, **asked)
+        found = eq_model.simulate(
+            Contacts(law), path, n_contacts=2000, n_replicas=8, seed=3, **asked
+        )
+        error = np.hypot(found.force_standard_error, exact.force_error)
+        assert (np.abs(found.force - exact.force) < 4.5 * error).all() and exact.success
+        stays = eq_model.simulate(
+            Contacts(law.at_start), path, n_contacts=2000, n_replicas=8, seed=3, **asked
+        )
+        assert (np.abs(stays.force - exact.force) > 9.0 * error).any()  # it would be told apart
+
+
+@pytest.mark.parametrize("name", GROWTHS)
+def test_a_compiled_factor_is_the_law_s(name):
+    """Of each law of growth that scenes know, with its slope; a class with another factor has none that is compiled."""
+    law = Strengthening(PC, beta=0.04, time=0.5) if name == "strengthening" else None
+    assert law is not None, f"give {name} numbers here"
+    found, ages = law.compiled_factor, np.geomspace(1e-3, 1e6, 30)
+    np.testing.assert_allclose(found.factor(found.law, ages), law.factor(0.5 * ages), rtol=1e-14)
+    between = found.factor(found.law, 1.001 * ages) - found.factor(found.law, 0.999 * ages)
+    np.testing.assert_allclose(found.slope(found.law, ages), between / (0.002 * ages), rtol=1e-5)
+    other = type("Other", (type(law),), {"factor": lambda self, age: (1.0 + age) ** 0.1})
+    assert other(PC, beta=0.04, time=0.5).compiled_factor is None
+
+
+class Root(Strengthening):
+    """As scenes would know it."""
+
+    law = "root"
+
+    def __init__(self, thresholds, power, time, age=0.0):
+        super().__init__(thresholds, 0.0, time, age)
+        self.power = power
+
+    def factor(self, age):
+        return (1.0 + np.asarray(age) / self.time_unit) ** self.power
+
+
+def test_a_scene_takes_a_law_of_growth_by_one_line(monkeypatch):
+    """Its keys are the parameters of its class but P_c, which is that of the scene; other samples grow alike."""
+    monkeypatch.setitem(laws.CONTACTS, "strengthening", f"{__name__}:Root")
+    thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    table = {"power": 0.2, "time": 3.0, "age": 1.0}
+    scene = {"contacts": {"thresholds": thresholds, "strengthening": table}}
+    contacts = load_scene(scene, solved=False).contacts
+    assert isinstance(contacts.changing, Root) and contacts.laws == ("root",)
+    assert contacts.mean_threshold == pytest.approx((4.0 / 3.0) ** 0.2)
+    wide = like(contacts, origins.gaussian(1.0, 0.3))
+    assert wide.thresholds.std() == pytest.approx(
+        origins.gaussian(1.0, 0.3).std() * (4.0 / 3.0) ** 0.2
+    )
+    with pytest.raises(InputError, match=r"contacts\.strengthening\.beta = 0\.1: unknown key"):
+        table["beta"] = 0.1
+        load_scene(scene, solved=False)
+
+
 @pytest.mark.parametrize("law", [Power(PC, 1.0, 1.0), Hazards(1.0, 0.0)])
 def test_contacts_that_never_break_are_refused(law):
     """x_s = x_s0 (1 + t/τ) grows at the speed x_s0/τ: slower contacts never meet their thresholds."""
@@ -287,8 +361,9 @@ def test_contacts_that_never_break_are_refused(law):
     fastest = PC.isf(1e-17)  # of contacts that are counted, where the law's time is 1
     with pytest.raises(InputError, match=rf"never break below v = {fastest:.4g}, .*; slide faster"):
         master.steady_state(contacts, velocity=1.0)
-    with pytest.raises(InputError, match=rf"contacts\.{law.law}: .*does not take it yet"):
-        eq_model.simulate(contacts, [1.0], spring=0.5)
+    if not isinstance(law, ProportionalGrowth):
+        with pytest.raises(InputError, match=rf"contacts\.{law.law}: .*does not take it yet"):
+            eq_model.simulate(contacts, [1.0], spring=0.5)
 
 
 def test_a_factor_that_stays_1_is_no_law():

@@ -213,7 +213,7 @@ OF_KINDS = {
     "[contacts.thresholds.substrate]": laws.SUBSTRATES,
 }
 CALLS = {
-    "[contacts.strengthening]": origins.strengthening,
+    **{f"[contacts.{name}]": laws.named(place) for name, place in laws.GROWTHS.items()},
     "[contacts.thermal]": origins.Thermal,
     "[contacts.ageing]": origins.Ageing,
     "[contacts.delay]": origins.Delay,

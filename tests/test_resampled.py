@@ -61,12 +61,20 @@ def test_a_resampled_law_of_growing_thresholds_grows_alike() -> None:
     assert master.steady_state(other).force == pytest.approx(expected, rel=1e-5)
 
 
-def test_a_growth_of_ones_own_has_no_other_samples() -> None:
-    """It was left out of them without a word."""
+def test_a_growth_of_ones_own_is_that_of_other_samples_too() -> None:
+    """It was left out of them without a word; one that is stated by hazards has none, and says so."""
 
     class Own(Strengthening):
         law = "own"
 
-    contacts = origins.Contacts(Own(origins.from_samples(X_S), beta=0.1, time=0.01))
+        def factor(self, age: Any) -> Any:
+            return np.sqrt(1.0 + np.asarray(age) / self.time_unit)
+
+    other = origins.gaussian(mean=1.0, std=0.1)
+    contacts = origins.Contacts(Own(origins.from_samples(X_S), beta=0.1, time=4.0, age=3.0))
+    contacts.thresholds.mean()  # found once, of these samples
+    alike = like(contacts, other)
+    assert isinstance(alike.growing, Own) and alike.thresholds.mean() == pytest.approx(1.75**0.5)
+    grains = origins.Contacts(origins.growing_grains(1.0, 1.0, age=4.0))
     with pytest.raises(origins.InputError, match="has no other samples"):
-        like(contacts, origins.gaussian(mean=1.0, std=0.1))
+        like(grains, other)

@@ -7,12 +7,10 @@ import pytest
 from solving import gauss
 
 import eq_model
-import master
 import origins
 from eq_model.whole_drive import whole_drive
 from master.rate_state.speeds import slope_at
 from origins import Contacts, Delay, Drive, InputError, Thermal, strengthening
-from origins.laws.strengthening import Strengthening
 
 PC = origins.gaussian(mean=1.0, std=0.2)
 TIME = 2.0  # τ_0
@@ -240,25 +238,3 @@ def test_a_path_of_many_points_has_the_legs_of_its_corners():
     assert whole_drive(Drive(path, time=times), 1.0, 10.0, False).paces.size == 3
     slower = times + 1e-11 * np.maximum(np.arange(times.size) - 220, 0)
     assert whole_drive(Drive(path, time=slower), 1.0, 10.0, False).paces.size == 4
-
-
-class Root(Strengthening):
-    """Thresholds that grow with the root of the age, in place of its logarithm."""
-
-    law = "root"
-
-    def factor(self, age):
-        """See ProportionalGrowth."""
-        return np.asarray(1.0 + self.beta * np.sqrt(np.asarray(age) / self.time_unit))[()]
-
-
-def test_a_growth_made_from_it_is_not_taken_for_it():
-    """On a rigid slider its own growth is followed; on a spring it was that with the logarithm."""
-    contacts, path = Contacts(Root(PC, beta=0.3, time=TIME)), np.array([8.0])
-    solved = master.solve(contacts, path, 1e-4, velocity=0.1)
-    found = eq_model.simulate(contacts, path, n_contacts=4000, n_replicas=4, seed=1, velocity=0.1)
-    assert abs(found.force[0] - solved.force[0]) < 4.0 * found.force_standard_error[0]
-    with pytest.raises(
-        InputError, match=r"contacts\.root: eq_model\.simulate with a spring does not"
-    ):
-        eq_model.simulate(contacts, path, n_contacts=10, velocity=0.1, spring=1.0)

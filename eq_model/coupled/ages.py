@@ -1,10 +1,10 @@
 """Coupled contacts that have numbers, as their thresholds grow with their age, or as they break by heat.
 
-A contact breaks as the slider reaches `zero` + fresh (1 + β ln(1 + age/τ_0)), a place that moves on while time passes.
+A contact breaks as the slider reaches `zero` + fresh g(age), a place that moves on while time passes.
 The queue holds the place of an earlier time, which lies before the one at which the contact breaks, however the slider
 goes there. As the slider reaches it, the contact either breaks, or waits at its place of then. At each time the rest of
-the way is less by a factor of about β: at β = 0.03 six of these steps pass the 2^28 units of a mean threshold. A break
-takes some twenty times as long as one of contacts that do not strengthen (SLOWER).
+the way is less by a factor of about β, where thresholds strengthen by 1 + β ln(1 + age): at β = 0.03 six of these steps
+pass the 2^28 units of a mean threshold. A break takes some twenty times as long as one whose threshold stays (SLOWER).
 """
 
 from typing import Any, NamedTuple
@@ -13,7 +13,8 @@ import numpy as np
 
 from eq_model.blocks import Whole
 from eq_model.compiling import inlined
-from origins import Contacts
+from eq_model.laws.proportional import factor, factor_of
+from origins import Contacts, ProportionalGrowth, strengthening
 from origins.thresholds.law import Array
 
 # Time of a break beside that of contacts whose thresholds stay: 190 to 620 ns by slip rule, in place of 22 to 68.
@@ -31,8 +32,8 @@ class Ages(NamedTuple):
 
     numbered: bool  # False: contacts have no numbers, and the queue knows them by their thresholds, which stay
     heat: Any  # NoHeat or heat.Heat
-    beta: float  # 0: thresholds do not grow
-    time: float  # τ_0
+    growth: Any  # of thresholds, see proportional.factor
+    time: float  # the unit of ages there
     fresh_ratio: float  # threshold at age 0 over the drawn one, that of contacts of the start
     fresh: Array  # threshold at age 0
     born: Array  # time of birth
@@ -42,18 +43,17 @@ class Ages(NamedTuple):
 
 def ages_of(contacts: Contacts, n: int, heat: Any) -> Ages:
     """Of n contacts that are yet to form."""
-    law, beta, time, fresh_ratio = contacts.strengthening, 0.0, 1.0, 1.0
-    numbered = law is not None or not isinstance(heat, NoHeat)
+    numbered = contacts.growing is not None or not isinstance(heat, NoHeat)
     n = n if numbered else 0
-    if law is not None:
-        beta, time = law.beta, law.time_unit
-        fresh_ratio = 1.0 / float(law.factor(law.start_pinned_for))
+    # the kernels of those that strengthen serve contacts whose thresholds stay, too
+    law = contacts.growing or strengthening(contacts.thresholds, beta=0.0, time=1.0)
+    assert isinstance(law, ProportionalGrowth)
     return Ages(
         numbered=numbered,
         heat=heat,
-        beta=beta,
-        time=time,
-        fresh_ratio=fresh_ratio,
+        growth=factor_of(law),
+        time=law.time_unit,
+        fresh_ratio=1.0 / float(law.factor(law.start_pinned_for)),
         fresh=np.empty(n),
         born=np.empty(n),
         zero=np.empty(n, np.int64),
@@ -90,7 +90,7 @@ def remove_all(ages):  # type: ignore[no-untyped-def]
 def threshold_of(ages, contact, now):  # type: ignore[no-untyped-def]
     """The threshold of a contact now, a float in whole units' size."""
     age = max(now - ages.born[contact], 0.0)
-    return ages.fresh[contact] * (1.0 + ages.beta * np.log1p(age / ages.time))
+    return ages.fresh[contact] * factor(ages.growth, age / ages.time)
 
 
 @inlined

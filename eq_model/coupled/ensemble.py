@@ -9,7 +9,7 @@ from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.coupled.work import check_work, growth
 from eq_model.engine import StretchLimits
 from eq_model.result import SIZES, CoupledSlips, means
-from origins import Contacts, Drive, identical
+from origins import Contacts, Drive, ProportionalGrowth, identical
 from origins.contacts import check_contacts
 from origins.drive import SLIP_FRACTION
 from origins.errors import InputError, positive, refuse
@@ -48,9 +48,9 @@ class Replicas:
         self.slip_fraction, self._unit = checked_slip_fraction(slip_fraction), unit_of(contacts)
         self._births = births_of(contacts, self._unit)
         law, mean = contacts.thresholds, contacts.mean_threshold
-        strengthens, warm = contacts.strengthening is not None, contacts.thermal is not None
+        numbered = contacts.growing is not None or contacts.thermal is not None
         self._shift = bucket_bits(
-            n, mean / self._unit, lambda width: float(law.cdf(width * mean)), strengthens or warm
+            n, mean / self._unit, lambda width: float(law.cdf(width * mean)), numbered
         )
         # one contact in a thousand breaks beyond
         span = float(law.isf(2.0**-10)) * growth(contacts, drive)
@@ -103,9 +103,7 @@ class Replicas:
         from eq_model.draws.supply import make_supply
 
         if replica < 0:
-            # kernels are the same for all rules and laws but those of rates
-            mean = self._contacts.mean_threshold  # to which a temperature belongs
-            few = Contacts(identical(mean), thermal=self._contacts.thermal)
+            few, mean = few_contacts(self._contacts), self._contacts.mean_threshold
             path = [3.0 * mean, 2.0 * mean] if self._may_turn() else [3.0 * mean]
             # so fast that contacts in heat break a few times at most
             rate = 1.0 if few.thermal is None else few.thermal.rates.scale
@@ -218,6 +216,17 @@ def checked_slip_fraction(slip_fraction: float | None) -> float:
     return fraction
 
 
+def few_contacts(contacts: Contacts) -> Contacts:
+    """Contacts of one threshold, with the laws for which kernels are compiled, those of rates and of growth; the same
+    kernels serve all others."""
+    one, law = (
+        identical(contacts.mean_threshold),
+        contacts.growing,
+    )  # a temperature belongs to <x_s>
+    grown = law.over(one) if isinstance(law, ProportionalGrowth) else one
+    return Contacts(grown, thermal=contacts.thermal)
+
+
 def unit_of(contacts: Contacts) -> float:
     """The length of which all positions and thresholds are whole multiples: 2^-28 mean thresholds, or more if the
     largest threshold would exceed 2^40 of them."""
@@ -238,7 +247,7 @@ def check_coupled(contacts: Contacts, drive: Drive) -> None:
                 'contacts.thermal: closure = "paper" is an approximation of the master equation; use closure = "exact"'
             )
         takes.append("thermal")
-    if isinstance(contacts, Contacts) and contacts.strengthening:
+    if isinstance(contacts, Contacts) and isinstance(contacts.growing, ProportionalGrowth):
         takes.append("growing")
     check_contacts(contacts, solver, tuple(takes), own_rates=True, other="master.solve")
     if heavy and contacts.reforming is not None:

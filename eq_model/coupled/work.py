@@ -4,13 +4,13 @@ import numpy as np
 
 from eq_model.engine import breaks_by_heat
 from eq_model.whole_drive import durations
-from origins import Contacts, Drive
+from origins import Contacts, Drive, ProportionalGrowth
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
 # Breaks of one slider: 40 minutes at 25 ns each, of which nothing is kept if the run is stopped.
 MOST_BREAKS = 1e11
-# Time of a break by a law of rates that is not compiled beside one that is: some 40 µs in place of 1 µs.
+# Time of a break by a law of rates or of growth that is not compiled beside one that is: some 40 µs in place of 1 µs.
 OWN_LAW = 40.0
 
 
@@ -18,9 +18,9 @@ def check_work(contacts: Contacts, drive: Drive, n: int) -> float:
     """The largest number of breaks of a slider of n contacts; InputError where it takes more, as far as is known."""
     from eq_model.coupled import ages, heat
 
-    by_age = ages.SLOWER if contacts.strengthening is not None else 1.0
-    by_heat = heat.SLOWER * slower_by_own_law(contacts) if contacts.thermal is not None else 1.0
-    most = MOST_BREAKS / max(by_age, by_heat)
+    by_age = ages.SLOWER if contacts.growing is not None else 1.0
+    by_heat = heat.SLOWER if contacts.thermal is not None else 1.0
+    most = MOST_BREAKS / max(by_age, by_heat) / slower_by_own_law(contacts)
     if (breaks := expected_breaks(contacts, drive, n)) > most:
         instead = "master.solve, another slip rule" if drive.slip == "instant" else "master.solve"
         refuse(
@@ -33,9 +33,11 @@ def check_work(contacts: Contacts, drive: Drive, n: int) -> float:
 
 
 def slower_by_own_law(contacts: Contacts) -> float:
-    """Time of a break by heat beside that by a law of rates that is compiled."""
-    own = contacts.thermal is not None and not hasattr(contacts.thermal.rates, "compiled")
-    return OWN_LAW if own else 1.0
+    """Time of a break beside that by laws of heat and growth that are compiled."""
+    heat = contacts.thermal is not None and not hasattr(contacts.thermal.rates, "compiled")
+    law = contacts.growing
+    growth = isinstance(law, ProportionalGrowth) and law.compiled_factor is None
+    return OWN_LAW if heat or growth else 1.0
 
 
 def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:

@@ -1,9 +1,7 @@
-"""Growing thresholds of a law of one's own in the ensemble: calls of its methods in plain Python. A break takes
-45 µs where all thresholds grow by one factor, and some 1 ms where the law states hazards.
+"""Growing thresholds of a law of one's own in the ensemble: calls of its methods in plain Python, some 1 ms a break.
 
-What identifies a contact for life, its goal, is its threshold at age 0 where all thresholds grow by one factor, else
-its hazard, see origins.GrowingThresholds. Kernels know the law by addresses of functions alone, so that one compiled
-kernel, which is kept on disk, serves all laws.
+What identifies a contact for life, its goal, is its hazard, see origins.GrowingThresholds. Kernels know the law by
+addresses of functions alone, so that one compiled kernel, which is kept on disk, serves all laws.
 """
 
 from collections.abc import Callable
@@ -20,7 +18,7 @@ from scipy.optimize import brentq
 from eq_model.compiling import real
 from eq_model.laws.growing import GROWTHS, Growth
 from eq_model.whole_drive import WholeDrive
-from origins import Contacts, GrowingThresholds, ProportionalGrowth
+from origins import Contacts, GrowingThresholds
 from origins.thresholds.law import Array
 
 SECONDS = 1e-4  # of a break, see settings.KERNELS
@@ -67,28 +65,20 @@ def make(contacts: Contacts, drive: WholeDrive, *heat: Any) -> Called:
     """The growth of these contacts; see settings.KERNELS."""
     law = contacts.growing
     assert law is not None
-    threshold = _by_factor(law) if isinstance(law, ProportionalGrowth) else law.threshold_at
     accuracy = max(ACCURACY * contacts.mean_threshold, 0.25 * drive.unit)
 
     def goal(at_start: float) -> float:
-        if isinstance(law, ProportionalGrowth):
-            return at_start / float(law.factor(law.start_pinned_for))
         return float(law.hazard_at(at_start, law.start_pinned_for))
 
     def meeting(near: float, speed: float, room: float, age: float, goal: float) -> float:
         def missing(distance: float) -> float:
-            return float(threshold(goal, age + distance / speed)) - near - distance
+            return float(law.threshold_at(goal, age + distance / speed)) - near - distance
 
         return _first_root(missing, room, accuracy)
 
     age, lost = law.start_pinned_for / law.time_unit, law.lost_hazard
-    functions = Address(goal, 1), Address(lost, 1), Address(meeting, 5), Address(threshold, 2)
-    return Called(law.time_unit, age, *functions, *heat)
-
-
-def _by_factor(law: ProportionalGrowth) -> Callable[[float, float], float]:
-    """The threshold from that at age 0."""
-    return lambda goal, age: goal * float(law.factor(age))
+    called = Address(meeting, 5), Address(law.threshold_at, 2)
+    return Called(law.time_unit, age, Address(goal, 1), Address(lost, 1), *called, *heat)
 
 
 def _first_root(missing: Callable[[float], float], room: float, accuracy: float) -> float:

@@ -13,7 +13,7 @@ from origins import (
     GrainContact,
     GrowingThresholds,
     OrderedThresholds,
-    Strengthening,
+    ProportionalGrowth,
     Thermal,
 )
 from origins.errors import refuse
@@ -23,13 +23,16 @@ from origins.laws.timed_law import ChangingThresholds
 # The kernel of each law by which thresholds change: a file of eq_model/laws, imported where it is needed, or of a law
 # of one's own any object with the same names. It has `make`, `often` and SECONDS; its functions for numba are entered
 # by the class of its settings in contact.BREAKS and contact.AGED, or, where thresholds grow, both by growing.GROWTHS;
-# docs/extending.md says what each gets and returns. Growing thresholds of any other class, those derived from a class
-# of the table included, have the kernel OWN, and ordered ones ORDERED, which call methods of the law.
-OWN, ORDERED = "own", "ordered"
+# docs/extending.md says what each gets and returns.
 KERNELS: dict[type, Any] = {
     Ageing: "diffusing",
     GrainContact: "grains",
-    Strengthening: "strengthening",
+}
+# the kernels of all other classes that are made from these, the first that fits; they call methods of the law
+_GENERAL: dict[type, str] = {
+    ProportionalGrowth: "proportional",
+    GrowingThresholds: "own",
+    OrderedThresholds: "ordered",
 }
 
 # classes of settings by their names
@@ -38,8 +41,8 @@ _CLASSES: dict[str, type] = {}
 
 def kernel_of(law: ChangingThresholds) -> Any:
     """The kernel of a law. Raises InputError for one that has none."""
-    own = ORDERED if isinstance(law, OrderedThresholds) else None
-    found = KERNELS.get(type(law), OWN if isinstance(law, GrowingThresholds) else own)
+    general = (name for made_from, name in _GENERAL.items() if isinstance(law, made_from))
+    found = KERNELS.get(type(law)) or next(general, None)
     if found is None:
         hint = "use master.solve, or state birth_threshold, see origins.OrderedThresholds"
         refuse(f"contacts.{law.law}", law, f"has no kernel in eq_model; {hint}")
@@ -57,11 +60,11 @@ def rates_of(contacts: Contacts) -> CompiledRates:
 
         found = called(rates)
     contact.RATES.setdefault(type(found.law), found)
-    _check_name(found.law, "thermal", rates)
+    check_name(found.law, "thermal", rates)
     return found
 
 
-def _check_name(settings: Any, key: str, law: Any) -> None:
+def check_name(settings: Any, key: str, law: Any) -> None:
     """Refuse settings whose class has the name of another law's: numba tells tuples of the same numbers apart by the
     names of their classes alone, and would take the kernel of the other law."""
     name = type(settings).__name__
@@ -79,7 +82,7 @@ def law_of(contacts: Contacts, drive: WholeDrive, tie: int) -> Any:
     if changing is not None:
         heat = contacts.thermal is not None, found.law, drive.unit
         settings = kernel_of(changing).make(contacts, drive, *heat)
-        _check_name(settings, changing.law, changing)
+        check_name(settings, changing.law, changing)
         return settings
     # in holds, where the value is not used, only the logarithm of 0 is avoided
     log_slow = np.log(np.maximum(drive.paces / drive.unit, 1e-300))

@@ -1,4 +1,4 @@
-"""Optional compiled functions of a RateLaw, for one contact at a time."""
+"""Optional compiled functions of a law, for one contact at a time."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -23,6 +23,19 @@ class CompiledRates(NamedTuple):
     reached: Callable[..., float]
     most: Callable[..., float]
     falls: bool = False
+
+
+class CompiledFactor(NamedTuple):
+    """As CompiledRates, of a ProportionalGrowth; ages are numbers in units of its `time_unit`.
+
+    law : as there, and the first argument of both functions.
+    factor(law, age) : g, as its method of this name.
+    slope(law, age) : dg/d(age), which falls with the age, as g is concave.
+    """
+
+    law: Any
+    factor: Callable[..., float]
+    slope: Callable[..., float]
 
 
 def inlined(function: Callable[..., Any]) -> Any:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from copy import copy
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from origins.errors import between, non_negative, refuse
+from origins.laws.compiled import CompiledFactor
 from origins.laws.growing import AGES, INVERSE, LONGEST, GrowingThresholds
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.powered import Powered, straight
@@ -38,6 +40,8 @@ class ProportionalGrowth(GrowingThresholds):
     _stated_where = "call super().__init__(fresh, time, age) in the __init__ of the subclass"
 
     def __init__(self, fresh: object, time: float, age: float = 0.0) -> None:
+        if isinstance(fresh, GrowingThresholds):
+            refuse("thresholds", fresh, "grow already; give the law P_c of those at age 0")
         self.fresh = as_thresholds(fresh)
         self.time_unit = between("time", time, 1e-100, 1e100)
         self.age: float = non_negative("age", age)
@@ -48,6 +52,26 @@ class ProportionalGrowth(GrowingThresholds):
     @abstractmethod
     def factor(self, age: npt.ArrayLike) -> Array:
         """g at these ages >= 0 (times), a number or an array of any shape; shape of them."""
+
+    def compiled(self) -> CompiledFactor | None:
+        """The factor and its slope for compiled loops; None: the ensemble calls `factor`, a thousand times as long."""
+        return None
+
+    @property
+    def compiled_factor(self) -> CompiledFactor | None:
+        """What `compiled` gives; None of a class that states another factor than the one from which it has that."""
+        of_class = (vars(one) for one in type(self).__mro__)
+        stated = next(names for names in of_class if "factor" in names or "compiled" in names)
+        return self.compiled() if "compiled" in stated else None
+
+    def over(self, fresh: object) -> ProportionalGrowth:
+        """The same growth of contacts with another law P_c at age 0."""
+        other = copy(self)
+        for found in ("at_start", "bends"):
+            vars(other).pop(found, None)
+        other.fresh = as_thresholds(fresh)
+        other.interface = other.fresh.interface
+        return other
 
     @property
     def grows(self) -> bool:  # type: ignore[override]

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
 from origins.errors import non_negative, refuse
-from origins.laws.growing import GrowingThresholds
+from origins.laws.compiled import CompiledFactor
 from origins.laws.proportional import ProportionalGrowth
 from origins.thresholds.law import Array
 
 # A threshold that grows by more than itself in each e-fold of time is no logarithmic strengthening of a contact, of
 # which 0.01 to 0.1 are measured.
 _MOST = 1.0
+
+
+class Logarithmic(NamedTuple):
+    """β, no unit."""
+
+    beta: float
 
 
 class Strengthening(ProportionalGrowth):
@@ -48,6 +56,14 @@ class Strengthening(ProportionalGrowth):
         """See ProportionalGrowth."""
         return np.asarray(1.0 + self.beta * np.log1p(np.asarray(age) / self.time_unit))[()]
 
+    def compiled(self) -> CompiledFactor:
+        """The same formula for compiled loops."""
+        return CompiledFactor(
+            Logarithmic(self.beta),
+            factor=lambda law, age: 1.0 + law.beta * np.log(1.0 + age),
+            slope=lambda law, age: law.beta / (1.0 + age),
+        )
+
 
 def strengthening(thresholds: object, beta: float, time: float, age: float = 0.0) -> Strengthening:
     """Thresholds that grow with the contact's age t, x_s = x_s0 (1 + β ln(1 + t/τ_0)), in place of thresholds in
@@ -59,6 +75,4 @@ def strengthening(thresholds: object, beta: float, time: float, age: float = 0.0
     Source: Berthoud, Baumberger, G'Sell and Hiver, Phys. Rev. B 59, 14313 (1999).
     Raises InputError for values outside these, and for anything but thresholds.
     """
-    if isinstance(thresholds, GrowingThresholds):
-        refuse("thresholds", thresholds, "grow already; give the law P_c of those at age 0")
     return Strengthening(thresholds, beta, time, age)

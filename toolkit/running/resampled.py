@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from origins.contacts import Contacts
 from origins.errors import refuse
-from origins.laws.strengthening import Strengthening, strengthening
+from origins.laws.proportional import ProportionalGrowth
 from origins.samples.from_samples import bootstrap_law
 from origins.thresholds.law import Thresholds
 from toolkit.processes.ranks import cores_of
@@ -19,17 +19,15 @@ T = TypeVar("T")
 def like(contacts: Contacts, law: Thresholds) -> Contacts:
     """These contacts with a resampled law in place of their own, and all other laws as they are: in strong heat, where
     F_k is a small part of that without, other samples change it by that much less, too. Raises InputError for
-    thresholds that change by a law of one's own, which would be lost."""
+    thresholds that change by a law which would be lost."""
     growth = contacts.changing
     if growth is None or contacts.ageing is not None:
         return contacts.replace(thresholds=law)
-    if type(growth) is not Strengthening:
-        hint = "has no other samples, which are those of thresholds that stay, age or strengthen"
-        hint += "; give a law that is not from samples, or origins.strengthening"
+    if not isinstance(growth, ProportionalGrowth):
+        hint = "has no other samples, which are those of thresholds that stay, age or grow by one factor"
+        hint += "; give a law that is not from samples, or an origins.ProportionalGrowth"
         refuse("contacts.thresholds", growth, hint)
-    return contacts.replace(
-        thresholds=strengthening(law, growth.beta, growth.time_unit, growth.age)
-    )
+    return contacts.replace(thresholds=growth.over(law))
 
 
 def of_resampled(

@@ -205,13 +205,7 @@ def foreseen(scene: Scene) -> list[str]:
                 f"[eq] follows {scene.eq.contacts:,} contacts in each replica: the spring is that of the area, but "
                 "slips scatter and come late as those of so many contacts"
             )
-    named = {
-        "grains": "growth",
-        "strengthening": "growth with age",
-        "thermal": "temperature",
-        "reforming": "re-forming",
-    }
-    named["stiffness"] = "linked stiffness"
+    named = {"thermal": "temperature", "reforming": "re-forming", "stiffness": "linked stiffness"}
     there = ", ".join(named.get(name, name) for name in contacts.laws)
     if isinstance(surface, Interface) and there:
         load = "F_k/load and the stress of the surface are those of its thresholds alone"

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from origins.errors import InputError, must_be, positive, refuse
 from origins.roughness.stated import BOLTZMANN
-from toolkit.scene.tables import did_you_mean, what_is_meant
+from toolkit.scene.tables import GROWTHS, did_you_mean, what_is_meant
 
 
 def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
@@ -40,7 +40,7 @@ SUBSTRATES = _origins("square hexagonal", "{}_substrate") | {"fourier": f"{_OWN}
 # keys whose value is a table: its kinds, or the one function it calls
 CONTACTS: dict[str, Mapping[str, str] | str] = {
     "interface": "origins:StatedInterface",  # first: temperatures in kelvins need it
-    "strengthening": "origins:strengthening",
+    **GROWTHS,
     "start": START,
     "reforming": REFORMING,
     "thermal": "origins:Thermal",
@@ -163,7 +163,7 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
             meant = did_you_mean(title, kinds)
             refuse(f"{where}.kind", title, f"{meant}must be one of {', '.join(kinds)}")
         place = kinds[title]
-    function = _named(str(place))
+    function = named(str(place))
     keys = dict(inspect.signature(function).parameters)
     given = {key for key in ("folder", "comm", "thresholds") if keys.pop(key, None) is not None}
     others = [name for name, one in keys.items() if one.kind is one.VAR_KEYWORD]
@@ -185,13 +185,13 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
 def _choice(place: str, key: str) -> str:
     """For a message: the words or the kinds of table among which this key of the function is, "" for others."""
     if words := _WORDS.get(place, {}).get(key):
-        return f"{must_be(_named(words))}; "
+        return f"{must_be(named(words))}; "
     if isinstance(kinds := _TABLES.get(key), Mapping):
         return f"must be a table whose kind is one of {', '.join(kinds)}; "
     return ""
 
 
-def _named(place: str) -> Any:
+def named(place: str) -> Any:
     """What has this name, such as "origins:Thermal"."""
     module, name = place.split(":")
     return getattr(import_module(module), name)

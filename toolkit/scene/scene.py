@@ -284,8 +284,8 @@ def make_contacts(table: tables.ContactsTable, folder: Path, comm: Any) -> Conta
             surface = made.get("interface", surface)
             own = laws.without_kelvin(own, f"contacts.{name}", surface)
             own = laws.with_width(own, f"contacts.{name}")
-            made[name] = laws.build(kinds, own, f"contacts.{name}", folder, comm, thresholds)
-    made["thresholds"] = made.pop("strengthening", thresholds)
+            found = laws.build(kinds, own, f"contacts.{name}", folder, comm, made["thresholds"])
+            made["thresholds" if name in tables.GROWTHS else name] = found
     thermal = table.thermal or {}
     if thermal and surface is not None and "attempt_frequency" not in thermal:
         raise InputError(

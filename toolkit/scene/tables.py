@@ -27,6 +27,10 @@ class KeyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A table of the scene file: its fields are the keys it may hold."""
 
 
+# laws by which thresholds grow: tables of [contacts], and the functions of P_c and of numbers that they call
+GROWTHS = {"strengthening": "origins:strengthening"}
+
+
 class ContactsTable(KeyTable, frozen=True):
     thresholds: dict[str, Any]
     strengthening: dict[str, Any] | None = None

@@ -119,7 +119,7 @@ def _few_are_plastic(scene: Scene) -> bool:
 def why_late(contacts: Contacts) -> list[str]:
     """Why a reading of these contacts may not be solved in time, and what is known of it all the same; else none."""
     law = contacts.thresholds
-    if {"thermal", "strengthening"} <= set(contacts.held_in_time):
+    if contacts.thermal is not None and contacts.growing is not None:
         hint = f"{MORE_TIME}, or run the scene with [eq], which needs neither"
         return [f"F_s and K* of contacts that grow and break by heat may take minutes: {hint}"]
     if not law.atoms[0].size or contacts.in_time:

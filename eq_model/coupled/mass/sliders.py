@@ -6,11 +6,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from eq_model.blocks import Blocks, State, check_dropped
-from eq_model.coupled.ensemble import check_coupled, checked_slip_fraction, unit_of
+from eq_model.coupled.ensemble import (
+    check_coupled,
+    checked_slip_fraction,
+    few_contacts,
+    unit_of,
+)
 from eq_model.coupled.mass.chance import fall_by_chance
 from eq_model.coupled.work import growth, often_by_heat, slower_by_own_law
 from eq_model.result import SIZES, Energy, HeavySlips, means
-from origins import Contacts, Drive, identical
+from origins import Contacts, Drive
 from origins.drive import RISE, ROOM, SLIP_FRACTION
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
@@ -65,9 +70,10 @@ class HeavySliders:
         self._contacts, self._drive, self._seed, self.blocks = contacts, drive, seed, blocks
         self._dropped = dropped
         self._n, self._unit = blocks.each, unit_of(contacts)
-        by_heat = heat.SLOWER * slower_by_own_law(contacts) if contacts.thermal else 1
-        by_age = SLOWER if contacts.strengthening else 1
-        self._most_breaks = MOST_BREAKS // int(max(by_age, by_heat))
+        by_heat = heat.SLOWER if contacts.thermal else 1
+        by_age = SLOWER if contacts.growing else 1
+        slower = max(by_age, by_heat) * slower_by_own_law(contacts)
+        self._most_breaks = MOST_BREAKS // int(slower)
         self._births = births_of(contacts, self._unit)
         self._check_length()
 
@@ -157,8 +163,7 @@ class HeavySliders:
         from eq_model.draws.supply import make_supply
 
         if replica < 0:
-            mean = self._contacts.mean_threshold  # to which a temperature belongs
-            few = Contacts(identical(mean), thermal=self._contacts.thermal)
+            few, mean = few_contacts(self._contacts), self._contacts.mean_threshold
             # so fast that contacts in heat break a few times at most
             rate = 1.0 if few.thermal is None else few.thermal.rates.scale
             drive = Drive([3.0 * mean], mean * rate, spring=1.0, mass=rate**-2)
@@ -229,7 +234,7 @@ class HeavySliders:
             np.empty(waits),
             ages_of(contacts, n, heat_of(contacts, drive, n, self._unit, stream)),
         )
-        law = contacts.strengthening
+        law = contacts.growing
         mean = contacts.mean_threshold / self._unit if contacts.stiffness == "linked" else 0.0
         pull = state.Pull(
             n=n,

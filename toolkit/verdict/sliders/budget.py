@@ -12,6 +12,7 @@ from typing import Any, cast
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.laws.proportional import ProportionalGrowth
 from toolkit.processes.signals import Terminated, TimeIsUp
 from toolkit.running.progress import clock
 from toolkit.verdict.sliders.machine import (
@@ -41,8 +42,6 @@ MOST_BREAKS_IN_TIME = 5e6
 SHORT = 2.0
 # times as long as above a break in heat may take, as on a slider that creeps in Eyring heat, where a pilot says so
 DEAREST = 5.0
-# laws in time of contacts that hold, with which the ensemble takes them on a spring, beside a mass, too
-TAKEN = {"thermal", "strengthening"}
 # breaks of each contact along a loading with which a few, that wait for less than a slip of the mass, are followed
 # where nothing else decides: four sliders of a thousand along 6.5 loadings take 4e8, some 50 s of the processor
 MOST_LIVES = 1.5e4
@@ -173,6 +172,11 @@ def long_delay(machine: Machine, mean: float, force: float) -> float:
     return LONG_DELAY * max(slip_duration(machine, force), mean / machine.velocity)
 
 
+def taken_on_springs(contacts: Contacts) -> bool:
+    """Whether the ensemble takes contacts of these laws on a spring, beside a mass, too."""
+    return contacts.changing is None or isinstance(contacts.changing, ProportionalGrowth)
+
+
 def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlider) -> bool:
     """Whether finitely many contacts tell what infinitely many do.
 
@@ -181,7 +185,7 @@ def may_follow(machine: Machine, contacts: Contacts, rule: str, rigid: RigidSlid
     springs far below K*: near it their number decides. Where laws in time act, those alone that the ensemble takes
     beside a mass.
     """
-    if set(contacts.held_in_time) - (TAKEN if rule == "mass" else set()):
+    if contacts.held_in_time and not (rule == "mass" and taken_on_springs(contacts)):
         return False
     if rule == "mass":
         return contacts.waiting_time >= LONG_DELAY * slip_duration(machine, rigid.static)

@@ -25,9 +25,9 @@ from toolkit.results.slips import (
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
 from toolkit.verdict.sliders.budget import (
-    TAKEN,
     breaks_until,
     most_breaks,
+    taken_on_springs,
 )
 from toolkit.verdict.sliders.ensemble import FEW, NOT_SLID, RINGS, sliders, until_settled
 from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
@@ -107,7 +107,7 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
     until = time.monotonic() + seconds
     machine, contacts, infinite = asked.machine, asked.contacts, asked.infinite
     rule, present, mean = infinite.rule, asked.present, contacts.mean_threshold
-    if set(contacts.held_in_time) - TAKEN:
+    if not taken_on_springs(contacts):
         why = "contacts that age are not followed on a spring here"
         return Finite(rule, present, "unknown", message=why)
     plan = asked.planned(present, above, sliding)
