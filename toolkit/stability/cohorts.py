@@ -65,55 +65,85 @@ def _born(law: Start, nodes: int = _NODES) -> _Born:
 
 def _force(contacts: Contacts, path: Array, clock: Array, parts: int) -> Array:
     """F at the ends of all steps, so many of them between two points; a length."""
-    law, growing, heat = contacts.thresholds, contacts.growing, contacts.thermal
-    assert isinstance(heat, Thermal | None)
     points, ends = (
         np.arange(path.size),
         np.linspace(0.0, path.size - 1.0, (path.size - 1) * parts + 1),
     )
     place, now = np.interp(ends, points, path), np.interp(ends, points, clock)
-    if (wait := contacts.waiting_time) and np.diff(now).max() > wait:
-        raise InputError("delay: by cohorts it is longer than a step")
-    first, reformed = _born(contacts.start, _NODES_OF_START * parts), _born(as_start(None))
-    if contacts.reforming is not None:
-        reformed = _born(contacts.reforming.law)
-    edges = np.linspace(0.0, float(law.isf(_FORGOTTEN)), 1 + (_CELLS * parts if heat else 0))
-    beyond, limit = law.sf(edges), 0.5 * (edges[1:] + edges[:-1])
+    cohorts = Cohorts(contacts, place[0], now[0], parts)
+    moves = [cohorts.move(*step) for step in zip(place[1:], now[1:], strict=True)]
+    return np.array([cohorts.force_at_first, *moves])
 
-    def hazard(x: Array, age: Array) -> Array:
+
+class Cohorts:
+    """All contacts of a slider by the steps in which they formed, moved step by step.
+
+    force_at_first : F at the start, a length, where the slider stands at `place` at the time `now`
+    """
+
+    def __init__(self, contacts: Contacts, place: float, now: float, parts: int) -> None:
+        """`parts`: how fine cells of thresholds and nodes of the start are."""
+        law, self._growing, heat = contacts.thresholds, contacts.growing, contacts.thermal
+        assert isinstance(heat, Thermal | None)
+        self._heat: Thermal | None = heat
+        self._law, self._wait = law, contacts.waiting_time
+        first, self._reformed = (
+            _born(contacts.start, _NODES_OF_START * parts),
+            _born(as_start(None)),
+        )
+        if contacts.reforming is not None:
+            self._reformed = _born(contacts.reforming.law)
+        cells = _CELLS * parts if self._heat else 0
+        edges = np.linspace(0.0, float(law.isf(_FORGOTTEN)), 1 + cells)
+        self._beyond, self._limit = law.sf(edges), 0.5 * (edges[1:] + edges[:-1])
+        # of each cohort: where the slider is while it is relaxed, when it formed, the hazard then, the largest since,
+        # its share of all contacts, and the integral of its rates by cells of thresholds
+        pinned_for = 0.0 if self._growing is None else self._growing.start_pinned_for
+        self._relaxed_at = place - first.stretch
+        self._born_at = np.full(first.weights.size, now - pinned_for)
+        self._at_birth = self._hazard(first.stretch, now - self._born_at)
+        self._worst, self._weights = self._at_birth.copy(), first.weights
+        self._passed = np.zeros((first.weights.size, self._limit.size))
+        self._places, self._times, self._broken, self._births = [place], [now], [0.0], 0.0
+        self.force_at_first = float(first.weights @ first.stretch)
+
+    def _hazard(self, x: Array, age: Array) -> Array:
         """The cumulative hazard of thresholds at |x| and at these ages: with it a contact keeps its quantile."""
-        return -law.logsf(np.abs(x)) if growing is None else growing.hazard_at(x, age)
+        if self._growing is None:
+            return -self._law.logsf(np.abs(x))
+        return self._growing.hazard_at(x, age)
 
-    # of each cohort: where the slider is while it is relaxed, when it formed, the hazard then, the largest since, its
-    # share of all contacts, and the integral of its rates by cells of thresholds
-    pinned_for = 0.0 if growing is None else growing.start_pinned_for
-    relaxed_at = place[0] - first.stretch
-    born_at = np.full(first.weights.size, now[0] - pinned_for)
-    at_birth = hazard(first.stretch, now[0] - born_at)
-    worst, weights = at_birth.copy(), first.weights
-    passed = np.zeros((weights.size, limit.size))
-    forces, broken, births = [float(weights @ first.stretch)], [0.0], 0.0
-    for k in range(1, now.size):
-        step, middle = now[k] - now[k - 1], 0.5 * (place[k] + place[k - 1])
-        lasts = np.append(np.full(weights.size, step), np.full(reformed.weights.size, 0.5 * step))
-        begin = np.append(place[k - 1] - relaxed_at, reformed.stretch)
-        relaxed_at = np.append(relaxed_at, middle - reformed.stretch)
-        born_at = np.append(born_at, np.full(reformed.weights.size, now[k] - 0.5 * step))
-        x, fresh = place[k] - relaxed_at, hazard(reformed.stretch, np.zeros(reformed.weights.size))
-        at_birth, worst = np.append(at_birth, fresh), np.append(worst, fresh)
-        worst = np.maximum(worst, hazard(x, now[k] - born_at))
-        survival = np.exp(at_birth - worst)
-        if heat is not None:
-            passed = np.vstack([passed, np.zeros((reformed.weights.size, limit.size))])
-            passed += rate_of(heat, np.abs(0.5 * (begin + x))[:, None], limit) * lasts[:, None]
-            between = np.maximum(np.minimum(np.exp(-worst)[:, None], beyond[:-1]) - beyond[1:], 0.0)
-            survival = np.exp(at_birth) * (between * np.exp(-passed)).sum(axis=1)
-        old, new = survival[: weights.size], survival[weights.size :]
-        if wait:  # what broke a delay ago
-            born = float(np.diff(np.interp(now[k - 1 : k + 1] - wait, now[:k], broken))[0])
+    def move(self, place: float, now: float) -> float:
+        """F once the slider has moved to this place in a straight line, until this time."""
+        step, middle = now - self._times[-1], 0.5 * (place + self._places[-1])
+        reformed, many = self._reformed, self._reformed.weights.size
+        if self._wait and step > self._wait:
+            raise InputError("delay: by cohorts it is longer than a step")
+        lasts = np.append(np.full(self._weights.size, step), np.full(many, 0.5 * step))
+        begin = np.append(self._places[-1] - self._relaxed_at, reformed.stretch)
+        self._relaxed_at = np.append(self._relaxed_at, middle - reformed.stretch)
+        self._born_at = np.append(self._born_at, np.full(many, now - 0.5 * step))
+        x, fresh = place - self._relaxed_at, self._hazard(reformed.stretch, np.zeros(many))
+        self._at_birth = np.append(self._at_birth, fresh)
+        self._worst = np.append(self._worst, fresh)
+        self._worst = np.maximum(self._worst, self._hazard(x, now - self._born_at))
+        survival = np.exp(self._at_birth - self._worst)
+        if self._heat is not None:
+            passed = np.vstack([self._passed, np.zeros((many, self._limit.size))])
+            halfway = np.abs(0.5 * (begin + x))[:, None]
+            self._passed = passed + rate_of(self._heat, halfway, self._limit) * lasts[:, None]
+            lowest = np.minimum(np.exp(-self._worst)[:, None], self._beyond[:-1])
+            between = np.maximum(lowest - self._beyond[1:], 0.0)
+            survival = np.exp(self._at_birth) * (between * np.exp(-self._passed)).sum(axis=1)
+        old, new = survival[: self._weights.size], survival[self._weights.size :]
+        if self._wait:  # what broke a delay ago
+            before = np.array([self._times[-1], now]) - self._wait
+            born = float(np.diff(np.interp(before, self._times, self._broken))[0])
         else:  # as many as make all contacts hold
-            born = (1.0 - float(weights @ old)) / float(reformed.weights @ new)
-        weights, births = np.append(weights, born * reformed.weights), births + born
-        broken.append(births + 1.0 - float(weights @ survival))
-        forces.append(float(weights @ (survival * x)))
-    return np.array(forces)
+            born = (1.0 - float(self._weights @ old)) / float(reformed.weights @ new)
+        self._weights = np.append(self._weights, born * reformed.weights)
+        self._births += born
+        self._places.append(place)
+        self._times.append(now)
+        self._broken.append(self._births + 1.0 - float(self._weights @ survival))
+        return float(self._weights @ (survival * x))

@@ -12,10 +12,12 @@ import scipy.stats
 import origins
 from origins.contacts import Contacts
 from origins.errors import InputError
-from origins.thresholds.law import Array, Thresholds
+from origins.thresholds.law import Array
 from toolkit.stability import truths
 from toolkit.stability.case import LONGEST, ROUND_OFF, Case, Truth, simulated
 from toolkit.stability.cohorts import by_cohorts
+from toolkit.stability.drawn_laws import heat, narrow, rough, smooth
+from toolkit.stability.heavy import by_equation_of_motion, by_steps
 from toolkit.stability.renewal import COARSEST, by_renewal
 from toolkit.stability.work import within_work
 
@@ -32,53 +34,6 @@ def drawn(seed: int, number: int) -> Case:
     rng = np.random.default_rng([seed, number])
     kind = list(KINDS)[number % len(KINDS)]
     return KINDS[kind](kind, f"{seed}.{number}", rng)
-
-
-def narrow(rng: np.random.Generator, unit: float) -> Thresholds:
-    """Gaussian thresholds so far from 0 that their cut there does not matter."""
-    return origins.gaussian(unit, unit * rng.uniform(0.02, 0.1))
-
-
-def smooth(rng: np.random.Generator, unit: float) -> Any:
-    """Thresholds with densities so smooth that steps resolve them to round-off."""
-    wide = math.exp(rng.uniform(-1.0, 1.0)) * unit
-    peaks = [origins.gaussian(at * unit, 0.08 * unit) for at in rng.uniform(0.6, 1.5, 2)]
-    return [
-        lambda: narrow(rng, unit),
-        lambda: origins.lubricated(unit),
-        lambda: origins.persson(unit, wide),
-        lambda: origins.gw_plastic(unit**-2.0),
-        lambda: scipy.stats.gamma(rng.integers(1, 9), scale=unit / 4.0),
-        lambda: scipy.stats.lognorm(rng.uniform(0.1, 0.6), scale=unit),
-        lambda: origins.mixture(peaks, [0.4, 0.6]),
-    ][rng.integers(7)]()
-
-
-def rough(rng: np.random.Generator, unit: float) -> Any:
-    """Thresholds with roots, jumps, exact values and heavy tails in their densities."""
-    low = rng.uniform(0.1, 0.9)
-    box = origins.rectangular(low * unit, 1.4 * unit)
-    return [
-        lambda: box,
-        lambda: origins.gw_elastic(unit ** (-4.0 / 3.0)),
-        lambda: origins.gw_gaussian(rng.uniform(0.5, 4.0), unit),
-        lambda: origins.grains(rng.uniform(0.8, 2.0), B=unit**-2.0),
-        lambda: scipy.stats.beta(rng.uniform(0.8, 3.0), rng.uniform(0.8, 3.0), scale=unit),
-        lambda: scipy.stats.lomax(rng.uniform(3.0, 6.0), scale=unit),
-        lambda: origins.mixture([box, origins.identical(1.7 * unit)], [0.7, 0.3]),
-    ][rng.integers(7)]()
-
-
-def heat(
-    rng: np.random.Generator, mean: float, laws: Sequence[str] = ("soft", "stiff", "eyring")
-) -> origins.Thermal:
-    """One of the laws of heat, from cold to hot, with rare and with many attempts."""
-    law, attempts = laws[int(rng.integers(len(laws)))], 10.0 ** rng.uniform(-1.0, 1.5)
-    if law == "eyring":
-        width = rng.uniform(0.02, 0.3)
-        return origins.Thermal(law, attempt_frequency=attempts / mean, width=width)
-    warmth = 10.0 ** rng.uniform(-2.5, -0.5) * mean**2
-    return origins.Thermal(law, warmth, attempts / mean)
 
 
 def _unit(rng: np.random.Generator) -> float:
@@ -176,6 +131,45 @@ def _pulled(kind: str, name: str, rng: np.random.Generator) -> Case:
     return _case(kind, name, contacts, path, exact, _digits(rng, 1e-8), drive)
 
 
+def _strengthening(kind: str, name: str, rng: np.random.Generator) -> Case:
+    """Thresholds that grow with the logarithm of the age, from young to old contacts at the start; in time the path
+    turns round and rests, and some contacts wait."""
+    law, path = smooth(rng, _unit(rng)), _forward(rng)
+    mean, drive, laws = Contacts(law).mean_threshold, dict[str, Any](), dict[str, Any]()
+    if "in time" in kind:
+        path = _turning(rng, 1.0)
+        rests = rng.uniform(0.0, 0.3, path.size - 1) * (rng.random(path.size - 1) < 0.3)
+        drive["time"] = np.append(0.0, np.cumsum(np.abs(np.diff(path)) + 0.01 + rests)) * mean
+        if rng.random() < 0.4:
+            laws["delay"] = origins.Delay(float(rng.uniform(0.05, 1.0)) * mean)
+    beta, time, age = 10.0 ** rng.uniform([-2.5, -2.0, -3.0], [-0.5, 0.5, 1.0])
+    grown = origins.strengthening(law, beta, time * mean, age * mean * rng.integers(2))
+    contacts = Contacts(grown, _start(rng, mean), **laws)
+    return _case(kind, name, contacts, path, None, _digits(rng, 1e-5), drive)
+
+
+def _heavy(kind: str, name: str, rng: np.random.Generator) -> Case:
+    """A slider with mass, from one that swings for long to one that is all but stopped, on contacts without laws, or
+    with a delay or strengthening."""
+    law: Any = narrow(rng, _unit(rng))
+    mean, laws = Contacts(law).mean_threshold, dict[str, Any]()
+    if "delay" in kind:
+        law, laws["delay"] = smooth(rng, mean), origins.Delay(10.0 ** rng.uniform(-1.5, 0.3) * mean)
+    if "strengthening" in kind:
+        law = origins.strengthening(smooth(rng, mean), 10.0 ** rng.uniform(-2.5, -1.0), mean)
+    contacts = Contacts(law, _start(rng, mean), **laws)
+    spring, square = 10.0 ** rng.uniform([-1.0, -2.5], [1.0, 1.0])
+    mass, part = (
+        square * contacts.mean_threshold**2,
+        rng.choice([0.0, 10.0 ** rng.uniform(-1.0, 0.5)]),
+    )
+    drive = {"spring": spring, "mass": mass, "damping": 2.0 * part * math.sqrt(spring * mass)}
+    begin = contacts.start.mean() / spring / contacts.mean_threshold
+    path = begin + np.linspace(0.1, rng.uniform(1.2, 2.5) * (1.0 + 0.7 / spring), _POINTS)
+    tolerance = _digits(rng, 1e-3 if "strengthening" in kind else 1e-7)
+    return _case(kind, name, contacts, path, None, tolerance, drive)
+
+
 KINDS: dict[str, Callable[[str, str, np.random.Generator], Case]] = {
     "gaussian": _gaussian,
     "smooth law": _renewed,
@@ -191,6 +185,11 @@ KINDS: dict[str, Callable[[str, str, np.random.Generator], Case]] = {
     "ageing": _ageing,
     "growing grains": _growing,
     "spring": _pulled,
+    "strengthening": _strengthening,
+    "strengthening in time": _strengthening,
+    "mass": _heavy,
+    "mass, delay": _heavy,
+    "mass, strengthening": _heavy,
 }
 
 
@@ -207,7 +206,9 @@ def _case(
     it out; where it does not, the road is the truth, so that a fault of both answers of the master equation is seen."""
     kept, drive = list[Truth](), drive or {}
     roads = [road] if road else []
-    if "spring" not in drive:
+    if "mass" in drive:
+        roads = [partial(heavy, drive=drive) for heavy in (by_equation_of_motion, by_steps)]
+    elif "spring" not in drive:
         roads.append(partial(by_cohorts, time=drive.get("time")))
         roads.append(partial(by_ensemble, drive=drive))
 

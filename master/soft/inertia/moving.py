@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import GETS_SLOW, RINGS, Body, Mode
@@ -13,8 +13,9 @@ from origins.thresholds.law import Array
 
 # Most steps of the integrator: some 20 s.
 MOST_STEPS = 50_000
-# Error of a step, in units of the tolerance, and the least, in mean thresholds: rounding.
-FINE, FINEST = 1e-3, 1e-12
+# Error of a step, in units of the tolerance, and the least, in mean thresholds: rounding. Those of a slip add up, and
+# move what follows; at 1e-3 that was up to half of the tolerance, and did not fall with it.
+FINE, FINEST = 1e-4, 1e-12
 # Points of a step at which the speed is compared with the drive's.
 POINTS = 17
 # Steps between two looks at the clock, which takes as long as a step.
@@ -63,6 +64,32 @@ class Step(NamedTuple):
             )
         )
 
+    def turns_back(self, at_rest: bool) -> float | None:
+        """When the speed falls to 0, None where it does not; `at_rest`: it is 0 or below at the beginning.
+
+        A slider that comes all but to rest may turn and go on within one step, so that the step's ends tell of no turn.
+        """
+        times = np.linspace(self.first, self.last, POINTS)
+        speed = self.inside(times)[1]
+        ahead = np.flatnonzero(speed > 0.0)
+        begin = int(ahead[0]) if at_rest and ahead.size else 0
+        if at_rest and not ahead.size:
+            return self.first
+        for k in range(begin + 1, POINTS):
+            if speed[k] <= 0.0:
+                return self._replace(last=float(times[k])).when(1, 0.0, float(times[k - 1]))
+            if k + 1 < POINTS and speed[k] < min(speed[k - 1], speed[k + 1]):
+                low = self._lowest(float(times[k - 1]), float(times[k + 1]))
+                if float(self.inside(low)[1]) <= 0.0:
+                    return self._replace(last=low).when(1, 0.0, float(times[k - 1]))
+        return None
+
+    def _lowest(self, low: float, high: float) -> float:
+        """When the speed is least between two times."""
+        asked = {"bounds": (low, high), "method": "bounded"}
+        found = minimize_scalar(lambda t: float(self.inside(t)[1]), **asked)
+        return float(found.x)
+
     def up_to(self, end: float) -> "Step":
         """The step cut at this time."""
         return self._replace(last=end, state=self.inside(end))
@@ -84,19 +111,13 @@ class Moving(Body):
             if not self.steps % UNWATCHED:
                 stop_after(self.contacts.until)
             step = Step(begun, solver.t_old, solver.t, solver.y, solver.dense_output())
-            drop, turns, finished = self._drop, False, solver.status == "finished"
+            drop, back, finished = self._drop, step.turns_back(at_rest), solver.status == "finished"
+            if back is not None:
+                step = step.up_to(back)
             drops = step.state[0] > drop
             if drops:
                 step = step.up_to(step.when(0, drop, step.first))
-            if step.state[1] <= 0.0:
-                turns, drops, low = True, False, step.first
-                if at_rest:
-                    inner = np.linspace(step.first, step.last, POINTS)[1:-1]
-                    ahead = inner[step.inside(inner)[1] > 0.0]
-                    low = float(ahead[0]) if ahead.size else step.first
-                step = step.up_to(
-                    step.when(1, 0.0, low) if low > step.first or not at_rest else low
-                )
+            turns = back is not None and not drops
             finished &= not (drops or turns)
             self._take(step, self._leg_end() if finished else begun + step.last)
             if turns:

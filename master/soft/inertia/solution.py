@@ -1,7 +1,7 @@
 """A soft slider with a mass, M X'' + γ X' = K (X_T - X) - F, on the path of its drive.
 
 It is followed with ever smaller tolerances (TOLERANCES), until the forces of the last two runs agree. The error is
-their difference, twice that with a delay (SAFETY_OF_DELAY), and what both may miss alike (UNSEEN).
+twice their difference (SAFETY), and what both may miss alike (UNSEEN).
 """
 
 import time
@@ -37,12 +37,13 @@ TOLERANCES = 10.0, 2.0, 0.4, 0.08, 0.016
 # Parts of a run's tolerance that both runs may miss alike, so that their difference does not show them: panels, forces
 # taken as those of contacts of which none breaks or of steady breaks, and ringing that is taken as rest.
 UNSEEN = OF_PANELS + ALIKE + QUIET
-# Times the difference of two runs in the error where contacts form after a delay: births repeat the errors of breaks,
-# which fall less regularly (in 1 of 63 random machines the difference alone was 1.5 times too small).
-SAFETY_OF_DELAY = 2.0
-# And part of a run's tolerance that its error is at least told with then: both runs may agree by chance (of 64 random
-# machines one was off by 0.09 of it, and 2.7 times what both differed by).
-LEAST_WITH_DELAY = 0.1
+# Times the difference of two runs in the error: errors fall less regularly than tolerances, and with a delay births
+# repeat those of breaks (in 1 of 63 random machines with a delay, and 1 of 100 without, the difference alone was 1.1 to
+# 2.3 times too small).
+SAFETY = 2.0
+# And part of a run's tolerance that its error is at least told with: both runs may agree by chance (of 64 random
+# machines with a delay one was off by 0.09 of it, and 2.7 times what both differed by; of 110 without one by 0.085).
+LEAST_ERROR = 0.1
 # Smallest tolerance of a run, in mean thresholds: below it all is rounding. Rounding of the force, relative to K X_T.
 LEAST, ROUNDING = 1e-11, 1e-14
 
@@ -129,12 +130,11 @@ def solve_inertial(
             best, coarser = run, before
             differ, contacts_differ = best.differ(before)
             unseen = UNSEEN * part * tolerance
-            safety = SAFETY_OF_DELAY if contacts.waiting_time else 1.0
-            least = LEAST_WITH_DELAY * part * tolerance if contacts.waiting_time else 0.0
             error, of_contacts = (
-                max(safety * off + unseen, least) for off in (differ, contacts_differ)
+                max(SAFETY * off + unseen, LEAST_ERROR * part * tolerance)
+                for off in (differ, contacts_differ)
             )
-            parting = run.parting(before, (tolerance - unseen) / safety)
+            parting = run.parting(before, (tolerance - unseen) / SAFETY)
             progress(error)
     most = float(best.record.holding[: best.force.size].max(initial=0.0))
     # a first run that was stopped has asked for less than `tolerance`, and knows no error
