@@ -81,7 +81,7 @@ QUESTIONS = {
     "the period of slips: of a solution; of an ensemble's late slips; for a verdict; on its page": (
         "master:Slips.period",
         "toolkit:LateSlips",
-        "toolkit:_behaviour",
+        "toolkit:behaviour_of",
         "toolkit:period_of",
     ),
     "the rule of a slip at T = 0: reset; reform-after, in the slip and its births; instant": (

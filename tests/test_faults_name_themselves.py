@@ -65,8 +65,8 @@ def test_a_jump_right_behind_an_edge(monkeypatch: pytest.MonkeyPatch) -> None:
     """Contacts that are still out one cycle later are left out, first where the slider has turned."""
     contacts, path = Contacts(origins.gaussian(1.0, 0.2), delay=Delay(1.5)), [3.0, 4.0, 5.0, 2.0]
     assert master.solve(contacts, path, tolerance=1e-6).success
-    true = March._longest_cycle
-    monkeypatch.setattr(March, "_longest_cycle", lambda self, leg: true(self, leg) - 1.5)
+    true = March.longest_cycle
+    monkeypatch.setattr(March, "longest_cycle", lambda self, leg: true(self, leg) - 1.5)
     found = master.solve(contacts, path, tolerance=1e-6)
     assert not found.success and "right behind an edge: a sum over births is wrong" in found.message
 
@@ -181,13 +181,13 @@ def test_a_turn_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_births_on_a_wrong_leg(monkeypatch: pytest.MonkeyPatch, off: int, told: str) -> None:
     """A panel too few, or one too many, has its births on the legs before the one after the turn: without a check an
     answer that was off by 0.18 called itself good to 7e-12."""
-    true = Past._count_before
+    true = Past.count_before
 
     def wrong(self, solved):
         count = true(self, solved)
         return count + off if count > 0 else 0
 
-    monkeypatch.setattr(Past, "_count_before", wrong)
+    monkeypatch.setattr(Past, "count_before", wrong)
     contacts = Contacts(origins.gaussian(1.0, 0.2), delay=Delay(1.5))
     found = master.solve(contacts, [3.0, 4.0, 5.0, 2.0], tolerance=1e-6)
     assert not found.success and found.force_error == np.inf
@@ -324,13 +324,13 @@ def reset_beside_the_drive(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def slip_too_far(monkeypatch: pytest.MonkeyPatch) -> None:
     """A slip goes on behind its balance."""
-    true = slip_ends._travel_to_balance
+    true = slip_ends.travel_to_balance
 
     def wrong(contacts, steps):
         travel, imbalance = true(contacts, steps)
         return 1.001 * travel, imbalance
 
-    monkeypatch.setattr(slip_ends, "_travel_to_balance", wrong)
+    monkeypatch.setattr(slip_ends, "travel_to_balance", wrong)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ import master
 import origins
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.refining import memory_of
-from master.soft.in_time.slip_ends import _balance_between
+from master.soft.in_time.slip_ends import balance_between
 from master.soft.in_time.unresolved import OF_BALANCE
 from origins import Contacts, Delay, Thermal, gaussian_start
 from origins.errors import InputError
@@ -315,7 +315,7 @@ def test_a_slip_may_end_where_the_force_jumps() -> None:
         def imbalance(travel: float, jump: float = jump) -> float:
             return 0.5 - travel + (0.5 * jump if travel < 0.5 else -0.5 * jump)
 
-        travel, left = _balance_between(imbalance, 0.1, 1.0, contacts)
+        travel, left = balance_between(imbalance, 0.1, 1.0, contacts)
         assert travel == pytest.approx(0.5, abs=1e-12)
         assert abs(left) == pytest.approx(0.5 * jump, abs=1e-12)
     assert contacts.unresolved.error_of(OF_BALANCE) == pytest.approx(1.5e-4)

@@ -14,7 +14,7 @@ from master.motion import drive_motion
 from master.outcome import unheard
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.refining import memory_of
-from master.soft.inertia.in_time.answer import _error_by
+from master.soft.inertia.in_time.answer import error_by
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from master.soft.inertia.in_time.slider import HeavySlider
 from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, strengthening
@@ -155,7 +155,7 @@ def test_other_laws_beside_a_mass_agree_with_shorter_steps(contacts: Contacts) -
     ],
 )
 def test_the_error_is_that_of_the_larger_change(changes: Sequence[float], error: float) -> None:
-    assert _error_by(np.array(changes)[:, None], 3.0) == pytest.approx(error)
+    assert error_by(np.array(changes)[:, None], 3.0) == pytest.approx(error)
 
 
 def test_errors_fall_as_the_square_of_the_steps() -> None:

@@ -470,6 +470,18 @@ def test_a_move_below_the_last_digit_by_a_guessed_slope_is_no_balance() -> None:
     assert not root.converged and root.step.imbalance == -0.5
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_move_that_is_no_number_is_not_made() -> None:
+    """Where the imbalance only falls moves become longer, here by a slope that has become too small for one."""
+
+    def tried(time_part: float) -> Any:
+        assert np.isfinite(time_part)
+        return steps_in_time.TriedStep(time_part, SimpleNamespace(), np.float64(-1.0 - time_part))
+
+    root = steps_in_time.secant(tried, 0.5, 1e-305, accuracy=1e-9, small=1e-10)
+    assert not root.converged and root.step.time_part == 0.5
+
+
 def test_a_balance_that_is_not_found_is_no_error_of_a_library() -> None:
     """Around its root the imbalance is so flat that brentq takes all of its steps: this one has not converged."""
 

@@ -23,7 +23,7 @@ from toolkit.verdict.files import plain
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.sliders.ensemble import follow_by_contacts
 from toolkit.verdict.sliders.finite import follow_finite
-from toolkit.verdict.sliders.follow import SWINGING, _behaviour, follow
+from toolkit.verdict.sliders.follow import STILL_SWINGS, behaviour_of, follow
 from toolkit.verdict.sliders.late import EVER_RARER, in_the_end, shrinking
 from toolkit.verdict.sliders.machine import (
     Behaviour,
@@ -150,9 +150,9 @@ def test_a_slider_that_swings_at_the_end_is_told_by_its_last_whole_slip() -> Non
     path = np.linspace(0.0, 6000.0, 600)
     solved = master.solve(contacts, path, 1e-2, **machine.keywords("mass"))
     assert solved.slips.drop.size >= 3
-    told = _behaviour("mass", solved, 1.0, 1.0, SWINGING)
+    told = behaviour_of("mass", solved, 1.0, 1.0, STILL_SWINGS)
     last = solved.slips.main[-1]
-    assert told.kind == "undecided" and told.message == SWINGING
+    assert told.kind == "undecided" and told.message == STILL_SWINGS
     assert told.before - told.after == pytest.approx(solved.slips.drop[last]) and last > 1
     assert told.before - told.after > 0.5
 
@@ -254,10 +254,10 @@ def test_slips_of_several_sizes_are_told_by_their_mean() -> None:
     solved = master.solve(contacts, np.linspace(0.0, 60.0, 50), 1e-6, spring=0.1, slip="reset")
     slips = solved.slips
     assert solved.regime.verdict == "stick-slip" and slips.drop.size >= 6
-    alike = _behaviour("reset", solved, 1.0, 1.0, "")
+    alike = behaviour_of("reset", solved, 1.0, 1.0, "")
     assert alike.before == slips.force_before[-1] and alike.period == solved.period
     sizes = np.where(np.arange(slips.drop.size) % 2, 0.5, 1.0) * slips.force_before
-    told = _behaviour(
+    told = behaviour_of(
         "reset", replace(solved, slips=replace(slips, force_before=sizes)), 1.0, 1.0, ""
     )
     even = (slips.drop.size + 1) // 4 * 2
@@ -280,7 +280,7 @@ def test_slips_in_turn_long_and_short_have_the_mean_of_both(number: int) -> None
             force_before=falls,
             drive_error=1e-3,
         )
-        return _behaviour("reset", replace(solved, slips=slips), 1.0, 1.0, "")
+        return behaviour_of("reset", replace(solved, slips=slips), 1.0, 1.0, "")
 
     found = told(gaps, falls)
     assert found.period == pytest.approx(2.5) and found.before == pytest.approx(0.5)

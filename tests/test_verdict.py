@@ -463,13 +463,13 @@ def test_fewer_contacts_than_the_areas_are_pulled_as_far_as_they_need(monkeypatc
 
 def test_a_slow_machine_follows_fewer_contacts_than_its_pilot_promised(monkeypatch: Any) -> None:
     """Where all take longer than was expected the rest of the time is for a sixteenth of them, not for the pilot's."""
-    real = ensemble._within
+    real = ensemble.in_time
 
     def slow(following: Any, seconds: float) -> Any:
         late = following.total > 4 * 8_000 or (following.total == 4 * 8_000 and seconds < 20.0)
         return None if late else real(following, seconds)
 
-    monkeypatch.setattr(ensemble, "_within", slow)
+    monkeypatch.setattr(ensemble, "in_time", slow)
     machine, contacts = Machine(1e-3, None, 0.0, 1.0), Contacts(stats.norm(1.0, 0.2))
     path = np.linspace(0.0, 2500.0, 50)
     for number, kept in ((64_000, 4_000), (16_000, 1_000), (8_000, 8_000)):
@@ -508,7 +508,7 @@ def test_an_interrupted_verdict_tells_what_is_known(
     with monkeypatch.context() as patched:
         # while it draws
         patched.setattr(
-            "toolkit.verdict.picture._draw_springs", lambda *_: os.kill(os.getpid(), number)
+            "toolkit.verdict.picture.draw_springs", lambda *_: os.kill(os.getpid(), number)
         )
         ended, out, err = said(capsys, "verdict", write(master=None, **given), "--out", "drawn")
     assert ended == status and out[-1] == "written to drawn"

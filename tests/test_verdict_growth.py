@@ -10,7 +10,7 @@ import eq_model
 import master
 from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian, strengthening
 from toolkit.verdict.sliders.budget import MOST_BREAKS_IN_TIME, may_follow, most_breaks
-from toolkit.verdict.sliders.ensemble import FEW, NOT_SLID, sliders
+from toolkit.verdict.sliders.ensemble import NOT_SLID, PILOT, sliders
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider, slip_duration
@@ -99,7 +99,7 @@ def test_fewer_contacts_that_are_late_cost_no_verdict(monkeypatch: Any) -> None:
         raise InputError("mass: takes 8001 steps")
 
     def late(machine: Any, contacts: Any, rule: str, path: Any, number: int, *rest: Any) -> Any:
-        if number == FEW:
+        if number == PILOT:
             raise InputError("1,000 contacts take more than 2 s: raise wall_time")
         return sliders(machine, contacts, rule, path, number, *rest)
 
@@ -118,7 +118,7 @@ def test_breaks_of_growing_contacts_are_counted_as_the_dear_ones_they_are(monkey
     assert most_breaks(GROWING, "reset") < most_breaks(cold, "mass")
     path, asked = np.linspace(0.0, 30.0, 5), list[int]()
     pilot = eq_model.simulate(
-        GROWING, path, n_contacts=FEW, n_replicas=4, seed=1, **HEAVY.keywords("mass")
+        GROWING, path, n_contacts=PILOT, n_replicas=4, seed=1, **HEAVY.keywords("mass")
     )
     monkeypatch.setattr(
         "toolkit.verdict.sliders.budget.MOST_BREAKS_IN_TIME", 4.5 * float(pilot.breaks)

@@ -34,7 +34,7 @@ from toolkit.verdict.sliders.budget import (
     may_follow,
 )
 from toolkit.verdict.sliders.ensemble import (
-    FEW,
+    PILOT,
     follow_by_contacts,
     sliders,
 )
@@ -210,7 +210,7 @@ def test_other_samples_change_the_kinetic_force_of_a_rigid_slider() -> None:
 def test_the_number_of_contacts_hangs_on_their_breaks_and_no_tenth_of_a_pilots_time(
     monkeypatch: Any,
 ) -> None:
-    """On a busy machine a pilot takes longer, and the answer is to be the same: numbers are FEW times a power of 2, by
+    """On a busy machine a pilot takes longer, and the answer is to be the same: numbers are PILOT by a power of 2, by
     the breaks of a pilot that takes a moment, and by the time of one that takes longer."""
     machine, asked, taken, clock = Machine(1e-3, None, 0.0, 1.0), list[int](), [0.9], [0.0]
     contacts, path = Contacts(gaussian(1.0, 0.3)), np.linspace(0.0, 3000.0, 5)
@@ -223,24 +223,29 @@ def test_the_number_of_contacts_hangs_on_their_breaks_and_no_tenth_of_a_pilots_t
 
     def made(*arguments: Any, n_contacts: int, **named: Any) -> Any:
         asked.append(n_contacts)
-        return ensemble(*arguments, n_contacts=FEW, **named)
+        return ensemble(*arguments, n_contacts=PILOT, **named)
 
     def followed(seconds: float) -> int:
-        sliders(machine, contacts, "reset", path, 10 * FEW, seconds)
+        sliders(machine, contacts, "reset", path, 10 * PILOT, seconds)
         return asked[-1]
 
     pilot = ensemble(
-        contacts, path, n_contacts=FEW, n_replicas=4, seed=1, **machine.keywords("reset")
+        contacts, path, n_contacts=PILOT, n_replicas=4, seed=1, **machine.keywords("reset")
     )
     breaks = sum(1 for _ in pilot) and pilot.result().breaks
     monkeypatch.setattr(ensemble, "result", result)
     monkeypatch.setattr(time, "process_time", lambda: clock[0])
     monkeypatch.setattr(eq_model, "Ensemble", made)
-    for times, number in ((1.9, FEW), (2.1, 2 * FEW), (9.9, 8 * FEW), (10.1, 10 * FEW)):
+    for times, number in ((1.9, PILOT), (2.1, 2 * PILOT), (9.9, 8 * PILOT), (10.1, 10 * PILOT)):
         monkeypatch.setattr("toolkit.verdict.sliders.budget.MOST_BREAKS", times * breaks)
         assert [followed(1e3), followed(12.0)] == [number] * 2
-    assert followed(5.9) == 4 * FEW  # in half the time that those breaks take
-    for run_time, number in ((2.1, 4 * FEW), (2.5, 4 * FEW), (4.0, 2 * FEW), (1.9, 10 * FEW)):
+    assert followed(5.9) == 4 * PILOT  # in half the time that those breaks take
+    for run_time, number in (
+        (2.1, 4 * PILOT),
+        (2.5, 4 * PILOT),
+        (4.0, 2 * PILOT),
+        (1.9, 10 * PILOT),
+    ):
         taken.append(run_time)
         assert followed(13.0) == number
 
@@ -789,7 +794,7 @@ def test_a_short_delay_that_is_not_solved_is_told_by_as_many_contacts_as_break_o
     assert every.kind == "stick-slip" and every.contacts == 4000
     monkeypatch.setattr("toolkit.verdict.sliders.budget.MOST_BREAKS_RINGING", 1e6)
     fewer = follow(machine, contacts, "mass", rigid, 1e4)
-    assert fewer.contacts == 2 * FEW and fewer.before == pytest.approx(
+    assert fewer.contacts == 2 * PILOT and fewer.before == pytest.approx(
         every.before, abs=fewer.error
     )
     many = follow_finite(machine, contacts, 4000.0, fewer, rigid.static, 1e4)
@@ -852,7 +857,9 @@ def test_a_damping_that_nobody_gave_bears_no_large_part_of_an_answer() -> None:
     with_damping = follow(replace(machine, damping=slow.damping), contacts, "mass", rigid, 1e4)
     assert with_damping.before == pytest.approx(6.325 + 0.5794, rel=0.01)
     own = replace(of(found).own, scale=replace(of(found).own.scale, contacts=100.0))
-    assert judge._finite(SimpleNamespace(eq=None), own, *2 * [Budget(60.0, True)], print) == ()
+    assert (
+        judge.finite_sliders(SimpleNamespace(eq=None), own, *2 * [Budget(60.0, True)], print) == ()
+    )
 
 
 def test_contacts_of_the_area_are_given_up_once_the_time_is_over(monkeypatch: Any) -> None:
@@ -866,5 +873,5 @@ def test_contacts_of_the_area_are_given_up_once_the_time_is_over(monkeypatch: An
     monkeypatch.setattr(judge, "SHORT", 0.1)
     own = of(of_a_mass("stick-slip", 0.8)).own
     own, over = replace(own, scale=replace(own.scale, contacts=100.0)), Budget(0.0, strict=True)
-    (told,) = judge._finite(SimpleNamespace(eq=None), own, over, over, print)
+    (told,) = judge.finite_sliders(SimpleNamespace(eq=None), own, over, over, print)
     assert (told.kind, told.contacts, told.message) == ("unknown", 100, NO_TIME)

@@ -80,7 +80,7 @@ def test_more_digits_of_k_that_take_long_are_given_up_and_the_first_ones_kept(
 
     monkeypatch.setattr(master, "propensity", slow)
     began = time.monotonic()
-    found = judge._propensity(contacts, 1.0, Budget(0.4, strict=True))
+    found = judge.propensity_of(contacts, 1.0, Budget(0.4, strict=True))
     assert time.monotonic() - began < 10.0
     assert found.critical_spring_error == 1e-4 and found.critical_spring > 0.0
 
@@ -117,7 +117,7 @@ def of_a_mass(machine: Machine, delay: float) -> answers.Answer:
 def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
     """A slip lasts π (M/K)^(1/2) = 0.314, far less than the 800 in which the drive loads this spring to the force
     before it, which contacts that do not wait bear, and not to F_s, 0.6; or more than the 0.08 on a faster drive."""
-    slow = kinds._of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1.0), 1e-3))
+    slow = kinds.of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1.0), 1e-3))
     slow = slow.replace(" units of time", "")
     assert re.fullmatch(
         r"\. With a delay far below \S+, (in|above) which .*, contacts re-form in effect at once; with one far above "
@@ -125,7 +125,7 @@ def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
         r"0\.800 N_c<k> length, only after the slip",
         slow,
     )
-    fast = kinds._of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1e4), 1e-3))
+    fast = kinds.of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1e4), 1e-3))
     assert (
         "with no delay do they all re-form between one slip and the next, as a slip lasts" in fast
     )

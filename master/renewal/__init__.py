@@ -26,7 +26,7 @@ and what broke more than a longest life and a delay ago counts for nobody (`Marc
 A delay enters where breaks become births: `SolvedPanels.births_begin` and `middle_of_births`, hence `Past`, whose
 `_legs_of_births` adds it itself; where those that are out are counted: `still_out`, for `Present.panel_sums` and
 `March._sums_on_leg`; in `Present.panel_sums` the births of a panel lie one delay after it; in the births of lumps
-(`March._break_lumps`), in how far back contacts count (`March._longest_cycle`, `rigid.breaks_until`), and in the edges
+(`March._break_lumps`), in how far back contacts count (`March.longest_cycle`, `rigid.breaks_until`), and in the edges
 (`edges.py`).
 
 At an edge, where the breaks may jump, contacts that reach an exact threshold together become a lump

@@ -157,18 +157,18 @@ class March:
                 widths.widen(proposal, batch.error, broken, unresolved=keep_all)
                 yield
 
-    def _longest_cycle(self, leg: int) -> float:
+    def longest_cycle(self, leg: int) -> float:
         """The longest time from a break to the next one of the same contact, which is out for the delay, then holds."""
         return self.present.straight(float(self.motion.speeds[leg])).longest + self.births.delay
 
     def _oldest_that_counts(self, t: float, leg: int) -> float:
         """Contacts that broke before this time on the path neither are out nor hold at the time t on this leg."""
-        return t - self._longest_cycle(leg)
+        return t - self.longest_cycle(leg)
 
     def _steady(self) -> bool:
         """Whether breaks have been steady for longer than any cycle. Each rate of breaks is a mean of those at most a
         longest cycle before (renewal equation); where these agree to the tolerance, so do all that follow."""
-        cycles, speed = CYCLES * self._longest_cycle(0), self.motion.speeds[0]
+        cycles, speed = CYCLES * self.longest_cycle(0), self.motion.speeds[0]
         solved, now = self.solved, self.solved.end
         after_last_lump, ahead = now - self.lumps[-1].birth, self.edges[-1] - now
         if not speed or after_last_lump < cycles or ahead < CYCLES_AHEAD * cycles:

@@ -119,7 +119,7 @@ class Past:
         self._leave_out()
         self.leg = leg
         self._set_clock(leg)
-        self.first_panel = self._count_before(solved)
+        self.first_panel = self.count_before(solved)
         panels_before = solved.pick(slice(self.first_panel))
         if self._strands is not None:
             self._follow_strands(self._strands, panels_before)
@@ -160,7 +160,7 @@ class Past:
         self._leg_start_path = float(motion_path.times[leg])
         self._motion_leg = motion_path.counted_from(leg)
 
-    def _count_before(self, solved: SolvedPanels) -> int:
+    def count_before(self, solved: SolvedPanels) -> int:
         """How many panels there are whose births are on legs before the present one."""
         return int(np.searchsorted(self._legs_of_births(solved), self.leg))
 

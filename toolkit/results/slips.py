@@ -14,8 +14,8 @@ QUARTERED, HALVED = 8, 4
 # of a mean drop: slips that shrink by less from one third of the way to the next are not called fading, nor by less
 # than so many standard errors
 FADED, FADING = 0.05, 4.0
-# of a drop: less than this from one slip to the next is not told of FEW late slips, of more as much less
-STILL, FEW = 2e-3, 2
+# of a drop: less than this from one slip to the next is not told of FEW_SLIPS late slips, of more as much less
+STILL, FEW_SLIPS = 2e-3, 2
 # Means of two blocks of slips agree up to so many standard errors of their difference, and up to this part of a drop.
 AGREE, SAME = 2.0, 1e-3
 # Slips of each slider that tell of a limit cycle; where they differ by more than this part of a drop MANY, as one may
@@ -170,9 +170,9 @@ def are_fading(slips: Any) -> bool:
 
 def shrinks_by(slips: Any, sliders: int) -> float:
     """By which part of itself a large drop is smaller than the one before it, over the later half of these, on average
-    over so many sliders. 0 where that is below STILL (of FEW late slips, of more as much less), below FADING standard
-    errors of theirs or TRENDED by the scatter about the trend, and of fewer slips than HALVED. Contacts that have drawn
-    apart slip in groups in between: drops below LARGE of a slider's largest of late do not count."""
+    over so many sliders. 0 where that is below STILL (of FEW_SLIPS late slips, of more as much less), below FADING
+    standard errors of theirs or TRENDED by the scatter about the trend, and of fewer slips than HALVED. Contacts that
+    have drawn apart slip in groups in between: drops below LARGE of a slider's largest of late do not count."""
     each = [slips.drop[slips.replica == one] for one in range(sliders)]
     each = [drops[drops >= LARGE * drops[drops.size // 2 :].max(initial=0.0)] for drops in each]
     common = min(drops.size for drops in each)
@@ -185,7 +185,7 @@ def shrinks_by(slips: Any, sliders: int) -> float:
     # drops that settle by turns larger and smaller, alike for all sliders, do not shrink
     off = late.mean(axis=0) - late.mean() - slopes.mean() * steps
     own = (off @ off / (steps.size - 2) / (steps @ steps)) ** 0.5
-    still = STILL * FEW / steps.size
+    still = STILL * FEW_SLIPS / steps.size
     least = max(still, FADING * float(slopes.std(ddof=1)) / sliders**0.5, TRENDED * own)
     part = -float(np.expm1(slopes.mean()))
     return part if part > least else 0.0

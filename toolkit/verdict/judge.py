@@ -128,7 +128,7 @@ def verdict(
                 with budget.stops.or_late():
                     turned = with_other_delay(answers[0], budget.part(OWN))
             share = part_of_sliders(scene.contacts, many > 1)
-            finite = _finite(scene, answers[0], budget, budget.part(share), progress)
+            finite = finite_sliders(scene, answers[0], budget, budget.part(share), progress)
             answers[0] = with_finite(answers[0], finite)
             if turned is None and answers[0].behaviours[:1] and answers[0].behaviours[0].instead:
                 turned = with_other_delay(answers[0], budget.part(OWN))
@@ -156,7 +156,7 @@ def _slides_on(table: DriveTable, contacts: Contacts) -> bool:
     return machine is not None and slides_on(machine, contacts)
 
 
-def _finite(
+def finite_sliders(
     scene: Scene, own: Answer, every: Budget, part: Budget, progress: Callable[[str], None]
 ) -> tuple[Finite, ...]:
     """Sliders of as many contacts as the area holds, or as [eq] names, for each rule of the own reading, about within
@@ -223,7 +223,7 @@ def _answer(
         if contacts.thermal is not None and reading.own:
             without = contacts.replace(thermal=None)
             cold = kinetic_of(master.steady_state(without, velocity=velocity), without)
-        found = _propensity(contacts, velocity, budget)
+        found = propensity_of(contacts, velocity, budget)
         ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
         static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
         critical = Quantity(found.critical_spring, found.critical_spring_error)
@@ -282,7 +282,7 @@ def _without_slip(behaviours: list[Behaviour], contacts: Contacts, rule: str) ->
     return replace(first, rule=rule, run_time=0.0) if sure else None
 
 
-def _propensity(contacts: Contacts, velocity: float, budget: Budget) -> Any:
+def propensity_of(contacts: Contacts, velocity: float, budget: Budget) -> Any:
     """K*, F_s and the decoherence length of these contacts, roughly first: laws with many peaks take a minute for more,
     which is spent only where it is there, and where K* is not infinite anyway."""
     import master

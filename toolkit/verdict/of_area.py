@@ -35,24 +35,24 @@ CLEARLY = 4.0
 
 def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
     """The rules under which as many contacts as there are do something else than infinitely many."""
-    return [(one, many) for one, many in _pairs(verdict) if _kinds_differ(verdict, one, many)]
+    return [(one, finite) for one, finite in _pairs(verdict) if _kinds_differ(verdict, one, finite)]
 
 
 def apart(verdict: Verdict) -> dict[str, Finite]:
     """What as many contacts as there are do, by the rules under which that is something else than what infinitely many
     do, or the same at forces that differ by more than the errors of both, or that scatter."""
     by_rule = dict[str, Finite]()
-    for one, many in _pairs(verdict):
+    for one, finite in _pairs(verdict):
         if (
             one.instead
-            or _kinds_differ(verdict, one, many)
-            or _slips_differ(verdict, one, many)
-            or _slides_apart(many, verdict.own.kinetic.value, _error_of(verdict, one))
-            or scatters(many)
+            or _kinds_differ(verdict, one, finite)
+            or _slips_differ(verdict, one, finite)
+            or _slides_apart(finite, verdict.own.kinetic.value, _error_of(verdict, one))
+            or scatters(finite)
         ):
             # where none slips, no rule acts: what is left between rules is chance
-            alike = [other for other in by_rule.values() if _slide_alike(many, other)]
-            by_rule[one.rule] = replace(alike[0], rule=one.rule) if alike else many
+            alike = [other for other in by_rule.values() if _slide_alike(finite, other)]
+            by_rule[one.rule] = replace(alike[0], rule=one.rule) if alike else finite
     return by_rule
 
 
@@ -66,32 +66,32 @@ def _slide_alike(one: Finite, other: Finite) -> bool:
 def _pairs(verdict: Verdict) -> Iterator[tuple[Behaviour, Finite]]:
     """Rules that are decided for both, infinitely many contacts and as many as there are; not where fewer were
     followed, which say so: their forces are further from those of infinitely many."""
-    for one, many in zip(verdict.own.behaviours, verdict.finite, strict=False):
-        if one.kind != "undecided" and many.kind != "unknown" and not many.message:
-            yield one, many
+    for one, finite in zip(verdict.own.behaviours, verdict.finite, strict=False):
+        if one.kind != "undecided" and finite.kind != "unknown" and not finite.message:
+            yield one, finite
 
 
-def _kinds_differ(verdict: Verdict, one: Behaviour, many: Finite) -> bool:
+def _kinds_differ(verdict: Verdict, one: Behaviour, finite: Finite) -> bool:
     """Falls below SMALL mean thresholds are no slips of the slider, and slips that get ever rarer end in sliding."""
     small = SMALL * verdict.own.contacts.mean_threshold
-    if {one.kind, many.kind} == {"smooth", EVER_RARER}:
+    if {one.kind, finite.kind} == {"smooth", EVER_RARER}:
         return False
-    return one.kind != many.kind and not many.before - many.after < small
+    return one.kind != finite.kind and not finite.before - finite.after < small
 
 
-def _slips_differ(verdict: Verdict, one: Behaviour, many: Finite) -> bool:
+def _slips_differ(verdict: Verdict, one: Behaviour, finite: Finite) -> bool:
     """Whether all the contacts of the area slip as infinitely many do, and from a clearly other force."""
-    if not one.kind == many.kind == "stick-slip":
+    if not one.kind == finite.kind == "stick-slip":
         return False
-    margin = max(SEEN * abs(one.before), _error_of(verdict, one), 2.0 * many.before_error)
-    return abs(many.before - one.before) > margin
+    margin = max(SEEN * abs(one.before), _error_of(verdict, one), 2.0 * finite.before_error)
+    return abs(finite.before - one.before) > margin
 
 
-def _slides_apart(many: Finite, kinetic: float, error: float = 0.0) -> bool:
+def _slides_apart(finite: Finite, kinetic: float, error: float = 0.0) -> bool:
     """Whether contacts that re-form at once bear clearly more at the end of the way than infinitely many, `kinetic`
     with its numerical `error` (lengths): on soft springs by N^(-2/3) <x_s> times 2 to 9, or more (docs/sliders.md)."""
-    margin = max(CLEARLY * many.late_error, WORTH_SHOWING * kinetic, error)
-    return bool(abs(many.late - kinetic) > margin)
+    margin = max(CLEARLY * finite.late_error, WORTH_SHOWING * kinetic, error)
+    return bool(abs(finite.late - kinetic) > margin)
 
 
 def _error_of(verdict: Verdict, one: Behaviour) -> float:
@@ -99,10 +99,10 @@ def _error_of(verdict: Verdict, one: Behaviour) -> float:
     return one.error * verdict.own.contacts.mean_threshold if one.error < np.inf else 0.0
 
 
-def counted(verdict: Verdict, many: Finite) -> str:
+def counted(verdict: Verdict, finite: Finite) -> str:
     """These contacts by their number, and whose they are."""
     whose = "of the area" if verdict.own.scale.contacts is not None else "of [eq]"
-    return f"the {of_contacts(many.contacts)} {whose}"
+    return f"the {of_contacts(finite.contacts)} {whose}"
 
 
 def whom_of(verdict: Verdict, one: Behaviour) -> str:
@@ -114,9 +114,9 @@ def whom_of(verdict: Verdict, one: Behaviour) -> str:
     return " for infinitely many contacts" * (told and one.rule in unknown)
 
 
-def subject(many: Finite) -> str:
+def subject(finite: Finite) -> str:
     """Who does something: so many contacts, of one alone the sliders that it holds."""
-    return f"{'sliders of ' * (many.contacts == 1)}{of_contacts(many.contacts)}"
+    return f"{'sliders of ' * (finite.contacts == 1)}{of_contacts(finite.contacts)}"
 
 
 def verb(kinds: set[str]) -> str:
@@ -128,59 +128,64 @@ def verb(kinds: set[str]) -> str:
     return verbs.get(min(kinds), "slip now and then")
 
 
-def behaved(verdict: Verdict, many: Finite) -> str:
+def behaved(verdict: Verdict, finite: Finite) -> str:
     """What so many contacts do, whose they are, and their own forces with errors and scatter."""
-    scale, whose = verdict.own.scale, f"with {counted(verdict, many)}"
-    if many.kind == "smooth" or (many.kind == "now and then" and np.isfinite(many.late)):
-        beside = fluctuating(many, scale)
+    scale, whose = verdict.own.scale, f"with {counted(verdict, finite)}"
+    if finite.kind == "smooth" or (finite.kind == "now and then" and np.isfinite(finite.late)):
+        beside = fluctuating(finite, scale)
         whose = f"{beside}{',' * bool(beside)} {whose}"
-        if not np.isfinite(many.late):
-            return f"{does(many)}{whose}"
-        still, comma = " and still rising" * many.rises, "," * (many.rises or many.kind != "smooth")
-        return f"{does(many)}{comma} at {sliding_force(many, scale)}{still}{whose}"
-    if many.kind == EVER_RARER:
-        return ever_rarer(verdict, many, whose)
-    if many.kind == "now and then":
-        return f"{does(many)}, from {fall_of(many, scale)} {whose}{left_out(many)}"
-    said = f"stick-slip: {fall_of(many, scale)}"
-    if shrinks := shrinking(many):  # the forces are those of late slips, not of those to come
+        if not np.isfinite(finite.late):
+            return f"{does(finite)}{whose}"
+        still, comma = (
+            " and still rising" * finite.rises,
+            "," * (finite.rises or finite.kind != "smooth"),
+        )
+        return f"{does(finite)}{comma} at {sliding_force(finite, scale)}{still}{whose}"
+    if finite.kind == EVER_RARER:
+        return ever_rarer(verdict, finite, whose)
+    if finite.kind == "now and then":
+        return f"{does(finite)}, from {fall_of(finite, scale)} {whose}{left_out(finite)}"
+    said = f"stick-slip: {fall_of(finite, scale)}"
+    if shrinks := shrinking(finite):  # the forces are those of late slips, not of those to come
         whose += f"{shrinks}, so that they may die out"
-    if fewer := spacings(many, scale):
+    if fewer := spacings(finite, scale):
         whose += f", ever rarer: {fewer}"
-    whose += left_out(many)
-    if many.period is None:
+    whose += left_out(finite)
+    if finite.period is None:
         return f"{said} {whose}"
-    every, later = period_with_scatter(verdict, many)
+    every, later = period_with_scatter(verdict, finite)
     speed = written(verdict.velocity, "m/s" if scale.length_unit == "m" else "")
     return f"{said} every {every}, {later} at {speed} {whose}"
 
 
-def rows_of(verdict: Verdict, many: Finite) -> dict[str, str]:
+def rows_of(verdict: Verdict, finite: Finite) -> dict[str, str]:
     """The numbers of so many contacts for the table, by their names."""
-    scale, whose = verdict.own.scale, of_contacts(many.contacts)
+    scale, whose = verdict.own.scale, of_contacts(finite.contacts)
     over, load = "", scale.load
     if load:
-        late, error = (one * scale.force / load for one in (many.late, many.late_error))
+        late, error = (one * scale.force / load for one in (finite.late, finite.late_error))
         over = f", {written(late, '', error)} of the load"
-    beside = fluctuating(many, scale)
-    if np.isfinite(many.late) and many.kind != "stick-slip":
-        still = ", still rising" * many.rises
-        return {f"sliding force of {whose}": f"{sliding_force(many, scale)}{still}{beside}{over}"}
-    if not np.isfinite(many.before):
+    beside = fluctuating(finite, scale)
+    if np.isfinite(finite.late) and finite.kind != "stick-slip":
+        still = ", still rising" * finite.rises
+        return {f"sliding force of {whose}": f"{sliding_force(finite, scale)}{still}{beside}{over}"}
+    if not np.isfinite(finite.before):
         return {f"slips of {whose}": f"none{beside}"}
-    rows = {f"slips of {whose}, from": fall_of(many, scale) + left_out(many)}
-    if many.kind == "stick-slip" and many.slips < ENOUGH_SLIPS:
-        few = f"{many.slips:.3g} of each of {SLIDERS} sliders, few: their scatter is in the errors"
+    rows = {f"slips of {whose}, from": fall_of(finite, scale) + left_out(finite)}
+    if finite.kind == "stick-slip" and finite.slips < ENOUGH_SLIPS:
+        few = (
+            f"{finite.slips:.3g} of each of {SLIDERS} sliders, few: their scatter is in the errors"
+        )
         rows[f"slips seen of {whose}"] = few
-    if many.kind == "stick-slip" and many.period is not None:
-        rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, many))
-    if (mean_force := mean_over_slips(many)) is not None:
-        error = many.force_error * scale.force
+    if finite.kind == "stick-slip" and finite.period is not None:
+        rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, finite))
+    if (mean_force := mean_over_slips(finite)) is not None:
+        error = finite.force_error * scale.force
         if load:
             over = f", {written(mean_force * scale.force / load, '', error / load)} of the load"
         told = with_scatter(mean_force * scale.force, error, scale.force_unit)
         rows[f"mean force of stick-slip of {whose}"] = told + over
-    if fewer := spacings(many, scale):
+    if fewer := spacings(finite, scale):
         rows[f"slips of {whose} get ever rarer"] = fewer
     return rows
 

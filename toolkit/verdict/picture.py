@@ -56,7 +56,7 @@ def draw_verdict(verdict: Verdict) -> Any:
     if slips:
         _draw_slip(places["slip"], verdict, slips[0], wide=since is None)
     _draw_thresholds(places["thresholds"], verdict)
-    _draw_springs(places["springs"], verdict)
+    draw_springs(places["springs"], verdict)
     if len(verdict.answers) > 1:
         handles, labels = places["thresholds"].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
@@ -172,7 +172,7 @@ def _density(contacts: Contacts) -> tuple[Any, Any]:
     return x[finite], density[finite]
 
 
-def _draw_springs(axes: Any, verdict: Verdict) -> None:
+def draw_springs(axes: Any, verdict: Verdict) -> None:
     """K* of each reading as a mark with its error, and the machine's spring."""
     rows, scale = list(enumerate(verdict.answers)), verdict.own.scale
     for row, answer in rows:

@@ -22,9 +22,11 @@ READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "perss
 # also compared where the material has a hardness
 PLASTIC_TOO = ("gw/amontons/mixed", "gw/strength/mixed", "gw/paper/mixed")
 LAWS, REGIMES = ("amontons", "strength", "paper"), ("elastic", "plastic", "mixed")
-FEW = 0.1  # of the contacts; where fewer are plastic the jump of P_c between regimes is in its tail
+FEW_PLASTIC = (
+    0.1  # of the contacts; where fewer are plastic the jump of P_c between regimes is in its tail
+)
 SLOW = (
-    f"K* takes seconds where fewer than {FEW:.0%} of the contacts are plastic, and may be larger by orders of "
+    f"K* takes seconds where fewer than {FEW_PLASTIC:.0%} of the contacts are plastic, and may be larger by orders of "
     "magnitude; list them in verdict.readings"
 )
 STEPS = (1, 2)  # of the scan's points: twice the distance shows what the resolution decides
@@ -111,9 +113,9 @@ def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
 
 
 def _few_are_plastic(scene: Scene) -> bool:
-    """Whether fewer contacts than FEW are, or would be, plastic in the scene's own reading."""
+    """Whether fewer contacts than FEW_PLASTIC are, or would be, plastic in the scene's own reading."""
     surface = scene.contacts.interface
-    return isinstance(surface, Interface) and (surface.plastic_fraction or 0.0) < FEW
+    return isinstance(surface, Interface) and (surface.plastic_fraction or 0.0) < FEW_PLASTIC
 
 
 def why_late(contacts: Contacts) -> list[str]:

@@ -20,9 +20,9 @@ FORGOTTEN = 1.0 / 3.0
 WIDE = 0.3
 
 
-def does(many: Finite) -> str:
+def does(finite: Finite) -> str:
     """What so many contacts do, in the same words wherever it is told."""
-    return "slips now and then" if many.kind == "now and then" else many.kind
+    return "slips now and then" if finite.kind == "now and then" else finite.kind
 
 
 def kind_of_trace(behaviour: Behaviour) -> str:
@@ -99,25 +99,31 @@ def plain_fall(finite: Finite, force: float, unit: str) -> str:
     return falls(high, low, (finite.before - finite.after) * force, unit)
 
 
-def scatters(many: Finite) -> bool:
+def scatters(finite: Finite) -> bool:
     """Whether the force of so many contacts, or their slips, differ along the path by WORTH_SHOWING of the mean."""
-    if many.kind == EVER_RARER:
+    if finite.kind == EVER_RARER:
         return True
-    if many.kind != "stick-slip":
-        return many.fluctuation >= WORTH_SHOWING * abs(many.late)
-    each = ((many.befores, many.before), (many.drops, many.before), (many.periods, many.period))
+    if finite.kind != "stick-slip":
+        return finite.fluctuation >= WORTH_SHOWING * abs(finite.late)
+    each = (
+        (finite.befores, finite.before),
+        (finite.drops, finite.before),
+        (finite.periods, finite.period),
+    )
     return any(
         one is not None and one.std >= WORTH_SHOWING * abs(mean or 0.0) for one, mean in each
     )
 
 
-def fluctuating(many: Finite, scale: Scale) -> str:
+def fluctuating(finite: Finite, scale: Scale) -> str:
     """The standard deviation of the force of so many contacts that slide, along the path, and no error of the mean; ""
     where it is small."""
-    if not scatters(many) or many.kind == "stick-slip":
+    if not scatters(finite) or finite.kind == "stick-slip":
         return ""
-    between = " between slips" * (many.kind == EVER_RARER)
-    return f", fluctuating by ± {_short(many.fluctuation * scale.force, scale.force_unit)}{between}"
+    between = " between slips" * (finite.kind == EVER_RARER)
+    return (
+        f", fluctuating by ± {_short(finite.fluctuation * scale.force, scale.force_unit)}{between}"
+    )
 
 
 def _scatter(each: Spread | None, least: float, unit: str, factor: float = 1.0) -> str:
@@ -131,14 +137,14 @@ def _scatter(each: Spread | None, least: float, unit: str, factor: float = 1.0) 
     return f" ({'half of them ' * (each.number >= QUARTERED)}{ends})"
 
 
-def period_with_scatter(verdict: Verdict, many: Finite) -> tuple[str, str]:
+def period_with_scatter(verdict: Verdict, finite: Finite) -> tuple[str, str]:
     """The mean period of so many contacts as a length and as a time, each with its error, and the former with the
     scatter from slip to slip, where it is WORTH_SHOWING of it or more."""
-    period, error = many.period or np.nan, many.period_error
+    period, error = finite.period or np.nan, finite.period_error
     known = 0.0 < error < np.inf
     every, later = _with_error(verdict, period, error) if known else period_of(verdict, period)
     unit = verdict.own.scale.length_unit
-    return every + _scatter(many.periods, WORTH_SHOWING * period, unit), later
+    return every + _scatter(finite.periods, WORTH_SHOWING * period, unit), later
 
 
 def _with_error(verdict: Verdict, period: float, error: float) -> tuple[str, str]:
@@ -149,28 +155,30 @@ def _with_error(verdict: Verdict, period: float, error: float) -> tuple[str, str
     return every, later
 
 
-def ever_rarer(verdict: Verdict, many: Finite, whose: str) -> str:
+def ever_rarer(verdict: Verdict, finite: Finite, whose: str) -> str:
     """That slips get ever rarer and end in smooth sliding, with its force; how many of them there were, how far apart,
     and late ones as the means of these."""
-    own, scale, fewer = verdict.own, verdict.own.scale, many.rarer
+    own, scale, fewer = verdict.own, verdict.own.scale, finite.rarer
     if fewer is None or own.machine is None:
-        return does(many)
+        return does(finite)
     borne = own.machine.damping * own.machine.velocity
     force, part = (
         written(one * scale.force, scale.force_unit) for one in (own.kinetic.value + borne, borne)
     )
     way = _short(fewer.way, scale.length_unit)
-    beside = fluctuating(many, scale)
-    seen = f"{fewer.slips:,.0f} slips a slider over {way}, {spacings(many, scale)}"
+    beside = fluctuating(finite, scale)
+    seen = f"{fewer.slips:,.0f} slips a slider over {way}, {spacings(finite, scale)}"
     end = f"smooth in the end at {force} ({part} of it borne by the damping){beside}"
-    return f"slips ever rarer, {end}: {seen}, late ones from {fall_of(many, scale)} {whose}{left_out(many)}"
+    return f"slips ever rarer, {end}: {seen}, late ones from {fall_of(finite, scale)} {whose}{left_out(finite)}"
 
 
-def spacings(many: Finite, scale: Scale) -> str:
+def spacings(finite: Finite, scale: Scale) -> str:
     """How slips get ever rarer along the way; "" where they do not."""
-    if many.rarer is None:
+    if finite.rarer is None:
         return ""
-    first, last = (_short(one, scale.length_unit) for one in (many.rarer.first, many.rarer.last))
+    first, last = (
+        _short(one, scale.length_unit) for one in (finite.rarer.first, finite.rarer.last)
+    )
     return f"every {first} in the first third of the way and every {last} in the last"
 
 
@@ -218,9 +226,9 @@ def periods(
     return ", ".join(" to ".join(dict.fromkeys(each)) for each in zip(*ends, strict=True))
 
 
-def sliding_force(many: Finite, scale: Scale) -> str:
+def sliding_force(finite: Finite, scale: Scale) -> str:
     """The force at the end of the way, with its error."""
-    late, error = many.late * scale.force, many.late_error * scale.force
+    late, error = finite.late * scale.force, finite.late_error * scale.force
     return with_scatter(late, error, scale.force_unit)
 
 

@@ -43,7 +43,7 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     slips from X = 0 with X_T = 2. At X = 1 the weak are out: the spring pulls by 0.5 (2 - 1), and F = 0.5 * 1.
     """
     contacts.past_breaks.begin_section()
-    travel, imbalance = _travel_to_balance(contacts, steps)
+    travel, imbalance = travel_to_balance(contacts, steps)
     contacts.take(contacts.trial(travel, contacts.now, without_births=True), 0.0)
     _check_balance(contacts, steps, imbalance)
     if not (contacts.holding or contacts.delay):
@@ -58,7 +58,7 @@ def _check_balance(contacts: ContactsInSteps, steps: Steps, imbalance: float) ->
     steps.check_balance("a slip", imbalance, end)
 
 
-def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> tuple[float, float]:
+def travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> tuple[float, float]:
     """The travel to the first balance of a slip without births (a length, of either sign), and the imbalance there."""
     length = contacts.memory.scales.length
     shortest = SHORTEST_STEP * length
@@ -75,12 +75,12 @@ def _travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> tuple[float, 
         trial = contacts.trial(high, contacts.now, without_births=True)
         pull = steps.imbalance(trial)
         if pull <= 0.0:
-            return _balance_between(imbalance, low, high, contacts)
+            return balance_between(imbalance, low, high, contacts)
         stiffest = steps.spring + contacts.largest_stiffness * trial.holding
         low, high = high, high + steps.sign * max(pull / stiffest, shortest)
 
 
-def _balance_between(
+def balance_between(
     imbalance: Callable[[float], float], low: float, high: float, contacts: ContactsInSteps
 ) -> tuple[float, float]:
     """The travel of a slip to the balance between two travels, and the imbalance left there (lengths).
@@ -146,7 +146,7 @@ def slip_with_births(
             so_far.decohered_since = so_far.travelled[-1]
     at_end = imbalance(low)
     if at_end > 0.0:
-        low, at_end = _balance_between(imbalance, low, step_travel, contacts)
+        low, at_end = balance_between(imbalance, low, step_travel, contacts)
     contacts.take(contacts.trial(low, contacts.now), 0.0)
     _check_balance(contacts, steps, at_end)
 

@@ -54,8 +54,8 @@ class StepControl(NamedTuple):
 CONTROL = StepControl()
 # Fraction of a section's first step that is time, as long as none is known: travel and time count alike.
 FIRST_FRACTION = 0.5
-# Factor on the next move of the secant method where the imbalance falls as the time grows.
-LONGER_MOVE = 4.0
+# Factor on the next move of the secant method where the imbalance falls as the time grows; what no move exceeds.
+LONGER_MOVE, LONGEST_MOVE = 4.0, 1e300
 # Longest moves that measure the slope near the root, in accuracies of a balance: a ten-thousandth of a step, on which
 # the imbalance is straight, and far above the rounding of both.
 NEAR = 1e5
@@ -273,7 +273,7 @@ def secant(
     last = step = tried(guess)
     for count in range(MOST_SECANTS):
         at, value = step.time_part, step.imbalance
-        if not np.isfinite(value):
+        if not abs(value) / LONGEST_MOVE <= abs(slope):  # nor is nan
             return Root(last, slope, converged=False)
         low, high = (at, high) if value < 0.0 else (low, at)
         move = -value / slope

@@ -44,13 +44,13 @@ from toolkit.verdict.sliders.steady import slides_on
 # contacts of each slider where the ensemble takes the place of the master equation
 CONTACTS, SEED = 20_000, 1
 # lengths of the drive's path in loadings, from no force to the static one
-LOADINGS = 6.5
+LOADINGS_IN_PLACE = 6.5
 # most contacts of a slider that is followed
 MOST_CONTACTS = 2_000_000
 # contacts whose sliders tell how long all of them would take
-FEW = 1_000
+PILOT = 1_000
 # part of the time in which so many contacts have to be followed, and how many times fewer are followed in the rest
-FIRST, FEWER = 0.6, 16
+PART_OF_FIRST, FEWER = 0.6, 16
 # of the force: swings that are larger are told by their ends, and are no error of it
 SWUNG = 0.05
 # of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
@@ -75,9 +75,9 @@ def sliders(
     few_will_do: bool = False,
     known: int = 0,
 ) -> Any:
-    """The ensemble's result for sliders of so many contacts each, or of FEW times the power of 2 that a pilot of FEW
-    says can be followed within so many seconds, without those in which the kernels and the tables of draws are made.
-    Where these take longer all the same, FEWER times fewer are followed, and so on down to FEW.
+    """The ensemble's result for sliders of so many contacts each, or of PILOT times the power of 2 that so many
+    say can be followed within so many seconds, without those in which the kernels and the tables of draws are made.
+    Where these take longer all the same, FEWER times fewer are followed, and so on down to PILOT.
     Raises InputError where the pilot says that no more than its own can be followed in time, unless `few_will_do`, or
     no more than those `known` already, and for a slider that the ensemble does not take."""
     import eq_model
@@ -85,15 +85,15 @@ def sliders(
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
     asked |= machine.keywords(rule)
     pilot, left = None, max(seconds, SHORT)
-    if number > FEW:
+    if number > PILOT:
         # points beyond the usual ones take as long however many contacts there are
         few_points = np.unique(np.append(path[:: -(-path.size // POINTS)], path[-1]))
         # makes the kernels and tables, too, whose time does not count
-        following = eq_model.Ensemble(contacts, few_points, n_contacts=FEW, **asked)
+        following = eq_model.Ensemble(contacts, few_points, n_contacts=PILOT, **asked)
         spent = time.process_time()
-        pilot = _within(following, left)
+        pilot = in_time(following, left)
         if pilot is None:
-            raise InputError(f"{FEW:,} contacts take more than {left:.0f} s: {MORE_TIME}")
+            raise InputError(f"{PILOT:,} contacts take more than {left:.0f} s: {MORE_TIME}")
         remaining = max(seconds - pilot.run_time, 0.0)
         left = max(remaining, SHORT)
         most = most_breaks(contacts, rule)
@@ -101,30 +101,30 @@ def sliders(
         took = seconds_of(pilot.breaks, contacts, rule, took)
         times = min(remaining / max(took, 1e-9), most / max(pilot.breaks, 1))
         # by powers of 2, as the time differs from run to run, and answers should not
-        fewer = FEW * 2 ** int(np.log2(times)) if times > 1.0 else 0
-        if number > times * FEW and fewer <= known:
+        fewer = PILOT * 2 ** int(np.log2(times)) if times > 1.0 else 0
+        if number > times * PILOT and fewer <= known:
             if few_will_do:
                 return pilot
-            needed, breaks = took * number / FEW, pilot.breaks * number / FEW
+            needed, breaks = took * number / PILOT, pilot.breaks * number / PILOT
             why = too_long(needed, remaining)
             if needed <= remaining:
                 why = f"break some {breaks:.1g} times, more than are followed here"
             raise InputError(f"{number:,} contacts {why}")
-        if number > times * FEW:
+        if number > times * PILOT:
             number = fewer
     began, found, tried = time.monotonic(), None, number
-    while found is None and tried >= min(number, FEW):
+    while found is None and tried >= min(number, PILOT):
         # the last of the time is for fewer, where all of them take longer than is expected, as on a slow machine
         limit = left - (time.monotonic() - began)
-        part = FIRST if tried >= FEWER * FEW else 1.0
-        found = _within(eq_model.Ensemble(contacts, path, n_contacts=tried, **asked), part * limit)
+        part = PART_OF_FIRST if tried >= FEWER * PILOT else 1.0
+        found = in_time(eq_model.Ensemble(contacts, path, n_contacts=tried, **asked), part * limit)
         tried //= FEWER
     if found is None and not (few_will_do and pilot):
         raise InputError(f"{number:,} contacts take more than {left:.0f} s: {MORE_TIME}")
     return found or pilot
 
 
-def _within(following: Any, seconds: float) -> Any:
+def in_time(following: Any, seconds: float) -> Any:
     """The result of an ensemble of all its sliders; None where these take more than so many s of the clock, and of the
     processor, which a busy machine has for others, too: they are given up."""
     clock, work = time.monotonic(), time.process_time()
@@ -157,7 +157,7 @@ def until_settled(
         more = machine.points(end - found.path[0]) * (times - 1) // times
         further = np.linspace(found.path[-1], end, more + 1)
         path = np.append(found.path, further[1:])
-        longer = _within(eq_model.Ensemble(contacts, path, **asked), until - time.monotonic())
+        longer = in_time(eq_model.Ensemble(contacts, path, **asked), until - time.monotonic())
         if longer is None:
             break
         found = longer
@@ -178,7 +178,7 @@ def follow_by_contacts(
 
     Fewer slip earlier, by some N^(-2/3): the forces before a slip of two numbers tell by how much.
     """
-    length = LOADINGS * loading
+    length = LOADINGS_IN_PLACE * loading
     points = np.linspace(0.0, length, machine.points(length))
     path = contacts.start.mean() / machine.spring + points
     asked = min(round(rigid.contacts), most) if rigid.contacts else CONTACTS
@@ -205,7 +205,7 @@ def follow_by_contacts(
         many = with_late_slips(many, slips)
         before, after, error = many.before, many.after, many.error
     if slipped and number < (round(rigid.contacts) if rigid.contacts else np.inf):
-        few = _fewer(machine, contacts, rule, path, until) if number > FEW else None
+        few = _fewer(machine, contacts, rule, path, until) if number > PILOT else None
         error += (too_early := _too_early(found, few or found, unit))
         if before - after < SURE * error:
             return not_followed(rule, f"{number:,} contacts slip, perhaps as they are so few")
@@ -278,9 +278,9 @@ def without_heat(found: Behaviour, change: float) -> Behaviour:
 def _fewer(
     machine: Machine, contacts: Contacts, rule: str, path: Array, until: float
 ) -> Any | None:
-    """Sliders of FEW contacts with their main slips; None where they are not followed in time."""
+    """Sliders of PILOT contacts with their main slips; None where they are not followed in time."""
     try:
-        few = sliders(machine, contacts, rule, path, FEW, max(until - time.monotonic(), SHORT))
+        few = sliders(machine, contacts, rule, path, PILOT, max(until - time.monotonic(), SHORT))
     except InputError:
         return None
     return replace(few, slips=main_slips(few.slips))

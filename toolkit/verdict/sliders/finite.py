@@ -29,19 +29,24 @@ from toolkit.verdict.sliders.budget import (
     most_breaks,
     taken_on_springs,
 )
-from toolkit.verdict.sliders.ensemble import FEW, NOT_SLID, RINGS, sliders, until_settled
+from toolkit.verdict.sliders.ensemble import (
+    MOST_CONTACTS,
+    NOT_SLID,
+    PILOT,
+    RINGS,
+    sliders,
+    until_settled,
+)
 from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
 from toolkit.verdict.sliders.steady import settling_distance
 
-# most contacts of each slider
-MOST_CONTACTS = 2_000_000
 # times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01
 # Where the force rises by this part of a drop above that before any slip, the slips are not those of the force; and the
 # part of the drop of infinitely many contacts by which it has to swing for this to be said.
-UNSEEN, SWINGING = 0.08, 0.5
+UNSEEN, SWING_OF_DROP = 0.08, 0.5
 # of the path, and of its end, where the force of those that slide is looked at
 POINTS = 100
 # of BEYOND, for the scatter of the places at which sliders with mass begin to slide
@@ -115,11 +120,11 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
     # fewer contacts have to be pulled further
     followed, known = min(present, MOST_CONTACTS), infinite.contacts or 0
     while (
-        followed >= min(present, FEW)
+        followed >= min(present, PILOT)
         and (plan := asked.planned(followed, above, sliding)).breaks > MORE * most
     ):
         followed = int(followed * most / plan.breaks)
-    if followed < min(present, FEW) or followed < min(present, known + 1):
+    if followed < min(present, PILOT) or followed < min(present, known + 1):
         why = f"some {breaks_of_all:.1g} breaks are more than are followed here"
         return Finite(rule, present, "unknown", message=why)
     # the static force of so many scatters by some N^(-1/2) of itself
@@ -154,7 +159,7 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
         breaks, number = breaks_until(end, seen, mean), seen.contacts // SLIDERS
         number = min(number, int(number * MORE * most / breaks))
         try:
-            if number < min(present, FEW):
+            if number < min(present, PILOT):
                 raise InputError(f"some {breaks:.1g} breaks are more than are followed here")
             found = sliders(machine, contacts, rule, path, number, until - time.monotonic())
         except InputError as refused:
@@ -210,7 +215,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     drop = infinite.before - infinite.after if slips else 0.0
     own_drop = float(found.slips.drop.mean()) if counts.any() else drop
     swing = swing_beyond_slips(found, UNSEEN * own_drop) if slips else 0.0
-    if swing > SWINGING * drop > 0.0:
+    if swing > SWING_OF_DROP * drop > 0.0:
         why = f"their force swings by {swing / mean:.2g} <x_s>, in falls of few of them each"
         return Finite(rule, present, "unknown", message=why)
     # nobody knows how many of the slips that were seen of infinitely many are followed by others

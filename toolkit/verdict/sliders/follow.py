@@ -22,7 +22,12 @@ from toolkit.verdict.sliders.budget import (
     loading_of,
     may_follow,
 )
-from toolkit.verdict.sliders.ensemble import LOADINGS, SWUNG, follow_by_contacts, without_heat
+from toolkit.verdict.sliders.ensemble import (
+    LOADINGS_IN_PLACE,
+    SWUNG,
+    follow_by_contacts,
+    without_heat,
+)
 from toolkit.verdict.sliders.forgetting import after_forgetting, forgets_its_start
 from toolkit.verdict.sliders.machine import (
     Behaviour,
@@ -43,7 +48,7 @@ WHETHER_IT_SLIPS = 0.03
 # of a slider with mass and a delay, of which 1e-3 takes some times as long
 TOLERANCE_WITH_DELAY = 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
-LENGTHS = (LOADINGS, 20.0, 60.0)
+LENGTHS = (LOADINGS_IN_PLACE, 20.0, 60.0)
 # the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
 FIRST_WITH_DELAY = 9.0
 # tolerance of F_s and K*, where they decide how far a slider is pulled, and of one that rings for too long
@@ -54,7 +59,7 @@ DAMPED, FIRST_DAMPED = {0.1: TOLERANCE, 1.0: ROUGHLY}, 0.25
 ASSUMED = 0.1
 # of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider;
 # and s of it at most under a slip rule, which ordinary laws take a second for, and laws with many peaks minutes
-FIRST, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
+FIRST_OF_MASS, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
 # of the time, for the master equation with a delay shorter than a slip, of which it takes half a minute as a rule
 FIRST_OF_SHORT = 0.65
 # and where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows
@@ -63,7 +68,7 @@ FIRST_OF_STABLE = 0.25
 ENOUGH_SLIPS, PART_OF_PERIOD = 5, 0.2
 # part of the path, its last fifth, along which the force of smooth sliding is looked at for what still changes
 SETTLED_IN = 5
-SWINGING = "the slider still swings about its balance at the path's end"
+STILL_SWINGS = "the slider still swings about its balance at the path's end"
 
 
 def follow(
@@ -91,7 +96,7 @@ def follow(
         return _damped(machine, contacts, rigid, wall_time, in_time)
     # without damping they ring on: while a slider is fast, contacts that form again break at once
     by_contacts = may_follow(machine, cold, rule, rigid) and not undamped
-    first = FIRST if rule == "mass" else FIRST_OF_RULES
+    first = FIRST_OF_MASS if rule == "mass" else FIRST_OF_RULES
     if by_contacts and slides_on(machine, contacts):
         first = FIRST_OF_STABLE
     if rule == "mass" and not by_contacts and machine.damping and contacts.waiting_time:
@@ -216,8 +221,8 @@ def _by_distribution(
         if found.slips and not is_precise(solved):
             break  # what the shorter path told stands
         swings = kind_of(solved) == "smooth" and length < settled
-        asked = machine.velocity, contacts.mean_threshold, SWINGING if swings else ""
-        found = replace(_behaviour(rule, solved, *asked), cut=solved.path.size < path.size)
+        asked = machine.velocity, contacts.mean_threshold, STILL_SWINGS if swings else ""
+        found = replace(behaviour_of(rule, solved, *asked), cut=solved.path.size < path.size)
         # where heat is left out its bound alone misses the tolerance, and a longer path is no harder
         cold = found.heat_left_out is not None and solved.force_error < ENOUGH and not found.cut
         if found.kind != "undecided" or not (solved.success or cold):
@@ -229,7 +234,7 @@ def _by_distribution(
     return found
 
 
-def _behaviour(rule: str, solved: Any, velocity: float, unit: float, open_why: str) -> Behaviour:
+def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why: str) -> Behaviour:
     """What the solution of a soft slider says: no figure where its force is not known. `unit` : the mean threshold;
     `open_why` : why it is not known whether the slider will slip again, "" where that is to be seen."""
     if not is_precise(solved):

@@ -20,7 +20,7 @@ IN_A_BIN, MOST_BINS = 20, 1000
 # the time that is left
 FIRST_CONTACTS = 64_000
 # most different barriers, as of listed angles, that are exact values
-FEW = 100
+EXACT_BARRIERS = 100
 
 
 def with_barriers(contacts: Contacts) -> Contacts:
@@ -35,7 +35,7 @@ def with_barriers(contacts: Contacts) -> Contacts:
     law = contacts.thresholds
     if not of_smoothing(law) or not isinstance(law, Sampled):
         return contacts
-    if law.samples.size <= FEW:
+    if law.samples.size <= EXACT_BARRIERS:
         values = [identical(value) for value in law.samples.tolist()]
         return contacts.replace(thresholds=mixture(values, law.fractions))
     bins = int(np.clip(law.samples.size // IN_A_BIN, 1, MOST_BINS))

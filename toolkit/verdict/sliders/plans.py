@@ -17,7 +17,7 @@ from toolkit.verdict.sliders.machine import Behaviour, Machine, slip_duration
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
-LOADINGS, BEYOND = 3.2, 40.0
+LOADINGS_OF_SLIPS, BEYOND = 3.2, 40.0
 # times F_s of a rigid slider that contacts with a law in time bear at most on one that sticks, where nobody has seen
 # it: those that strengthen by a hundredth for each factor e are 1.3 times as strong after twelve decades, and heat that
 # breaks the weak ones leaves those that bear more
@@ -89,16 +89,16 @@ class Asked:
         elif self.heavy and contacts.held_in_time:
             highest_force *= GROWN
         loading = highest_force / machine.spring + (1.0 + above * softness) * mean + self.waits
-        end = LOADINGS * loading if slips else loading + BEYOND * mean
+        end = LOADINGS_OF_SLIPS * loading if slips else loading + BEYOND * mean
         if infinite.slips and infinite.period and (slips or infinite.kind == "undecided"):
             # a heavy slider may slip for longer than the drive loads its spring
-            end = max(end, (infinite.first_slip or 0.0) + LOADINGS * infinite.period)
+            end = max(end, (infinite.first_slip or 0.0) + LOADINGS_OF_SLIPS * infinite.period)
         longer = MANY_LOADINGS * loading
         lasting = MANY_LOADINGS if slips else longer / mean
         if infinite.rule not in FLOWING and SLIDERS * number * lasting < CHEAP:
             end = max(end, longer)
         # in a slip that renews contacts all break once; contacts that re-form at once do at each threshold passed
-        lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS
+        lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS_OF_SLIPS
         in_a_slip = np.inf
         if self.heavy and flowing and machine.damping and contacts.waiting_time:
             in_a_slip = lives_in_a_slip(machine, contacts, highest_force, loading)

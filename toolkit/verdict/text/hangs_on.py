@@ -202,19 +202,19 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
         yield Line(size, why.replace(RULE, named(rules)))
 
 
-def _unknown(verdict: Verdict, many: Finite) -> tuple[str, str]:
+def _unknown(verdict: Verdict, finite: Finite) -> tuple[str, str]:
     """Why so many contacts were not followed, and under which rule; RULE stands for it. Where fewer of them tell in
     place of infinitely many it says so."""
-    own = next(one for one in verdict.own.behaviours if one.rule == many.rule)
-    if many.slips:
-        seen = "one slip" if many.slips == 1.0 else f"{many.slips:.2g} slips a slider, the last"
-        fall = fall_of(many, verdict.own.scale)
-        said = f"{of_contacts(many.contacts)}, if {RULE}: not known: {seen} of {fall} seen, and not followed further"
+    own = next(one for one in verdict.own.behaviours if one.rule == finite.rule)
+    if finite.slips:
+        seen = "one slip" if finite.slips == 1.0 else f"{finite.slips:.2g} slips a slider, the last"
+        fall = fall_of(finite, verdict.own.scale)
+        said = f"{of_contacts(finite.contacts)}, if {RULE}: not known: {seen} of {fall} seen, and not followed further"
     elif own.contacts is None:
-        said = f"what {of_contacts(many.contacts)} do if {RULE} is not known"
+        said = f"what {of_contacts(finite.contacts)} do if {RULE} is not known"
     else:
-        said = f"{own.contacts:,} contacts stand for the {many.contacts:,} of the area if {RULE}"
-    return f"{said}: {many.message}", many.rule
+        said = f"{own.contacts:,} contacts stand for the {finite.contacts:,} of the area if {RULE}"
+    return f"{said}: {finite.message}", finite.rule
 
 
 def _size_of(verdict: Verdict, remark: str) -> float:
@@ -229,25 +229,25 @@ def _size_of(verdict: Verdict, remark: str) -> float:
     return uncertainties.sampling or UNSIZED
 
 
-def _change_by(verdict: Verdict, many: Finite) -> float:
+def _change_by(verdict: Verdict, finite: Finite) -> float:
     """By how much the forces of so many contacts differ from those of infinitely many; of more than were followed by
     N^(-2/3) as much."""
-    one = next(each for each in verdict.own.behaviours if each.rule == many.rule)
-    force = many.late if np.isfinite(many.late) else many.before
-    if many.message and np.isfinite(many.late) and one.kind == "smooth":
-        fraction = many.contacts / (verdict.own.scale.contacts or many.contacts)
+    one = next(each for each in verdict.own.behaviours if each.rule == finite.rule)
+    force = finite.late if np.isfinite(finite.late) else finite.before
+    if finite.message and np.isfinite(finite.late) and one.kind == "smooth":
+        fraction = finite.contacts / (verdict.own.scale.contacts or finite.contacts)
         return abs(force - one.before) / abs(one.before) * min(fraction, 1.0) ** (2.0 / 3.0)
-    if many.rule not in apart(verdict):
+    if finite.rule not in apart(verdict):
         return NOTHING
-    alike = one.kind == many.kind or (one.kind == "smooth" and np.isfinite(many.late))
+    alike = one.kind == finite.kind or (one.kind == "smooth" and np.isfinite(finite.late))
     return abs(force - one.before) / abs(one.before) if alike else TURNS
 
 
-def _not_followed(verdict: Verdict, many: Finite) -> float:
+def _not_followed(verdict: Verdict, finite: Finite) -> float:
     """By how much so many contacts may bear another force than infinitely many that do the same, about."""
     own = verdict.own
     # the second of the forces to which sliders are pulled, which most bear
-    above = ABOVE[1] * many.contacts ** (-2.0 / 3.0) * own.contacts.mean_threshold
+    above = ABOVE[1] * finite.contacts ** (-2.0 / 3.0) * own.contacts.mean_threshold
     return above / own.kinetic.value if own.kinetic.value > 0.0 else UNSIZED
 
 

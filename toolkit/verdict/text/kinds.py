@@ -185,7 +185,7 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
         yield _of_agreeing(own)
     elif own.extremes:
         said = "a slider with this one was not followed far enough"
-        yield Line(TURNS, f"the contacts' delay: {said}{_of_short_delays(own)}")
+        yield Line(TURNS, f"the contacts' delay: {said}{of_short_delays(own)}")
     elif len(does) == 1 and own.machine and own.machine.mass:
         given, turned_found = bool(own.contacts.waiting_time), verdict.turned is not None
         unknown = not turned_found or cast(Behaviour, verdict.turned).kind == "undecided"
@@ -193,7 +193,7 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
             said = "none is given, so that they form again at once; give [contacts.delay]"
             yield Line(TURNS, f"the contacts' delay: {said}")
         elif delay_decides(verdict):
-            said = f"another one may change the answer{_of_short_delays(own)}"
+            said = f"another one may change the answer{of_short_delays(own)}"
             yield Line(TURNS, f"the contacts' delay: {said}")
         elif turned_found and verdict.turned and verdict.turned.kind != "undecided":
             other = verdict.turned
@@ -249,7 +249,7 @@ def _what_decides(own: Answer) -> str:
         if followed.refused:
             give = ", for the reason told here"
         said = f"That is without the mass: the slider with it, which would decide, was not followed{give}"
-        return said + _of_short_delays(own) * (not delay)
+        return said + of_short_delays(own) * (not delay)
     give = (
         "drive.mass, drive.damping and [contacts.delay]"
         if delay
@@ -258,7 +258,7 @@ def _what_decides(own: Answer) -> str:
     return f"In nature mass, damping and the contacts' delay decide: give {give}"
 
 
-def _of_short_delays(own: Answer) -> str:
+def of_short_delays(own: Answer) -> str:
     """Beside which times the delay of a slider with mass is short or long: that in which it slides by <x_s> at the
     top speed of a slip in which nothing holds, that of the slip, and that of its loading (docs/sliders.md)."""
     machine, mean, unit = own.machine, own.contacts.mean_threshold, own.scale.time_unit

@@ -98,13 +98,13 @@ def answer(
         # X before and after a slip follows from X_T and the force
         all_changes = np.append(of_spring, of_slips, axis=1)
         what = f"steps, by which the spring's force changed as they were halved{_near(last, of_spring, times)}"
-        parts = [ErrorPart(what, _error_by(all_changes, safety))]
+        parts = [ErrorPart(what, error_by(all_changes, safety))]
         if not same:
             drops = np.concatenate([one.force_before - one.force_after for one in rows])
             of = "slips that not all halvings have"
             parts.append(ErrorPart(of, float(np.abs(drops).max()) / unit))
-        of_contacts = _error_by(changes[:, force] / unit, safety)
-        most = min(_error_by(changes[:, holding], safety), 1.0)
+        of_contacts = error_by(changes[:, force] / unit, safety)
+        most = min(error_by(changes[:, holding], safety), 1.0)
         of_holding = ErrorPart("steps, by which the share that holds changed", most)
     unseen = _unseen(last, contacts, drive)
     errors = (*parts, *unseen)
@@ -164,7 +164,7 @@ def _changes(three: Array) -> Array:
     return np.abs([before, last, last + REST_OF_CHANGE * (last - before)])
 
 
-def _error_by(changes: Array, safety: float) -> float:
+def error_by(changes: Array, safety: float) -> float:
     """An error by changes of shape (3, n), see `_changes`, by the largest of each kind, times the safety."""
     before, last, extrapolated = changes.max(axis=1, initial=0.0).tolist()
     by_chance = before / FALL if last < before / MOST_FALL else 0.0
