@@ -229,7 +229,9 @@ def test_a_spring_of_a_surface_says_its_unit() -> None:
     few = {"to": 1e-7, "points": 5, "spring": "50 N/m", "area": 1e-10}
     told = toolkit.run(scene(ROUGH, drive=few)).master.regime.reason
     assert told.startswith("K = 50.00 N/m, a rigid slider as fast as the drive has K* = ")
-    assert told.endswith("infinitely many contacts: the area holds 9.47; run [eq] contacts = 9")
+    assert told.endswith(
+        "infinitely many contacts: the area holds 9.47 contacts; run [eq] contacts = 9"
+    )
     followed = toolkit.run(scene(ROUGH, drive=few, eq={"contacts": 9, "replicas": 2}))
     assert followed.eq.contacts == 18
     # a path on which so many contacts would break too often is to end sooner, and there they are not refused

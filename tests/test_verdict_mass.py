@@ -405,10 +405,12 @@ def test_heat_tells_what_it_changes_in_the_kinetic_force(law: str) -> None:
     )
     (line,) = (one for one in dependence(verdict(scene)) if one.startswith("heat "))
     change = (warm - cold) / cold
-    said = re.fullmatch(r"heat (raises|lowers) F_k by (\S+) N_c<k> length, (\S+)% of it", line)
+    told = r"F_k by (\S+) N_c<k> length, (\S+)% of the (\S+) N_c<k> length without it"
+    said = re.fullmatch(rf"heat (raises|lowers) {told}", line)
     assert said is not None and (said[1] == "raises") is (change > 0.0)
     assert float(said[2]) == pytest.approx(abs(warm - cold), rel=0.05)
     assert float(said[3]) == pytest.approx(100.0 * abs(change), rel=0.05)
+    assert float(said[4]) == pytest.approx(cold, rel=0.005)
     left_out = of_a_mass("smooth", 0.8, heat_left_out=0.1)
     found = of(left_out)
     own = replace(found.own, cold=answers.Quantity(0.8 - 1e-3, 0.0))

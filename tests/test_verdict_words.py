@@ -99,6 +99,20 @@ def test_rules_with_errors_of_their_own_stand_apart_in_the_headline() -> None:
     assert alike.count("±") == 1
 
 
+def test_slips_of_two_sizes_are_not_told_as_one_range() -> None:
+    """Slips of 0.6 to 0 and 0.7 to 0.4 stood as 0.6 to 0.7 down to 0 to 0.4."""
+    (said,) = (
+        one
+        for one in page(told(slips("reset"), slips("instant", before=0.7, after=0.4)))
+        if one.startswith("stick-slip")
+    )
+    first, other = said.split("; ")
+    assert (
+        "0.6000 N_c<k> length down to 0 " in first
+        and "0.7000 N_c<k> length down to 0.4000" in other
+    )
+
+
 def test_few_slips_say_how_many_and_why_they_tell() -> None:
     """Of two by the master equation the regime's reason; of three of the ensemble that they are of four sliders."""
     why = "2 slips up to the end of the path, and a reset leaves contacts that slip again"

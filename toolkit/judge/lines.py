@@ -13,7 +13,7 @@ from toolkit.verdict.text.table import in_columns, row
 
 # of a number: a larger error stands beside it
 PRECISE = 1e-3
-_HEADS = "onset power,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load,EQ at the peak,ME there,max |z|"
+_HEADS = "onset power,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load of P_c,EQ at the peak,ME there,max |z|"
 
 
 def table(verdicts: Sequence[Verdict]) -> list[str]:

@@ -171,4 +171,5 @@ def _of_springs(judged: Judged) -> Iterator[str]:
     if np.isnan(judged.critical_spring):
         return
     own = spring(judged.critical_spring, judged.critical_spring_error)
-    yield f"From the scene's start a slider slips at least once {own}, K*."
+    falls = f"From the scene's start the force of a rigid slider falls more steeply than the spring {own}, K*"
+    yield f"{falls}: there a slider may slip once, or creep on."

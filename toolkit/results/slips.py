@@ -21,6 +21,8 @@ AGREE, SAME = 2.0, 1e-3
 # Slips of each slider that tell of a limit cycle; where they differ by more than this part of a drop MANY, as one may
 # hang on some ten before it.
 ENOUGH, MANY, ALIKE = 8, 32, 0.05
+# fewest slips in turn long and short of which means are told, where there are so many: two pairs have a scatter
+PAIRED = 4
 # times the drive's way on which the spring regains what a slip took, after which, without another, slips are over
 WITHOUT = 1.5
 # of the largest drop: those that tell whether slips shrink
@@ -235,13 +237,17 @@ def swing_beyond_slips(found: Any, least: float) -> float:
 
 def slips_to_tell(slips: Any, lasts: bool) -> npt.NDArray[np.int_]:
     """Indices of a solution's slips whose means tell of all: the last main one, as others may be of a few contacts
-    alone; where they go on for ever, and differ in size, those of the later half, an even number of them, as a short
-    slip may follow each long one."""
+    alone; where they go on for ever, and differ in size or in the gap before them, those of the later half, PAIRED at
+    least where there are so many with a gap before them: an even number, as a short slip may follow each long one."""
     main = slips.main
-    later = main[main.size - (main.size + 1) // 4 * 2 :]
-    drops = slips.drop[later]
-    several = lasts and later.size > 1 and np.ptp(drops) > ALIKE * drops.mean()
-    return np.asarray(later if several else main[-1:])
+    half = (main.size + 1) // 4 * 2
+    later = main[main.size - half :]
+    each = slips.drop[later], np.diff(slips.drive[main])[main.size - 1 - half :]
+    several = any(np.ptp(one) > ALIKE * one.mean() for one in each if one.size > 1)
+    if not (lasts and several):
+        return np.asarray(main[-1:])
+    shown = max(half, min(PAIRED, (main.size - 1) // 2 * 2))
+    return np.asarray(main[main.size - shown :])
 
 
 def main_slips(slips: Any) -> Any:

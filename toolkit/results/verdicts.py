@@ -111,7 +111,7 @@ def _of_so_many(scene: Scene, regime: Any) -> str:
     number = scale.contacts
     if number is None or not of_infinitely_many(scene, regime):
         return ""
-    said = f"; smooth only for infinitely many contacts: the area holds {number:.3g}"
+    said = f"; smooth only for infinitely many contacts: the area holds {number:.3g} contacts"
     return said if scene.contacts.held_in_time else said + _how_to_follow(scene, number)
 
 

@@ -89,7 +89,7 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
         return f"{density}<k> = {value['mean_stiffness']:.3g} N/m, as stated"
     return (
         f"{value['contact_density']:.3g} contacts/m², <k> = {value['mean_stiffness']:.3g} N/m, area of contact "
-        f"{value['area_fraction']:.2%}; F_k/load = {value['friction_coefficient']:.3g}, "
+        f"{value['area_fraction']:.2%}; thresholds alone give F_k/load = {value['friction_coefficient']:.3g}, "
         f"{written(value['kinetic_stress'], 'Pa')} under {written(value['pressure'], 'Pa')}"
     )
 

@@ -219,7 +219,7 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
     if not (more or instead):
         return behaviour
     slides = finite.kind == "smooth"
-    error = (finite.late_error if slides else finite.error) / unit
+    error = (finite.late_error if slides else finite.force_error) / unit
     error += behaviour.heat_left_out or 0.0
     if finite.message:
         error += behaviour.error * ((fewer or 0) / finite.contacts) ** (2.0 / 3.0)
@@ -231,6 +231,7 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
         before=finite.late if slides else finite.before,
         after=finite.late if slides else finite.after,
         period=finite.period,
+        period_error=finite.period_error if finite.period else 0.0,
         instead=(behaviour.message or "it does not decide") if instead else "",
         slips=int(finite.slips),
         error=error,

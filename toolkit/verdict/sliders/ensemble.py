@@ -203,7 +203,7 @@ def follow_by_contacts(
     if slipped:
         many = Finite(rule, number, kind, drive=drive, force=force, smaller=smaller)
         many = with_late_slips(many, slips)
-        before, after, error = many.before, many.after, many.error
+        before, after, error = many.before, many.after, many.force_error
     if slipped and number < (round(rigid.contacts) if rigid.contacts else np.inf):
         few = _fewer(machine, contacts, rule, path, until) if number > PILOT else None
         error += (too_early := _too_early(found, few or found, unit))
@@ -244,6 +244,7 @@ def follow_by_contacts(
         before=before,
         after=after,
         period=many.period if many else None,
+        period_error=many.period_error if many and many.period else 0.0,
         slips=common,
         error=float(error / unit),
         success=True,

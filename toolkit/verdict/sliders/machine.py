@@ -189,12 +189,6 @@ class Finite:
     rarer: Rarer | None = None
 
     @property
-    def error(self) -> float:
-        """Of the forces of its slips (a length), no less than of the period, each as a part of itself."""
-        period = abs(self.before) * self.period_error / self.period if self.period else 0.0
-        return max(self.force_error, period)
-
-    @property
     def force_error(self) -> float:
         """Of the forces of its slips (a length)."""
         return max(self.before_error, self.after_error)
@@ -212,7 +206,8 @@ class Behaviour:
     period : of the drive, from the last main slip but one to the last; slips : how many there were
         Of infinitely many contacts whose slips go on and differ in size, before, after and period are means over the
         later half of the main slips.
-    period_error : of the period (a length), from above; where slips differ with the standard error of its mean
+    period_error : of the period (a length), from above; where slips differ with the standard error of its mean, of the
+        ensemble this alone
     sliders : what tells it of finitely many contacts, whose means of late slips the numbers are; None: no such slips
     instead : why the master equation does not decide, where sliders of all contacts do in its place; "" where it does
     slip_time, top_speed : of the last slip; None where slips take no time
@@ -221,8 +216,7 @@ class Behaviour:
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above, with the standard error of the mean drop where slips
         differ; by the ensemble one standard error between
-        sliders, of the forces or as large a part of these as of the period, and what fewer contacts than there are may
-        change
+        sliders, and what fewer contacts than there are may change
     cut : whether the path was not followed to its end
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of `error`;
         None where there is no heat, or it was followed

@@ -41,7 +41,11 @@ def without_spring(verdict: Verdict) -> str:
     sampling = (verdict.own.critical_spring.sampling or 0.0) * verdict.own.scale.spring
     # as in the table
     spread = max(spread, sampling, verdict.own.critical_spring.error * verdict.own.scale.spring)
-    said = f"slips on a spring softer than K* = {spring_to_digits(own, unit, spread)}"
+    # of contacts that depend on time a slider may creep on softer springs, and slide smoothly
+    whose = (
+        "the force of a rigid slider falls most steeply at" if verdict.own.contacts.in_time else ""
+    )
+    said = f"{whose or 'slips on a spring softer than'} K* = {spring_to_digits(own, unit, spread)}"
     if sampling >= own:
         said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
     if len(springs) > 1:
@@ -49,4 +53,6 @@ def without_spring(verdict: Verdict) -> str:
             spring_to_digits(one, unit, spread) for one in (min(springs), max(springs))
         )
         said += f" (from {ends} over {len(springs)} readings)"
+    if whose:
+        said += "; on a softer spring a slider may slip, or creep and slide smoothly"
     return f"{said}; give drive.spring for a verdict on a machine"

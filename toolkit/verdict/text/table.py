@@ -17,6 +17,8 @@ from toolkit.verdict.text.critical_spring import of_critical_spring
 from toolkit.verdict.uncertainty import (
     PRECISE,
     VAGUE,
+    WORTH_TELLING,
+    error_beside,
     is_vague,
     other_samples,
     spring_to_digits,
@@ -229,6 +231,19 @@ def _unfinished(behaviour: Behaviour) -> str:
 def drop_of(behaviour: Behaviour) -> float:
     """By how much the spring's force falls in a slip, F/(N_c <k>) (a length); of a mass its first swing."""
     return behaviour.before - behaviour.after
+
+
+def first_alike(verdict: Verdict, answer: Answer, slider: Behaviour) -> str:
+    """The first rule under which as much happens, to what is worth telling or to its errors, and is known as well."""
+    error = error_beside(verdict, answer, slider)
+    for one in answer.behaviours:
+        as_well = sorted([error, error_beside(verdict, answer, one)])
+        off = (one.error + slider.error) * answer.contacts.mean_threshold
+        least = max(off, WORTH_TELLING * drop_of(slider))
+        as_much = abs(drop_of(one) - drop_of(slider)) <= least
+        if one.kind == slider.kind and as_much and as_well[1] <= 2.0 * as_well[0]:
+            return one.rule
+    return slider.rule
 
 
 def regained_by(verdict: Verdict, behaviour: Behaviour) -> float | None:

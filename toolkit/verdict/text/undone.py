@@ -123,7 +123,8 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
             said = f"the force is told {who}"
         else:
             said = f"the slips are means {who}"
-        error = max(_force_error(verdict, one) for one in by_contacts if one.rule in rules)
+        error = max(one.error for one in by_contacts if one.rule in rules)
+        error *= own.contacts.mean_threshold
         error_text = written(error * scale.force, scale.force_unit, digits=2)
         which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
         slips = [one.sliders.slips for one in by_contacts if one.rule in rules and one.sliders]
@@ -183,14 +184,6 @@ def _not_solved(verdict: Verdict) -> str:
     return "the master equation takes no such slider, or not in time"
 
 
-def _force_error(verdict: Verdict, one: Behaviour) -> float:
-    """The error of a behaviour's forces (a length) without that of its period, which `Behaviour.error` covers, too."""
-    error, many = one.error * verdict.own.contacts.mean_threshold, one.sliders
-    if one.kind != "stick-slip" or many is None or not many.period or many.error == np.inf:
-        return error
-    return error - many.error + many.force_error
-
-
 def _fewer_than_there_are(verdict: Verdict, one: Behaviour) -> bool:
     """Whether the contacts that tell are not all of the area; where their number is not known they are taken as few."""
     number = verdict.own.scale.contacts
@@ -234,7 +227,8 @@ def _by_heat(own: Answer) -> str:
         return f"heat changes F_k{at} by less than its numerical error{_of_few_atoms(own)}"
     size = written(abs(change) * scale.force, scale.force_unit, digits=2)
     part = f"{100.0 * abs(change) / own.cold.value:.2g}%"
-    said = f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of it"
+    cold = written(own.cold.value * scale.force, scale.force_unit, digits=3)
+    said = f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of the {cold} without it"
     return said + _of_few_atoms(own)
 
 

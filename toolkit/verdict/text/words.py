@@ -47,7 +47,7 @@ from toolkit.verdict.text.kinds import (
     others,
     without_delay,
 )
-from toolkit.verdict.text.table import drop_of, in_units, speed_unit, table
+from toolkit.verdict.text.table import drop_of, first_alike, in_units, speed_unit, table
 from toolkit.verdict.text.undone import followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
     error_beside,
@@ -203,8 +203,8 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
     groups = dict[tuple[str, str, str, str], list[Behaviour]]()
     first, few = answer.behaviours[0], apart(verdict) if answer is verdict.own else {}
     for one in answer.behaviours:
-        # of those that are decided rules whose errors differ are told apart
-        seen = f"{error_beside(verdict, answer, one):.0e}"
+        # of those that are decided rules whose slips, or the errors of their forces, differ are told apart
+        seen = first_alike(verdict, answer, one)
         if one.kind == "undecided":
             seen = one.rule if one.slips else "first" if one.message == first.message else ""
         own = behaved(verdict, few[one.rule]) if one.rule in few else ""
