@@ -19,7 +19,7 @@ from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import at_most
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
-from toolkit.verdict.text.critical_spring import of_critical_spring
+from toolkit.verdict.text.k_star import of_critical_spring
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.words import page
 from toolkit.verdict.trace import last_cycles

@@ -13,7 +13,7 @@ from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.slips_in_words import mean_over_slips, period_of, with_period_error
-from toolkit.verdict.text.critical_spring import of_critical_spring
+from toolkit.verdict.text.k_star import of_critical_spring
 from toolkit.verdict.uncertainty import (
     PRECISE,
     VAGUE,

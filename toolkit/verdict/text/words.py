@@ -34,8 +34,8 @@ from toolkit.verdict.slips_in_words import (
     swinging,
 )
 from toolkit.verdict.text.border import on_the_border
-from toolkit.verdict.text.critical_spring import without_spring
 from toolkit.verdict.text.hangs_on import dependence, why_smooth
+from toolkit.verdict.text.k_star import without_spring
 from toolkit.verdict.text.kinds import (
     a_slip,
     delay_decides,
