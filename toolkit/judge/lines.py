@@ -72,6 +72,9 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
         said.append(
             "ranked by K* per nominal area (N/m³); give each drive.area, and K* is ranked in N/m of these areas"
         )
+    # columns that no scene fills, as of an ensemble where none has one, are left out
+    told = [at for at in range(len(rows[0])) if any(any(row[at : at + 1]) for row in rows[1:])]
+    rows = [[row[at] for at in told if at < len(row)] for row in rows]
     head, *lines = in_columns(rows, ">")
     first = [*disagreements(verdicts), *undecided_order(verdicts)]
     said.append(f"run times: {', '.join(times)}")

@@ -81,7 +81,8 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     yield row(f"static friction F_s{at}", static, forces, unit, uncertainty)
     if scale.load is not None:
         coefficients = [one.scale.force / (one.scale.load or 1.0) for one in answers]
-        yield row("friction coefficient F_k/load", kinetic, coefficients, "", uncertainty)
+        few = _of_holding(own)
+        yield row(f"friction coefficient F_k/load{few}", kinetic, coefficients, "", uncertainty)
         yield row("static coefficient F_s/load", static, coefficients, "", uncertainty)
     name = f"{of_critical_spring(own)}{at}"
     if own.smoothed:
