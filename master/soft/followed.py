@@ -49,6 +49,8 @@ class Followed(NamedTuple):
     error : estimate from above of that of force and load at slips
     parts : at least one; `error` is their sum, at T = 0 without mass the largest of them
     stopped_because : why the path was not followed to its end, or steps were not halved further
+    beside_slips : what the error of the force may be larger at points of the path near slips of a slider with mass,
+        whose times are not known so well
     of_holding : the error of the share that holds (its size is a share of the contacts), and its source
     note : what is to be said of how it was followed, "" where nothing is
     steady_from : X_T from which on F is within the tolerance of steady sliding's, where a slider creeps to the end of
@@ -65,9 +67,15 @@ class Followed(NamedTuple):
     parts: tuple[ErrorPart, ...]
     stopped_because: str = ""
     of_holding: ErrorPart = ErrorPart("the share that holds", 0.0)
+    beside_slips: ErrorPart = ErrorPart("slips nearby", 0.0)
     fractions_broken: Array = np.empty(0)
     note: str = ""
     steady_from: float | None = None
+
+    @property
+    def force_error(self) -> float:
+        """Estimate from above of the error of the force at all points of the path."""
+        return self.error + self.beside_slips.size
 
     @property
     def holding_error(self) -> float:
@@ -77,17 +85,19 @@ class Followed(NamedTuple):
     @property
     def largest_error(self) -> float:
         """The error by which the solution is judged."""
-        return max(self.error, self.holding_error)
+        return max(self.force_error, self.holding_error)
 
     @property
     def _whose(self) -> str:
         """The words that follow "error estimate" where the largest error is not the force's."""
-        return " of holding" if self.holding_error > self.error else ""
+        return " of holding" if self.holding_error > self.force_error else ""
 
     def why_above(self, tolerance: float) -> str:
         """Why the error is above the tolerance: its largest part, and what makes that smaller."""
         above = f"error estimate {self.largest_error:.1e}{self._whose} is above the tolerance {tolerance:.1e}"
-        parts = (self.of_holding,) if self.holding_error > self.error else self.parts
+        parts = (*self.parts, self.beside_slips)
+        if self.holding_error > self.force_error:
+            parts = (self.of_holding,)
         most = max(parts, key=lambda part: part.size)
         if np.isinf(most.size):
             return f"no error is known without that of {most.of}; {most.remedy}"

@@ -140,7 +140,7 @@ def common_fields(
         "path": drive.path[: found.force.size],
         "balance": found.balance,
         "force": found.force,
-        "force_error": found.error,
+        "force_error": found.force_error,
         "holding": found.holding,
         "slips": found.slips,
         "period": found.slips.period,

@@ -18,8 +18,10 @@ from master.outcome import FaultError, StoppedError, stop_after
 from master.renewal.births import reforming_law
 from master.soft.in_time.breaks import BirthsUpTo, BreaksInSteps
 from master.soft.in_time.groups import (
+    UNACCOUNTED,
     Groups,
     Trial,
+    check_number,
     divided_by_survival,
     steady_groups,
     survivals_at_birth,
@@ -41,13 +43,11 @@ FORMED_NODES, MORE_FORMED_NODES = 8, 4
 DEAD = 1e-19
 # Most steps, and most operations in them: a minute or less. A group costs as many operations in a step as numbers in
 # its record and FIXED_WORK. A step of a slip, one trial, counts as OF_SLIP: others try four or more for their balance.
-MOST_STEPS, MOST_WORK, FIXED_WORK, OF_SLIP = 8e3, 1e9, 60, 0.25
+# An interval of a flight, in closed form, counts as OF_FLIGHT.
+MOST_STEPS, MOST_WORK, FIXED_WORK, OF_SLIP, OF_FLIGHT = 8e3, 1e9, 60, 0.25, 0.05
 # An error estimate needs as many sliders, each with its steps halved once more, so that the coarser ones may take only
 # a part of that.
 COMPARED = 3
-# Rounding of the number of contacts, for each that formed: far above that of sums of thousands of steps, far below
-# what a contact lost or counted twice in one of them changes.
-UNACCOUNTED = 1e-9
 
 
 class ContactsInSteps:
@@ -62,6 +62,7 @@ class ContactsInSteps:
     unit, jumps : mean threshold (a length), and whether P_c may jump
     largest_stiffness : k_i/<k> of the stiffest contacts
     halvings : how often steps are halved; steps, cost, work : those taken so far, by OF_SLIP, and operations in them
+    until : as given
     unresolved : errors of F that finer steps may not show; those who find one note it
     takes_no_birth_back : whether J never falls, as a slider with mass asks; see `trial`
 
@@ -72,7 +73,7 @@ class ContactsInSteps:
 
     def __init__(self, contacts: Contacts, memory: Memory, halvings: int, until: float) -> None:
         """All contacts at the beginning; `until` is a reading of time.monotonic() at which to stop."""
-        self.memory, self._until = memory, until
+        self.memory, self.until = memory, until
         self.delay = contacts.waiting_time
         self.halvings, self.steps, self.cost, self.work = halvings, 0, 0.0, 0.0
         self.position = self.now = 0.0
@@ -155,7 +156,7 @@ class ContactsInSteps:
         For `per_break` and `rest` see BirthsUpTo. None form, J = J_0, with a delay in a step of no time, as none ends
         in it; without one in a step so fast that contacts break as they form.
         """
-        stop_after(self._until)  # the search for a step may need hundreds of trials
+        stop_after(self.until)  # the search for a step may need hundreds of trials
         duration = end - self.now
         speed = abs(travel) / duration if duration > 0.0 else np.inf
         groups = self.groups.moved(self.memory, travel, duration)
@@ -205,7 +206,7 @@ class ContactsInSteps:
         self.force, self.holding = trial.force, trial.holding
         holding, force = (sums @ weight).tolist()
         self._check_number(trial.births, holding)
-        self._check_trial(trial, holding, force)
+        trial.check(holding, force, self.position, self.memory.largest_stretch)
         of_cohorts = slice(self._of_start, None)
         count = self._at_birth.stretch.size
         unknown = unknown_force_of_births(weight[of_cohorts], sums[:, of_cohorts], count)
@@ -215,32 +216,10 @@ class ContactsInSteps:
         self._births = trial.births
 
     def _check_number(self, births: float, holding: float) -> None:
-        """FaultError unless the weights of all cohorts are those births, and as many contacts hold as have formed and
-        not broken. Both hold to 1e-15 on thousands of steps (measured on six motions). This sees contacts that are lost
-        or counted twice; no wrong number of births, to which `trial` fits the breaks: with a delay
-        `BreaksInSteps.check_births` does."""
+        """See check_number."""
         formed, expected = births * self._part_in_cohorts, 1.0 + births - self.past_breaks.total
-        most = UNACCOUNTED * (1.0 + births)
-        if abs(self._births_in_cohorts - formed) > most or abs(holding - expected) > most:
-            raise FaultError(
-                f"number is not conserved: after t = {self.now:.6g}, X = {self.position:.6g} a share {holding:.6g} of "
-                f"the contacts holds, {expected:.6g} have formed and not broken, and of {formed:.6g} births "
-                f"{self._births_in_cohorts:.6g} are in cohorts, a fault of the program"
-            )
-
-    def _check_trial(self, trial: Trial, holding: float, force: float) -> None:
-        """FaultError unless the step has led to what its trial told, by which it was chosen: to the number that holds
-        and the force of all groups with the weights that they have now."""
-        most = UNACCOUNTED * (1.0 + trial.births)
-        if (
-            abs(holding - trial.holding) > most
-            or abs(force - trial.force) > most * self.memory.largest_stretch
-        ):
-            raise FaultError(
-                f"a step is not what its trial told: after t = {self.now:.6g}, X = {self.position:.6g} a share "
-                f"{holding:.6g} of the contacts holds and F = {force:.6g}, in place of {trial.holding:.6g} and "
-                f"{trial.force:.6g}, a fault of the program"
-            )
+        place = f"after t = {self.now:.6g}, X = {self.position:.6g}"
+        check_number(births, (formed, self._births_in_cohorts), (expected, holding), place)
 
     def _without_dead(self, groups: Groups, survival: Array) -> Groups:
         """The groups of which some contacts hold; all groups of a cohort go together. The last cohort stays, as it
@@ -270,6 +249,27 @@ class ContactsInSteps:
     def most_steps(self) -> float:
         """As many as leave finer steps, by which the error is known, below MOST_STEPS."""
         return MOST_STEPS * 0.5 ** max(COMPARED - 1 - self.halvings, 0)
+
+    def fly_to(self, position: float, now: float, size: float, holding: float) -> None:
+        """Be there at this time, after a way of this size on which those that were due formed, and all broke but this
+        share; `land` comes behind the last one. StoppedError as `take`."""
+        before, births = self.now, self.past_breaks.births_up_to(begin=self.now, end=now).rest
+        births = max(births, self._births)
+        breaks = 1.0 + births - holding
+        self.past_breaks.add(now, breaks, size)
+        self.past_breaks.check_births(before, now, births, births - self._births)
+        self._births_in_cohorts += self._part_in_cohorts * (births - self._births)
+        self._births, self.position, self.now = births, position, now
+        self.holding, self.force = holding, 0.0
+        self.cost += OF_FLIGHT
+        self._stop_at_limits()
+
+    def land(self, groups: Groups) -> None:
+        """Set these in place of all contacts, behind a flight on which they formed."""
+        self.groups, self._of_start = groups.and_born(self.memory, self._at_birth, 0.0, 0.0), 0
+        sums = self.groups.survival_and_force(self.memory)
+        holding, self.force = (sums @ self.groups.weight).tolist()
+        self._check_number(self._births, holding)
 
     def repeat(self, steps: int, now: float) -> None:
         """Go to this time in as many steps as new contacts took before, and replace all; StoppedError as `take`."""

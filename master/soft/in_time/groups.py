@@ -13,6 +13,9 @@ from origins.thresholds.law import Array
 
 # Share of the contacts born in a cohort below which it does not matter in which step they are born: far below errors.
 NEGLIGIBLE = 1e-11
+# Rounding of the number of contacts, for each that formed: far above that of sums of thousands of steps, far below
+# what a contact lost or counted twice in one of them changes.
+UNACCOUNTED = 1e-9
 
 
 class Groups(NamedTuple):
@@ -105,6 +108,34 @@ class Trial(NamedTuple):
     breaks: float
     births: float
     kept: float
+
+    def check(self, holding: float, force: float, position: float, largest: float) -> None:
+        """FaultError unless the step, which is taken and has led to this X, is what was told here, by which it was
+        chosen: the number that holds and the force of all groups with the weights that they have now. largest : stretch
+        (a length)."""
+        most = UNACCOUNTED * (1.0 + self.births)
+        if abs(holding - self.holding) > most or abs(force - self.force) > most * largest:
+            raise FaultError(
+                f"a step is not what its trial told: after t = {self.end:.6g}, X = {position:.6g} a share "
+                f"{holding:.6g} of the contacts holds and F = {force:.6g}, in place of {self.holding:.6g} and "
+                f"{self.force:.6g}, a fault of the program"
+            )
+
+
+def check_number(
+    births: float, formed: tuple[float, float], holding: tuple[float, float], place: str
+) -> None:
+    """FaultError unless the weights of all cohorts are the births that have formed, and as many contacts hold as have
+    formed and not broken: pairs of what is expected and what is. Both hold to 1e-15 on thousands of steps (measured on
+    six motions). This sees contacts that are lost or counted twice; no wrong number of births, to which `trial` fits
+    the breaks: with a delay `BreaksInSteps.check_births` does."""
+    most = UNACCOUNTED * (1.0 + births)
+    if abs(formed[1] - formed[0]) > most or abs(holding[1] - holding[0]) > most:
+        raise FaultError(
+            f"number is not conserved: {place} a share {holding[1]:.6g} of the contacts holds, {holding[0]:.6g} have "
+            f"formed and not broken, and of {formed[0]:.6g} births {formed[1]:.6g} are in cohorts, a fault of the "
+            "program"
+        )
 
 
 def steady_groups(

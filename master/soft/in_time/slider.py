@@ -7,9 +7,10 @@ import numpy as np
 
 from master.motion import Motion
 from master.outcome import FaultError, StoppedError
-from master.soft.in_time.contacts import MOST_STEPS, UNACCOUNTED, ContactsInSteps
+from master.soft.in_time.contacts import MOST_STEPS, ContactsInSteps
 from master.soft.in_time.creep import Creep
 from master.soft.in_time.decohered import Decohered
+from master.soft.in_time.groups import UNACCOUNTED
 from master.soft.in_time.slip_begins import SlipBegins
 from master.soft.in_time.slip_ends import slip_with_births, slip_without_births
 from master.soft.in_time.steps import Node, Steps

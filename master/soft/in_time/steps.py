@@ -22,7 +22,8 @@ from scipy.optimize import brentq
 
 from master.motion import Motion
 from master.outcome import FaultError
-from master.soft.in_time.contacts import UNACCOUNTED, ContactsInSteps, Trial
+from master.soft.in_time.contacts import ContactsInSteps, Trial
+from master.soft.in_time.groups import UNACCOUNTED
 from master.soft.in_time.time_units import TimeUnits
 
 
@@ -266,9 +267,8 @@ def secant(
     Both are found from guesses by the secant method. Where the imbalance is not `small`, the slope has to be measured
     near the step before that counts as converged: its guess is that of another step, after a slip off by orders of
     magnitude. Where the imbalance falls as the time grows, as just after a slip, moves become longer. A step that
-    leaves the bracket of the root is replaced by bisection. A bracket in which the secant method has not converged
-    soon is left to brentq. The last step of MOST_SECANTS has not converged, nor has the last one before moves are so
-    long that no imbalance is a number."""
+    leaves the bracket of the root is replaced by bisection. A bracket in which the secant method is slow is left to
+    brentq. Of MOST_SECANTS the last has not converged, nor has that before moves so long that no imbalance is known."""
     low, high, measured = -np.inf, np.inf, False
     last = step = tried(guess)
     for count in range(MOST_SECANTS):

@@ -25,7 +25,7 @@ class TimeUnits:
 
     def __init__(self, begin: float, end: float, rate: float, first: float) -> None:
         self._section_begin, self._section_end = begin, end
-        self._rate, self._first = rate, min(first, end - begin)
+        self.rate, self._first = rate, min(first, end - begin)
         self._per_e_fold = 0.0
         if not rate:
             self._per_e_fold = PER_E_FOLD_OF_HOLD
@@ -35,16 +35,16 @@ class TimeUnits:
     def at(self, time: float) -> float:
         """Time units since the begin."""
         later = time - self._section_begin
-        return self._rate * later + self._per_e_fold * float(np.log1p(later / self._first))
+        return self.rate * later + self._per_e_fold * float(np.log1p(later / self._first))
 
     def time(self, units: float) -> float:
         """The time after so many time units, at most the end."""
         if not self._per_e_fold:
-            return min(self._section_begin + units / self._rate, self._section_end)
+            return min(self._section_begin + units / self.rate, self._section_end)
         # u = (time - begin)/first solves uniform u + ln(1 + u) = e_folds: Wright's function omega(z), omega + ln omega
         # = z, is uniform (1 + u)
         e_folds = units / self._per_e_fold
-        uniform = max(self._rate * self._first / self._per_e_fold, LEAST_UNIFORM)
+        uniform = max(self.rate * self._first / self._per_e_fold, LEAST_UNIFORM)
         omega = float(wrightomega(e_folds + uniform + np.log(uniform)))
         later = self._first * (omega / uniform - 1.0)
         return min(self._section_begin + later, self._section_end)

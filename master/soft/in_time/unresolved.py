@@ -20,6 +20,7 @@ OF_DELAY = "a step up to a slip, which is longer than the delay of contacts that
 OF_BEND = "a step or two from where the drive changes its speed to a slip, between whose ends F is not known"
 OF_CREEP = "steady creep, at whose begin F was not that of steady sliding at the slider's speed"
 OF_QUIET = "inertia of a slider that hardly swings, which is left out"
+OF_FLIGHT = "contacts that come back while the slider flies on its spring alone, which are taken to break at once"
 # Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
 UNKNOWN_BELOW = 0.5
 

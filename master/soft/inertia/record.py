@@ -130,6 +130,11 @@ class Record:
             else:
                 self._top_speed = max(self._top_speed, _peak(seen.speeds, k))
 
+    @property
+    def slips_since(self) -> float | None:
+        """When a fall began that ends a stick and goes on, which may be a slip; None without one."""
+        return self._fall.time if self._fall is not None and self._stuck else None
+
     def forget_fall(self) -> None:
         """The present fall is none that counts."""
         self._fall = None

@@ -62,7 +62,8 @@ ASSUMED = 0.1
 FIRST_OF_MASS, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
 # of the time, for the master equation with a delay shorter than a slip, of which it takes half a minute as a rule
 FIRST_OF_SHORT = 0.65
-# and where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows
+# and where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows; or in heat
+# beside a mass and a delay, of whose slips the master equation knows the force at points near them seldom
 FIRST_OF_STABLE = 0.25
 # slips that tell a regime, and part of a period by which the path goes on beyond them
 ENOUGH_SLIPS, PART_OF_PERIOD = 5, 0.2
@@ -97,7 +98,8 @@ def follow(
     # without damping they ring on: while a slider is fast, contacts that form again break at once
     by_contacts = may_follow(machine, cold, rule, rigid) and not undamped
     first = FIRST_OF_MASS if rule == "mass" else FIRST_OF_RULES
-    if by_contacts and slides_on(machine, contacts):
+    in_heat = rule == "mass" and contacts.thermal is not None and bool(contacts.waiting_time)
+    if by_contacts and (in_heat or slides_on(machine, contacts)):
         first = FIRST_OF_STABLE
     if rule == "mass" and not by_contacts and machine.damping and contacts.waiting_time:
         # a shorter delay, which the master equation takes as a rule; else a few contacts tell what as many do

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from master.soft.followed import LEAVE_HEAT, LOOSEN, ErrorPart, total
-from master.soft.in_time.answer.reading import read
 from master.soft.in_time.idle_heat import unresolved_heat
-from master.soft.inertia.in_time.slider import HeavyNode, HeavySlider
+from master.soft.inertia.in_time.clocks import COLUMNS, FORCE, HOLDING, PLACE, Clocks
+from master.soft.inertia.in_time.slider import HeavySlider
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
 
@@ -27,8 +27,14 @@ SAFETY = 3.0
 # Changes fall by 4 from one halving to the next; where by more than this, the last two answers agree by chance.
 FALL, MOST_FALL = 4.0, 8.0
 ROUNDING = 1e-13
-# Columns of a node that are read: all behind its size and its time.
-COLUMNS = HeavyNode._fields[2:]
+# Times the error of X_T at which a slip begins within which one may come after the path's end.
+MORE_ROOM = 2.0
+# Part of the force that ends a slip up to which its error may be, so that the slip's end is known.
+OF_END = 0.1
+# Times the time from rest to a flight in the error of a slip's duration: of 50 random machines one was 0.7 of it off.
+OF_START = 2.0
+# What is to be done about points of the path beside a slip.
+ELSEWHERE = "put points of the path and its end farther from slips, or tighten the tolerance"
 # Halved steps of as many sliders tell an error.
 COMPARED = 3
 
@@ -47,6 +53,15 @@ class SlipRows(NamedTuple):
     top_speed: Array
 
 
+class Beside(NamedTuple):
+    """What errors may be larger at some asked times, as the slips' own times are not known so well: that of the force
+    of spring and contacts (mean thresholds), and of the share that holds."""
+
+    force: ErrorPart
+    contact_force: float
+    holding: float
+
+
 class HeavyAnswer(NamedTuple):
     """The limit of some sliders at times (n,), and its errors.
 
@@ -54,6 +69,7 @@ class HeavyAnswer(NamedTuple):
     slips : of the last slider, in the limit where all have as many
     parts : of the error of the spring's force (mean thresholds); of_contacts : error of the contacts' force (the same)
     of_holding : error of the share that holds; duration_error : of the slips' durations
+    beside : what the errors of both forces and of holding may be larger where slips are near
     """
 
     columns: dict[str, Array]
@@ -62,10 +78,11 @@ class HeavyAnswer(NamedTuple):
     of_contacts: float
     of_holding: ErrorPart
     duration_error: float
+    beside: Beside
 
     @property
     def error(self) -> float:
-        """That of the spring's force, in mean thresholds."""
+        """That of the spring's force, where slips begin and far from them, in mean thresholds."""
         return total(self.parts)
 
 
@@ -75,18 +92,22 @@ def answer(
     """The answer at times (n,) of the last three sliders; of fewer the last one's own, with an infinite error."""
     last, unit = sliders[-1], contacts.mean_threshold
     times = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), INSTANTS))
-    read_from = [read(one.sections, times, len(COLUMNS)) for one in sliders]
-    rows = [_rows(one) for one in sliders]
+    rows, clocks = [_rows(one) for one in sliders], Clocks(sliders, times)
+    same = len(sliders) == COMPARED and len({one.drive.size for one in rows}) == 1
+    begun = {len(one.falls.begins) for one in sliders}
+    if same and len(begun) == 1 and all(one.flown for one in sliders):
+        begins = np.array([one.falls.begins for one in sliders])
+        clocks.of_slips(begins, _at_step_0(begins))
+    read_from = np.array([clocks.read(k) for k in range(len(sliders))])
     limit, slips = read_from[-1], rows[-1]
     unknown = ErrorPart("steps, of which fewer than three halvings were solved", np.inf)
     parts, of_contacts, of_holding, duration_error = [unknown], np.inf, unknown, np.inf
+    at_end = ErrorPart("a slip that may come before the path ends", 0.0, ELSEWHERE)
+    unseen, beside = _unseen(last, contacts, drive), Beside(at_end, 0.0, 0.0)
     if len(sliders) == COMPARED:
-        limit = _at_step_0(np.array(read_from))
-        same = len({one.drive.size for one in rows}) == 1
-        changes = _changes(np.array(read_from))
+        limit, changes = _at_step_0(read_from), _changes(read_from)
         safety = max(last.contacts.memory.safety, SAFETY)
-        force, place, holding = (COLUMNS.index(of) for of in ("force", "position", "holding"))
-        of_spring = last.spring * changes[:, place] / unit
+        of_spring = last.spring * changes[:, PLACE] / unit
         of_slips = np.zeros((3, 0))
         if same:
             lengths = np.array([np.array(one[:5]) for one in rows])
@@ -96,25 +117,90 @@ def answer(
             of_durations = _changes(np.array([one.duration for one in rows]))[1:].max(initial=0.0)
             duration_error = safety * float(of_durations)
         # X before and after a slip follows from X_T and the force
-        all_changes = np.append(of_spring, of_slips, axis=1)
-        what = f"steps, by which the spring's force changed as they were halved{_near(last, of_spring, times)}"
+        at_slips = (error_by(of_slips, safety) + total(unseen)) * unit / last.spring
+        # one that goes on to the end is near up to there
+        far = clocks.far(at_slips, np.append(slips.duration, np.inf))
+        all_changes = np.append(of_spring[:, far], of_slips, axis=1)
+        near = _near(last, of_spring[:, far], times[far])
+        what = f"steps, by which the spring's force changed as they were halved{near}"
         parts = [ErrorPart(what, error_by(all_changes, safety))]
         if not same:
             drops = np.concatenate([one.force_before - one.force_after for one in rows])
             of = "slips that not all halvings have"
             parts.append(ErrorPart(of, float(np.abs(drops).max()) / unit))
-        of_contacts = error_by(changes[:, force] / unit, safety)
-        most = min(error_by(changes[:, holding], safety), 1.0)
+        of_contacts = error_by(changes[:, FORCE, far] / unit, safety)
+        most = min(error_by(changes[:, HOLDING, far], safety), 1.0)
         of_holding = ErrorPart("steps, by which the share that holds changed", most)
-    unseen = _unseen(last, contacts, drive)
-    errors = (*parts, *unseen)
-    # the durations of one slip may agree by chance: as much of each as the error of the force is of its fall
-    drops = np.abs(slips.force_before - slips.force_after)
-    part = total(errors) * unit * slips.duration / drops
-    duration_error += float(part.max(initial=0.0))
+        if last.flown:
+            # beside a slip it is extrapolated across what comes back at once, and told with an error as large
+            limit[HOLDING] = np.clip(limit[HOLDING], 0.0, 1.0)
+            more = max(bound.holding for bound in last.flown)
+            of_holding = of_holding._replace(size=min(most + more, 1.0))
+            errors = total((*parts, *unseen)), total(unseen), of_contacts, of_holding.size
+            beside = _beside(clocks, changes[:, :, : asked.size], np.array(errors), safety)
+        in_time = total((*parts, *unseen)) * unit / last.spring
+        if last.may_fly and (len(begun) > 1 or _may_slip(last, in_time)):
+            # as large as any, and none may hold
+            most = float(np.abs(clocks.pull(asked, limit[PLACE, : asked.size])).max(initial=0.0))
+            beside = Beside(at_end._replace(size=most / unit), most / unit, 1.0)
+    parts = [*parts, *unseen]
+    duration_error += _of_durations(slips, total(parts) * unit, last, drive)
     columns = {of: limit[k, : asked.size] for k, of in enumerate(COLUMNS)}
-    more = total(unseen)
-    return HeavyAnswer(columns, slips, errors, of_contacts + more, of_holding, duration_error)
+    of_contacts += total(unseen)
+    return HeavyAnswer(
+        columns, slips, tuple(parts), of_contacts, of_holding, duration_error, beside
+    )
+
+
+def _beside(clocks: Clocks, changes: Array, errors: Array, safety: float) -> Beside:
+    """What errors may be larger at asked times, which come first, with these changes of their columns. `errors`: of the
+    spring's force, what is in it that no change of steps shows, of the contacts' force, and of holding."""
+    last, count = clocks.last, changes.shape[-1]
+    unit = last.contacts.unit
+    spread = clocks.spread(count, errors[0] * unit / last.spring)
+    by_step = safety * np.stack([changes[:, of] for of in (PLACE, FORCE, HOLDING)])[:, 1:].max(
+        axis=1
+    )
+    off = spread + by_step * np.array([last.spring, 1.0, 1.0])[:, None]
+    off[:2] = off[:2] / unit
+    most = off.max(axis=1, initial=0.0) + np.array([errors[1], 0.0, 0.0])
+    more = np.maximum(most - errors[[0, 2, 3]], 0.0).tolist()
+    where = clocks.near(off[0]) if more[0] else ""
+    of_force = ErrorPart(f"slips, whose times are not known so well{where}", more[0], ELSEWHERE)
+    return Beside(of_force, more[1], min(more[2], 1.0))
+
+
+def _may_slip(slider: HeavySlider, drive_error: float) -> bool:
+    """Whether the slider gets faster so soon before the path ends that a slip may begin there, which is known to an
+    error in X_T (a length). Towards a slip its speed grows as the time left to the power -1/2, or faster."""
+    motion = slider.motion
+    nodes = [node for nodes in slider.sections[-2:] for node in nodes]
+    if motion is None or len(nodes) < 2:
+        return False
+    last = nodes[-1]
+    before = next((one for one in nodes[::-1] if one.time < last.time), last)
+    ahead = np.sign(motion.speeds[0])
+    if not last.speed * ahead > before.speed * ahead > 0.0:
+        return False
+    left = (last.time - before.time) / ((last.speed / before.speed) ** 2 - 1.0)
+    return bool(left * abs(motion.speeds[0]) < MORE_ROOM * drive_error)
+
+
+def _of_durations(slips: SlipRows, error: float, slider: HeavySlider, drive: Drive) -> float:
+    """The error of durations by that of the force (a length): as much of each as it is of its fall, as they may agree
+    by chance. A slip in a flight ends where the spring's force, less that of the damping, has turned the slider to
+    the drive's speed: where that force is hardly known, as of one that does not swing, the end is not, either."""
+    drops = np.abs(slips.force_before - slips.force_after)
+    part = error * slips.duration / drops
+    if slider.flown and slider.motion is not None and drops.size:
+        turning = slips.force_after - drive.damping * float(slider.motion.speeds[0])
+        known = error < OF_END * np.abs(turning)
+        radians = error / np.where(known, np.abs(turning), 1.0)
+        per_radian = (float(drive.mass or 0.0) / slider.spring) ** 0.5
+        part = np.where(known, np.maximum(part, radians * per_radian), np.inf)
+        # rest, which leaves inertia out, tells roughly when the slider gets faster than its drive
+        part += OF_START * slider.longest_start
+    return float(part.max(initial=0.0))
 
 
 def _rows(slider: HeavySlider) -> SlipRows:
@@ -135,6 +221,8 @@ def _unseen(slider: HeavySlider, contacts: Contacts, drive: Drive) -> tuple[Erro
     if largest:
         of = max(largest, key=lambda kind: largest[kind].error)
         error = largest[of].error / unit
+        if slider.flown:  # in flights, and while the slider hardly swings before, they add up
+            error = sum(one.error for one in largest.values()) / unit
         of = f"{of}, near t = {largest[of].time:.6g}"
     return (
         ErrorPart("the memory of the contacts' history", memory.error, LOOSEN),

@@ -36,6 +36,12 @@ class Falls:
         """In order."""
         return self._record.slips
 
+    @property
+    def begins(self) -> list[float]:
+        """Times at which slips begin, also one that goes on as the path ends."""
+        since = self._record.slips_since
+        return [slip.begin.time for slip in self.slips] + ([] if since is None else [since])
+
     def watch(self, leg: int, begin: StepEnd, end: StepEnd, breaks: tuple[float, float]) -> None:
         """Look at a step on a leg of the drive's motion, with the breaks per contact up to its begin and end."""
         motion = self._motion

@@ -53,11 +53,13 @@ def follow_in_steps(
         _refuse_long_ways(contacts, drive, balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     unit = contacts.mean_threshold
+    stays = contacts.changing is None and contacts.reforming is None
+    survival = contacts.thresholds.sf if stays else None
     sliders, best, halvings, stopped, nodes = list[HeavySlider](), None, 0, "", 0
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
-        slider = HeavySlider(cohorts, drive, motion, tolerance * unit, sliding)
+        slider = HeavySlider(cohorts, drive, motion, tolerance * unit, sliding, survival)
         try:
             slider.run()
         except StoppedError as why:
@@ -156,6 +158,9 @@ def _found(
         duration_error=best.duration_error,
     )
     nodes, stopped = ended
+    of_holding = best.of_holding
+    if best.beside.holding > of_holding.size:
+        of_holding = best.beside.force._replace(size=of_holding.size)
     followed = Followed(
         balance=balance,
         force=force,
@@ -165,9 +170,11 @@ def _found(
         nodes=nodes,
         parts=best.parts,
         stopped_because=stopped,
-        of_holding=best.of_holding,
+        of_holding=of_holding._replace(size=min(of_holding.size + best.beside.holding, 1.0)),
+        beside_slips=best.beside.force,
     )
     if last.slides and last.motion is not None:
         followed = followed._replace(**_sliding(last.slides, last.motion))
     stored_first = last.sections[0][0].stored
-    return HeavyFound(followed, best.columns, best.of_contacts, stored_first)
+    of_contacts = best.of_contacts + best.beside.contact_force
+    return HeavyFound(followed, best.columns, of_contacts, stored_first)

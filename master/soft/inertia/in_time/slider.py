@@ -1,7 +1,7 @@
 """A slider with mass along its whole path, step by step and turn after turn; its contacts' laws depend on time."""
 
+from collections.abc import Callable
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -9,14 +9,17 @@ from master.motion import Motion
 from master.outcome import StoppedError
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.in_time.steps import CONTROL
-from master.soft.in_time.unresolved import OF_CREEP, OF_QUIET
+from master.soft.in_time.unresolved import OF_CREEP, OF_FLIGHT, OF_QUIET
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.in_time.falls import Falls, StepEnd
+from master.soft.inertia.in_time.flights import SWINGS_BY, Bound, Flights
 from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.slow_steps import Crept, Drifts, SlowSteps
+from master.soft.inertia.in_time.spent import Energies, Spent
 from master.soft.inertia.in_time.steady_sliding import Slid, SteadySliding
 from master.soft.inertia.in_time.swing_steps import SwingSteps, Swung
 from origins.drive import Drive
+from origins.thresholds.law import Array
 from origins.thresholds.numerical import clipped
 
 # Force of a swing, in QUIET of the tolerance, below which it counts as rest; and of inertia that is left out then,
@@ -24,17 +27,10 @@ from origins.thresholds.numerical import clipped
 COMES_TO_REST, LEAVES_REST = 2.5, 10.0
 # Fewest steps of a swing before rest is looked for again, where it was not found; and of rest that are worth it.
 STEPS_TO_REST = 8
+# Least part of a step's size that is tried at rest where none balances after a longer one.
+LEAST_SLOW = 2.0**-8
 # Times the e-folds of contacts that may break on a step up to which it is taken as it is; least factor on its size.
 BELIEVED, LEAST_SHRINK = 1.5, 0.03
-
-
-class Spent(NamedTuple):
-    """Energies on a step, per N_c<k> (length squared): the work of the drive, and what damping and moving the contacts
-    took."""
-
-    given: float
-    damped: float
-    on_contacts: float
 
 
 class HeavySlider:
@@ -44,6 +40,8 @@ class HeavySlider:
     sections : nodes of each smooth section: from a turn of the slider to the next, or of the drive
     falls : of the spring's force, and slips among them
     slides : long ways without steps, in order
+    flown : bounds on what contacts do on flights, in order
+    longest_start : the longest time from rest, or a slip's begin before, to its flight, as the slider gets fast
     """
 
     def __init__(
@@ -53,9 +51,10 @@ class HeavySlider:
         motion: Motion | None,
         tolerance: float,
         sliding: SteadySliding | None = None,
+        survival: Callable[[Array], Array] | None = None,
     ) -> None:
         """At rest, in balance, at t = 0; `tolerance` is that of the force, a length; `sliding`: how it may slide on
-        without steps."""
+        without steps; `survival`: as in `Flights`."""
         self.contacts, self.motion = contacts, motion
         self.spring, self.quiet = float(drive.spring or 0.0), QUIET * tolerance
         self.damping, self._size = drive.damping, 0.5**contacts.halvings
@@ -63,7 +62,8 @@ class HeavySlider:
         self._work = self._damped = self._on_contacts = 0.0
         self._sliding, self._broken_before = sliding, 0.0
         self._way = list[HeavyNode]()  # since the slider turned last, or slid
-        self.slides = list[Slid]()
+        self.slides, self.flown = list[Slid](), list[Bound]()
+        self.longest_start, self._rested = 0.0, 0.0
         self.sections = list[list[HeavyNode]]()
         self.falls = Falls(motion, self.spring, contacts.unit)
         if motion is None:
@@ -73,7 +73,16 @@ class HeavySlider:
         self._swings = SwingSteps(contacts, drive, motion)
         self._drifts = Drifts(self._swings.mass, drive.damping)
         self._slow = SlowSteps(contacts, drive, motion, self._drifts)
+        # what follows a slip on a drive that turns, stops or changes its speed is not known by the slip's own clock
+        survival = survival if motion.speeds.size == 1 and motion.speeds[0] else None
+        self._flights = Flights(contacts, drive, motion, tolerance, survival)
+        self._energies = Energies(contacts, self.spring, self.damping)
         self._drive_speed = 0.0
+
+    @property
+    def may_fly(self) -> bool:
+        """Whether flights are looked for."""
+        return self.motion is not None and self._flights.are_known
 
     def run(self) -> None:
         """Follow the drive to its end, leg by leg."""
@@ -91,7 +100,7 @@ class HeavySlider:
                 self.sections.append([self._node(0.0, self._swings.speed)])
                 contacts.past_breaks.begin_section()
                 if self._is_slow:
-                    self._slow.begin_section(leg, end)
+                    self._slow.begin_section(leg, end, self._swings.speed)
                     self._creep(leg, end)
                     swing = self.quiet
                 else:
@@ -108,16 +117,17 @@ class HeavySlider:
         size = np.inf
         while contacts.now < end:
             swung = self._resolving(swings)
-            energies = self._energies_of(swung)
+            energies = self._energies.on_swing(swung, swings.pull, self._drive_speed)
             off, speed = swings.swing_of(swung)
             stiff = self.spring + contacts.holding
             size = off + speed * (swings.mass / stiff) ** 0.5
-            comes_to_rest = self._comes_to_rest(swung, stiff * off, speed)
+            at_rest = self._force_at_rest(swung, stiff * off, speed)
             self._drifts.add(0.5 * (contacts.now + swung.trial.end), swung.motion.drift)
             self._take(leg, swung.trial, swings.size(swung.trial), swung.speed, energies)
-            if self._slides_on(leg):
+            if self._slides_on(leg) or self._flies(leg, end):
                 break
-            if comes_to_rest and contacts.steps >= self._not_before:
+            if at_rest < COMES_TO_REST * self.quiet and contacts.steps >= self._not_before:
+                contacts.unresolved.note(OF_QUIET, at_rest, contacts.now)
                 self._is_slow = True
                 break
             if swung.turns or swings.needs_other_steps(size):
@@ -127,19 +137,25 @@ class HeavySlider:
     def _creep(self, leg: int, end: float) -> None:
         """Take steps in balance until `end`, or until inertia matters again."""
         contacts, slow = self.contacts, self._slow
-        begin = contacts.steps
+        begin, part = contacts.steps, 1.0
         while contacts.now < end:
-            crept = slow.next_step(self._size)
+            crept = slow.next_step(part * self._size)
+            if crept is None and part > LEAST_SLOW:
+                # shorter ones end before the slip, of which a long one finds no balance
+                part *= 0.5
+                continue
+            part = min(2.0 * part, 1.0)
             if crept is None or self._leaves_rest(crept):
-                self._is_slow = False
+                self._is_slow = slow.ends_section = False
+                self._rested = contacts.now
                 if contacts.steps < begin + STEPS_TO_REST:
                     self._not_before = contacts.steps + STEPS_TO_REST
                 return
             contacts.unresolved.note(OF_QUIET, crept.left_out, contacts.now)
-            energies = self._energies_of_crept(crept.trial)
+            energies = self._energies.creeping(crept.trial, self._swings.pull, self._drive_speed)
             self._drifts.add(0.5 * (contacts.now + crept.trial.end), crept.drift)
             self._take(leg, crept.trial, slow.size(crept.trial), crept.speed, energies)
-            if self._slides_on(leg):
+            if self._slides_on(leg) or slow.ends_section:
                 return
 
     def _resolving(self, swings: SwingSteps) -> Swung:
@@ -165,45 +181,18 @@ class HeavySlider:
         loss = np.log(holding / trial.kept) / size if trial.kept > 0.0 else np.inf
         return float(clipped(CONTROL.e_folds / loss, LEAST_SHRINK, 1.0))
 
-    def _comes_to_rest(self, swung: Swung, force: float, speed: float) -> bool:
-        """Whether what is left of the swing at the end of this step, which is not taken yet, with this force and speed,
-        counts as rest."""
+    def _force_at_rest(self, swung: Swung, force: float, speed: float) -> float:
+        """Force that is left out if what is left of the swing at the end of this step, which is not taken yet, with
+        this force and speed, counts as rest."""
         stiff, mass = self.spring + self.contacts.holding, self._swings.mass
         force += max((stiff * mass) ** 0.5, self.damping) * speed
         middle = 0.5 * (self.contacts.now + swung.trial.end)
-        left_out = self._drifts.left_out(middle, swung.motion.drift, stiff)
-        return max(force, left_out) < COMES_TO_REST * self.quiet
+        return max(force, self._drifts.left_out(middle, swung.motion.drift, stiff))
 
     def _leaves_rest(self, crept: Crept) -> bool:
         """Whether inertia that this step in balance leaves out matters, or it leads back in time."""
         size = self._slow.size(crept.trial)
         return crept.left_out > LEAVES_REST * self.quiet or size <= 0.0
-
-    def _energies_of(self, swung: Swung) -> Spent:
-        """The work of the drive, and what damping and contacts take, on a step of a swing that is not taken yet."""
-        contacts, trial, motion = self.contacts, swung.trial, swung.motion
-        lasts, travel = trial.end - contacts.now, trial.travel
-        # integral of y over the time of the step
-        moved = motion.centre * lasts + 0.5 * motion.drift * lasts**2
-        moved += float(motion.departure_integral(lasts))
-        rate = self.spring * self._drive_speed
-        pulled = (self._swings.pull + contacts.force) * lasts + 0.5 * rate * lasts**2
-        given = self._drive_speed * (pulled - self.spring * moved)
-        damped = self.damping * float(motion.squared_speed(lasts))
-        stiff = contacts.holding
-        left = trial.force - contacts.force - stiff * travel
-        on_contacts = contacts.force * travel + 0.5 * stiff * travel**2
-        on_contacts += left * (travel - moved / lasts)
-        return Spent(given, damped, on_contacts)
-
-    def _energies_of_crept(self, trial: Trial) -> Spent:
-        """The same on a step in balance, on which speed and forces change evenly."""
-        contacts, lasts = self.contacts, trial.end - self.contacts.now
-        before = self._swings.pull + contacts.force
-        after = before + self.spring * (self._drive_speed * lasts - trial.travel)
-        given = 0.5 * self._drive_speed * lasts * (before + after)
-        on_contacts = 0.5 * (contacts.force + trial.force) * trial.travel
-        return Spent(given, self.damping * trial.travel**2 / lasts, on_contacts)
 
     def _take(
         self,
@@ -260,6 +249,36 @@ class HeavySlider:
         self.slides.append(slid)
         self._swings.speed, self._is_slow, self._way = last.speed, False, []
         sliding.begin_section()
+        return True
+
+    def _flies(self, leg: int, end: float) -> bool:
+        """Whether all contacts are out, so that the slider flies on its spring alone; if so it has, as a section."""
+        contacts, before = self.contacts, self._broken_before
+        flight = self._flights.ahead(leg, end, self._swings.speed)
+        if flight is None:
+            return False
+        contacts.unresolved.note(OF_FLIGHT, SWINGS_BY * flight.bound.force, contacts.now)
+        if self._rested < contacts.now:
+            since = min([self._rested, *self.falls.begins[len(self.falls.slips) :]])
+            self.longest_start = max(self.longest_start, contacts.now - since)
+            self._rested = np.inf
+        self.flown.append(flight.bound)
+        contacts.past_breaks.begin_section()
+        work, damped = self._work, self._damped
+        nodes = [self._node(0.0, self._swings.speed)]
+        self.sections.append(nodes)
+        for k, size in enumerate(np.diff(flight.sizes).tolist(), 1):
+            broken = before + contacts.past_breaks.total
+            place, now, held = flight.position[k], flight.time[k], flight.holding[k]
+            contacts.fly_to(float(place), float(now), size, float(held))
+            self._work, self._damped = work + flight.given[k], damped + flight.damped[k]
+            nodes.append(self._node(float(flight.sizes[k]), float(flight.speed[k])))
+            after = before + contacts.past_breaks.total
+            self._watch(leg, nodes[-2], nodes[-1], (broken, after))
+        # what has formed bears a force at once: of the next section, as no spline is to lead through that
+        contacts.land(flight.landed)
+        self._swings.speed, self._way = nodes[-1].speed, nodes[-1:]
+        self._drifts.begin()
         return True
 
     def _node(self, sizes_so_far: float, speed: float) -> HeavyNode:

@@ -15,12 +15,16 @@ import numpy as np
 
 from master.motion import Motion
 from master.soft.in_time.contacts import ContactsInSteps, Trial
-from master.soft.in_time.steps import FIRST_FRACTION, Guess, Steps
+from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Guess, Steps
+from master.soft.in_time.time_units import TimeUnits
 from origins.drive import Drive
 
 # Least part of a step's size that is time where a speed is told; a shorter step is taken for one of that time, so that
 # the imbalance stays finite. No such step is taken.
 LEAST_TIME = 1e-3
+# Factor by which the slider gets faster or slower than a section's time units are made for, at which another begins: on
+# a soft spring it gets far faster than stuck to its drive, long before inertia matters.
+OTHER_SPEED = 8.0
 
 
 class Crept(NamedTuple):
@@ -80,7 +84,10 @@ class Drifts:
 
 
 class SlowSteps(Steps):
-    """Steps of a slider with mass that follows its drive in balance, on one leg of the drive's motion."""
+    """Steps of a slider with mass that follows its drive in balance, on one leg of the drive's motion.
+
+    ends_section : whether the slider's speed at the end of the last step asks for another section
+    """
 
     def __init__(
         self, contacts: ContactsInSteps, drive: Drive, motion: Motion, drifts: Drifts
@@ -90,12 +97,20 @@ class SlowSteps(Steps):
         self.mass, self.damping = float(drive.mass or 0.0), drive.damping
         self._guess = self.first_guess
         self._drive_speed, self._drifts = 0.0, drifts
-        self._least_time = 0.0
+        self._least_time, self._pace = 0.0, 0.0
+        self.ends_section = self._by_speed = False
 
-    def begin_section(self, leg: int, end: float) -> None:
-        """See Steps."""
+    def begin_section(self, leg: int, end: float, speed: float = 0.0) -> None:
+        """See Steps; the slider has this speed, by which time is measured where the last section ended for that."""
         super().begin_section(leg, end)
         self._drive_speed = float(self._drive_motion.speeds[leg])
+        stuck = abs(self._drive_speed) * self.spring / (1.0 + self.spring)
+        self._by_speed = self.ends_section and abs(speed) > stuck > 0.0
+        self._pace, self.ends_section = abs(speed) if self._by_speed else stuck, False
+        if self._by_speed:
+            # contacts go on as they were: no first changes are to be resolved
+            rate = self._time_units.rate + CONTROL.drive_weight * (abs(speed) - stuck) / self.length
+            self._time_units = TimeUnits(self.contacts.now, end, rate, np.inf)
         self._guess = self._guess._replace(time_fraction=FIRST_FRACTION)
 
     def _stiff(self) -> float:
@@ -134,5 +149,8 @@ class SlowSteps(Steps):
         self._guess = Guess(root.step.time_part / size, root.slope)
         trial = root.step.trial
         drift, speed = self._speeds(trial)
+        faster = abs(speed) > OTHER_SPEED * self._pace > 0.0
+        slower = self._by_speed and OTHER_SPEED * abs(speed) < self._pace
+        self.ends_section = faster or slower
         left_out = self._drifts.left_out(0.5 * (now + trial.end), drift, self._stiff())
         return Crept(trial, drift, speed, left_out)

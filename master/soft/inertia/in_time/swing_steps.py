@@ -22,12 +22,15 @@ from master.soft.in_time.time_units import TimeUnits
 from master.soft.inertia.oscillation import Oscillation
 from origins.drive import Drive
 
-# Phase (radians) of the slider's swing on contacts that all hold, on the coarsest step, if it did not travel: contacts
-# are moved evenly, and break by heat as if their stretch grew so. With 0.5 a full swing takes 13 steps or more.
+# Phase (radians) on the coarsest step, if the slider did not travel, of its swing on MORE_HOLD times the contacts
+# that hold: contacts are moved evenly, and break by heat as if their stretch grew so. With 0.5 a full swing takes 13
+# steps or more.
 PHASE = 0.5
 # Times that phase where the swing is smaller than this part of the coarsest travel, until it is so many times as large:
 # the swing itself is followed exactly, and moving the contacts evenly is off by [swing] [phase]²/8 at most.
 MORE_PHASE, SMALL_SWING, LARGE_AGAIN = 3.0, 0.03, 4.0
+# Times the share of contacts that holds at the begin of a section up to which its steps follow the swing on them.
+MORE_HOLD = 4.0
 # Part of a step's size in which the turn at its end is found; and halvings of a step behind a turn, in search of one on
 # which the slider does not turn yet.
 AT_TURN, HALVINGS_BEHIND_TURN = 1e-8, 12
@@ -64,12 +67,16 @@ class SwingSteps(Steps):
         """Steps of these contacts, from rest."""
         super().__init__(contacts, float(drive.spring or 0.0), motion)
         self.mass, self.damping, self.speed = float(drive.mass or 0.0), drive.damping, 0.0
-        stiff = 1.0 + self.spring
-        # how fast the slider swings on contacts that all hold, or comes to rest, where that is slower
-        slowest = stiff / self.damping if self.damping else np.inf
-        self._fastest = min((stiff / self.mass) ** 0.5, slowest)
-        self._time_fraction = 0.5
+        self._fastest, self._time_fraction = self._swings_at(1.0), 0.5
+        self._most_holding = 1.0
         self._drive_speed, self._rate, self._is_small = 0.0, self._fastest / PHASE, False
+
+    def _swings_at(self, holding: float) -> float:
+        """How fast the slider swings while this share of the contacts holds, or comes to rest, where that is slower
+        (radians, or e-folds, per time)."""
+        stiff = holding + self.spring
+        slowest = stiff / self.damping if self.damping else np.inf
+        return float(min((stiff / self.mass) ** 0.5, slowest))
 
     @property
     def pull(self) -> float:
@@ -92,7 +99,8 @@ class SwingSteps(Steps):
         self.sign = float(np.sign(way))
         self._is_small = self._counts_as_small(swing)
         phase = MORE_PHASE * PHASE if self._is_small else PHASE
-        self._rate = self._fastest / phase + scales.rate / CONTROL.e_folds
+        self._most_holding = min(MORE_HOLD * contacts.holding, 1.0)
+        self._rate = self._swings_at(self._most_holding) / phase + scales.rate / CONTROL.e_folds
         first = np.inf if goes_on else scales.time
         self._time_units = TimeUnits(contacts.now, end, self._rate, first)
         self.section_end = end
@@ -103,8 +111,10 @@ class SwingSteps(Steps):
         return swing < (LARGE_AGAIN * most if self._is_small else most)
 
     def needs_other_steps(self, swing: float) -> bool:
-        """Whether a swing that has this size now asks for steps of other sizes than this section has."""
-        return self._counts_as_small(swing) != self._is_small
+        """Whether a swing that has this size now asks for steps of other sizes than this section has, or more contacts
+        hold than it has steps for."""
+        harder = self._most_holding < min(self.contacts.holding, 1.0)
+        return harder or self._counts_as_small(swing) != self._is_small
 
     def swing_of(self, swung: Swung) -> tuple[float, float]:
         """Departure from its balance of a slider at the end of a step that is not taken yet, and its speed."""
