@@ -21,7 +21,7 @@ from toolkit.scene.scene import load_scene
 from toolkit.stability import laws, sliders, speeds, surfaces, thresholds
 from toolkit.stability.case import Answer, Case, Question, Row, Truth, judged, rows
 from toolkit.stability.scene_map import not_pushed, numbers, scene_map, times, trusted
-from toolkit.stability.table import VERDICTS, extreme_cases, stability, summary
+from toolkit.stability.table import VERDICTS, extreme_cases, line, stability, summary
 from toolkit.stability.work import within_work
 
 QUICK = {"near-merged peaks", "heavy tails", "delay", "starts"}
@@ -48,6 +48,27 @@ CUT = {"just below the end of a rectangle"}  # after its 10 CPU-s
 )
 def test_the_judge_tells_what_is_wrong_from_what_is_short(answer: Answer, verdict: str) -> None:
     assert judged(answer, Truth([1.0, 2.0], 0.0, "by hand")).verdict == verdict
+
+
+def test_a_row_that_was_cut_tells_where_and_what_it_claims() -> None:
+    """Of the rest nothing is known, so that there is no number in its place."""
+
+    def cut() -> Answer:
+        return Answer(
+            [1.0], 1e-9, False, 1e-6, "stopped at X = 1 by wall_time; error estimate 1e-9"
+        )
+
+    (row,) = rows(Question("", "", "master", cut, lambda: Truth([1.0, 2.0], 0.0, "by hand")))
+    assert (
+        row.verdict == "slow"
+        and "X = 1 by wall_time; error estimate 1e-9; against by hand" in line(row)
+    )
+    (row,) = rows(
+        Question(
+            "", "", "master", lambda: Answer([1.0], 1e-9), lambda: Truth([1.0], 0.0, "by hand")
+        )
+    )
+    assert line(row).endswith("by hand") and "against" not in line(row)
 
 
 def test_an_answer_without_a_second_road_is_not_called_exact() -> None:

@@ -72,6 +72,8 @@ def line(row: Row) -> str:
         f"{value:8.1e}" if np.isfinite(value) else f"{'-':>8}" for value in (row.error, row.claim)
     ]
     against = row.road or row.said
+    if row.road and row.verdict in ("slow", "short, and says so"):
+        against = f"{row.said}; against {row.road}"
     head = f"  {row.case:{_WIDE}}{row.solver:19}{row.verdict:20}{'  '.join(numbers)}"
     return f"{head}{row.run_time:9.2g} CPU-s  {against}"
 
