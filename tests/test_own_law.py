@@ -286,19 +286,43 @@ def test_a_law_in_another_law_s_place_is_named_by_its_class(name):
     assert repr(Contacts(Power(PC, 0.1, 1.0))).startswith("Contacts(thresholds=Power(...), ")
 
 
+class OfRoot(Strengthening):
+    """Made from a compiled law, whose numbers its own functions for compiled loops share."""
+
+    law = "of root"
+
+    def factor(self, age):
+        return np.sqrt(1.0 + self.beta * np.asarray(age) / self.time_unit)
+
+    def compiled(self):
+        found = super().compiled()
+        return found._replace(
+            factor=lambda law, age: (1.0 + law.beta * age) ** 0.5,
+            slope=lambda law, age: 0.5 * law.beta * (1.0 + law.beta * age) ** -0.5,
+        )
+
+
+def test_a_law_made_from_a_compiled_one_is_not_taken_for_it():
+    """Nor that for it: its kernel stood on disk in place of the other's, for all processes that came later. A law of
+    one's own is called, as no kernel on disk is told apart by its source."""
+    law = OfRoot(PC, beta=0.3, time=2.0)
+    assert law.compiled() is not None and law.compiled_factor is None
+    path, asked = np.array([8.0]), {"velocity": 0.1}
+    for each in (law, Strengthening(PC, beta=0.3, time=2.0)):
+        contacts = Contacts(each)
+        exact = master.solve(contacts, path, 1e-4, **asked)
+        found = eq_model.simulate(contacts, path, n_contacts=4000, n_replicas=4, seed=1, **asked)
+        off = abs(found.force[0] - exact.force[0])
+        assert off < 4.0 * found.force_standard_error[0] < 0.05 * exact.force[0]
+
+
 @pytest.mark.slow
 def test_the_ensemble_agrees_on_a_spring():
     """By any factor, also of a class that is made from a compiled one: its own was once that with the logarithm."""
 
-    class Root(Strengthening):
-        law = "root"
-
-        def factor(self, age):
-            return np.sqrt(1.0 + self.beta * np.asarray(age) / self.time_unit)
-
     path = np.linspace(0.5, 6.0, 12)
     asked = {"velocity": 0.1, "spring": 0.5, "slip": "instant"}
-    for law in (Power(PC, 0.2, 0.5, age=3.0), Root(PC, beta=0.1, time=2.0)):
+    for law in (Power(PC, 0.2, 0.5, age=3.0), OfRoot(PC, beta=0.1, time=2.0)):
         exact = master.solve(Contacts(law), path, 1e-3, **asked)
         found = eq_model.simulate(
             Contacts(law), path, n_contacts=2000, n_replicas=8, seed=3, **asked

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.errors import between, non_negative, refuse
-from origins.laws.compiled import CompiledFactor
+from origins.laws.compiled import CompiledFactor, is_shipped
 from origins.laws.growing import AGES, INVERSE, LONGEST, GrowingThresholds
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.powered import Powered, straight
@@ -54,15 +54,18 @@ class ProportionalGrowth(GrowingThresholds):
         """g at these ages >= 0 (times), a number or an array of any shape; shape of them."""
 
     def compiled(self) -> CompiledFactor | None:
-        """The factor and its slope for compiled loops; None: the ensemble calls `factor`, a thousand times as long."""
+        """The factor and its slope for compiled loops; None, and of a law outside this package: the ensemble calls
+        `factor`, a thousand times as long."""
         return None
 
     @property
     def compiled_factor(self) -> CompiledFactor | None:
-        """What `compiled` gives; None of a class that states another factor than the one from which it has that."""
+        """What `compiled` gives; None of a class that states another factor than the one from which it has that, and
+        where it is not `is_shipped`."""
         of_class = (vars(one) for one in type(self).__mro__)
         stated = next(names for names in of_class if "factor" in names or "compiled" in names)
-        return self.compiled() if "compiled" in stated else None
+        found = self.compiled() if "compiled" in stated else None
+        return found if found is not None and is_shipped(found.factor) else None
 
     def over(self, fresh: object) -> ProportionalGrowth:
         """The same growth of contacts with another law P_c at age 0."""

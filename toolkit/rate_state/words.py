@@ -168,8 +168,8 @@ def _of_springs(judged: Judged) -> Iterator[str]:
     by_law = spring(found.critical_spring, found.critical_spring_error)
     solved = spring(found.critical_spring_solved, found.critical_spring_solved_error)
     yield f"Smooth sliding is unstable {solved}, by the solved answer to a small step; {by_law}, by (b - a)/D_c."
-    if np.isnan(judged.critical_spring):
+    if np.isnan(judged.critical_spring) or not judged.critical_spring:
         return
     own = spring(judged.critical_spring, judged.critical_spring_error)
-    falls = f"From the scene's start the force of a rigid slider falls more steeply than the spring {own}, K*"
+    falls = f"From the scene's start the force of a rigid slider falls faster than the spring's {own}, K*"
     yield f"{falls}: there a slider may slip once, or creep on."

@@ -243,7 +243,7 @@ def slips_to_tell(slips: Any, lasts: bool) -> npt.NDArray[np.int_]:
     half = (main.size + 1) // 4 * 2
     later = main[main.size - half :]
     each = slips.drop[later], np.diff(slips.drive[main])[main.size - 1 - half :]
-    several = any(np.ptp(one) > ALIKE * one.mean() for one in each if one.size > 1)
+    several = any(np.ptp(one) > ALIKE * abs(one.mean()) for one in each if one.size > 1)
     if not (lasts and several):
         return np.asarray(main[-1:])
     shown = max(half, min(PAIRED, (main.size - 1) // 2 * 2))

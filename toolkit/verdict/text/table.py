@@ -240,8 +240,9 @@ def first_alike(verdict: Verdict, answer: Answer, slider: Behaviour) -> str:
     for one in answer.behaviours:
         as_well = sorted([error, error_beside(verdict, answer, one)])
         off = (one.error + slider.error) * answer.contacts.mean_threshold
-        least = max(off, WORTH_TELLING * drop_of(slider))
-        as_much = abs(drop_of(one) - drop_of(slider)) <= least
+        least = max(off, WORTH_TELLING * abs(slider.before))
+        ends = (one.before, slider.before), (one.after, slider.after)
+        as_much = all(abs(a - b) <= least for a, b in ends)
         if one.kind == slider.kind and as_much and as_well[1] <= 2.0 * as_well[0]:
             return one.rule
     return slider.rule

@@ -97,7 +97,7 @@ class SteadySliding(Creep):
         # contacts that grow live longest where the slider is slowest
         slowest = min(self._speed, speed)
         self._machine = self._machine._replace(life=_life_at(self._contacts, slowest))
-        if left < WORTH * self._machine.life:
+        if not left >= WORTH * self._machine.life:  # nor where that is not known
             return None
         begin = self._in_balance(way, distance)
         return None if begin is None else self._slid(last, begin, contacts)
@@ -145,6 +145,8 @@ class SteadySliding(Creep):
             time[-1] = self._motion.times[-1]
         force, speed, sign = begin.table.force(u), np.exp(u), self._sign
         place = self._motion.at(time) - sign * load / self._spring
+        slowest = float(np.exp(u.min()))  # where contacts that grow live longest
+        self._machine = self._machine._replace(life=_life_at(self._contacts, slowest))
         stored = self._stored(u, contacts)
         energies = last.work + given, last.damped + damped, last.on_contacts + on_contacts
         columns = sigma, time, sign * force, np.ones(u.size), place, sign * speed, *energies, stored
