@@ -18,5 +18,5 @@ takes steps of time.
 
 In reading order: `slider.py`, `body.py`, `reaction.py`, the three modes, `record.py`, `run.py`, `short_delay.py`,
 `solution.py`; then `delayed/` and `in_time/`.
-Tests: tests/test_mass_master.py, test_mass.py and test_mass_agreement.py.
+Tests: tests/test_mass_master.py, test_mass_turns.py, test_mass.py and test_mass_agreement.py.
 """

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebroots, chebtrim, chebvander
 from scipy.integrate import DOP853, DenseOutput
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq
 
 from master.outcome import StoppedError, stop_after
 from master.soft.inertia.body import GETS_SLOW, RINGS, Body, Mode
@@ -18,6 +19,10 @@ MOST_STEPS = 50_000
 FINE, FINEST = 1e-4, 1e-12
 # Points of a step at which the speed is compared with the drive's.
 POINTS = 17
+# Degree in time of the state within a step of DOP853; and the matrix that takes values at POINTS even points of a step
+# to coefficients of Chebyshev's polynomials, in which a coefficient below ROUNDING of the largest is none.
+DEGREE, ROUNDING = 7, 1e-14
+COEFFICIENTS = np.linalg.pinv(chebvander(np.linspace(-1.0, 1.0, POINTS), DEGREE))
 # Steps between two looks at the clock, which takes as long as a step.
 UNWATCHED = 64
 # Longest first step, in times (M/K)^(1/2) of a swing on the spring, as long as a slip takes. The integrator's own guess
@@ -69,26 +74,29 @@ class Step(NamedTuple):
 
         A slider that comes all but to rest may turn and go on within one step, so that the step's ends tell of no turn.
         """
-        times = np.linspace(self.first, self.last, POINTS)
+        even = np.linspace(self.first, self.last, POINTS)
+        polynomial = COEFFICIENTS @ self.inside(even)[1]
+        if polynomial[0] > np.abs(polynomial[1:]).sum():
+            return None
+        # between two of these times the speed only rises or only falls
+        times = np.union1d(even, self._turning_points(polynomial))
         speed = self.inside(times)[1]
         ahead = np.flatnonzero(speed > 0.0)
-        begin = int(ahead[0]) if at_rest and ahead.size else 0
         if at_rest and not ahead.size:
             return self.first
-        for k in range(begin + 1, POINTS):
-            if speed[k] <= 0.0:
-                return self._replace(last=float(times[k])).when(1, 0.0, float(times[k - 1]))
-            if k + 1 < POINTS and speed[k] < min(speed[k - 1], speed[k + 1]):
-                low = self._lowest(float(times[k - 1]), float(times[k + 1]))
-                if float(self.inside(low)[1]) <= 0.0:
-                    return self._replace(last=low).when(1, 0.0, float(times[k - 1]))
-        return None
+        begin = int(ahead[0]) if at_rest else 0
+        behind = begin + 1 + np.flatnonzero(speed[begin + 1 :] <= 0.0)
+        if not behind.size:
+            return None
+        k = int(behind[0])
+        return self._replace(last=float(times[k])).when(1, 0.0, float(times[k - 1]))
 
-    def _lowest(self, low: float, high: float) -> float:
-        """When the speed is least between two times."""
-        asked = {"bounds": (low, high), "method": "bounded"}
-        found = minimize_scalar(lambda t: float(self.inside(t)[1]), **asked)
-        return float(found.x)
+    def _turning_points(self, polynomial: Array) -> Array:
+        """Times at which this polynomial neither rises nor falls; some others among them do no harm."""
+        slope = chebder(polynomial)
+        roots = chebroots(chebtrim(slope, ROUNDING * np.abs(slope).max())).real
+        times = self.first + (self.last - self.first) * 0.5 * (roots + 1.0)
+        return np.clip(times, self.first, self.last)
 
     def up_to(self, end: float) -> "Step":
         """The step cut at this time."""
