@@ -13,8 +13,12 @@ from master.survival.make import steady_life
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# Degrees of the polynomial of F_k in ln V, tried in turn.
-DEGREES = (12, 24, 48)
+# Degrees of the polynomial of F_k in ln V, tried in turn: of all contacts, and of those whose thresholds change.
+DEGREES, DEGREES_OF_CHANGING = (12, 24, 48, 96), (12, 24, 48)
+# The coefficients of a series fall from each BLOCK to the next. Of 1700 drawn tables (families of thresholds with heat
+# of each law, ranges of 2 to 12 decades) none was off by more than is claimed with this SAFETY; with blocks of 2 and
+# none, as coefficients do not fall one by one, the half was, by up to 24 times as much.
+BLOCK, SAFETY, MOST_RATIO = 6, 3.0, 0.9
 # Part of the error of the table that one force may have; and between which accuracies, in mean thresholds.
 PART_OF_ERROR, ACCURACIES = 0.1, (1e-9, 1e-6)
 
@@ -49,7 +53,7 @@ def tabulated(
     """The table between these ends (2,) of ln V; None where its error would be above the most (a length), as F_k is not
     smooth in ln V. `until`: reading of time.monotonic() after which StoppedError comes."""
     forces, off = np.empty(0), 0.0
-    for degree in DEGREES:
+    for degree in DEGREES if contacts.changing is None else DEGREES_OF_CHANGING:
         # places where the polynomial of this degree is 1 or -1: each second one stands in the list before
         nodes = np.cos(np.pi * np.arange(degree + 1) / degree)
         new = np.s_[1::2] if forces.size else np.s_[:]
@@ -61,20 +65,29 @@ def tabulated(
             forces[::2] = before
         forces[new], off = found, max(off, missed)
         series = np.asarray(chebyshev.chebfit(nodes, forces, degree), float)
-        error = float(np.abs(series[-2:]).sum()) + off
+        error = _left_out(series) + off
         if error <= most_error:
             return KineticTable(ends, series, error)
     return None
 
 
+def _left_out(series: Array) -> float:
+    """What a polynomial of these Chebyshev coefficients (n,) is off by at most, if those that are left out fall on as
+    the last ones do. Each counts twice: at the nodes it is taken for one of the polynomial's own."""
+    before, last = np.abs(series[-2 * BLOCK :]).reshape(2, BLOCK).sum(axis=1).tolist()
+    ratio = min(last / before, MOST_RATIO) if before else MOST_RATIO
+    return float(SAFETY * last * (1.0 + 2.0 * ratio / (1.0 - ratio)))
+
+
 def _forces(
     contacts: Contacts, speeds: Array, most_error: float, until: float
 ) -> tuple[Array, float]:
-    """F_k at these speeds (lengths), and an error of all (a length) where it is known no better than is asked for: of
-    contacts whose thresholds change each speed takes long, and the less the larger its error may be."""
+    """F_k at these speeds (lengths), and an error of all (a length): of contacts whose thresholds change each speed
+    takes long, and the less the larger its error may be."""
     stop_after(until)
     if contacts.changing is None:
-        return kinetic_curve(contacts, speeds).force, 0.0
+        curve = kinetic_curve(contacts, speeds)
+        return curve.force, float(curve.force_error.max()) * contacts.mean_threshold
     accuracy = float(np.clip(PART_OF_ERROR * most_error / contacts.mean_threshold, *ACCURACIES))
     found = np.empty((speeds.size, 2))
     for number, speed in enumerate(speeds.tolist()):

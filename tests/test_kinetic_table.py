@@ -1,0 +1,48 @@
+"""The kinetic force along speeds as a polynomial: its claim of its error beside the forces themselves."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import origins
+from master.steady.kinetic import kinetic_curve
+from master.steady.kinetic_table import tabulated
+from origins import Contacts, Thermal
+
+# Drawn tables of each law of heat, and speeds within each at which forces are solved one by one.
+DRAWN, SPEEDS = 12, 400
+
+
+def drawn_contacts(draw: np.random.Generator, law: str) -> Contacts:
+    """Thresholds of a drawn family about the mean 1, which heat of this law breaks."""
+    shape = draw.uniform(1.5, 20.0)
+    families = [
+        origins.gaussian(1.0, draw.uniform(0.05, 0.4)),
+        stats.gamma(shape, scale=1.0 / shape),
+        stats.weibull_min(draw.uniform(1.2, 5.0)),
+        stats.lognorm(draw.uniform(0.1, 0.6)),
+    ]
+    much = 10.0 ** draw.uniform(-2.0, -0.7)
+    heat = Thermal(law, width=much) if law == "eyring" else Thermal(law, much)
+    return Contacts(families[draw.integers(len(families))], thermal=heat)
+
+
+@pytest.mark.parametrize("law", ["eyring", "soft", "stiff"])
+def test_the_table_is_off_by_no_more_than_it_claims(law: str) -> None:
+    """Of drawn contacts, along 3 to 12 decades; and each table is told, with an error of 1e-3 to 1e-5."""
+    draw = np.random.default_rng(["eyring", "soft", "stiff"].index(law))
+    for _ in range(DRAWN):
+        contacts, asked = drawn_contacts(draw, law), 10.0 ** draw.uniform(-5.0, -3.0)
+        middle, half = draw.uniform(-7.0, 0.0), draw.uniform(1.5, 6.0)
+        ends = np.log(10.0) * np.array([middle - half, middle + half])
+        table = tabulated(contacts, ends, asked)
+        assert table is not None and table.error <= asked
+        log_speeds = np.linspace(*ends, SPEEDS)
+        off = np.abs(table.force(log_speeds) - kinetic_curve(contacts, np.exp(log_speeds)).force)
+        assert off.max() <= table.error
+
+
+def test_a_force_with_a_sharp_bend_has_no_table() -> None:
+    """Contacts of nearly one threshold: F_k rises with ln V, and no more where heat does not break them in time."""
+    contacts = Contacts(origins.gaussian(1.0, 1e-3), thermal=Thermal("eyring", width=1e-3))
+    assert tabulated(contacts, np.log([1e-60, 1e60]), 1e-7) is None
