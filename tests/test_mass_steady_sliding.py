@@ -43,7 +43,7 @@ def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(
     heavy = master.solve(contacts, path, 1e-2, mass=1.6e-9, damping=damping, **machine)
     assert heavy.success and heavy.regime.verdict == "smooth" and "slides steadily" in heavy.message
     steady = master.steady_state(contacts, velocity=100.0).force
-    # F_k is read off a table, of thresholds that grow to a thousandth of the tolerance only, as that takes long
+    # F_k is read off a table, which is less exact of thresholds that grow, as it takes long there
     off = 1e-6 if contacts is WIDE else 1e-5
     assert heavy.force[-1] == pytest.approx(steady + 100.0 * damping, abs=off)
     assert heavy.contact_force[-1] == pytest.approx(steady, abs=off)

@@ -56,7 +56,7 @@ class CreepControl(NamedTuple):
         which the limit of F - F_k(V) for steps of 0 is extrapolated
     lag : lag of F behind F_k(V) up to which it is left out, in tolerances
     speed_ranges : factors on the speeds seen, and on that of the drive, within which F_k is tabulated, tried in turn
-    table_error : error of that table, in tolerances
+    table_error, of_change : error of that table, in tolerances, and where thresholds change, whose F_k takes long
     wave_number : (1/m) at which F_k' and the lag are read off the response; slow is small
     slope_difference : of F_k' by the response and by the table, largest relative one
     fewest_steps : along the last part of the way
@@ -71,6 +71,7 @@ class CreepControl(NamedTuple):
     lag: float = 0.25
     speed_ranges: tuple[float, ...] = (20.0, 1e3, 1e5)
     table_error: float = 1e-3
+    of_change: float = 1e-2
     wave_number: float = 1e-2
     slope_difference: float = 0.02
     fewest_steps: int = 3
@@ -79,8 +80,7 @@ class CreepControl(NamedTuple):
 
 
 CREEP = CreepControl()
-# Number of speeds at which the slope of F_k is looked at; and a time in place of 0 for steps that took none, by which
-# their speed stays finite.
+# Speeds at which the slope of F_k is looked at; and a time in place of 0, for a finite speed of steps that took none.
 SLOPES, NO_TIME = 65, 1e-300
 
 
@@ -238,8 +238,8 @@ class Creep:
             return table
         for factor in CREEP.speed_ranges:
             wider = ends + np.log(factor) * np.array([-1.0, 1.0])
-            error = CREEP.table_error * self._tolerance
-            table = tabulated(self._contacts, wider, error, self._until)
+            error = CREEP.of_change if self._contacts.changing else CREEP.table_error
+            table = tabulated(self._contacts, wider, error * self._tolerance, self._until)
             if table is not None and not np.isnan(table.log_speed(force)):
                 self._table = table
                 return table
