@@ -7,7 +7,7 @@ import scipy.stats as st
 import master
 import origins
 from master.outcome import unheard
-from master.soft.inertia.in_time.flights import Bounds, Formed
+from master.soft.inertia.in_time.flights import LEFT, Bounds, Formed
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from origins import Contacts, Delay, Drive, Thermal
 
@@ -86,6 +86,41 @@ def test_bounds_on_contacts_that_hold_are_bounds() -> None:
         assert bound.holding >= held.sum()
         assert bound.force >= float(held @ np.abs(fine[-1] - place))
         assert formed.holding(law.sf) == pytest.approx(held.sum(), rel=0.03, abs=0.5)
+
+
+@pytest.mark.parametrize("damped", [0.01, 0.03, 0.1])
+def test_bounds_on_contacts_that_hold_are_bounds_along_a_long_ringing(damped: float) -> None:
+    """More instants than are looked back on: those of older ones, born anywhere on the way, count by its range alone.
+    They held as little as a half of what does. Swings of 20 to 0.3 about 20, with births even in time."""
+    law = origins.gaussian(1.0, 0.2)
+    bounds = Bounds(law.sf, 1.0, 3.0)
+
+    def travel(phase: np.ndarray) -> np.ndarray:
+        return 20.0 * (1.0 - np.exp(-damped * phase) * np.cos(phase))
+
+    formed = Formed(np.zeros(1), np.zeros(1), np.zeros(1))
+    for node, begin in enumerate(np.arange(0.0, 4.2 / damped, 0.15)):
+        new = -0.15 * np.diff(LEFT, prepend=1.0)
+        instants = begin + 0.15 * (1.0 - LEFT)
+        formed = formed.and_then(Formed(instants, travel(instants), new))
+        if node % 7:
+            continue
+        way = travel(np.linspace(0.0, begin + 0.15, 10 * node + 11))
+        most, least = (each.accumulate(way[::-1])[::-1] for each in (np.maximum, np.minimum))
+        place = 0.5 * (way[1:] + way[:-1])
+        held = 0.015 * law.sf(np.maximum(most[1:] - place, place - least[1:]))
+        bound = bounds.of(formed.births, formed.furthest())
+        assert bound.holding >= held.sum()
+        assert bound.force >= float(held @ np.abs(way[-1] - place))
+
+
+def test_a_flight_ends_where_its_contacts_return_to_the_last_digit_of_the_time() -> None:
+    """An interval was left that was lost in the digits of the time, on which births jumped: a fault of the program."""
+    contacts = WAITING.replace(thermal=EYRING, delay=Delay(60.0))
+    machine = {"spring": 1e-8, "mass": 1e-8, "damping": 6e-9, "velocity": 1e4}
+    found = master.solve(contacts, np.linspace(0.0, 0.46e8, 5)[1:], 5e-2, **machine)
+    assert found.slips.drive.size == 1 and np.isfinite(found.force_error)
+    assert "fault" not in found.message
 
 
 def test_a_stretched_contact_that_holds_counts_by_its_force() -> None:

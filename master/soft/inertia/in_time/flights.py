@@ -39,8 +39,6 @@ WEAKER, OF_ENERGY = 0.1, 0.05
 # flights are followed: they come back in volleys where it still swings, too fast for steps. And the softest spring, in
 # N_c<k>, on which steps lead through a slip.
 AT_RETURN, SOFTEST_IN_STEPS = 10.0, 1e-2
-# Share of the contacts that holds above which no flight is looked for.
-FEW_HOLD = 0.1
 # Phase (radians) of the swing on its spring between two nodes, between which X is a cubic of the time: off by
 # PHASE^4/384 of the swing. An overdamped slider has two rates: between both, nodes are GROWTH of the time apart.
 PHASE, GROWTH = 0.15, 0.05
@@ -49,13 +47,14 @@ STILL, OF_DRIFT = 1e-6, 32
 # Times between two nodes of which births count together in the bound on the contacts that hold, ever denser up to the
 # later node, as parts of the interval left; and most of them that it looks back on.
 LEFT, LOOKS_BACK = np.append(0.7 ** np.arange(1, 24), 0.0), 480
-# Share of the contacts in a group below which it is left out.
-GONE = 1e-15
+# Shares of the contacts: that hold, above which no flight is looked for; in a group, below which it is left out.
+FEW_HOLD, GONE = 0.1, 1e-15
 # Cells of the mesh on which bounds are told, 0.5 % apart, and the first, in mean thresholds.
 MESH, FIRST_OF_MESH = 4000, 1e-6
 # Most nodes of a flight; halvings of their distance in search of its end; least way that is worth it, in travels of a
-# step; and steps after one that was not, before which none is looked for.
-MOST, HALVINGS, WORTH, NEXT_LOOK = 4000, 12, 40.0, 20
+# step; steps after one that was not, before which none is looked for; and by which factor the last interval may be
+# longer, so that none is left that is lost in the digits of the time.
+MOST, HALVINGS, WORTH, NEXT_LOOK, LONGER = 4000, 12, 40.0, 20, 1.001
 
 
 class Bounds:
@@ -139,8 +138,9 @@ class Formed(NamedTuple):
 
     def furthest(self) -> Array:
         """How far those born between two instants have travelled at least, shape (n,): as far as from the nearer one to
-        now, if it is on one side of both, and half of the range since the later one."""
-        ahead = self.travels[-1] - np.stack([np.append(0.0, self.travels[:-1]), self.travels])
+        now, if it is on one side of both, and half of the range since the later one; of the first, with which all older
+        ones count, the latter alone."""
+        ahead = self.travels[-1] - np.stack([np.roll(self.travels, 1), self.travels])
         to_now = np.where(ahead[0] * ahead[1] > 0.0, np.abs(ahead).min(axis=0), 0.0)
         return np.asarray(np.maximum(to_now, 0.5 * np.ptp(self._later(), axis=0)))
 
@@ -265,8 +265,8 @@ class Flights:
             step = max(shortest, min(longest, GROWTH * t))
             if motion.bound(t) < STILL * contacts.unit:
                 step = max(step, lasts / OF_DRIFT)
-            for halving in range(HALVINGS + 1):
-                until = min(t + 0.5**halving * step, lasts)
+            for ahead in step * 0.5 ** np.arange(HALVINGS + 1):
+                until = lasts if lasts - t < LONGER * ahead else t + float(ahead)
                 births_then = self._births(until)
                 new = -max(births_then - births, 0.0) * np.diff(LEFT, prepend=1.0)
                 instants = until - (until - t) * LEFT
