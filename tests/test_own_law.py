@@ -28,6 +28,7 @@ from origins import (
     InputError,
     ProportionalGrowth,
 )
+from origins.laws.compiled import compiled_rates
 from origins.laws.strengthening import Strengthening
 from toolkit.running.resampled import like
 from toolkit.scene import laws
@@ -314,6 +315,20 @@ def test_a_law_made_from_a_compiled_one_is_not_taken_for_it():
         found = eq_model.simulate(contacts, path, n_contacts=4000, n_replicas=4, seed=1, **asked)
         off = abs(found.force[0] - exact.force[0])
         assert off < 4.0 * found.force_standard_error[0] < 0.05 * exact.force[0]
+
+
+def test_rates_compiled_outside_the_package_are_called():
+    """As of growth: no kernel on disk has them, and breaks are counted as those of a law that is called."""
+    rates = origins.Thermal("soft", 0.01).rates
+    given = rates.compiled()
+
+    class OwnRates(type(rates)):
+        def compiled(self):
+            return given._replace(log_rate=lambda law, x, threshold, stiffness: 0.0)
+
+    own = OwnRates(rates.temperature, rates.attempt_frequency)
+    assert compiled_rates(rates) is not None
+    assert compiled_rates(own) is None
 
 
 @pytest.mark.slow

@@ -219,10 +219,8 @@ def checked_slip_fraction(slip_fraction: float | None) -> float:
 def few_contacts(contacts: Contacts) -> Contacts:
     """Contacts of one threshold, with the laws for which kernels are compiled, those of rates and of growth; the same
     kernels serve all others."""
-    one, law = (
-        identical(contacts.mean_threshold),
-        contacts.growing,
-    )  # a temperature belongs to <x_s>
+    # a temperature belongs to the mean threshold
+    one, law = identical(contacts.mean_threshold), contacts.growing
     grown = law.over(one) if isinstance(law, ProportionalGrowth) else one
     return Contacts(grown, thermal=contacts.thermal)
 

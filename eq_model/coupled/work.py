@@ -6,6 +6,7 @@ from eq_model.engine import breaks_by_heat
 from eq_model.whole_drive import durations
 from origins import Contacts, Drive, ProportionalGrowth
 from origins.errors import refuse
+from origins.laws.compiled import compiled_rates
 from origins.thresholds.law import Array
 
 # Breaks of one slider: 40 minutes at 25 ns each, of which nothing is kept if the run is stopped.
@@ -34,7 +35,7 @@ def check_work(contacts: Contacts, drive: Drive, n: int) -> float:
 
 def slower_by_own_law(contacts: Contacts) -> float:
     """Time of a break beside that by laws of heat and growth that are compiled."""
-    heat = contacts.thermal is not None and not hasattr(contacts.thermal.rates, "compiled")
+    heat = contacts.thermal is not None and compiled_rates(contacts.thermal.rates) is None
     law = contacts.growing
     growth = isinstance(law, ProportionalGrowth) and law.compiled_factor is None
     return OWN_LAW if heat or growth else 1.0
@@ -77,7 +78,7 @@ def often_by_heat(contacts: Contacts, drive: Drive) -> float:
     if contacts.thermal is None:
         return 0.0
     rates, by_heat = contacts.thermal.rates, breaks_by_heat(contacts, lasts(drive))
-    if not hasattr(rates, "compiled"):
+    if compiled_rates(rates) is None:
         # nothing but `scale` bounds its rates, at which breaks are proposed
         by_heat = max(by_heat, rates.scale * lasts(drive))
     return by_heat * (by_heat > 1.0)

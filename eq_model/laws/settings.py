@@ -17,7 +17,7 @@ from origins import (
     Thermal,
 )
 from origins.errors import refuse
-from origins.laws.compiled import CompiledRates, is_shipped
+from origins.laws.compiled import CompiledRates, compiled_rates
 from origins.laws.timed_law import ChangingThresholds
 
 # The kernel of each law by which thresholds change: a file of eq_model/laws, imported where it is needed, or of a law
@@ -53,8 +53,8 @@ def rates_of(contacts: Contacts) -> CompiledRates:
     """Compiled functions of these contacts' rates, which kernels find by the class of `law` there."""
     # without a thermal law, the rates of any law stand in: kernels do not use them then
     rates: Any = (contacts.thermal or Thermal("soft", 1.0)).rates
-    found: CompiledRates | None = rates.compiled() if hasattr(rates, "compiled") else None
-    if found is None or not is_shipped(found.log_rate):
+    found = compiled_rates(rates)
+    if found is None:
         from eq_model.laws.own_rates import called
 
         found = called(rates)

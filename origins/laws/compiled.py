@@ -45,6 +45,12 @@ def is_shipped(function: Callable[..., Any]) -> bool:
     return function.__module__.startswith("origins.")
 
 
+def compiled_rates(rates: Any) -> CompiledRates | None:
+    """What `compiled` of a RateLaw gives; None of a law without it, and where it is not `is_shipped`."""
+    found: CompiledRates | None = rates.compiled() if hasattr(rates, "compiled") else None
+    return found if found is not None and is_shipped(found.log_rate) else None
+
+
 def inlined(function: Callable[..., Any]) -> Any:
     """`function` compiled as a part of those that call it, for use in the functions of CompiledRates."""
     from numba import njit

@@ -173,9 +173,8 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
     axes.set(xscale="log", xlim=(low, high * room))
     name_axis(axes.xaxis, *spring_name(unit))
     legend = ["a slider slips at least once on springs below $K^*$"]
-    if any(
-        one.verdict.conditions for one in styled
-    ):  # on softer ones a slider may creep, and slide smoothly
+    # of contacts that depend on time a slider may creep on softer springs, and slide smoothly
+    if any(one.verdict.conditions for one in styled):
         legend = ["$K^*$, the steepest fall of a rigid slider's force"]
     if any(hasattr(one, "has_xerr") for one in axes.containers):
         single = all(len(values) == 1 for values in over)

@@ -136,10 +136,8 @@ def behaved(verdict: Verdict, finite: Finite) -> str:
         whose = f"{beside}{',' * bool(beside)} {whose}"
         if not np.isfinite(finite.late):
             return f"{does(finite)}{whose}"
-        still, comma = (
-            " and still rising" * finite.rises,
-            "," * (finite.rises or finite.kind != "smooth"),
-        )
+        still = " and still rising" * finite.rises
+        comma = "," * (finite.rises or finite.kind != "smooth")
         return f"{does(finite)}{comma} at {sliding_force(finite, scale)}{still}{whose}"
     if finite.kind == EVER_RARER:
         return ever_rarer(verdict, finite, whose)

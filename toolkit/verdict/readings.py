@@ -22,9 +22,8 @@ READINGS = ("gw/amontons", "gw/strength", "gw/paper", "persson/amontons", "perss
 # also compared where the material has a hardness
 PLASTIC_TOO = ("gw/amontons/mixed", "gw/strength/mixed", "gw/paper/mixed")
 LAWS, REGIMES = ("amontons", "strength", "paper"), ("elastic", "plastic", "mixed")
-FEW_PLASTIC = (
-    0.1  # of the contacts; where fewer are plastic the jump of P_c between regimes is in its tail
-)
+# of the contacts; where fewer are plastic the jump of P_c between regimes is in its tail
+FEW_PLASTIC = 0.1
 SLOW = (
     f"K* takes seconds where fewer than {FEW_PLASTIC:.0%} of the contacts are plastic, and may be larger by orders of "
     "magnitude; list them in verdict.readings"

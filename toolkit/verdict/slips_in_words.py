@@ -81,7 +81,8 @@ def mean_over_slips(one: Behaviour | Finite) -> float | None:
     if one.kind != "stick-slip" or not period or not drive.size:
         return None
     many = max(int((1.0 - FORGOTTEN) * (drive[-1] - drive[0]) / period), 1)
-    many -= many % 2 if many > 1 else 0  # of periods in turn long and short as many of each
+    # of periods in turn long and short as many of each
+    many -= many % 2 if many > 1 else 0
     begin = drive[-1] - many * period
     if begin < drive[0]:
         return None

@@ -97,7 +97,8 @@ class SteadySliding(Creep):
         # contacts that grow live longest where the slider is slowest
         slowest = min(self._speed, speed)
         self._machine = self._machine._replace(life=_life_at(self._contacts, slowest))
-        if not left >= WORTH * self._machine.life:  # nor where that is not known
+        # a life that is not known is not compared: no way is worth it then
+        if not left >= WORTH * self._machine.life:
             return None
         begin = self._in_balance(way, distance)
         return None if begin is None else self._slid(last, begin, contacts)
