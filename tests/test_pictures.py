@@ -20,7 +20,7 @@ from toolkit.judge.compare import compare
 from toolkit.judge.lines import table
 from toolkit.judge.picture import draw_comparison
 from toolkit.pictures.axes import INK, MARKERS, OKABE_ITO, name_axis, style_of
-from toolkit.pictures.points import plot_points_spring
+from toolkit.pictures.points import plot_points, plot_points_spring
 from toolkit.pictures.run import (
     draw_run,
     plot_force,
@@ -357,6 +357,29 @@ def test_springs_of_a_sweep_have_error_bars_and_units() -> None:
         0.5 * (high - low), result.newtons(own.critical_spring_error), rtol=1e-6, atol=1e-9
     )
     np.testing.assert_allclose(0.5 * (high + low), result.newtons(own.critical_spring))
+
+
+def test_the_slope_of_the_kinetic_force_is_drawn_where_it_is_straight_in_the_log_of_speed() -> None:
+    """Of Eyring heat the slope is 0.0299 F_k(∞) at α = 0.03 (quadrature); contacts with a delay have
+    F_k ~ 1/(1 + v τ/<x_s>), which falls in one decade alone."""
+    heat = {"law": "eyring", "width": 0.03, "attempt_frequency": 1.0}
+    wide = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    sweep = {"velocity": {"from": 1e-8, "to": 10.0, "points": 28}}
+
+    def picture(**laws: Any) -> Any:
+        given = {"contacts": {"thresholds": wide} | laws, "drive": None, "master": None}
+        return plot_points(Figure().subplots(), toolkit.run(scene(**given, sweep=sweep)))
+
+    axes = picture(thermal=heat)
+    speed, force = axes.get_lines()[0].get_data()
+    kinetic = float(master.kinetic_curve(origins.Contacts(origins.gaussian(1.0, 0.2))).force)
+    slopes = np.diff(force) / np.diff(np.log(speed))
+    np.testing.assert_allclose(slopes, 0.0299 * kinetic, rtol=0.01)
+    assert speed[0] < 1e-7 and 1e-4 < speed[-1] < 0.03
+    said = axes.get_legend().get_texts()[0].get_text()
+    assert said == "slope $dF_k/d\\,\\ln v$ = 0.0156 N_c<k> length", said
+    bare = picture(delay={"time": 1.0})
+    assert bare.get_legend() is None and len(bare.get_lines()) == 3  # a curve and its error bars
 
 
 def test_a_sweep_over_thresholds_has_logarithmic_axes_and_says_whose_thresholds_are_drawn() -> None:

@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from master.rate_state.result import CONSTANT
+from master.rate_state.speeds import constant_between
 from origins.thresholds.law import Array
 from toolkit.pictures.axes import (
     force_name,
@@ -26,6 +28,9 @@ _ALIKE = 1e-6  # of K*: values nearer to each other are one, but for the toleran
 _LOG_FROM = 30.0  # largest over smallest value from which an axis is logarithmic
 _SYMBOLS = {"velocity": "speed $v$", "temperature": r"temperature $k_BT/\langle k\rangle$"}
 _SYMBOLS |= {"kelvin": "temperature $T$", "rate": "rate of ageing", "delay": r"delay $\tau$"}
+_SPEEDS = ("velocity", "drive.velocity")
+# last over first of the speeds along which F_k is a straight line of ln v; along fewer its slope says little
+_STRAIGHT = 100.0
 # columns of F_k, where they stand alone
 _OF_RIGID = ["force"], ["kinetic_force"]
 _NOISE = 0.1  # part of the largest swing below which the force swings by chance
@@ -33,7 +38,8 @@ _NOISE = 0.1  # part of the largest swing below which the force swings by chance
 
 def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     """A column with its errors, F_k by default, in the unit of the result's scale, along the key that was swept first,
-    a line for each combination of the others; of sliders on springs the forces before and after a slip beside F_k."""
+    a line for each combination of the others; of sliders on springs the forces before and after a slip beside F_k.
+    Where F_k goes straight with ln v, its slope is told, and drawn as a pale line."""
     sweep: Any = result.sweep
     first, *others = sweep.along
     x, unit = _numbers(sweep[first].ravel())
@@ -52,7 +58,7 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
         )
         for row in range(x.size)
     ]
-    names, number = list(dict.fromkeys(lines)), 0
+    names, number, sloped = list(dict.fromkeys(lines)), 0, False
     for column, said in columns.items():
         value, error = _with_error(result, column)
         for k in some_of(len(names), _LINES):
@@ -60,6 +66,11 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
             rows = rows[np.argsort(x[rows], kind="stable")]
             style = style_of(number) | {"ms": 4, "lw": 1.2, "capsize": 2, "label": names[k] or said}
             style |= dict.fromkeys(("markevery", "errorevery"), max(rows.size // _MARKED, 1))
+            if first in _SPEEDS and column in ("force", "kinetic_force"):
+                slope = _draw_slope(axes, x[rows], value[rows], error[rows], style["color"])
+                sloped |= slope != 0.0
+                said = f"slope $dF_k/d\\,\\ln v$ = {written(slope, result.scale.force_unit)}"
+                style["label"] = ", ".join(filter(None, [style["label"], said * (slope != 0.0)]))
             axes.errorbar(x[rows], value[rows], error[rows], **style)
             number += 1
     # points without a value, as those without slips, are on the axis, too
@@ -77,9 +88,29 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     # last, as a scale that is set anew has ticks of its own, without the prefix of the unit
     name_axis(axes.yaxis, *_axis_of(name, columns, result))
     # the panels below that of the forces have the same lines
-    if len(columns) > 1 or ((others or marked) and name in ("force", "kinetic_force")):
+    if len(columns) > 1 or ((others or marked or sloped) and name in ("force", "kinetic_force")):
         legend_above(axes, letters=_LETTERS)
     return axes
+
+
+def _draw_slope(axes: Any, speed: Array, force: Array, error: Array, color: str) -> float:
+    """dF_k/d ln v where it is steepest, drawn as a pale line where it is constant within CONSTANT. It is 0 and nothing
+    is drawn where these speeds are fewer than _STRAIGHT asks for, or the errors of F_k do not tell it."""
+    if speed.size < 4 or not (speed[0] > 0.0 and (np.diff(speed) > 0.0).all()):
+        return 0.0
+    log, steps = np.log(speed), np.diff(np.log(speed))
+    slopes = np.gradient(force, log)
+    if not np.isfinite(slopes).any():
+        return 0.0
+    steepest = int(np.nanargmax(np.abs(slopes)))
+    slope, room = float(slopes[steepest]), CONSTANT * abs(float(slopes[steepest]))
+    low, high = constant_between(speed, slopes, steepest, room)
+    if high < _STRAIGHT * low or 2.0 * error.max() > room * steps.min():
+        return 0.0
+    at = np.geomspace(low, high, 50)  # as the axis of F_k may be logarithmic
+    line = force[steepest] + slope * np.log(at / speed[steepest])
+    axes.plot(at, line, color=color, lw=7.0, alpha=0.25, solid_capstyle="butt", zorder=1)
+    return slope
 
 
 def _mark_critical(axes: Any, result: Result) -> bool:
