@@ -6,6 +6,8 @@ from __future__ import annotations
 import ast
 import math
 import re
+import subprocess
+import sys
 from copy import copy
 from pathlib import Path
 
@@ -397,6 +399,26 @@ def test_a_scene_takes_a_law_of_growth_by_one_line(monkeypatch):
     with pytest.raises(InputError, match=r"contacts\.strengthening\.beta = 0\.1: unknown key"):
         table["beta"] = 0.1
         load_scene(scene, solved=False)
+
+
+OF_ORIGINS = """
+import origins
+class Root(origins.Strengthening):
+    law = "root"
+def root(thresholds: object, half: float, time: float) -> Root:
+    return Root(thresholds, 2.0 * half, time)
+origins.Root, origins.root = Root, root
+from toolkit import load_scene
+thresholds = {"kind": "identical", "value": 1.0}
+own = {"contacts": {"thresholds": thresholds, "root": {"half": 0.25, "time": 2.0}}}
+law = load_scene(own, solved=False).contacts.changing
+assert type(law) is Root and law.beta == 0.5 and law.time_unit == 2.0
+"""
+
+
+def test_a_law_of_growth_that_origins_imports_is_a_table_of_scenes():
+    """No list in toolkit has to be told of it."""
+    subprocess.run([sys.executable, "-c", OF_ORIGINS], check=True)
 
 
 @pytest.mark.parametrize("law", [Power(PC, 1.0, 1.0), Hazards(1.0, 0.0)])

@@ -1,5 +1,6 @@
 """The tables of a scene file: their keys, types and defaults; and a scene given as a dict, written as TOML text."""
 
+import inspect
 import json
 import re
 import sys
@@ -11,7 +12,9 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
+import origins
 from origins.errors import InputError, refuse, with_point
+from origins.laws.proportional import ProportionalGrowth
 
 # nan and infinities lie outside of these
 Finite = Annotated[float, Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
@@ -27,13 +30,22 @@ class KeyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A table of the scene file: its fields are the keys it may hold."""
 
 
-# laws by which thresholds grow: tables of [contacts], and the functions of P_c and of numbers that they call
-GROWTHS = {"strengthening": "origins:strengthening"}
+# laws by which thresholds grow, those of the face of origins: tables of [contacts], and the functions of P_c and of
+# numbers that they call, named as their laws
+GROWTHS = {
+    own.law: f"origins:{own.law}"
+    for own in vars(origins).values()
+    if inspect.isclass(own)
+    and issubclass(own, ProportionalGrowth)
+    and own is not ProportionalGrowth
+}
+_Growths = msgspec.defstruct(
+    "_Growths", [(law, dict[str, Any] | None, None) for law in GROWTHS], bases=(KeyTable,)
+)
 
 
-class ContactsTable(KeyTable, frozen=True):
+class ContactsTable(_Growths, frozen=True, kw_only=True):  # type: ignore[valid-type,misc,call-arg]
     thresholds: dict[str, Any]
-    strengthening: dict[str, Any] | None = None
     start: dict[str, Any] | None = None
     thermal: dict[str, Any] | None = None
     ageing: dict[str, Any] | None = None
