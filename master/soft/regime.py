@@ -28,7 +28,7 @@ LASTING = 0.6
 # that may hold on.
 FEWEST_OF_NEW, OF_DROP, HOLD_ON = 3, 0.02, 1e-6
 # Force, in mean thresholds, at or below which, and within its error, no contact holds on after a slip.
-NONE_HOLDS = 1e-3
+NO_FORCE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[n
     force = np.abs(force_after) / contacts.mean_threshold
     steadily = drive.forward and (drive.time is None or not contacts.in_time)
     alike = relaxed and steadily and not contacts.older_at_start
-    return np.flatnonzero((force <= min(found.error, NONE_HOLDS)) & (alike and out))
+    return np.flatnonzero((force <= min(found.error, NO_FORCE)) & (alike and out))
 
 
 def _alike_and_new(contacts: Contacts, drive: Drive, found: Followed) -> bool:

@@ -35,6 +35,7 @@ class Ageing(ChangingThresholds):
     closure: Literal["exact", "paper"] = "exact"
 
     law = "ageing"
+    begins_as_start = True
 
     def __post_init__(self) -> None:
         self.final = as_thresholds(self.final, "final")

@@ -90,6 +90,11 @@ class GrowingThresholds(ChangingThresholds):
         return self.start_pinned_for > 0.0
 
     @property
+    def begins_as_start(self) -> bool:  # type: ignore[override]
+        """See ChangingThresholds."""
+        return not (self.older_at_start or self.first_pinning_time or self.begins_at_0)
+
+    @property
     def start_pinned_for(self) -> float:
         """Age since pinning of all contacts at X = 0, a time."""
         assert self.age is not None  # origins.Contacts has asked at_start, which refuses that

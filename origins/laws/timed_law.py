@@ -48,6 +48,8 @@ class ChangingThresholds(TimedLaw, ABC):
     at_start : P_c of all contacts at X = 0
     first_pinning_time : time after a break, and after the delay, until a new contact can hold; `waiting` says why
     older_at_start : whether contacts of the start are older than those that have just formed, and live longer
+    begins_as_start : whether contacts that form later have thresholds from at_start, and keep them in a slip that takes
+        no time; False where the law does not say
     keeps_tail : whether strong contacts stay strong, so that a heavy tail of P_c makes the kinetic force infinite
     """
 
@@ -56,6 +58,7 @@ class ChangingThresholds(TimedLaw, ABC):
     first_pinning_time: float = 0.0
     waiting = ""
     older_at_start = False
+    begins_as_start = False
     keeps_tail = False
     # what each object has to have before its methods are called, where it gets that, and the class that says so
     _to_state: ClassVar[tuple[str, ...]] = ("law", "at_start")

@@ -34,8 +34,8 @@ from origins import Contacts, Drive
 from origins.start import Start
 from origins.thresholds.law import Thresholds
 
-# Survival that counts as none: what so few contacts add to F is below the margin.
-NONE_HOLDS = 1e-9
+# Share of the contacts that live longer than the longest life: what so few add to F is below the margin.
+LONGER_LIVED = 1e-9
 # Margin between the spring's force and the largest force, in mean thresholds; and what may be left of F - F_k.
 MARGIN, REMAINING = 1e-6, 1e-12
 # Ways, in longest lives: along which F is compared; and that the slider must have gone since none is left, and must
@@ -91,7 +91,7 @@ class Decohered:
     """What a long slip of these contacts leads to; asked for after each of its steps.
 
     start : nodes for the stretches of all contacts then
-    life : the longest life, on which all but NONE_HOLDS break (a length)
+    life : the longest life, on which all but LONGER_LIVED break (a length)
     distance_after : the slider's travel in steps from then on, on which F gets near to its limit in such steps; the
         rest of the slip is one move
     """
@@ -137,8 +137,8 @@ class Decohered:
 
 
 def longest_life(law: Thresholds) -> float:
-    """The way on which all but NONE_HOLDS of the contacts break (a length)."""
-    return min(float(law.support()[1]), float(law.isf(NONE_HOLDS)))
+    """The way on which all but LONGER_LIVED of the contacts break (a length)."""
+    return min(float(law.support()[1]), float(law.isf(LONGER_LIVED)))
 
 
 def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:
@@ -148,12 +148,7 @@ def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:
     steady force."""
     law, thermal = contacts.thresholds, contacts.thermal
     paper = thermal is not None and thermal.closure == "paper"
-    growing = contacts.growing
-    # thresholds of contacts that form in a slip, which takes no time, stay what they are at birth: are these P_c?
-    fresh = growing is not None and not (
-        growing.older_at_start or growing.first_pinning_time or growing.begins_at_0
-    )
-    fresh = fresh or contacts.changing is None or contacts.ageing is not None
+    fresh = contacts.changing is None or contacts.changing.begins_as_start
     stays = fresh and contacts.reforming is None and not paper
     if drive.slip != "instant" or contacts.delay is not None:
         return None

@@ -37,7 +37,7 @@ PART_OF_TOLERANCE = 0.1
 WEAK_EFFECT = 0.1
 # Spring, in N_c <k>, on which hardly any contact holds on after a slip. On stiffer ones, under "reform-after", it
 # depends on where a slip begins which contacts break in it, and a bound on the force does not bound that.
-NONE_HOLDS_ON = 0.03
+SOFT_SPRING = 0.03
 # Heat may break each contact anywhere near its threshold; farther from it, at most this fraction of the contacts, which
 # is `early` of largest_effect. It adds to the effect, and a smaller one makes "near" wider. Where the effect is to be
 # far below the tolerance, it is this part of that; where the effect itself is told, this small number.
@@ -94,7 +94,7 @@ def without_idle_heat(contacts: Contacts, drive: Drive, duration: float, toleran
     # without heat such contacts are followed without steps
     stepless = not {"delay", "reforming"}.intersection(contacts.laws)
     if drive.slip == "reform-after":
-        stepless &= float(drive.spring or 0.0) < NONE_HOLDS_ON
+        stepless &= float(drive.spring or 0.0) < SOFT_SPRING
     if stepless and idle.error < WEAK_EFFECT and missed_by_cells(MOST_HALVINGS):
         note = "heat is left out, as steps in time miss it: it may change the force by up to"
         return idle._replace(message=note)

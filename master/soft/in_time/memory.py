@@ -64,11 +64,14 @@ class Memory:
     nearing : steps are at most this part of the way to where a slip is foreseen; inf where they need not become finer
     safety : factor on the last change in the error estimate, see `_of_steps` in answer/extrapolation.py: changes of
         answers fall irregularly where births jump or P_c bends, and by a half where thresholds grow
+    error_of_slips, fall_of_slips : least error of a path with slips under "instant" of steps halved twice, 0 where none
+        is known, and how many times it falls with each further halving
     exact : whether there are exact thresholds
     resolves_heat : whether ln A is known at the next two edges above |x|, from which it is extrapolated
     """
 
     error, balance, safety = 1e-15, 1e-9, 3.0
+    error_of_slips, fall_of_slips = 0.0, 1.0
     nearing, exact, resolves_heat = np.inf, False, True
     largest_stretch: float
     width: int

@@ -35,10 +35,6 @@ QUANTILES = 2000
 # times the work of this one as this one took of the last; and errors below this many times that of the memory are not
 # made smaller by it.
 MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
-# Contacts that age and slip under "instant": the least error that was seen of steps halved twice, in five cases of K
-# from 1e-6 to 0.1 N_c<k>; and how many times it falls with each further halving. It fell 66 times at K = 1e-6, and 430
-# times at K = 0.1, where slips take a tenth of the steps that are taken on: no bound, but an estimate.
-LEAST_OF_AGEING, FALL_OF_AGEING = 3e-3, 25.0
 
 
 def memory_of(
@@ -85,10 +81,10 @@ def refined(
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     sliders, best, halvings = list[Slider](), None, 0
-    needed = halvings_needed(contacts, drive, tolerance)
     creep = creep_of(contacts, drive, motion, tolerance, until)
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
+        needed = halvings_needed(memory, drive, tolerance)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
         least_drop = UNLISTED * tolerance * contacts.mean_threshold
         after_long_slips = decohered(contacts, drive, memory.starts)
@@ -136,12 +132,12 @@ def _creeping(slider: Slider, motion: Motion | None) -> dict[str, Any]:
     return {"note": note, "steady_from": float(steady_from)}
 
 
-def halvings_needed(contacts: Contacts, drive: Drive, tolerance: float) -> int:
+def halvings_needed(memory: Memory, drive: Drive, tolerance: float) -> int:
     """Halvings without which a path with slips does not meet the tolerance."""
     least = COMPARED - 1
-    if contacts.ageing is None or drive.slip != "instant":
+    if not memory.error_of_slips or drive.slip != "instant":
         return least
-    more = np.log(LEAST_OF_AGEING / tolerance) / np.log(FALL_OF_AGEING)
+    more = np.log(memory.error_of_slips / tolerance) / np.log(memory.fall_of_slips)
     return least + max(int(np.ceil(more)), 0)
 
 

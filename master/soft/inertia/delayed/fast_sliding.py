@@ -22,8 +22,8 @@ from scipy.interpolate import CubicHermiteSpline
 from master.soft.inertia.delayed.panel import NODES, POSITION, STAGES, TimePanel
 from origins.thresholds.law import Array, ThresholdLaw
 
-# Survival below which no contact holds where births pass the slider in numbers.
-NONE_HOLD = 1e-12
+# Share of the contacts that still hold after one passage of the slider, of which no account is taken.
+STILL_HELD = 1e-12
 # Pieces of [0, largest threshold] on which survivals are integrated, and Gauss nodes of each.
 PIECES, GAUSS = 24, 6
 # Matrices from values at the nodes to the coefficients of the polynomial through them, in powers of the place, and to
@@ -71,7 +71,7 @@ class FastSliding:
 
     def __init__(self, law: ThresholdLaw) -> None:
         at, weight = np.polynomial.legendre.leggauss(GAUSS)
-        self.passage = max([float(law.isf(NONE_HOLD)), *law.atoms[0]])
+        self.passage = max([float(law.isf(STILL_HELD)), *law.atoms[0]])
         edges = np.linspace(0.0, self.passage, PIECES + 1)
         half = 0.5 * np.diff(edges)[:, None]
         places = edges[:-1, None] + half * (1.0 + at)

@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 from master.motion import Motion
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.creep import CREEP, Creep, may_creep
-from master.soft.in_time.decohered import NONE_HOLDS, longest_life
+from master.soft.in_time.decohered import LONGER_LIVED, longest_life
 from master.soft.in_time.steps import Node
 from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.steady_motion import Machine, SteadyMotion
@@ -171,12 +171,12 @@ class SteadySliding(Creep):
 
 
 def _life_at(contacts: Contacts, speed: float) -> float:
-    """The way on which all but NONE_HOLDS of the contacts break at this speed (a length), also as they grow stronger on
-    it."""
+    """The way on which all but LONGER_LIVED of the contacts break at this speed (a length), also as they grow stronger
+    on it."""
     life, growing = longest_life(contacts.thresholds), contacts.growing
     if growing is None:
         return life
-    hazard, before = -np.log(NONE_HOLDS), 0.0
+    hazard, before = -np.log(LONGER_LIVED), 0.0
     while life > (1.0 + LIFE_IS_FOUND) * before:
         before, life = life, float(growing.threshold_at(hazard, life / speed))
     return life
