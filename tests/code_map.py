@@ -85,8 +85,8 @@ QUESTIONS = {
         "toolkit:period_of",
     ),
     "the rule of a slip at T = 0: reset; reform-after, in the slip and its births; instant": (
-        "master:ColdSlider._reset",
-        "master:ColdSlider._reform_after",
+        "master:ColdSlider.reset",
+        "master:ColdSlider.reform_after",
         "master:March.postpone_births",
         "master:Move.end_of_slip",
     ),

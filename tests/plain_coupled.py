@@ -17,7 +17,7 @@ from origins import Contacts, Drive
 
 
 @compiled
-def _draw(supply):  # type: ignore[no-untyped-def]
+def draw_of(supply):  # type: ignore[no-untyped-def]
     return take(supply)
 
 
@@ -63,7 +63,7 @@ class PlainReplica:
 
     def form(self, number: int, start: bool = False) -> None:
         """So many contacts form at X."""
-        drawn = [_draw(self.draws[0 if start else 1]) for _ in range(number)]
+        drawn = [draw_of(self.draws[0 if start else 1]) for _ in range(number)]
         threshold, stretch = self.unit * np.array(drawn, float).reshape(-1, 2).T
         age = 0.0 if self.law is None else self.law.age
         share = 1.0 if self.law is None else 1.0 / self.law.factor(age)

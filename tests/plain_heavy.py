@@ -7,7 +7,7 @@ import itertools
 from typing import NamedTuple
 
 import numpy as np
-from plain_coupled import PlainReplica, _draw
+from plain_coupled import PlainReplica, draw_of
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -290,6 +290,6 @@ class PlainSlider:
                 if found.status == 1:
                     first = int(np.argmin(self.threshold - np.abs(self.x - self.zero)))
                     self.zero[first] = self.x
-                    self.threshold[first] = self.unit * _draw(self.draws[1])[0]
+                    self.threshold[first] = self.unit * draw_of(self.draws[1])[0]
             told.append(self.x)
         return np.array(told)

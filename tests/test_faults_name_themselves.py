@@ -128,8 +128,8 @@ def test_births_whose_bends_are_missing(monkeypatch: pytest.MonkeyPatch) -> None
     """After a turn, births that hold were left out with the piece they are on: F off by 2e-3, told as 2e-8."""
     contacts, path = Contacts(origins.rectangular(0.8, 1.2), delay=Delay(0.15)), [1.4, -1.3, 0.7]
     assert master.solve(contacts, path, tolerance=1e-6).success
-    true = EarlierLegs._bends
-    monkeypatch.setattr(EarlierLegs, "_bends", lambda self, t, born: -true(self, t, born))
+    true = EarlierLegs.bends_of_births
+    monkeypatch.setattr(EarlierLegs, "bends_of_births", lambda self, t, born: -true(self, t, born))
     said = master.solve(contacts, path, tolerance=1e-6).message
     assert re.search(
         "of the births between .* after leg 1 begins some hold, where all do or none", said
@@ -137,15 +137,15 @@ def test_births_whose_bends_are_missing(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_bends_of_births_on_a_way_up_as_seen_from_the_way_down() -> None:
-    """The example of EarlierLegs._bends, by hand."""
+    """The example of EarlierLegs.bends_of_births, by hand."""
     contacts = Contacts(origins.rectangular(0.0, 0.6))
     motion = Motion.along(np.array([0.0, 1.0, 0.0]))
     births = Births(ColdLife(contacts), reforming_law(contacts), motion)
     one_panel = BirthPanels(np.array([0.0, 1.0]), np.ones((1, 1)))
     legs = EarlierLegs(births, motion, 1, np.array([0]), one_panel, 1e-9)
-    bends = np.unique(legs._bends(np.array([1.5]), 0.0).round(12))
+    bends = np.unique(legs.bends_of_births(np.array([1.5]), 0.0).round(12))
     assert {0.4, 0.5, 0.75, 1.0, 1.1} <= set(bends.tolist())
-    pieces = legs._pieces(np.array([1.5]))
+    pieces = legs.pieces_of_births(np.array([1.5]))
     assert pieces.low == pytest.approx([0.4, 0.5, 0.75], abs=1e-12)  # those before are out
     assert pieces.high == pytest.approx([0.5, 0.75, 1.0], abs=1e-12)
 
@@ -258,8 +258,10 @@ def test_a_stretch_beyond_the_largest_names_itself(monkeypatch: pytest.MonkeyPat
 
 def test_a_cubic_that_misses_the_steps_names_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its places are twice what they are: breaks were read by straight lines, and only the error was larger."""
-    true = breaks._polynomial
-    monkeypatch.setattr(breaks, "_polynomial", lambda at, values: true([2 * a for a in at], values))
+    true = breaks.polynomial_through
+    monkeypatch.setattr(
+        breaks, "polynomial_through", lambda at, values: true([2 * a for a in at], values)
+    )
     found = master.solve(LATE, [1.0], 1e-2, velocity=1.0, spring=2.0)
     assert not found.success and found.force_error == np.inf
     assert "the cubic through past steps that is read at t = " in found.message
@@ -307,19 +309,19 @@ def test_births_that_do_not_repeat_a_slip_name_themselves(
 
 def node_beside_the_slider(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nodes, from which answers are read, are not where the slider is."""
-    true = Slider._node
+    true = Slider.node_now
 
     def wrong(self: Slider, sizes_so_far: float) -> Node:
         node = true(self, sizes_so_far)
         return node._replace(position=node.position + 1e-6)
 
-    monkeypatch.setattr(Slider, "_node", wrong)
+    monkeypatch.setattr(Slider, "node_now", wrong)
 
 
 def reset_beside_the_drive(monkeypatch: pytest.MonkeyPatch) -> None:
     """After a reset the slider stops where the spring would balance another force."""
-    true = Slider._slip
-    monkeypatch.setattr(Slider, "_slip", lambda self, drive: true(self, drive + 1e-6))
+    true = Slider.slip
+    monkeypatch.setattr(Slider, "slip", lambda self, drive: true(self, drive + 1e-6))
 
 
 def slip_too_far(monkeypatch: pytest.MonkeyPatch) -> None:

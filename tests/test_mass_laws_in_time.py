@@ -324,6 +324,6 @@ def test_no_birth_is_taken_back_where_none_holds() -> None:
     for keeps in (False, True):
         contacts = ContactsInSteps(waiting, memory_of(waiting, 0, 1.0), 0, np.inf)
         contacts.takes_no_birth_back = keeps
-        contacts.holding, contacts._births = 0.0, 0.3
+        contacts.holding, contacts.births = 0.0, 0.3
         trial = contacts.trial(3.0, 1.0)
         assert (trial.births, trial.holding < 0.0) == ((0.3, False) if keeps else (0.0, True))

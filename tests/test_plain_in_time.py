@@ -371,7 +371,7 @@ def test_the_steps_up_to_a_slip_are_those_of_the_example() -> None:
 
     times, search = ends(0)
     np.testing.assert_allclose(times[-5:], [2.890, 3.060, 3.225, 3.375, 3.484], atol=5e-4)
-    parts = [search._solve(size).step.time_part for size in (1.0, 0.6)]
+    parts = [search.solve(size).step.time_part for size in (1.0, 0.6)]
     np.testing.assert_allclose(parts, [0.009, 0.029], atol=5e-4)
     slip, slips = search.up_to_slip(1.0)
     assert slips and slip.end == pytest.approx(3.508, abs=5e-4)
@@ -379,7 +379,7 @@ def test_the_steps_up_to_a_slip_are_those_of_the_example() -> None:
     np.testing.assert_allclose(times[-2:], [3.463, 3.484], atol=5e-4)
     later = []
     while not (slips := search.up_to_slip(0.25))[1]:
-        search._steps.contacts.take(slips[0], 0.25)
+        search.steps.contacts.take(slips[0], 0.25)
         later.append(slips[0].end)
     np.testing.assert_allclose([*later, slips[0].end], [3.499, 3.507, 3.5074], atol=5e-4)
 
@@ -1151,9 +1151,9 @@ SLIPS: dict[str, Any] = {"spring": 0.3, "slip": "reform-after", "velocity": 1.0}
 def test_a_step_beyond_a_jump_of_births_names_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sections go on where births are due: after a slip all contacts stayed out, and F was told to 7e-4."""
     assert master.solve(CASES["delay"], [4.0], 3e-3, **SLIPS).success
-    begin, slide = Slider._begin_section, Slider._slide
-    monkeypatch.setattr(Slider, "_begin_section", lambda self, leg, end: begin(self, leg, 4.0))
-    monkeypatch.setattr(Slider, "_slide", lambda self, end: slide(self, 4.0))
+    begin, slide = Slider.begin_section, Slider.slide
+    monkeypatch.setattr(Slider, "begin_section", lambda self, leg, end: begin(self, leg, 4.0))
+    monkeypatch.setattr(Slider, "slide", lambda self, end: slide(self, 4.0))
     found = master.solve(CASES["delay"], [4.0], 3e-3, **SLIPS)
     assert not found.success and re.search(
         r"a step goes to t = .*, beyond t = 0.25, where births jump or bend, a fault", found.message
@@ -1164,12 +1164,12 @@ def test_a_repeated_stick_that_does_not_begin_with_new_contacts_names_itself(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Without its first section, along which nothing is born yet: slips came too often, by a delay each."""
-    true = Slider._remember_if_new
+    true = Slider.remember_if_new
 
     def without_the_first(self: Slider, since: int | None) -> None:
         true(self, None if since is None else since + 1)
 
-    monkeypatch.setattr(Slider, "_remember_if_new", without_the_first)
+    monkeypatch.setattr(Slider, "remember_if_new", without_the_first)
     contacts = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e-3), delay=Delay(0.25))
     found = master.solve(contacts, [16.0], 3e-3, **{**SLIPS, "slip": "reset"})
     assert not found.success and "but new contacts have F = 0, a fault" in found.message

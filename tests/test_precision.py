@@ -37,7 +37,7 @@ WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder of its own, where few runs are repeated."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("toolkit.judge.precision._REPEATED", 0.05)
+    monkeypatch.setattr("toolkit.judge.precision.REPEATED", 0.05)
 
 
 def read(path: str) -> Any:

@@ -398,7 +398,7 @@ def test_a_path_that_ends_just_after_a_slip_tells_of_the_slip(after: float) -> N
 @pytest.mark.slow
 def test_steps_are_short_only_where_heat_breaks_many_contacts() -> None:
     """A wrong size of step costs time and shows in no error: 273 ends of steps, or 2409 with the factor on a step's
-    size (SlipBegins._resolving_factor) upside down. The number of steps does not depend on the machine."""
+    size (SlipBegins.resolving_factor) upside down. The number of steps does not depend on the machine."""
     heat = Thermal("soft", temperature=1e-2, attempt_frequency=1e3)
     contacts, path = Contacts(gaussian(1.0, 0.1), thermal=heat), np.linspace(0.0, 20.0, 5)
     found = master.solve(contacts, path, tolerance=1e-3, spring=0.05, slip="reform-after")

@@ -432,13 +432,13 @@ def test_a_looser_tolerance_takes_no_more_work(monkeypatch: pytest.MonkeyPatch) 
     """At one speed, with heat: rates are integrated no more often at 1e-4 than at 1e-5, and F is the same."""
     rates = Thermal("eyring", width=0.05, attempt_frequency=30.0)
     contacts = Contacts(strengthening(origins.gaussian(1.0, 0.2), 0.05, 0.1), thermal=rates)
-    integrate, work = GrowingLife._integrated_rate, list[int]()
+    integrate, work = GrowingLife.integrated_rate, list[int]()
 
     def counted(self: GrowingLife, hazard: Any, *rest: Any) -> Any:
         work.append(np.size(hazard))
         return integrate(self, hazard, *rest)
 
-    monkeypatch.setattr(GrowingLife, "_integrated_rate", counted)
+    monkeypatch.setattr(GrowingLife, "integrated_rate", counted)
     forces, works = list[float](), list[int]()
     for tolerance in (1e-4, 1e-5):
         work.clear()

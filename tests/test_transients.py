@@ -245,7 +245,7 @@ def test_slips_that_fade_are_followed_until_they_are_over_and_open_until_then(
     assert f"not decided: {fades.slips} slips were seen{shrinking(fades)}" in sentence(of(fades))
     # what follows in place of the master equation is told, though it is open
     never = not_followed("mass", "it is not solved here")
-    monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow.by_distribution", lambda *_: never)
     assert follow(machine, contacts, "mass", rigid, 1e4).slips == fades.slips
 
 

@@ -1789,7 +1789,7 @@ def test_one_reading_with_a_delay_gets_all_of_a_time_that_is_given(
         given.append(budget.remaining())
         raise InputError("enough")
 
-    monkeypatch.setattr(judge, "_answer", asked)
+    monkeypatch.setattr(judge, "answer_of", asked)
     for laws in ({"delay": {"time": 0.01}}, {}):
         contacts = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}} | laws
         drive = {"spring": 0.1, "velocity": 1.0, "mass": 0.1}

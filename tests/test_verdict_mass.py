@@ -451,7 +451,7 @@ def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch
     machine = Machine(spring=0.1, mass=1e-6, damping=3e-4, velocity=1.0)
     rigid = RigidSlider(0.9, 0.01, 0.0, 5.0, 1.0)
     never = not_followed("mass", "it is not solved here")
-    monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow.by_distribution", lambda *_: never)
     monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 5000)
     found = follow(machine, contacts, "mass", rigid, 1e4)
     assert found.kind == "stick-slip" and found.period == pytest.approx(69.4, abs=0.2)
@@ -487,7 +487,7 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
 ) -> None:
     """Contacts that wait long come back ever less together: a few slips and then none were called stick-slip."""
     never = not_followed("mass", "it is not solved here")
-    monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow.by_distribution", lambda *_: never)
     delay = 40.0
     contacts = Contacts(stats.expon(), delay=Delay(delay))
     mass = 0.05 * (0.3 * delay / np.pi) ** 2  # a slip takes 0.3 of the delay
@@ -787,7 +787,7 @@ def test_a_short_delay_that_is_not_solved_is_told_by_as_many_contacts_as_break_o
     """A slider with a delay of a twentieth of its slip was not decided; all of its contacts are followed, or fewer, by
     their number of breaks and by no clock."""
     never = not_followed("mass", "it is not solved here")
-    monkeypatch.setattr("toolkit.verdict.sliders.follow._by_distribution", lambda *_: never)
+    monkeypatch.setattr("toolkit.verdict.sliders.follow.by_distribution", lambda *_: never)
     contacts, spring = Contacts(gaussian(1.0, 0.4), delay=Delay(0.05)), 0.01
     mass = spring / np.pi**2
     machine = Machine(spring, mass, 0.2 * np.sqrt(spring * mass), 1.0)

@@ -2,13 +2,14 @@
 
 The births of a leg add the integrals of E(t, s) dJ(s) and K(t, s) dJ(s) over the times s of birth. dJ/ds is a
 polynomial on each panel. Over s, E and K bend where the largest |x| of a contact changes sides or meets a bend of the
-law, and are smooth in between. So for each t the leg is cut into pieces at these s (`_pieces`); on each piece E and K
-are approximated by polynomials through a few nodes (`_fitted`); pieces on which these are too rough are halved
+law, and are smooth in between. So for each t the leg is cut into pieces at these s (`pieces_of_births`); on each piece
+E and K are approximated by polynomials through a few nodes (`_fitted`); pieces on which these are too rough are halved
 (`_rough`); the others are summed (`_integrated`). Where thresholds grow, E is largest and bends at other s: even pieces
 are narrow enough to see where, and halving finds the bend.
 
-`_bends` is more than a way to save halvings: pieces of which no contact holds are left out (`_some_may_hold`), told by
-a few births inside. Where a bend is missing, births that hold would be left out with their piece; that is a fault.
+`bends_of_births` is more than a way to save halvings: pieces of which no contact holds are left out (`_some_may_hold`),
+told by a few births inside. Where a bend is missing, births that hold would be left out with their piece; that is a
+fault.
 
 All times are counted from the beginning of the present leg (see past.py), those of births too.
 """
@@ -81,7 +82,7 @@ class EarlierLegs:
         """Number and force at times, shape (n,); both of shape (2, n)."""
         both, missed, survival_error = np.zeros((2, t_leg.size)), np.zeros(t_leg.size), 0.0
         holding_at_latest = np.zeros(self._leg)  # by leg
-        pieces = self._pieces(t_leg)
+        pieces = self.pieces_of_births(t_leg)
         size = polynomials.PANEL_NODES if self._life.pair_work == 1 else FIRST_NODES
         while pieces.owner.size:
             fitted = self._fitted(pieces, t_leg, size)
@@ -146,7 +147,7 @@ class EarlierLegs:
         missed = fitted.left_out[which] * (np.abs(weights) * fading).sum(axis=1)
         return (series * weights).sum(axis=-1), missed
 
-    def _pieces(self, t_leg: Array) -> Pieces:
+    def pieces_of_births(self, t_leg: Array) -> Pieces:
         """Pieces of the births on each leg, for each target, with ends where the survival bends; without those of which
         none holds."""
         motion_leg, law, legs = self._motion_leg, self._births.law, self._legs
@@ -156,7 +157,7 @@ class EarlierLegs:
         last = np.clip(motion_leg.times[legs + 1], begin_of_births, end_of_births)[None, :, None]
         cuts = [np.broadcast_to(end, (t_leg.size, legs.size, 1)) for end in (first, last)]
         if law.is_single:
-            cuts.append(np.clip(self._bends(t_leg, law.mean()), first, last))
+            cuts.append(np.clip(self.bends_of_births(t_leg, law.mean()), first, last))
         speeds = self._motion_leg.speeds
         if not self._life.peaks_at_bends and speeds.min() < 0.0 < speeds.max():
             even = self._even_cuts(first, last)
@@ -202,7 +203,7 @@ class EarlierLegs:
         before_last = np.divide(distance, abs_speed, out=rests, where=abs_speed > 0.0)
         return np.maximum(last - before_last, first)
 
-    def _bends(self, t_leg: Array, born: float) -> Array:
+    def bends_of_births(self, t_leg: Array, born: float) -> Array:
         """Times of birth, at the one stretch `born`, for which the survival at `t_leg` bends or its force does, shape
         (targets, legs, bends); some lie outside the leg.
 

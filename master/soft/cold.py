@@ -142,7 +142,7 @@ class ColdSlider:
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip, self._forward)
                 self._note(move, slip, begin, float(curve.force(y)), np.nan)
             else:
-                renew = self._reset if self.slip == "reset" else self._reform_after
+                renew = self.reset if self.slip == "reset" else self.reform_after
                 self._loaded, y = renew(move, slip, begin), 0.0
 
     def _may_have_slipped(self, move: Move, last: SlipBegin, load: float) -> bool:
@@ -164,7 +164,7 @@ class ColdSlider:
         self.error = max(self.error, self.spring * float(off.max()))
         return at
 
-    def _reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
+    def reset(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip: all contacts re-form, and the slider moves to where the spring balances them. What comes next does not
         depend on slips before."""
         self._cycle = LimitCycle()
@@ -195,16 +195,16 @@ class ColdSlider:
         slide = MoveWithoutBirths(self.contacts, move.direction, loaded)
         return slide, slide.end_of_slip(0.0, slip.load - self.spring * slip.travel, slip)
 
-    def _reform_after(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
+    def reform_after(self, move: Move, slip: SlipBegin, begin: float) -> LoadingHistory:
         """Slip in which broken contacts stay out until the slider stops. The next move's plan lets them be born, by
         `March.postpone_births`: between `cut_at` and `move_begins_at` of the history that is returned none is."""
         key = move, slip.travel
         if key in self._leave_none:
-            return self._reset(move, slip, begin)
+            return self.reset(move, slip, begin)
         if (slipped := self._of_late.get(key) or self._slipped(move, slip)) is None:
             # all contacts form again where it ends, as in a reset
             self._leave_none.add(key)
-            return self._reset(move, slip, begin)
+            return self.reset(move, slip, begin)
         self._of_late[key] = slipped
         if len(self._of_late) > MOST_OF_LATE:
             self._of_late.pop(next(iter(self._of_late)))

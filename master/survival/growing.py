@@ -193,7 +193,7 @@ class GrowingLife(ChangingLife):
 
         def survival(row: Rows, hazard: Array) -> Array:
             some = hazard[:, HALF_OF_NODES] if self._at_half else hazard
-            integrated, error = self._integrated_rate(some, stretch[row], pinned_for[row])
+            integrated, error = self.integrated_rate(some, stretch[row], pinned_for[row])
             rate_errors.append(error)
             if self._at_half:  # A takes long, and ln A is smoother than e^-A
                 log = np.log(np.maximum(integrated, TINY)) @ FROM_HALF
@@ -205,7 +205,7 @@ class GrowingLife(ChangingLife):
         sums_error = MARGIN * float(found.missed[0].max(initial=0.0))
         return found.value[0], sums_error + max(rate_errors)
 
-    def _integrated_rate(
+    def integrated_rate(
         self, hazard: Array, stretch: Array, pinned_for: Array
     ) -> tuple[Array, float]:
         """A of contacts whose quantiles have these hazards (n, k), with stretches and times since pinning at the ends
@@ -223,7 +223,7 @@ class GrowingLife(ChangingLife):
         return integrated, error
 
     def _on_one_leg(self, hazard: Array, stretch: Array, pinned_for: Array) -> tuple[Array, float]:
-        """As `_integrated_rate`, on one leg: of shape (n, 2)."""
+        """As `integrated_rate`, on one leg: of shape (n, 2)."""
         assert self._thermal is not None
         rates, unit = self._thermal.rates, self._growing.time_unit
         count = hazard.shape[1]

@@ -42,7 +42,7 @@ _SECONDS = 6.0
 _WARM = 30.0  # CPU-s for its first run: a slow machine compiles a kernel in 25
 _FEWEST = 0.5  # of the points at which the reference tells: where fewer can be compared, a run tells little
 _LONG = 1000.0  # mean thresholds, along which the quickest run of either of the paper's methods takes a second or two
-_REPEATED = 0.5  # s: runs are repeated, up to 5 times, until they took so long together
+REPEATED = 0.5  # s: runs are repeated, up to 5 times, until they took so long together
 _REMARKS = {
     "explicit": "explicit: the paper's scheme, Eqs. (Q2)-(Q4); it claims no error",
     "ensemble": "ensemble: of one seed; claims its largest standard error, and the worst of many positions exceeds it",
@@ -167,9 +167,9 @@ def _with_path(scene: Scene, notes: list[str]) -> Scene:
 
 
 def _on_threads(work: Callable[..., Answer], runs: list[Run]) -> list[dict[str, Any]]:
-    """The largest ensemble that takes no longer than _REPEATED, on one thread and on up to as many as there are cores,
+    """The largest ensemble that takes no longer than REPEATED, on one thread and on up to as many as there are cores,
     twice as many each time."""
-    small = [run for run in runs if run.run_time <= _REPEATED]
+    small = [run for run in runs if run.run_time <= REPEATED]
     if not small:
         return []
     setting, cores = small[-1].setting, cores_of(None)
@@ -286,11 +286,11 @@ def _timed(
         _SECONDS, TooMuchWork
     ):  # within, the system counts CPU time in steps of some ms
         answer = work(setting)
-    if (took := clock() - began) >= _REPEATED:
+    if (took := clock() - began) >= REPEATED:
         return Run(setting, answer, took, 1)
     times = list[float]()
     # a system that counts in steps may tell 0 of a short run, and of most of five: then their mean is told
-    while (len(times) < 5 and sum(times) < _REPEATED) or sum(times) <= 0.0:
+    while (len(times) < 5 and sum(times) < REPEATED) or sum(times) <= 0.0:
         began = clock()
         answer = work(setting)
         times.append(clock() - began)

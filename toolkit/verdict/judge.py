@@ -112,7 +112,7 @@ def verdict(
             with within(deadline, scene, "this reading", budget.remaining):
                 # what the own reading's slider does without damping, those of the others do
                 rings = any(one.damping is not None for each in answers for one in each.behaviours)
-                found = _answer(table, reading, rules, part, rings)
+                found = answer_of(table, reading, rules, part, rings)
             if budget.stops.by and found.kinetic.unknown and reading.own:
                 raise budget.stops.by
             if found.critical_spring.unknown and not reading.own:
@@ -203,7 +203,7 @@ def _with_a_slip(own: Answer, budget: Budget) -> Answer:
     return replace(own, behaviours=tuple(each))
 
 
-def _answer(
+def answer_of(
     table: DriveTable, reading: Reading, rules: tuple[str, ...], budget: Budget, rings: bool
 ) -> Answer:
     """The answer of one reading with contacts, about within the budget; `rings`: see `follow`. Of the sliders of

@@ -54,16 +54,16 @@ In formulas: s a step's size, τ how much of it is time (`TriedStep.time_part`),
 A slip begins where a longer step would end earlier: the spring then pulls more than contacts can bear
 (`SlipBegins.up_to_slip`). It ends, at the same time, at the first balance ahead; the slip rule says whether broken
 contacts form again on the way ("instant"), after it ("reform-after"; both `slip_ends.py`), or whether all are
-replaced ("reset", `Slider._slip`). With a delay "instant" is "reform-after": a slip takes no time, so that no delay
+replaced ("reset", `Slider.slip`). With a delay "instant" is "reform-after": a slip takes no time, so that no delay
 ends in it. Steps go from one to the next section of the drive's motion, which end where it turns, changes speed or
 holds, where the rate of births jumps one delay after such an instant, and bends two delays after it, at slips, and
 where births jump a delay after these (`Slider`). After each slip that leaves all contacts new the slider does the
 same again, as long as the drive keeps its speed: that is solved once (`Slider._repeat_while_new`).
 
 Order of calls: `solve_soft` (soft/solution.py); `refined`, which for each halving makes a Memory and the contacts,
-and calls `Slider.run`; there, at each begin of a section, `Slider._begin_section`, behind which nothing is drawn
+and calls `Slider.run`; there, at each begin of a section, `Slider.begin_section`, behind which nothing is drawn
 through steps before it; then for each step `SlipBegins.up_to_slip`, which asks for many trials, and
-`ContactsInSteps.take` of the one that is chosen. What changes the contacts: `take`; a slip (`Slider._slip`,
+`ContactsInSteps.take` of the one that is chosen. What changes the contacts: `take`; a slip (`Slider.slip`,
 slip_ends.py); births that are due at once, as a slip's are one delay later (`form_due`); `repeat`, as many slips are
 done at once; and `Slider._crept_to_end`, which moves X, F and the time to the path's end and leaves the groups as
 they are, as no step follows. In a slip contacts are changed first; X, or the slip's list, follows from their force.

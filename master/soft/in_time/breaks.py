@@ -162,7 +162,7 @@ class BreaksInSteps:
 
     def begin_section(self) -> None:
         """The rate of breaks, or their sum, may jump at this instant: no polynomial leads across. Called by
-        `Slider._begin_section`; and by `slip_without_births` before its step, which takes no time: its breaks are a
+        `Slider.begin_section`; and by `slip_without_births` before its step, which takes no time: its breaks are a
         section of their own, whose sum `repeat_jump` reads. In `slip_with_births` nobody asks for past breaks."""
         self._sections.append([self._sections[-1][-1]._replace(sizes_so_far=0.0)])
 
@@ -260,7 +260,7 @@ def _breaks_at(section: list[StepEnd], time: float) -> float:
         gap = ends[begin + 1].sizes_so_far - ends[begin].sizes_so_far
         # 0 and 1 at the ends of this step
         at = [(end.sizes_so_far - ends[begin].sizes_so_far) / gap for end in ends]
-        until, broken = _polynomial(at, later), _polynomial(at, breaks)
+        until, broken = polynomial_through(at, later), polynomial_through(at, breaks)
         _check_nodes(until, later, begin, time)
         _check_nodes(broken, breaks, begin, time)
         if until(0.0) < 0.0 < until(1.0):
@@ -281,7 +281,7 @@ def _check_nodes(
         )
 
 
-def _polynomial(at: list[float], values: list[float]) -> Callable[[float], float]:
+def polynomial_through(at: list[float], values: list[float]) -> Callable[[float], float]:
     """The polynomial through a few points, by Newton's divided differences: scipy's are made for many points, and took
     a quarter of the time of a soft slider with a delay."""
     differences, nodes = values.copy(), at[:-1]

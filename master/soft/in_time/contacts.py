@@ -66,7 +66,7 @@ class ContactsInSteps:
     unresolved : errors of F that finer steps may not show; those who find one note it
     takes_no_birth_back : whether J never falls, as a slider with mass asks; see `trial`
 
-    _births : J up to now; _births_in_cohorts : the same by the weights of all cohorts, which are to agree
+    births : J up to now; _births_in_cohorts : the same by the weights of all cohorts, which are to agree
     _left_out : share of all contacts in groups that were left out while they held
     _of_start : so many groups are of the contacts at t = 0 or a reset; they stand first, then cohort after cohort
     """
@@ -139,7 +139,7 @@ class ContactsInSteps:
         self.groups = groups.and_born(self.memory, self._at_birth, 0.0, speed)
         self.past_breaks = BreaksInSteps(self.delay, self.now)
         self.past_breaks.repeat_bend(self.now)  # before there were no breaks
-        self._births = self._births_in_cohorts = self._left_out = 0.0
+        self.births = self._births_in_cohorts = self._left_out = 0.0
 
     def trial(self, travel: float, end: float, without_births: bool = False) -> Trial:
         """A step by `travel` until the time `end`; `without_births`, broken contacts stay out. StoppedError as `take`.
@@ -165,7 +165,7 @@ class ContactsInSteps:
         kept, force_of_kept = (sums @ groups.weight).tolist()
         # of those born in this step, per contact born: survival and force at its end
         survival, force_of_new = (sums[:, self._last_two] @ self._per_birth).tolist()
-        per_break, rest = BirthsUpTo(0.0, self._births)
+        per_break, rest = BirthsUpTo(0.0, self.births)
         nothing_forms = (end == self.now) if self.delay else (survival <= 0.0)
         if not (without_births or nothing_forms):
             per_break, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
@@ -178,14 +178,14 @@ class ContactsInSteps:
             # anyway, and a negative share would push it.
             rest_is_all_births = not per_break
             if (self.holding or self.takes_no_birth_back) and rest_is_all_births:
-                rest = max(rest, self._births)
+                rest = max(rest, self.births)
         broken_of_new = 1.0 - survival  # of those born in this step, per contact born
-        breaks = 1.0 - kept + survival * self._births + broken_of_new * rest
+        breaks = 1.0 - kept + survival * self.births + broken_of_new * rest
         # 1 - broken_of_new per_break, in a form that keeps its digits where hardly any of those born hold
         breaks /= (1.0 - per_break) + survival * per_break
-        new = per_break * breaks + rest - self._births
+        new = per_break * breaks + rest - self.births
         force, holding = force_of_kept + force_of_new * new, kept + survival * new
-        return Trial(travel, end, groups, sums, force, holding, breaks, self._births + new, kept)
+        return Trial(travel, end, groups, sums, force, holding, breaks, self.births + new, kept)
 
     def take(self, trial: Trial, size: float) -> None:
         """Take the step, of this size (0 in a slip): its groups, with the births in it, become those of the contacts;
@@ -196,12 +196,12 @@ class ContactsInSteps:
         self.steps, self.cost = self.steps + 1, self.cost + (1.0 if size else OF_SLIP)
         self.work += weight.size * (self.memory.width + FIXED_WORK)
         self._stop_at_limits()
-        new = (trial.births - self._births) * self._per_birth
+        new = (trial.births - self.births) * self._per_birth
         weight[self._last_two] += new
         self._births_in_cohorts += float(new @ np.tile(self._survival_at_birth, 2))
         trial.groups.check_largest(trial.end)
         self.past_breaks.add(trial.end, trial.breaks, size)
-        self.past_breaks.check_births(begin, trial.end, trial.births, trial.births - self._births)
+        self.past_breaks.check_births(begin, trial.end, trial.births, trial.births - self.births)
         self.position, self.now = self.position + trial.travel, trial.end
         self.force, self.holding = trial.force, trial.holding
         holding, force = (sums @ weight).tolist()
@@ -213,7 +213,7 @@ class ContactsInSteps:
         self.unresolved.note(OF_BIRTHS, unknown, self.now)
         groups = self._without_dead(trial.groups._replace(weight=weight), sums[0])
         self.groups = groups.without_negligible_cohorts(self._of_start, count)
-        self._births = trial.births
+        self.births = trial.births
 
     def _check_number(self, births: float, holding: float) -> None:
         """See check_number."""
@@ -254,12 +254,12 @@ class ContactsInSteps:
         """Be there at this time, after a way of this size on which those that were due formed, and all broke but this
         share; `land` comes behind the last one. StoppedError as `take`."""
         before, births = self.now, self.past_breaks.births_up_to(begin=self.now, end=now).rest
-        births = max(births, self._births)
+        births = max(births, self.births)
         breaks = 1.0 + births - holding
         self.past_breaks.add(now, breaks, size)
-        self.past_breaks.check_births(before, now, births, births - self._births)
-        self._births_in_cohorts += self._part_in_cohorts * (births - self._births)
-        self._births, self.position, self.now = births, position, now
+        self.past_breaks.check_births(before, now, births, births - self.births)
+        self._births_in_cohorts += self._part_in_cohorts * (births - self.births)
+        self.births, self.position, self.now = births, position, now
         self.holding, self.force = holding, 0.0
         self.cost += OF_FLIGHT
         self._stop_at_limits()
@@ -269,7 +269,7 @@ class ContactsInSteps:
         self.groups, self._of_start = groups.and_born(self.memory, self._at_birth, 0.0, 0.0), 0
         sums = self.groups.survival_and_force(self.memory)
         holding, self.force = (sums @ self.groups.weight).tolist()
-        self._check_number(self._births, holding)
+        self._check_number(self.births, holding)
 
     def repeat(self, steps: int, now: float) -> None:
         """Go to this time in as many steps as new contacts took before, and replace all; StoppedError as `take`."""
@@ -293,8 +293,8 @@ class ContactsInSteps:
             new = self.groups.pick(self._newest)
             holding, force = (new.survival_and_force(self.memory) @ new.weight).tolist()
             self.holding, self.force = self.holding + holding, self.force + force
-            self._births += fraction
+            self.births += fraction
             self._births_in_cohorts += float(new.weight @ self._survival_at_birth)
-            self._check_number(self._births, self.holding)
+            self._check_number(self.births, self.holding)
         if fraction:
-            self.past_breaks.check_repeated(self._births)
+            self.past_breaks.check_repeated(self.births)

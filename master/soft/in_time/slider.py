@@ -85,7 +85,7 @@ class Slider:
         """Follow the drive to its end, leg by leg; sections of a leg end where births jump, and at slips."""
         contacts, motion = self.contacts, self.motion
         if motion is None:
-            self.sections.append([self._node(0.0)])
+            self.sections.append([self.node_now(0.0)])
             return
         self._steps = Steps(contacts, self.spring, motion)
         self._search = SlipBegins(self._steps)
@@ -99,31 +99,31 @@ class Slider:
                 if contacts.are_new:
                     new_since = len(self.sections)
                 end = min([*contacts.past_breaks.pending, last])
-                self._begin_section(leg, end)
-                if self._slide(end):
-                    self._slip(self._drive_position())
+                self.begin_section(leg, end)
+                if self.slide(end):
+                    self.slip(self._drive_position())
                     self._stop_if_too_many_steps(last)
-                    self._remember_if_new(new_since)
+                    self.remember_if_new(new_since)
                     new_since = None
                 elif end < last:
                     contacts.form_due()
                 else:
                     break
 
-    def _begin_section(self, leg: int, end: float) -> None:
+    def begin_section(self, leg: int, end: float) -> None:
         """Begin a section, along which all is smooth up to `end` or to a slip.
 
         At its begin the motion, breaks or births jump or bend: no polynomial may lead across, nor may the next step be
         guessed from the last one. So all who keep steps for that begin a new list here, at the present time.
         """
-        self.sections.append([self._node(0.0)])
+        self.sections.append([self.node_now(0.0)])
         self._steps.begin_section(leg, end)  # time units are counted from now
         self._search.begin_section()  # no slip is foreseen yet
         if self._creep is not None:
             self._creep.begin_section()
         self.contacts.past_breaks.begin_section()  # no polynomial leads across
 
-    def _slide(self, end: float) -> bool:
+    def slide(self, end: float) -> bool:
         """Take steps of the section just begun until `end`, or until a slip begins; returns whether one does."""
         contacts, steps, search = self.contacts, self._steps, self._search
         nodes, slips = self.sections[-1], False
@@ -141,7 +141,7 @@ class Slider:
                 contacts.past_breaks.check_none_is_passed(trial.end)
                 imbalance = steps.imbalance(trial)
                 contacts.take(trial, taken)
-                nodes.append(self._node(nodes[-1].sizes_so_far + taken))
+                nodes.append(self.node_now(nodes[-1].sizes_so_far + taken))
                 steps.check_balance("a step", imbalance, nodes[-1])
         if slips and contacts.delay:
             self._bound_error_of_delay(nodes)
@@ -201,7 +201,7 @@ class Slider:
             error = min(error, self.spring * distance)
         self._error_of_delay = max(self._error_of_delay, error)
 
-    def _remember_if_new(self, new_since: int | None) -> None:
+    def remember_if_new(self, new_since: int | None) -> None:
         """Keep the sections since all contacts were new, where the slip at their end has left all of them new again."""
         if new_since is not None and self.contacts.are_new:
             self._stick_and_slip = self.sections[new_since:]
@@ -219,7 +219,7 @@ class Slider:
             )
         steps = sum(len(section) - 1 for section in cycle)
         while slip.time + contacts.now - begin.time < end:
-            here = self._node(0.0)
+            here = self.node_now(0.0)
             later, farther = here.time - begin.time, here.position - begin.position
             for section in cycle:
                 self.sections.append([node.shifted(later, farther) for node in section])
@@ -250,11 +250,11 @@ class Slider:
         assert self.motion is not None
         return float(self.motion.at(np.array(self.contacts.now)))
 
-    def _node(self, sizes_so_far: float) -> Node:
+    def node_now(self, sizes_so_far: float) -> Node:
         state = self.contacts
         return Node(sizes_so_far, state.now, state.force, state.holding, state.position)
 
-    def _slip(self, drive_position: float) -> None:
+    def slip(self, drive_position: float) -> None:
         """Let the slider slip while the drive holds at this position, by its rule:
 
         rule            without a delay                    with a delay
@@ -267,7 +267,7 @@ class Slider:
             contacts.relax()
             # relax has changed the force; X follows: the slider stops where the spring balances the new contacts
             contacts.position = drive_position - contacts.force / self.spring
-            self._steps.check_balance("a slip", 0.0, self._node(0.0))
+            self._steps.check_balance("a slip", 0.0, self.node_now(0.0))
         elif self._rule == "reform-after" or contacts.delay > 0.0:
             slip_without_births(contacts, self._steps)
             self._bound_error_of_delay_after_slip()

@@ -71,7 +71,7 @@ class SlipBegins:
     """The search for a slip along the steps of smooth sections.
 
     What changes from step to step, and who changes it; all but `size` outlives a step, `_resolves_breaks` and the slope
-    also a section. For a slider with steps of 1/4, say, `Slider._slide` asks for the size 1/4 * shrink:
+    also a section. For a slider with steps of 1/4, say, `Slider.slide` asks for the size 1/4 * shrink:
 
         name                  what it is                      set by                            reset by
         size                  of the step that is looked for  up_to_slip: cut at the section's  each call of up_to_slip,
@@ -84,7 +84,7 @@ class SlipBegins:
         _guess.time_fraction  part of the next size that is   _foresee, by the last two steps;  begin_section: to
                               time, where a search begins     _solve_along_motion, turned       FIRST_FRACTION
                                                               round; _last_before_exact
-        _guess.slope          of imbalance over time units    _solve: that of the last search   nobody
+        _guess.slope          of imbalance over time units    solve: that of the last search    nobody
         _last_time_fraction   part of the last size that was  _foresee                          begin_section: to nan,
                               time                                                              unknown
         Steps.sign            direction in which travel is    _solve_along_motion, by           Steps.begin_section: to
@@ -93,7 +93,7 @@ class SlipBegins:
 
     def __init__(self, steps: Steps) -> None:
         """Before the first section."""
-        self._steps, self._guess = steps, steps.first_guess
+        self.steps, self._guess = steps, steps.first_guess
         self._resolves_breaks = False
         self.begin_section()
 
@@ -102,22 +102,22 @@ class SlipBegins:
         self.shrink, self._guess = 1.0, self._guess._replace(time_fraction=FIRST_FRACTION)
         self._last_time_fraction = np.nan
 
-    def _solve(self, size: float) -> Root:
+    def solve(self, size: float) -> Root:
         """Solve for the balanced step of this size, and keep its slope: the next search begins with it. The order of
         searches changes a root by its accuracy alone, `Memory.balance`."""
-        root = self._steps.step(size, self._guess)
+        root = self.steps.step(size, self._guess)
         self._guess = self._guess._replace(slope=root.slope)
         return root
 
     def _solve_along_motion(self, size: float) -> Root:
-        """Solve for the balanced step of this size as `_solve` does; where the slider runs against the motion on it,
+        """Solve for the balanced step of this size as `solve` does; where the slider runs against the motion on it,
         turn `Steps.sign` round and solve again. Else such a step, cut at the section's end, may have a size below 0,
         and no slip can be looked for on it.
 
         The first balance may have been one far back, beyond contacts that break on the way. The second search then ends
         at a near one, which lies along the first sign again: hence up to two turns."""
-        steps = self._steps
-        root = self._solve(size)
+        steps = self.steps
+        root = self.solve(size)
         for _ in range(2):
             trial = root.step.trial
             if not steps.runs_back(trial):
@@ -126,14 +126,14 @@ class SlipBegins:
             self.begin_section()
             near = min(max(steps.travelled(trial) / size, 0.0), FIRST_FRACTION)
             self._guess = self._guess._replace(time_fraction=1.0 - near)
-            root = self._solve(size)
+            root = self.solve(size)
         return root
 
     def _chosen(self, root: Root, slips: bool) -> Trial:
         """Where the step leads that will be taken. Its imbalance is an error of F: one that is not small shows that the
         search has not converged, or has ended by a slope that is far off. Up to a slip a converged step leads to the
         fold, beyond which there may be no balance: its imbalance is no error."""
-        contacts = self._steps.contacts
+        contacts = self.steps.contacts
         if not (slips and root.converged):
             contacts.unresolved.note(OF_BALANCE, abs(root.step.imbalance), contacts.now)
         return root.step.trial
@@ -150,17 +150,17 @@ class SlipBegins:
         A test computes these numbers.
 
         With the heat a hundred times as strong, more than half of the contacts may break on a step. If a tenth is kept
-        on one of the size 1, 2.3 e-folds break, and steps of 0.5/2.3 = 0.22 resolve that (`_resolving_factor`). If the
+        on one of the size 1, 2.3 e-folds break, and steps of 0.5/2.3 = 0.22 resolve that (`resolving_factor`). If the
         one of the size 1 looks like a slip, that is not believed; those of 1/2 and 1/4 are tried, and the last is
         believed, as 1/4 < 1.5 * 0.22. From then on steps have the size 0.22 where so many break.
         """
-        steps, own_size = self._steps, 0.5**self._steps.contacts.halvings
+        steps, own_size = self.steps, 0.5**self.steps.contacts.halvings
         while True:
             asked = self._solve_along_motion(size)
             step = asked.step
             if step.trial.end > steps.contacts.now:  # it may have been cut at the section's end
                 size = min(size, steps.size(step.trial))
-            resolving_factor = self._resolving_factor(step.trial, size)
+            resolving_factor = self.resolving_factor(step.trial, size)
             if not self._has_slip(asked, size):
                 self._foresee(step.time_part / size, size)
                 if self._resolves_breaks:
@@ -185,27 +185,27 @@ class SlipBegins:
         of this file, in that order."""
         if not root.has_balance:
             return True
-        if self._steps.contacts.jumps:
+        if self.steps.contacts.jumps:
             return self._falls_beyond(root, size)
         return self._has_fold(root, size)
 
     def _falls_beyond(self, root: Root, size: float) -> bool:
         """Whether a longer step takes less time, τ(1.01 s) < τ(s), as F falls at once where P_c jumps."""
         # the time of this step is its size less its travel, also if it was cut
-        time_part = size - self._steps.travelled(root.step.trial)
-        return self._solve(ONSET.beyond_jump * size).step.time_part < time_part
+        time_part = size - self.steps.travelled(root.step.trial)
+        return self.solve(ONSET.beyond_jump * size).step.time_part < time_part
 
     def _has_fold(self, root: Root, size: float) -> bool:
         """Whether a fold lies before the end of this step: τ(0.99 s) >= τ(s), or I(0.99 s, τ(s)) <= 0."""
         time_part = root.step.time_part
         if time_part > ONSET.far_from_slip * CONTROL.drive_weight * size:
             return False
-        before = self._steps.tried(ONSET.before_fold * size, time_part, root.slope)
+        before = self.steps.tried(ONSET.before_fold * size, time_part, root.slope)
         return before.imbalance <= 0.0
 
     def _search_up_to(self, root: Root, size: float) -> float:
         """The longest step that may lead to the slip on this one: where F falls beyond a jump, a longer one."""
-        falls_beyond = root.has_balance and self._steps.contacts.jumps
+        falls_beyond = root.has_balance and self.steps.contacts.jumps
         return ONSET.beyond_jump * size if falls_beyond else size
 
     def _foresee(self, time_fraction: float, size: float) -> None:
@@ -219,15 +219,15 @@ class SlipBegins:
         self._last_time_fraction = time_fraction
         self._guess = self._guess._replace(time_fraction=time_fraction + change)
         self.shrink = 1.0
-        nearing = self._steps.contacts.memory.nearing
+        nearing = self.steps.contacts.memory.nearing
         if change < 0.0 and np.isfinite(nearing):
             sizes_to_slip = -time_fraction * size / change
             self.shrink = min(max(nearing * sizes_to_slip, ONSET.least_shrink), 1.0)
 
-    def _resolving_factor(self, trial: Trial, size: float) -> float:
+    def resolving_factor(self, trial: Trial, size: float) -> float:
         """The factor on the size of this slider's steps at which as many contacts break on a step as is resolved, if
         they break as fast as on this one, which has this size; at most 1."""
-        holding = self._steps.contacts.holding
+        holding = self.steps.contacts.holding
         if trial.kept >= holding:
             return 1.0
         # e-folds that break on a step of the size 1
@@ -236,13 +236,13 @@ class SlipBegins:
 
     def _at_fold(self, size: float, longest_size: float) -> Root:
         """The step that takes the most time: that up to a fold or a kink of τ, where -τ is the least. Each call begins
-        with the slope that the last one left: that changes τ by the accuracy of a balance alone, see `_solve`."""
+        with the slope that the last one left: that changes τ by the accuracy of a balance alone, see `solve`."""
         found = minimize_scalar(
-            lambda at: -self._solve(at).step.time_part,
+            lambda at: -self.solve(at).step.time_part,
             bounds=(0.0, longest_size),
             options={"xatol": ONSET.onset * size},
         )
-        return self._solve(float(found.x))
+        return self.solve(float(found.x))
 
     def _last_before_exact(self, size: float, longest_size: float) -> Root | None:
         """The longest step after which there still is a balance, before exact thresholds break, by bisection; None
@@ -250,10 +250,10 @@ class SlipBegins:
         low, high = 0.0, longest_size
         while high - low > ONSET.last_jump * size:
             middle = 0.5 * (low + high)
-            root = self._solve(middle)
+            root = self.solve(middle)
             if root.has_balance:
                 low, fraction = middle, root.step.time_part / middle
                 self._guess = self._guess._replace(time_fraction=fraction)
             else:
                 high = middle
-        return self._solve(low) if low else None
+        return self.solve(low) if low else None

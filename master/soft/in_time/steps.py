@@ -36,7 +36,7 @@ class StepControl(NamedTuple):
     drive_weight : time units in which the slider, stuck to the drive, travels by `Steps.length`. Below 1 as its travel
         matters more, above 0 as something must count while contacts creep under a slider that hardly moves.
     e_folds : ln of the factor by which the number that holds may fall on a step of the size 1: of fresh contacts that
-        heat breaks at rest (`Steps.begin_section`), or of all near a slip (`SlipBegins._resolving_factor`).
+        heat breaks at rest (`Steps.begin_section`), or of all near a slip (`SlipBegins.resolving_factor`).
     beyond_drive : least size, in steps, that `Steps.longest` allows, as the slider may go farther than its drive
     back : a step is solved again with the other sign if it leads against `Steps.sign` by this part of its time units
     time_fractions : of a step's size, from the latest on, where a balance before exact thresholds break is looked for

@@ -115,7 +115,7 @@ def follow(
         tolerance = max(tolerance, TOLERANCE_WITH_DELAY)
         lengths = (FIRST_WITH_DELAY, *lengths[1:])
     distances = [each * loading for each in lengths]
-    found = _by_distribution(machine, contacts, rule, distances, until, tolerance)
+    found = by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":
         return _settled(found, machine, rigid, contacts)
     # Cold where heat is known to change little. Where it matters, in heat, and beside a mass alone: the forces of a
@@ -182,7 +182,7 @@ def _damped(
     return replace(found, damping=damped.damping)
 
 
-def _by_distribution(
+def by_distribution(
     machine: Machine,
     contacts: Contacts,
     rule: str,
