@@ -19,6 +19,7 @@ from toolkit.judge.describe import Description, describe, onset_in_words, table_
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.results.report import report
 from toolkit.scene.interfaces import Number, of_temperature, remarks, with_error
+from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import (
     of_machine,
     of_stretch,
@@ -595,3 +596,18 @@ def test_in_heat_the_barriers_of_islands_stand_beside_those_that_heat_overcomes(
     (told,) = re.findall(r"on average (\S+) k_BT", note)
     assert float(told) == pytest.approx(at_break / joules, rel=0.05)  # two digits, of a smooth law
     assert not of_temperature(loaded.contacts.replace(thermal=None))
+
+
+def test_what_solvers_say_of_places_and_times_has_units() -> None:
+    """A note said "from X_T = 1.42471e-06 on it creeps" of a scene in metres; numbers keep their digits."""
+    contacts = load_scene(scene(ROUGH, drive={"area": 1e-6}, master=None), solved=False).contacts
+    scale = scale_of(contacts, 1e-6)
+    bare = "from X_T = 1.42471e-06, X_T = 0.5 on it creeps; near t = 12.5, X = -3e-06. So it ends"
+    units = "from X_T = 1.42471 µm, X_T = 500 mm on it creeps; near t = 12.5 s, X = -3.00 µm. So it ends"
+    assert with_units_of(scale, bare) == units
+    damped = with_units_of(scale, "its damping is 0.002, so it lasts some 3e-05 longer")
+    found = re.fullmatch(r"its damping is ([\d,]+) N s/m, so it lasts some 30.0 µs longer", damped)
+    assert found and float(found[1].replace(",", "")) == pytest.approx(
+        2e-3 * scale.spring, rel=1e-3
+    )
+    assert with_units_of(scale_of(origins.Contacts(origins.gaussian(1.0, 0.2)), None), bare) == bare

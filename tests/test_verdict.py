@@ -785,7 +785,6 @@ def test_units_follow_what_is_known() -> None:
 
 
 REFUSED = {
-    "turns": ({"drive": {"spring": 1.0, "turns": [1.0, 0.0]}}, "drive.turns"),
     "rules": ({"drive": {"spring": 1.0}, "verdict": {"rules": ["best"]}}, "verdict.rules = 'best'"),
     "reading": (
         {"thresholds": ROUGH, "verdict": {"readings": ["hertz/amontons"]}},
@@ -824,6 +823,52 @@ def test_bad_input_is_one_line_and_writes_nothing(
     status, out, err = said(capsys, "verdict", write(**tables))
     assert status == 2 and not out and named in err[0] and len(err) == 1
     assert not Path("mine-output").exists()
+
+
+STRETCHED: dict[str, Any] = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
+STRETCHED = {"contacts": STRETCHED | {"reforming": {"kind": "boltzmann", "temperature": 0.01}}}
+
+
+def test_rules_that_leave_contacts_out_are_left_out_where_they_re_form_stretched(
+    capsys: Any,
+) -> None:
+    """No solver takes them: they stood as "not decided" in the sentence. By name they are refused before any work."""
+    drive = {"spring": 0.1, "velocity": 1.0}
+    status, page, found = judged(capsys, drive=drive, **STRETCHED)
+    rules = [one["rule"] for one in found["readings"][0]["behaviours"]]
+    assert status == 0 and rules == ["reset", "instant"] and "not decided" not in page
+    assert (
+        'not every slip rule: contacts that re-form stretched would be out in a slip by "re' in page
+    )
+    for own in (
+        {"drive": drive | {"slip": "reform-after"}},
+        {"verdict": {"rules": ["reform-after"]}},
+    ):
+        said_by = said(capsys, "verdict", write(**(STRETCHED | {"drive": drive} | own)))
+        assert (
+            said_by[0] == 2 and "'reform-after': contacts that re-form stretched" in said_by[2][0]
+        )
+
+
+def test_a_path_that_turns_is_left_out_as_one_that_ends(capsys: Any) -> None:
+    """The verdict finds its own, at the speed of the first leg: it was refused."""
+    thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    heat = {"law": "eyring", "width": 0.03, "attempt_frequency": 1.0}
+    given = {"contacts": {"thresholds": thresholds, "thermal": heat}, "verdict": RESET}
+    kinetic, pages = list[float](), list[str]()
+    for path in (
+        {"velocity": 1e-3},
+        {"velocity": 1e-3, "turns": [3.0, 1.0]},
+        {"turns": [3.0, 3.0, 1.0], "times": [3e3, 4e3, 5e3]},
+        {"velocity": 1e-2},
+    ):
+        _, page, found = judged(capsys, drive={"spring": 3.0} | path, **given)
+        pages.append(page)
+        kinetic.append(found["readings"][0]["kinetic"]["value"])
+    assert kinetic[0] == kinetic[1] == kinetic[2] < kinetic[3]
+    left = "not the path of drive.turns, which is left out: the drive goes one way, at 0.001"
+    assert [left in page for page in pages] == [False, True, True, False]
+    assert "the speed: none is given" not in pages[2]
 
 
 def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:

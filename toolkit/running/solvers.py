@@ -21,6 +21,7 @@ from toolkit.results.records import SolvedRecord, record_of
 from toolkit.results.verdicts import with_units
 from toolkit.running.checkpoint import Checkpoint
 from toolkit.scene import laws
+from toolkit.scene.messages import with_units_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.sweep import QUANTITIES, Sweep
 from toolkit.scene.tables import EqTable
@@ -127,8 +128,12 @@ def solve_master(
         raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
     found = record_of(solved)
     if found.regime is not None:
-        regime = replace(found.regime, reason=with_units(scene, found.regime))
-        found = replace(found, regime=regime)
+        reason = with_units_of(scene.scale, with_units(scene, found.regime))
+        found = replace(found, regime=replace(found.regime, reason=reason))
+        note, message = (
+            with_units_of(scene.scale, said or "") for said in (found.note, found.message)
+        )
+        found = replace(found, note=note, message=message)
     # without a tolerance an error that is hardly visible in a picture will do
     as_asked = scene.tolerance_given or found.success or found.path.size != scene.path.size
     if as_asked or not found.force_error <= 1e-3:

@@ -88,6 +88,7 @@ class Verdict:
     left_out : readings without an answer, and why
     turned : what a slider with mass would do with the other extreme of the contacts' delay, see `follow_other_delay`;
         None where there is none, or no time
+    left_path : "turns" or "times", the key of the scene's path that is left out; "" where none turns or keeps times
     stopped : the interrupt that ended the work, of which this is what was known by then; None as a rule
     """
 
@@ -100,6 +101,7 @@ class Verdict:
     run_time: float
     turned: Behaviour | None = None
     velocity_given: bool = True
+    left_path: str = ""
     stopped: BaseException | None = None
 
     @property

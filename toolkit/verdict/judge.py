@@ -8,9 +8,10 @@ from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
+from msgspec import structs
 
 from origins.contacts import Contacts
-from origins.errors import InputError, refuse
+from origins.errors import InputError
 from origins.samples.from_samples import sampled_parts
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.running.solvers import within
@@ -74,13 +75,14 @@ def verdict(
 
     `progress` is called with a word on what begins. `keep`: an interrupt ends the work; once F_k is known it is not
     raised, and the verdict holds it as `stopped`. Raises InputError for a scene without an answer under its own
-    reading, for a drive that turns or keeps times, and for unknown readings or rules.
+    reading, and for unknown readings or rules. The path of the scene is left out: the drive goes one way, as far as it
+    has to, at the speed of the scene's first leg.
     """
     began = time.monotonic()
     table = scene.drive_table or DriveTable()
-    if table.turns is not None or table.times is not None:
-        name = "turns" if table.turns is not None else "times"
-        refuse(f"drive.{name}", getattr(table, name), "a verdict drives one way; leave it out")
+    left_path = "turns" if table.turns is not None else "times" if table.times is not None else ""
+    if left_path:
+        table = structs.replace(table, velocity=scene.sliding, turns=None, times=None)
     readings, rules = readings_of(scene), rules_of(scene, table)
     # what is given is of the clock, as of a queue; else a busy machine says what a quiet one does
     budget = Budget(
@@ -98,7 +100,9 @@ def verdict(
         # scene gives a wall_time
         waits = scene.wall_time is not None and bool(scene.contacts.waiting_time)
         # nor where slips may end after hundreds of delays, which all contacts are followed for, if in time
-        waits |= bool(scene.contacts.waiting_time) and _slides_on(table, scene.contacts)
+        machine = machine_of(table, scene.contacts)
+        slides = machine is not None and slides_on(machine, scene.contacts)
+        waits |= bool(scene.contacts.waiting_time) and slides
         alone = len(readings) == 1 and (bool(scene.contacts.held_in_time) or waits)
         # the others in order, twice their share, as most leave a part of it to those after them
         remaining_readings = len(readings) - number
@@ -140,7 +144,8 @@ def verdict(
         name=scene.name,
         title=scene.title or scene.name,
         velocity=table.velocity,
-        velocity_given="velocity" in tomllib.loads(scene.text).get("drive", {}),
+        velocity_given=bool({"velocity", "times"} & {*tomllib.loads(scene.text).get("drive", {})}),
+        left_path=left_path,
         answers=tuple(answers),
         finite=finite,
         left_out=left_out,
@@ -148,12 +153,6 @@ def verdict(
         run_time=time.monotonic() - began,
         stopped=budget.stops.by,
     )
-
-
-def _slides_on(table: DriveTable, contacts: Contacts) -> bool:
-    """Whether the slider of these contacts is known to go on to slide once it does."""
-    machine = machine_of(table, contacts)
-    return machine is not None and slides_on(machine, contacts)
 
 
 def finite_sliders(

@@ -28,6 +28,7 @@ SLOW = (
     f"K* takes seconds where fewer than {FEW_PLASTIC:.0%} of the contacts are plastic, and may be larger by orders of "
     "magnitude; list them in verdict.readings"
 )
+STRETCHED = 'contacts that re-form stretched would be out in a slip by "reform-after", or by "instant" with a delay'
 STEPS = (1, 2)  # of the scan's points: twice the distance shows what the resolution decides
 
 
@@ -84,11 +85,11 @@ def readings_of(scene: Scene, quick: bool = False) -> list[Reading]:
 
 def acting(rules: Sequence[str], contacts: Contacts) -> tuple[str, ...]:
     """These slip rules, each once; with a delay contacts that break in a slip wait for it under all of them but
-    "reset", so that "instant" is "reform-after"."""
+    "reset", so that "instant" is "reform-after". That is left out where contacts form again stretched (`STRETCHED`)."""
     late = bool(contacts.waiting_time)
-    return tuple(
-        dict.fromkeys("reform-after" if late and rule == "instant" else rule for rule in rules)
-    )
+    act = ["reform-after" if late and rule == "instant" else rule for rule in rules]
+    stretched = contacts.reforming is not None
+    return tuple(rule for rule in dict.fromkeys(act) if not (stretched and rule == "reform-after"))
 
 
 def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
@@ -103,12 +104,15 @@ def rules_of(scene: Scene, table: DriveTable) -> tuple[str, ...]:
             hint = "are for a slider without mass; leave them out, or the mass"
             refuse("verdict.rules", scene.verdict.rules, hint)
         return ("mass",)
-    if scene.verdict is not None and scene.verdict.rules is not None:
-        for rule in scene.verdict.rules:
-            if rule not in RULES:
-                refuse("verdict.rules", rule, f"must be among {', '.join(RULES)}")
-        return acting(scene.verdict.rules, scene.contacts)
-    return acting([table.slip or RULES[0], *RULES], scene.contacts)
+    named = scene.verdict.rules if scene.verdict is not None else None
+    own = [table.slip or RULES[0]]
+    where = "drive.slip" if named is None else "verdict.rules"
+    for rule in named or own:
+        if rule not in RULES:
+            refuse(where, rule, f"must be among {', '.join(RULES)}")
+        if not acting([rule], scene.contacts):
+            refuse(where, rule, f'{STRETCHED}, which no solver takes; use "reset"')
+    return acting(named or [*own, *RULES], scene.contacts)
 
 
 def _few_are_plastic(scene: Scene) -> bool:

@@ -128,8 +128,8 @@ def at_most(wall_time: float | None) -> str:
     """How long a verdict takes at most, for its progress: the time that is given, or some time of work, which takes
     longer on a busy machine."""
     if wall_time is None:
-        return f" of some {clock(WALL_TIME)}"
-    return f" of at most {clock(wall_time)} (wall_time)"
+        return f" (in all some {clock(WALL_TIME)} of work, longer on a busy machine)"
+    return f" (wall_time {clock(wall_time)})"
 
 
 def late(message: str) -> str:

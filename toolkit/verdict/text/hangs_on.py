@@ -55,8 +55,12 @@ def dependence(verdict: Verdict) -> list[str]:
 
 
 def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
-    """A speed that is not given; and a temperature that may be meant in °C."""
+    """A speed that is not given, or is that of a path which is left out; and a temperature that may be meant in °C."""
     own = verdict.own
+    if verdict.left_path:
+        speed = written(verdict.velocity, speed_unit(verdict))
+        said = f"not the path of drive.{verdict.left_path}, which is left out: the drive goes one way, at {speed}"
+        yield Line(GENERAL, said)
     if not verdict.velocity_given and own.machine is not None and own.scale.length_unit == "m":
         decides = bool(own.contacts.in_time) or own.machine.mass is not None
         what = "forces and slips hang on it, and all times" if decides else "all times hang on it"

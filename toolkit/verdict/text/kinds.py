@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.readings import STRETCHED
 from toolkit.verdict.sliders.budget import LONGER, long_delay
 from toolkit.verdict.sliders.machine import (
     NAMED,
@@ -177,6 +178,10 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
     """What hangs on the slip rule, or on the delay that decides in its place."""
     own = verdict.own
     does = {one.rule: one.kind for one in own.behaviours}
+    if own.contacts.reforming is not None and does.keys() & set(RULES):
+        yield Line(
+            UNSIZED, f"not every slip rule: {STRETCHED}, which no solver takes and is left out"
+        )
     if len(set(does.values())) > 1:
         light = by_reason((kind, rule) for rule, kind in does.items() if rule != "mass")
         each = ", ".join(f"{kind} if {named(rules)}" for kind, rules in light.items())

@@ -6,6 +6,7 @@ from itertools import zip_longest
 
 import numpy as np
 
+from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.of_area import apart, rows_of
@@ -275,22 +276,4 @@ def in_units(message: str, scale: Scale) -> str:
         message += (
             "; leave the temperature out where a sweep over kelvin says that F_k hardly changes"
         )
-    if scale.length_unit != "m":
-        return message
-    damping = scale.spring, scale.damping_unit
-    of_damping = (
-        "falls with the speed by ",
-        "damping is ",
-        "give one above ",
-        "slider that sticks is ",
-    )
-    units = dict.fromkeys(of_damping, damping)
-    of_length = "X_T = ", "X = ", "a slider with mass goes on by ", "the slider goes by "
-    units |= dict.fromkeys(of_length, (1.0, scale.length_unit))
-    of_time = "lasts some ", "t = ", "to a time of some "
-    units |= dict.fromkeys(of_time, (1.0, scale.time_unit))
-    for before, (factor, unit) in units.items():
-        for number in re.findall(rf"{before}(\d[\d.]*(?:e[+-]?\d+)?)", message):
-            text = written(factor * float(number), unit)
-            message = message.replace(f"{before}{number}", f"{before}{text}")
-    return message
+    return with_units_of(scale, message)

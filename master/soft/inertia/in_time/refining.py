@@ -107,8 +107,8 @@ def _sliding(slides: list[Slid], motion: Motion) -> dict[str, Any]:
     """What is to be said of long ways without steps, and the position of the drive from which on F is that of steady
     sliding at its speed, where it is."""
     begins = motion.at(np.array([slid.nodes[0].time for slid in slides])).tolist()
-    where = ", ".join(f"{at:.6g}" for at in begins[:NAMED]) + ", ..." * (len(begins) > NAMED)
-    note = f"from X_T = {where} on the slider slides steadily: F is F_k of its present speed, and no steps are taken"
+    where = ", ".join(f"X_T = {at:.6g}" for at in begins[:NAMED]) + ", ..." * (len(begins) > NAMED)
+    note = f"from {where} on the slider slides steadily: F is F_k of its present speed, and no steps are taken"
     if not slides[-1].to_end:
         return {"note": note}
     beyond = slides[-1].steady_from - motion.times[-1]

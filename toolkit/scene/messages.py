@@ -1,0 +1,28 @@
+"""What solvers say, with the units of a scene: they know lengths, times and damping as bare numbers."""
+
+import re
+
+from toolkit.scene.scale import Scale, written
+
+# words before a number of a solver's message, by what it is
+_OF_LENGTH = "X_T = ", " X = ", "a slider with mass goes on by ", "the slider goes by "
+_OF_TIME = "lasts some ", " t = ", "to a time of some "
+_OF_DAMPING = "falls with the speed by ", "damping is ", "give one above ", "slider that sticks is "
+_NUMBER = r"(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)"
+
+
+def with_units_of(scale: Scale, message: str) -> str:
+    """A solver's message with its positions, times and damping in SI units, where the scale has metres."""
+    if scale.length_unit != "m":
+        return message
+    units = dict.fromkeys(_OF_DAMPING, (scale.spring, scale.damping_unit))
+    units |= dict.fromkeys(_OF_LENGTH, (1.0, "m")) | dict.fromkeys(_OF_TIME, (1.0, scale.time_unit))
+    for before, (factor, unit) in units.items():
+
+        def told(found: re.Match[str], factor: float = factor, unit: str = unit) -> str:
+            """The number to the digits that it has, three at least."""
+            digits = len(re.sub(r"e.*|\D", "", found[2]).lstrip("0"))
+            return found[1] + written(factor * float(found[2]), unit, digits=max(digits, 3))
+
+        message = re.sub(f"({re.escape(before)}){_NUMBER}", told, message)
+    return message
