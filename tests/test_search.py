@@ -44,9 +44,9 @@ def any_thresholds(draw: Any) -> Any:
 
 @st.composite
 def any_case(draw: Any) -> Case:
-    """Contacts with at most one law, of extreme strength, on a path that may turn, rigid or on a spring."""
+    """Contacts with at most one law, of extreme strength, on a path that may turn, rigid, on a spring, with a mass."""
     law, start = draw(any_thresholds()), draw(st.one_of(st.none(), st.floats(-0.5, 1.0)))
-    number, strength = draw(st.integers(0, 5)), draw(decades(-6.0, 2.0))
+    number, strength = draw(st.integers(0, 6)), draw(decades(-6.0, 2.0))
     laws: dict[str, Any] = {"start": start}
     if number == 1:
         laws["delay"] = origins.Delay(strength)
@@ -56,12 +56,17 @@ def any_case(draw: Any) -> Case:
         laws["thermal"] = origins.Thermal("stiff", strength, draw(decades(-3.0, 6.0)))
     elif number == 4:
         laws["stiffness"] = "linked"
+    elif number == 5:
+        law = origins.strengthening(law, min(strength, 1.0), draw(decades(-6.0, 3.0)))
     lengths = np.array(draw(st.lists(decades(-2.0, 0.8), min_size=1, max_size=3)))
     corners = np.append(0.0, np.cumsum(lengths * (-1.0) ** np.arange(lengths.size)))
     path = np.interp(np.linspace(0.0, lengths.size, 24), np.arange(corners.size), corners)
     drive: dict[str, Any] = {}
     if lengths.size == 1 and number in (0, 1, 4) and draw(st.booleans()):
         drive = {"spring": draw(decades(-6.0, 6.0)), "slip": draw(st.sampled_from(RULES))}
+        if draw(st.booleans()) and number < 2:
+            del drive["slip"]
+            drive |= {"mass": draw(decades(-6.0, 6.0)), "damping": draw(decades(-6.0, 3.0))}
         path = path * (1.0 + 1.0 / drive["spring"])
     tolerance, described = draw(decades(-9.0, -3.0)), f"{law!r} {laws} {path.tolist()} {drive}"
     return Case(
@@ -86,5 +91,9 @@ def any_case(draw: Any) -> Case:
 )
 @hypothesis.given(any_case())
 def test_no_case_that_a_search_finds_is_wrong(case: Case) -> None:
-    """What it finds belongs into the table. Ensembles of a soft slider slip elsewhere, and are left out."""
-    assert not [row for row in answered(case) if row.verdict == "wrong"]
+    """What it finds belongs into the table. Ensembles of a soft slider slip elsewhere, and are left out. Heat far above
+    all barriers, which is drawn again and again, takes all the time that there is: a solver has less than in the table.
+    """
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("toolkit.stability.case.LONGEST", 3.0)
+        assert not [row for row in answered(case) if row.verdict == "wrong"]
