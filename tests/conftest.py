@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Generator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,6 +24,11 @@ HANGS = 600.0  # s after which a process of its own is given up: far longer than
 ROOT = Path(__file__).parent.parent
 LAUNCHER_VARIABLES = ("PMI_", "PMIX_", "OMPI_", "MPI_", "MV2_", "SLURM_", "HYDI_")
 Runner = Callable[..., subprocess.CompletedProcess[str]]
+
+
+def slow(*values: object, when: bool = True, **named: str) -> Any:
+    """A case of a test that takes long, or that does `when` this holds."""
+    return pytest.param(*values, marks=[pytest.mark.slow] * when, **named)
 
 
 @pytest.hookimpl(wrapper=True)

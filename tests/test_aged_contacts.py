@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from conftest import slow
 from rate_laws import Tilted
 from scipy.integrate import solve_ivp
 from scipy.special import log_ndtr, ndtr
@@ -142,7 +143,7 @@ def test_what_has_no_first_passage_is_refused_in_one_line(name: str, call: str) 
     "name",
     [
         # kernels of ageing with heat take half a minute to compile
-        pytest.param(name, marks=[pytest.mark.slow] * (name == "heat"))
+        slow(name, when=name == "heat")
         for name in LEFT_TO_THE_ENSEMBLE
     ],
 )
@@ -151,7 +152,7 @@ def test_cells_of_thresholds_on_a_stiff_spring_agree_with_the_ensemble(name: str
     densities of thresholds are followed in cells. Heat has the time to halve the force: rates that are a tenth too low
     make a difference of three times what is allowed."""
     contacts, path = LEFT_TO_THE_ENSEMBLE[name], np.array([0.3, 0.5, 0.7])
-    velocity, number = (0.1, 50_000) if name == "heat" else (1.0, 20_000)
+    velocity, number = (0.1, 50_000) if name == "heat" else (1.0, 8_000)
     drawn = eq_model.simulate(contacts, path, n_contacts=number, velocity=velocity, seed=2)
     sprung = master.solve(contacts, path * (1.0 + 1e-4), 1e-2, velocity=velocity, spring=1e4)
     apart = np.abs(np.interp(path, sprung.position, sprung.force) - drawn.force)
@@ -189,7 +190,7 @@ REFINED = {1000.0: 0.499542736223, 100.0: 0.496482068623, 10.0: 0.490625246688, 
 
 @pytest.mark.parametrize(
     "velocity",  # by v/D
-    [pytest.param(v, marks=[pytest.mark.slow] * (v != 10.0)) for v in REFINED],
+    [slow(v, when=v != 10.0) for v in REFINED],
 )
 def test_kinetic_force_of_figure_a05(velocity: float) -> None:
     contacts = Contacts(FRESH, ageing=Ageing(FINAL, 1.0))

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 from rate_laws import Tilted
 
 import eq_model
@@ -137,10 +138,7 @@ def runs_of(name: str) -> list[Any]:
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(
-            name,
-            marks=[pytest.mark.slow] * (name in (*SLOW, "eyring, slow", "growing grains, soft")),
-        )
+        slow(name, when=name in (*SLOW, "eyring, slow", "growing grains, soft"))
         for name in (*CASES, *SLOW)
     ],
 )
@@ -216,10 +214,7 @@ def test_before_the_first_break_they_agree_to_round_off(start: float) -> None:
     assert np.abs(run.force - master.solve(contacts, path).force).max() < 1e-14
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["gaussian, A02's start", pytest.param("gap", marks=pytest.mark.slow), "start below zero"],
-)
+@pytest.mark.parametrize("name", ["gaussian, A02's start", slow("gap"), "start below zero"])
 def test_the_papers_algorithm_agrees_with_the_master_equation(name: str) -> None:
     case, points = CASES[name], slice(1, None, 3)
     path = case.path[points]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import slow
 from phase_type import gaussian_force
 from scipy import stats
 from scipy.optimize import brentq
@@ -109,10 +110,7 @@ def test_a_turn_after_steady_sliding_is_that_of_any_place():
     "contacts, spring, rule, words",
     [
         (origins.Contacts(stats.lognorm(1.0)), 1e-6, "instant", r"are followed for 500"),
-        pytest.param(
-            *(origins.Contacts(stats.lognorm(1.0)), 1e-9, "reset", r"are followed for 500"),
-            marks=pytest.mark.slow,
-        ),
+        slow(*(origins.Contacts(stats.lognorm(1.0)), 1e-9, "reset", r"are followed for 500")),
         (origins.Contacts(WIDE, delay=origins.Delay(1e4)), 1e-6, "reform-after", r"up to 8e\+03"),
         (origins.Contacts(WIDE, delay=origins.Delay(1e3)), 1e-4, "instant", r"up to 80"),
     ],
@@ -132,7 +130,7 @@ def test_what_would_not_end_is_refused_before_the_work(contacts, spring, rule, w
         assert found.slips.drive.size
 
 
-@pytest.mark.parametrize("delay", [3.0, pytest.param(10.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("delay", [3.0, slow(10.0)])
 def test_where_none_breaks_before_a_slip_the_next_is_later_by_the_delay(delay):
     """At the jump of P_c, X = 0.8, all break at once, X_T = 0.8 (1 + 1/K): until all form again the slider goes with
     its drive, and what follows is the first stick once more."""
@@ -167,7 +165,7 @@ def test_few_contacts_that_come_back_before_the_others_hold_a_soft_spring():
     assert -2.0 * delay < slips.drive[0] - before - static / spring < 0.0
 
 
-@pytest.mark.parametrize("rule", [pytest.param("reset", marks=pytest.mark.slow), "instant"])
+@pytest.mark.parametrize("rule", [slow("reset"), "instant"])
 def test_points_on_one_straight_leg_far_from_0_are_read_only(rule):
     """Positions near 3e5 are rounded to 6e-11: steps of 5e-4 seemed to change their speed, 300 times. With one point
     nothing but the end is read."""

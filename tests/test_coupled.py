@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 from plain_coupled import PlainReplica
 
 import eq_model
@@ -50,11 +51,7 @@ QUICK |= {"strengthening": "", "strengthening, delayed": "reform-after"}
 
 @pytest.mark.parametrize(
     ("name", "slip"),
-    [
-        pytest.param(name, slip, marks=[pytest.mark.slow] * (slip != QUICK[name]))
-        for name in CONTACTS
-        for slip in RULES
-    ],
+    [slow(name, slip, when=slip != QUICK[name]) for name in CONTACTS for slip in RULES],
 )
 def test_every_break_is_that_of_plain_python(name, slip):
     """Positions are whole numbers of 2^-28 mean thresholds here, floats there."""
@@ -138,8 +135,8 @@ def test_replicas_are_the_same_one_by_one_and_from_where_another_run_ended():
     [
         ({}, 1),
         ({"mass": 0.01, "damping": 0.01}, 2),
-        pytest.param({}, 2, marks=pytest.mark.slow),
-        pytest.param({"mass": 0.01, "damping": 0.01}, 1, marks=pytest.mark.slow),
+        slow({}, 2),
+        slow({"mass": 0.01, "damping": 0.01}, 1),
     ],
 )
 def test_a_replica_that_nobody_waits_for_is_given_up_on_its_way_and_followed_anew(mass, threads):
@@ -240,10 +237,10 @@ def slips(name, rule, number, contacts_each, seed=1):
     [
         ("gaussian", "reform-after"),
         # up to the first slip all rules are alike
-        *(pytest.param("gaussian", rule, marks=pytest.mark.slow) for rule in ("instant", "reset")),
-        pytest.param("linked", "reform-after", marks=pytest.mark.slow),
-        pytest.param("machine", "reset", marks=pytest.mark.slow),
-        pytest.param("delayed", "reform-after", marks=pytest.mark.slow),
+        *(slow("gaussian", rule) for rule in ("instant", "reset")),
+        slow("linked", "reform-after"),
+        slow("machine", "reset"),
+        slow("delayed", "reform-after"),
     ],
 )
 def test_the_first_slip_is_that_of_the_master_equation(name, rule):
@@ -274,10 +271,7 @@ def largest(spring, size, replicas=16):
     return shares.mean(), shares.std(ddof=1) / np.sqrt(replicas)
 
 
-@pytest.mark.parametrize(
-    "sizes",
-    [(2_000, 16_000), pytest.param((2_000, 16_000, 128_000), marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize("sizes", [(2_000, 16_000), slow((2_000, 16_000, 128_000))])
 def test_above_the_critical_spring_the_largest_avalanche_vanishes(sizes):
     contacts = origins.Contacts(origins.gaussian(1.0, 0.2))
     critical = master.propensity(contacts).critical_spring

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 from plain_coupled import PlainReplica
 from test_coupled import CONTACTS, RULES, pulled
 from test_heat_on_springs import stepped
@@ -30,13 +31,15 @@ RESTS = {
 }
 
 
-@pytest.mark.parametrize("slip", RULES)
+NAMES = "stretched", "linked", "atoms", "exponential", "breaks while pushed", "delayed"
+
+
 @pytest.mark.parametrize(
-    "name",
+    ("name", "slip"),
     [
-        *("stretched", "linked", "atoms", "exponential", "breaks while pushed", "delayed"),
-        pytest.param("strengthening", marks=pytest.mark.slow),
-        pytest.param("strengthening, delayed", marks=pytest.mark.slow),
+        slow(name, slip, when=number > 5 or slip != RULES[number % 3])
+        for number, name in enumerate((*NAMES, "strengthening", "strengthening, delayed"))
+        for slip in RULES
     ],
 )
 def test_every_break_is_that_of_plain_python(name, slip):
@@ -109,10 +112,7 @@ STIFF = {  # on springs on which nothing slips: contacts, others near them, K/(N
 TURNS = np.array([2.5, 0.4, 1.6, -2.0, -1.0, -2.2, 2.0])
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name != "gaussian")) for name in STIFF],
-)
+@pytest.mark.parametrize("name", [slow(name, when=name != "gaussian") for name in STIFF])
 def test_forces_between_turns_are_those_of_the_master_equation(name):
     """At 42 points of seven legs, extrapolated from 4,000 and 32,000 contacts; one 2 % off (heat 6 %) is told apart."""
     contacts, other, spring, tolerance = STIFF[name]
@@ -162,9 +162,7 @@ def test_slips_between_turns_are_those_of_the_master_equation(slip):
 
 
 # the second sees differences of half the size
-@pytest.mark.parametrize(
-    ("stepping", "jumping"), [(250, 1000), pytest.param(1000, 4000, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("stepping", "jumping"), [(120, 500), slow(1000, 4000)])
 def test_a_slider_creeps_on_as_its_drive_turns(stepping, jumping):
     """It still goes forward while the drive goes back slowly: beside steps of time, of 20 contacts each."""
     contacts = origins.Contacts(WIDE, thermal=origins.Thermal("soft", 0.1, 3.0))

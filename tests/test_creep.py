@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import stats
 
 import master
@@ -30,7 +31,7 @@ def kinetic(contacts: Contacts, velocity: float) -> float:
     return float(master.steady_state(contacts, velocity=velocity).force)
 
 
-@pytest.mark.parametrize("law", [WIDE, pytest.param(SPREAD, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("law", [WIDE, slow(SPREAD)])
 def test_the_response_is_that_to_a_small_step_of_the_speed(law: Any) -> None:
     """With R(X), the change of F after a step for each factor e of the speed, G(iq) = iq T(iq), T its transform."""
     contacts, step, waves = Contacts(law, thermal=EYRING), 0.02, np.array([0.3, 2.0, 6.0])

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 
 import master
 import origins
@@ -20,9 +21,7 @@ def growing(law: object, beta: float, time: float = 1.0, width: float = 0.03) ->
     return Contacts(origins.strengthening(law, beta=beta, time=time), thermal=heat)
 
 
-@pytest.mark.parametrize(
-    ("beta", "velocity"), [pytest.param(0.03, 1e-4, marks=pytest.mark.slow), (0.1, 1e-2)]
-)
+@pytest.mark.parametrize(("beta", "velocity"), [slow(0.03, 1e-4), (0.1, 1e-2)])
 def test_slow_disturbances_see_the_slope_of_the_kinetic_force(beta: float, velocity: float) -> None:
     """G(iq) -> iq dF_k/d ln v: F_k rises with the speed as heat does less, and falls as contacts grow for less time."""
     contacts, ratio = growing(WIDE, beta, 1.0 if beta < 0.1 else 1e2), 1.02
@@ -33,9 +32,7 @@ def test_slow_disturbances_see_the_slope_of_the_kinetic_force(beta: float, veloc
     assert (slope > 0.0) == is_stable(contacts, velocity, SOFTEST)
 
 
-@pytest.mark.parametrize(
-    "width", [0.03, *(pytest.param(width, marks=pytest.mark.slow) for width in (0.01, 0.1))]
-)
+@pytest.mark.parametrize("width", [0.03, *(slow(width) for width in (0.01, 0.1))])
 def test_contacts_that_hardly_grow_answer_as_those_that_do_not(width: float) -> None:
     """Both sums over ages are made in other ways: by closed integrals, and by numerical ones."""
     waves = np.geomspace(1e-3, 100.0, 30)

@@ -6,6 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import scipy.stats as stats
+from conftest import slow
 from rate_laws import Tilted
 from solving import gauss
 
@@ -60,10 +61,7 @@ LATE = {
 SLOW = {"exact value and width", "ageing", "grains, older in the start"}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in LATE],
-)
+@pytest.mark.parametrize("name", [slow(name, when=name in SLOW) for name in LATE])
 def test_the_sum_of_terms_is_the_late_force(name: str) -> None:
     contacts = LATE[name]
     found = master.decoherence_spectrum(contacts, n_roots=6)
@@ -95,7 +93,7 @@ def test_gamma_thresholds_in_closed_form() -> None:
     assert abs(told.decoherence_length - 1.0) <= told.decoherence_length_error <= 0.12
 
 
-@pytest.mark.parametrize("wait", [100.0, pytest.param(1e4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("wait", [100.0, slow(1e4)])
 def test_long_waits_decay_as_the_variance_tells(wait: float) -> None:
     exact = mp.mpf(1.0 + wait)
     root = 4j * mp.pi / (exact + mp.sqrt(exact**2 - 4j * mp.pi * mp.mpf(0.1) ** 2))

@@ -101,7 +101,7 @@ def force(n_i: int, n_j: int, angle: np.ndarray) -> np.ndarray:
     return origins.triangular_barrier(A, n_i, n_j, angle) / (2.0 * np.pi)
 
 
-def counted(n_i: int, n_j: int, number: int = 1_000_000) -> np.ndarray:
+def counted(n_i: int, n_j: int, number: int = 400_000) -> np.ndarray:
     return np.sort(force(n_i, n_j, 2.0 * np.pi * (np.arange(number) + 0.5) / number))
 
 

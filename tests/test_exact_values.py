@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 import pytest
+from conftest import slow
 from solving import held_to_claim
 
 import master
@@ -105,7 +106,7 @@ def test_an_exact_threshold_met_just_as_the_path_turns_breaks() -> None:
     np.testing.assert_allclose(turned.holding, [1.0, 0.0, 1.0], atol=1e-10)
 
 
-@pytest.mark.parametrize("law", ["soft", pytest.param("stiff", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("law", ["soft", slow("stiff")])
 def test_heat_and_one_exact_value(law):
     """Those that heat has left break together, again and again; a start just beside the births takes another road."""
     thermal, path = origins.Thermal(law, 0.05, 2.0), np.linspace(0.1, 3.0, 8)
@@ -117,7 +118,7 @@ def test_heat_and_one_exact_value(law):
 @pytest.mark.parametrize(
     ("velocity", "tolerance", "known"),
     [
-        pytest.param(0.1, 1e-4, None, marks=pytest.mark.slow),
+        slow(0.1, 1e-4, None),
         # by a tolerance of 1e-8
         (1.0, 1e-5, [0, 0.83761174, -0.6499968, 0.60000289, 0.82195999, 0.49623056, 0.18816577]),
     ],

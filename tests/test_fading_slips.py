@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 
 import eq_model
 import master
@@ -156,9 +157,7 @@ def test_slips_of_few_contacts_that_re_form_after_each_are_over_once_they_slide(
 
 
 @pytest.mark.parametrize(
-    ("std", "spring"),
-    [*(pytest.param(std, 1.0, marks=pytest.mark.slow) for std in (0.15, 0.4)), (0.4, 0.2)],
-    ids=str,
+    ("std", "spring"), [*(slow(std, 1.0) for std in (0.15, 0.4)), (0.4, 0.2)], ids=str
 )
 def test_drops_of_wide_thresholds_that_shrink_ever_less_are_no_end_of_the_slips(
     std: float, spring: float
@@ -180,9 +179,7 @@ def test_drops_of_wide_thresholds_that_shrink_ever_less_are_no_end_of_the_slips(
         (gaussian(1.0, 0.2), 0.95, 25.0, 14.0, "undecided", 0.7),
         # no contact held on after the first slip, and yet the tenth is less than half of it
         (gaussian(1.0, 0.4), 0.252, 30.0, 9.0, "undecided", 0.0),
-        pytest.param(
-            gaussian(1.0, 0.4), 0.252, 1.0, 9.0, "stick-slip", 0.9, marks=pytest.mark.slow
-        ),
+        slow(gaussian(1.0, 0.4), 0.252, 1.0, 9.0, "stick-slip", 0.9),
     ],
 )
 def test_contacts_that_wait_long_draw_apart_from_slip_to_slip(

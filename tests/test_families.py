@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import references as exact
+from conftest import slow
 from references import Reference, mp
 from scipy import stats
 
@@ -60,10 +61,7 @@ FEW = {"gw_elastic", "gw_gaussian mixed", "rectangular", "lubricated, diverging"
 FEW |= {"grains, far beyond the film", "persson", "persson light", "gaussian", "chord", "unequal"}
 
 
-@pytest.fixture(
-    scope="module",
-    params=[pytest.param(name, marks=[pytest.mark.slow] * (name not in FEW)) for name in CASES],
-)
+@pytest.fixture(scope="module", params=[slow(name, when=name not in FEW) for name in CASES])
 def case(request: pytest.FixtureRequest) -> Reference:
     return CASES[request.param]()
 

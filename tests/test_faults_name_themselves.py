@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from conftest import slow
 
 import master
 import origins
@@ -358,11 +359,7 @@ def sound() -> master.Solution:
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] * (name in ("memory", "near slips", "steps")))
-        for name in PLANTED
-    ],
+    "name", [slow(name, when=name in ("memory", "near slips", "steps")) for name in PLANTED]
 )
 def test_the_largest_part_of_an_error_under_a_spring_is_named(
     monkeypatch: pytest.MonkeyPatch, name: str

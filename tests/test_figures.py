@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from matplotlib.figure import Figure
 from scenes import said
 
@@ -33,7 +34,7 @@ SLOW = (
     "A03c",
     "delta12",
 )  # half a second to 9 s
-EVERY = [pytest.param(one, marks=[pytest.mark.slow] if one in SLOW else []) for one in DRAW]
+EVERY = [slow(one, when=one in SLOW) for one in DRAW]
 
 
 @pytest.mark.parametrize("label", EVERY)

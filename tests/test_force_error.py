@@ -24,6 +24,7 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 from oracle.calls import evaluated
 from oracle.judge import Given, load
 
@@ -160,7 +161,7 @@ def test_cohorts_agree_with_closed_forms_and_the_renewal_equation() -> None:
 
 @pytest.mark.parametrize(
     ("spring", "mass", "damping", "start"),
-    [(3.576, 0.2831, 0.0, 0.187), (1.2, 0.0128, 0.075, 0.0), (0.4, 0.065, 0.097, 0.1)],
+    [(3.576, 0.2831, 0.0, 0.187), (1.2, 0.0128, 0.075, 0.0)],
 )
 def test_roads_of_a_slider_with_mass_agree(
     spring: float, mass: float, damping: float, start: float
@@ -174,7 +175,7 @@ def test_roads_of_a_slider_with_mass_agree(
     apart = np.abs(steps.values - exact.values)
     assert np.isfinite(exact.error).all() and (apart <= steps.error + exact.error).all()
     assert steps.error.max() < 1e-4
-    for tolerance in (1e-4, 1e-5, 1e-6):
+    for tolerance in (1e-4, 1e-6):
         found = master.solve(contacts, path, tolerance, **drive)
         assert found.success, found.message
         assert np.abs(found.force - exact.values).max() < found.force_error
@@ -214,11 +215,7 @@ def test_finite_volumes_meet_the_first_passage_of_thresholds_that_diffuse_freely
 
 @pytest.mark.parametrize(
     ("shape", "rate", "delay"),
-    [
-        *(pytest.param(2.5, *law, marks=pytest.mark.slow) for law in ((0.0, 0.0), (0.7, 1.3))),
-        (3.3, 0.7, 0.0),
-        (6.0, 0.0, 0.4),
-    ],
+    [*(slow(2.5, *law) for law in ((0.0, 0.0), (0.7, 1.3))), (3.3, 0.7, 0.0), (6.0, 0.0, 0.4)],
 )
 @pytest.mark.filterwarnings("ignore::origins.laws.temperature.TooHot")
 def test_force_is_the_laplace_inversion_of_its_transform(
@@ -268,7 +265,13 @@ def test_a_fault_of_both_answers_of_the_master_equation_is_seen(monkeypatch: Any
 
 def test_exact_values_beside_others_have_the_ensemble_as_a_road(monkeypatch: Any) -> None:
     """The finer answer is the truth where the ensemble bears it out; a fault of both, F one part in 50 off, is seen."""
-    solve = master.solve
+    solve, solutions = master.solve, list[Any]()
+
+    def kept(*arguments: Any, **named: Any) -> Any:
+        solutions.append(solve(*arguments, **named))
+        return solutions[-1]
+
+    monkeypatch.setattr(master, "solve", kept)
     monkeypatch.setattr("toolkit.stability.drawn.BREAKS", 1e6)
     case = drawn(1, 122)  # on a path that turns
     assert case.contacts().thresholds.atoms[0].size
@@ -277,7 +280,7 @@ def test_exact_values_beside_others_have_the_ensemble_as_a_road(monkeypatch: Any
     assert row.road.endswith("tighter tolerance, beside the ensemble at 1e+06 breaks")
 
     def wrong(*arguments: Any, **named: Any) -> Any:
-        found = solve(*arguments, **named)
+        found = solutions.pop(0)
         return dataclasses.replace(found, force=1.02 * found.force)
 
     monkeypatch.setattr(master, "solve", wrong)
@@ -285,11 +288,7 @@ def test_exact_values_beside_others_have_the_ensemble_as_a_road(monkeypatch: Any
     assert row.verdict == "wrong" and row.road.startswith("the ensemble")
 
 
-@pytest.mark.parametrize(
-    "many",
-    [len(KINDS) // 4, pytest.param(len(KINDS), marks=pytest.mark.slow)],
-    ids=["quarter", "all"],
-)
+@pytest.mark.parametrize("many", [len(KINDS) // 4, slow(len(KINDS))], ids=["quarter", "all"])
 def test_drawn_cases_by_the_command(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], many: int
 ) -> None:

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import slow
 from references import mp, psi
 from scipy.optimize import brentq, minimize_scalar
 from solving import gauss
@@ -108,7 +109,7 @@ def test_what_holds_on_a_path_that_turns_is_that_of_its_quantiles():
 
 
 # stiff contacts have a kernel of their own, which takes as long to compile as this file to run
-@pytest.mark.parametrize("law", ["soft", pytest.param("stiff", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("law", ["soft", slow("stiff")])
 def test_with_heat_the_ensemble_alone_follows_a_path_that_turns(law):
     thermal, time = Thermal(law, 0.1, 2.0), np.array([0.8, 1.0, 1.8, 2.5, 3.3])
     contacts, path = (

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import slow
 from heat_references import HEAT, LAWS, PATHS, left_by_definition
 from rate_laws import Tilted
 from scipy.integrate import quad
@@ -25,11 +26,7 @@ FEW = {"gap": ("on after a hold",), "gw_elastic": ("slow",)}
 
 @pytest.mark.parametrize(
     ("law", "path"),
-    [
-        pytest.param(law, path, marks=[pytest.mark.slow] * (path not in FEW.get(law, PATHS)))
-        for law in LAWS
-        for path in PATHS
-    ],
+    [slow(law, path, when=path not in FEW.get(law, PATHS)) for law in LAWS for path in PATHS],
 )
 def test_what_holds_and_its_force_are_those_of_the_definition(law, path):
     """Of the first contacts alone: broken ones stay out."""
@@ -65,7 +62,7 @@ def test_a_hold_without_end_leaves_thresholds_in_balance() -> None:
     assert np.abs(found.force[1:] - x * balance.sf(x) - later).max() < 3e-5
 
 
-@pytest.mark.parametrize("kind", ["soft", pytest.param("stiff", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kind", ["soft", slow("stiff")])
 def test_a_hold_of_years_breaks_in_the_logarithm_of_time(kind: str) -> None:
     """Broken ones stay out: what holds is a sum over thresholds, of which each has spent what rates tell."""
     thermal = Thermal(kind, 1e-4, 1e12)  # type: ignore[arg-type]
@@ -157,7 +154,7 @@ NARROW = gaussian(1.0, 0.05)
 
 
 @pytest.mark.filterwarnings("ignore::origins.contacts.TooHot")
-@pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [7, slow(1)])
 def test_kinetic_forces_are_those_by_mpmath(every: int) -> None:
     """Double integrals to eleven digits for thresholds of mean 1 and width 0.05, closure by closure,
     by Gauss sums in 20 digits over panels placed where the integrands change. Where contacts are hottest and
@@ -208,8 +205,8 @@ def test_the_strongest_bear_it_as_well_where_contacts_form_again_at_nearly_0() -
 @pytest.mark.parametrize(
     ("heat", "stiffness", "speed"),
     [
-        pytest.param("cooler", "linked", 3.0, marks=pytest.mark.slow),
-        pytest.param("stiff", "independent", 0.03, marks=pytest.mark.slow),
+        slow("cooler", "linked", 3.0),
+        slow("stiff", "independent", 0.03),
         ("tilted", "independent", 0.1),
     ],
 )

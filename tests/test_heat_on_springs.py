@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import stats
 from test_coupled import CONTACTS, HOLDS, RULES
 
@@ -25,8 +26,14 @@ EYRING = Thermal("eyring", width=0.03, attempt_frequency=100.0)
 SOFT, STIFF = Thermal("soft", 0.05, 10.0), Thermal("stiff", 0.02, 1000.0)
 
 
-@pytest.mark.parametrize("slip", RULES)
-@pytest.mark.parametrize("name", ["linked", "atoms", "heavy tail", "strengthening, delayed"])
+@pytest.mark.parametrize(
+    ("name", "slip"),
+    [
+        slow(name, slip, when=slip != RULES[number % 3])
+        for number, name in enumerate(("linked", "atoms", "heavy tail", "strengthening, delayed"))
+        for slip in RULES
+    ],
+)
 def test_without_a_proposal_every_break_is_that_of_contacts_without_heat(name, slip):
     """Contacts then get windows, and wait at their ends, but break at their thresholds alone."""
     cold, mean = CONTACTS[name], CONTACTS[name].mean_threshold
@@ -59,13 +66,11 @@ LAWS = {
 
 
 # kernels of each law of rates, and of thresholds that grow, take half a minute to compile; a wide start has hotter
-# contacts of the same kernel
-QUICK = ("linked", "delay", "re-forming")
+# contacts of the same kernel, and contacts that re-form stretched are drawn as those of a wide start
+QUICK = ("linked", "delay")
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one not in QUICK)) for one in LAWS]
-)
+@pytest.mark.parametrize("name", [slow(one, when=one not in QUICK) for one in LAWS])
 def test_on_a_stiff_spring_contacts_are_those_of_a_rigid_slider(name):
     """Which moves, rests for twenty times as long, goes on at another speed, and turns twice."""
     contacts, spring = LAWS[name], 1e3
@@ -75,17 +80,17 @@ def test_on_a_stiff_spring_contacts_are_those_of_a_rigid_slider(name):
     slip = "reform-after" if contacts.delay else "instant"
     asked = {"time": time, "spring": spring, "slip": slip, "n_contacts": 4000, "n_replicas": 16}
     pulled = eq_model.simulate(contacts, path, **asked, seed=1)
-    rigid = eq_model.simulate(contacts, pulled.position, time=time, n_contacts=400_000)
+    rigid = eq_model.simulate(contacts, pulled.position, time=time, n_contacts=200_000)
     error = np.hypot(pulled.force_standard_error, rigid.force_standard_error)
     assert np.abs((pulled.force - rigid.force) / error).max() < 4.0 and error.max() < 4e-3
     cold = contacts.replace(thermal=None)
-    without = eq_model.simulate(cold, pulled.position, time=time, n_contacts=400_000)
+    without = eq_model.simulate(cold, pulled.position, time=time, n_contacts=50_000)
     assert np.abs((without.force - pulled.force) / error).max() > 20.0
 
 
 def test_one_contact_survives_as_a_quadrature_says():
     """Alone on a spring it is stretched by X = X_T K/(1 + K); the drive rests on its way."""
-    spring, velocity, ends, n = 0.5, 0.3, np.array([6.0, 10.0, 24.0]), 3_000
+    spring, velocity, ends, n = 0.5, 0.3, np.array([6.0, 10.0, 24.0]), 2_000
     places = velocity * np.array([0.0, 6.0, 6.0, 20.0])
     time = np.linspace(0.0, ends[-1], 4_001)
     drive = np.interp(time, np.append(0.0, ends), places)

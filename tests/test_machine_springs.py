@@ -58,12 +58,12 @@ def test_a_million_contacts_on_the_softest_spring():
 def test_breaks_beyond_the_ring_come_in_their_order():
     """One contact in 1,100 has a threshold of some 30, which waits in the list beyond the ring."""
     law = origins.mixture([NARROW, origins.gaussian(30.0, 3.0)], [1.0 - 9e-4, 9e-4])
-    contacts, path, spring = origins.Contacts(law), np.linspace(1.0, 60.0, 100), 3.0
+    contacts, path, spring = origins.Contacts(law), np.linspace(1.0, 45.0, 75), 3.0
     asked = {"spring": spring, "slip": "instant", "n_contacts": 200, "seed": 8}
     found = eq_model.simulate(contacts, path, **asked)
     drive = origins.Drive(path, spring=spring, slip="instant")
     plain = PlainReplica(contacts, drive, 200, 8, 0.2, 0).follow()
-    assert found.breaks == plain.breaks > 8_000
+    assert found.breaks == plain.breaks > 6_000
     assert np.abs(found.forces[0] - plain.force).max() < 1e-6
     assert (found.avalanches[0] == plain.avalanches).all()
 

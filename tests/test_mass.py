@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 from plain_heavy import PlainSlider
 from scipy.optimize import brentq
 from solving import oscillator
@@ -85,7 +86,7 @@ def test_holds_and_changes_of_speed():
         assert np.abs(slips_of(found) - plain.slips).max() < 1e-6 and len(plain.slips) > 0
 
 
-@pytest.mark.parametrize("number", [300, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("number", [300, slow(1000)])
 def test_a_plain_integrator_agrees_to_its_own_error(number):
     path, contacts = np.linspace(3.7, 4.1, 9), CONTACTS["narrow"]  # the first slip
     drive = origins.Drive(path, spring=0.3, mass=0.01, damping=0.05)

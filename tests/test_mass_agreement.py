@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from conftest import slow
 
 import eq_model
 import master
@@ -62,10 +63,7 @@ def asked(law: str, **numbers: float) -> dict[str, Any]:
 RINGING = {("lubricated", 0, 3.0): 1, ("persson", 0, 3.0): 2}
 
 
-@pytest.mark.parametrize(
-    "law, damped, delay, fewer",
-    [QUICK, *(pytest.param(*case, 1, marks=pytest.mark.slow) for case in CASES)],
-)
+@pytest.mark.parametrize("law, damped, delay, fewer", [QUICK, *(slow(*case, 1) for case in CASES)])
 def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float, fewer: int) -> None:
     damping = DAMPED * damped * 2.0 * (PULLED[law].spring * MASS) ** 0.5
     numbers = {"mass": MASS, "damping": damping, "delay": delay}

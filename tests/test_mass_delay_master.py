@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from numpy.polynomial import legendre
 from scipy import stats
 from scipy.integrate import solve_ivp
@@ -617,7 +618,7 @@ def test_energy_is_kept_and_breaks_only_release() -> None:
     assert 0.0 <= found.holding.min() < 0.01 and found.holding.max() == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("draws", [1, pytest.param(12, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("draws", [1, slow(12)])
 def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     """Seeded machines, laws and delays: the error of a coarse solution is at most its claim."""
     draw, failed = np.random.default_rng(11), 0
@@ -690,7 +691,7 @@ def test_a_delay_with_a_law_of_many_exact_values_and_a_width_is_refused() -> Non
         solve(contacts, [1.0], spring=0.5, mass=1.0)
 
 
-@pytest.mark.parametrize("delay", [1e-6, pytest.param(1e-5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("delay", [1e-6, slow(1e-5)])
 def test_a_slip_that_is_long_beside_the_delay_is_that_of_sliding_at_each_speed(
     delay: float,
 ) -> None:

@@ -114,6 +114,7 @@ def test_bounds_on_contacts_that_hold_are_bounds_along_a_long_ringing(damped: fl
         assert bound.force >= float(held @ np.abs(way[-1] - place))
 
 
+@pytest.mark.slow  # quick: the slips at no temperature, above and below
 def test_a_flight_ends_where_its_contacts_return_to_the_last_digit_of_the_time() -> None:
     """An interval was left that was lost in the digits of the time, on which births jumped: a fault of the program."""
     contacts = WAITING.replace(thermal=EYRING, delay=Delay(60.0))
@@ -160,7 +161,8 @@ def test_beside_a_slip_the_error_is_as_large_as_its_fall() -> None:
 def test_the_end_of_a_slip_that_does_not_swing_is_not_known() -> None:
     """It comes to rest as its drive overtakes it, which hangs on the last digits of the force: no duration is told."""
     machine = SOFT | {"damping": 1.5 * 2.0 * 1e-3}
-    found = in_steps(WAITING, np.linspace(0.0, 720.0, 5)[1:], machine)
+    drive = Drive(np.linspace(0.0, 720.0, 5)[1:], **machine)
+    found = follow_in_steps(WAITING, drive, 5e-2, unheard, np.inf)
     assert found.followed.slips.drive.size == 1 and np.isinf(found.followed.slips.duration_error)
 
 

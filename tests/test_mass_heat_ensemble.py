@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from plain_heavy_in_heat import HeavyInHeat, stepped
 from solving import first_slip_of_contacts, first_slip_of_master
 
@@ -25,9 +26,7 @@ def balanced(found: Any) -> bool:
     return bool(np.abs(found.energy.imbalance).max() < 1e-10)
 
 
-@pytest.mark.parametrize(
-    "cases", [range(2, 4), pytest.param(range(4, 36), marks=pytest.mark.slow)], ids=["two", "many"]
-)
+@pytest.mark.parametrize("cases", [range(2, 4), slow(range(4, 36))], ids=["two", "many"])
 def test_as_the_temperature_falls_every_break_is_that_of_cold_contacts(cases: range) -> None:
     """And every slip: at T = 1e-11 heat breaks contacts just before their thresholds alone, where their windows end."""
     breaks = 0
@@ -57,7 +56,7 @@ def test_as_the_temperature_falls_every_break_is_that_of_cold_contacts(cases: ra
 
 
 @pytest.mark.parametrize("damping", [0.0, 10.0])
-@pytest.mark.parametrize("heat", [SOFT, pytest.param(EYRING, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("heat", [SOFT, slow(EYRING)])
 def test_contacts_survive_as_the_integral_of_their_rate_says(heat: Thermal, damping: float) -> None:
     """On a spring a thousand times as stiff as they are, at one speed and then in a rest of 1e11 oscillations; the
     distance is Kolmogorov's, of all contacts, and tells contacts warmer by a twentieth apart."""
@@ -83,9 +82,7 @@ def test_contacts_survive_as_the_integral_of_their_rate_says(heat: Thermal, damp
     assert balanced(found)
 
 
-@pytest.mark.parametrize(
-    ("n", "replicas"), [(50, 300), pytest.param(1000, 400, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("n", "replicas"), [(50, 300), slow(1000, 400)])
 def test_without_mass_it_is_the_slider_of_the_rule_instant(n: int, replicas: int) -> None:
     """X, the force and their scatter between machines, in a first slip and after, with any number of threads; one of
     warmer contacts differs."""

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from conftest import slow
 from plain_heavy_in_time import Heavy, swung
 from plain_in_time import Pulled
 from solving import oscillator
@@ -39,14 +40,11 @@ TURNING = np.interp(TIMES, [0.0, 8.0, 16.0, 24.0], [0.0, 8.0, 8.0, 3.0])
 @pytest.mark.parametrize(
     ("law", "delay", "drive"),
     [
-        pytest.param(
-            *(WIDE, None, Drive(PATH, spring=0.3, mass=0.3, damping=0.03)), marks=pytest.mark.slow
-        ),
+        slow(*(WIDE, None, Drive(PATH, spring=0.3, mass=0.3, damping=0.03))),
         (origins.gaussian(1.0, 0.1), None, Drive(TURNING, 1.0, TIMES, 0.1, None, 0.3, 0.1)),
-        (WIDE, Delay(0.7), Drive(PATH, spring=0.1, mass=0.3, damping=0.1)),
-        pytest.param(
-            *(WIDE, None, Drive(PATH, spring=0.3, mass=1e-3, damping=1.0)), marks=pytest.mark.slow
-        ),
+        # quick: the slip without heat, in test_mass_flights.py
+        slow(*(WIDE, Delay(0.7), Drive(PATH, spring=0.1, mass=0.3, damping=0.1))),
+        slow(*(WIDE, None, Drive(PATH, spring=0.3, mass=1e-3, damping=1.0))),
     ],
     ids=["free", "turns", "delay", "overdamped"],
 )
@@ -94,7 +92,7 @@ SWINGS_BACK = Contacts(strengthening(origins.gaussian(1.0, 0.02), 0.023, 0.32))
 SWINGING = {"spring": 0.302, "mass": 0.157, "damping": 0.015}
 
 
-@pytest.mark.parametrize("halvings", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("halvings", [0, slow(1)])
 def test_no_step_leads_through_a_turn_of_the_slider_and_back(halvings: int) -> None:
     """One step led through a whole swing, on all halvings alike: X was off by 0.36, with an error told of 4e-3."""
     drive = Drive([4.49, 3.14], time=[14.3, 20.44], **SWINGING)
@@ -126,10 +124,8 @@ def test_errors_of_nearly_equal_contacts_that_swing_back_hold() -> None:
 @pytest.mark.parametrize(
     "contacts",
     [
-        pytest.param(
-            Contacts(WIDE, ageing=Ageing(WIDE, 0.02)), id="ageing", marks=pytest.mark.slow
-        ),
-        pytest.param(Contacts(WIDE, reforming=-0.2), id="re-forming", marks=pytest.mark.slow),
+        slow(Contacts(WIDE, ageing=Ageing(WIDE, 0.02)), id="ageing"),
+        slow(Contacts(WIDE, reforming=-0.2), id="re-forming"),
         pytest.param(Contacts(origins.growing_grains(1.0, 1.0, age=4.0)), id="grains"),
     ],
 )
@@ -177,11 +173,7 @@ def test_errors_fall_as_the_square_of_the_steps() -> None:
 
 
 @pytest.mark.parametrize(
-    "mass, damping",
-    [
-        (0.1, 0.0),
-        *(pytest.param(*one, marks=pytest.mark.slow) for one in ((1e-3, 1e-3), (0.1, 3.0))),
-    ],
+    "mass, damping", [(0.1, 0.0), *(slow(*one) for one in ((1e-3, 1e-3), (0.1, 3.0)))]
 )
 def test_where_none_breaks_it_is_an_oscillator(mass: float, damping: float) -> None:
     """On contacts that grow stronger, so that they are followed in steps; by the roots of m r² + c r + S = 0."""
@@ -211,8 +203,8 @@ def test_steady_sliding_bears_kinetic_friction_and_damping(mass: float) -> None:
 @pytest.mark.parametrize(
     ("growth", "thermal", "slips"),
     [
-        pytest.param(0.0, EYRING, 1, id="eyring", marks=pytest.mark.slow),
-        pytest.param(0.0, Thermal("soft", 0.02), 1, id="soft", marks=pytest.mark.slow),
+        slow(0.0, EYRING, 1, id="eyring"),
+        slow(0.0, Thermal("soft", 0.02), 1, id="soft"),
         pytest.param(0.05, None, 0, id="strengthening"),
     ],
 )
@@ -261,9 +253,7 @@ def test_a_light_slider_slips_in_no_time() -> None:
     assert instant.slips.drop[0] > 0.2
 
 
-@pytest.mark.parametrize(
-    ("tolerance", "within"), [(3e-3, 3e-4), pytest.param(1e-4, 1e-5, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("tolerance", "within"), [(3e-3, 3e-4), slow(1e-4, 1e-5)])
 def test_energy_is_kept_and_damping_takes_its_part(tolerance: float, within: float) -> None:
     """drive = change of (spring + contacts + kinetic) + damped + released; damped is the integral of γ V²."""
     path = np.linspace(0.04, 10.0, 250)

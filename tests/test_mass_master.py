@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
 from solving import oscillator
@@ -56,6 +57,7 @@ def test_scipy_integrates_the_same_motion_on_the_force_of_a_rigid_slider() -> No
     assert np.abs(found.velocity - exact.y[1])[forward].max() < 1e-6
 
 
+@pytest.mark.slow  # quick: half a period of mass and spring, in test_mass_delay_master.py
 def test_on_a_soft_spring_the_drop_is_twice_that_to_kinetic_friction() -> None:
     """K -> 0: 2 (F_s - F_k) in π (M/K)^(1/2) undamped, within 2 % at K = 1e-3."""
     spring, mass = 1e-3, 1e-2
@@ -93,9 +95,7 @@ def test_a_light_slider_is_followed_in_any_unit_of_time() -> None:
     np.testing.assert_allclose(force(7.0 / 300.0), force(1.0), rtol=0.0, atol=2e-6)
 
 
-@pytest.mark.parametrize(
-    "tolerance", [1e-3, *(pytest.param(fine, marks=pytest.mark.slow) for fine in (1e-6, 1e-8))]
-)
+@pytest.mark.parametrize("tolerance", [1e-3, *(slow(fine) for fine in (1e-6, 1e-8))])
 def test_the_slider_of_a_machine_on_its_soft_spring_slides_at_kinetic_friction(
     tolerance: float,
 ) -> None:
@@ -117,7 +117,7 @@ def test_the_slider_of_a_machine_on_its_soft_spring_slides_at_kinetic_friction(
     assert np.abs(found.force - borne).max() <= 2.0 * tolerance
 
 
-@pytest.mark.parametrize("ratio", [pytest.param(0.1, marks=pytest.mark.slow), 0.4, 1.0])
+@pytest.mark.parametrize("ratio", [slow(0.1), 0.4, 1.0])
 def test_contacts_far_stiffer_than_the_machine_are_followed_through_the_slip(ratio: float) -> None:
     """0.1 kg on 50 N/m over contacts of 2.5e9 N/m, as those of MD samples: the first step behind F_s is 7,000 times the
     time of a swing on the contacts. The force then falls by (F_s - F_k) (1 + e), e = exp[-πζ/(1 - ζ²)^(1/2)]."""
@@ -200,7 +200,7 @@ def test_a_swing_that_has_faded_to_what_counts_as_rest_is_at_rest() -> None:
     path, keywords = np.linspace(0.0, 22.0, 23), {"mass": 0.1, "damping": 0.05, "velocity": 0.3}
     found = master.solve(NARROW, path, 1e-4, spring=0.05, wall_time=60.0, **keywords)
     assert found.success, found.message
-    count, replicas = 32_000, 16
+    count, replicas = 8_000, 16
     drawn = eq_model.simulate(
         NARROW, path, spring=0.05, n_contacts=count, n_replicas=replicas, seed=2, **keywords
     ).slips
@@ -223,7 +223,7 @@ def test_identical_contacts_move_as_one() -> None:
     assert np.abs(found.slips.drive - drawn.slips.drive).max() < 1e-6 and drawn.breaks > 200
 
 
-@pytest.mark.parametrize("draws", [2, pytest.param(24, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("draws", [2, slow(24)])
 def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     """Seeded machines and laws: the error of a coarse solution is at most its claim."""
     draw = np.random.default_rng(7)
@@ -315,7 +315,7 @@ def test_the_error_of_durations_bounds_it_and_is_not_known_of_a_slip_that_fades(
     assert np.isinf([found.duration_error, finer.duration_error]).all()
 
 
-@pytest.mark.parametrize("tolerance", [5e-4, pytest.param(1e-4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("tolerance", [5e-4, slow(1e-4)])
 def test_a_slider_that_lags_behind_its_balance_goes_on(tolerance: float) -> None:
     """Just before a first slip: the balance has passed the end of the slow way, to which it was led back, for ever."""
     mass, spring = 0.1, 1e-3

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 
 import eq_model
 import origins
@@ -78,11 +79,7 @@ def test_few_contacts_that_hold_at_a_time_slip_for_ever() -> None:
 
 @pytest.mark.parametrize(
     "law, n, loadings",
-    [
-        pytest.param(law, n, loadings, marks=[pytest.mark.slow] * (law != quick))
-        for n, loadings, quick in OF_FEW
-        for law in LAWS
-    ],
+    [slow(law, n, loadings, when=law != quick) for n, loadings, quick in OF_FEW for law in LAWS],
 )
 def test_smooth_sliding_of_few_contacts_has_no_slips(law: str, n: int, loadings: int) -> None:
     """Damped, with delays of 0 to 30 loadings; the first ones, in which contacts forget their start, do not count."""

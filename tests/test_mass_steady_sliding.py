@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy.integrate import simpson, solve_ivp
 
 import master
@@ -29,9 +30,9 @@ STRONGER = Contacts(
     [
         (WIDE, 8e-9, False),
         # beside the slider without mass
-        pytest.param(WIDE, 8e-9, True, marks=pytest.mark.slow),
-        pytest.param(WIDE, 8e-5, False, marks=pytest.mark.slow),
-        pytest.param(STRONGER, 8e-9, True, marks=pytest.mark.slow),
+        slow(WIDE, 8e-9, True),
+        slow(WIDE, 8e-5, False),
+        slow(STRONGER, 8e-9, True),
     ],
 )
 def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import stats
 
 import master
@@ -209,10 +210,7 @@ LATE = ("slowest, fastest: -F' is at most", ".*exact values break together more 
 @pytest.mark.filterwarnings("ignore:The integral is probably divergent")  # as it is
 @pytest.mark.parametrize(
     ("begins", "call"),
-    [
-        pytest.param(begins, call, id=begins, marks=[pytest.mark.slow] * (begins in LATE))
-        for begins, call in REFUSED
-    ],
+    [slow(begins, call, when=begins in LATE, id=begins) for begins, call in REFUSED],
 )
 def test_a_refusal_is_one_line_that_names_the_value(
     begins: str, call: Callable[[], object]

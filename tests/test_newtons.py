@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from matplotlib.figure import Figure
 from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
 
@@ -278,11 +279,7 @@ def test_a_dataset_has_all_arrays_with_their_units() -> None:
 
 @pytest.mark.parametrize(
     ("command", "picture"),
-    [
-        pytest.param("run", "picture", marks=pytest.mark.slow),
-        ("thresholds", "thresholds"),
-        pytest.param("compare", "compare", marks=pytest.mark.slow),
-    ],
+    [slow("run", "picture"), ("thresholds", "thresholds"), slow("compare", "compare")],
 )
 def test_pictures_are_written_in_other_formats_too_and_old_ones_go(
     capsys: Any, monkeypatch: Any, command: str, picture: str

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import slow
 from oracle.calls import VERDICTS
 from oracle.judge import give, judge, load
 from oracle.write import write
@@ -62,9 +63,7 @@ def disagreements(names: list[str]) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind == "hard laws")) for kind in QUICK]
-)
+@pytest.mark.parametrize("kind", [slow(kind, when=kind == "hard laws") for kind in QUICK])
 def test_some_answers_agree(kind: str) -> None:
     assert disagreements(fast(kind)) == []
 

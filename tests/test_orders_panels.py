@@ -10,18 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ended
+from conftest import ended, slow
 
 SCRIPT = Path(__file__).with_name("order_of_panels.py")
 
 
 @pytest.mark.parametrize(
-    ("degree", "counts"),
-    [
-        pytest.param(3, (128, 256, 512), marks=pytest.mark.slow),
-        pytest.param(4, (96, 192, 384), marks=pytest.mark.slow),
-        (5, (60, 90, 135)),
-    ],
+    ("degree", "counts"), [slow(3, (128, 256, 512)), slow(4, (96, 192, 384)), (5, (60, 90, 135))]
 )
 def test_the_order_is_one_more_than_the_degree(tmp_path: Path, degree: int, counts: tuple) -> None:
     """Breaks of thresholds of the gamma law of shape 2, whose number has a closed form."""

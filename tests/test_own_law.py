@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 from solving import gauss
 
 import eq_model
@@ -314,9 +315,9 @@ def test_a_law_made_from_a_compiled_one_is_not_taken_for_it():
     for each in (law, Strengthening(PC, beta=0.3, time=2.0)):
         contacts = Contacts(each)
         exact = master.solve(contacts, path, 1e-4, **asked)
-        found = eq_model.simulate(contacts, path, n_contacts=4000, n_replicas=4, seed=1, **asked)
+        found = eq_model.simulate(contacts, path, n_contacts=1000, n_replicas=4, seed=1, **asked)
         off = abs(found.force[0] - exact.force[0])
-        assert off < 4.0 * found.force_standard_error[0] < 0.05 * exact.force[0]
+        assert off < 4.0 * found.force_standard_error[0] < 0.1 * exact.force[0]
 
 
 def test_rates_compiled_outside_the_package_are_called():
@@ -537,8 +538,8 @@ def weakened(fresh, age):
 @pytest.mark.parametrize(
     ("name", "twin", "other", "start", "delay"),
     [
-        pytest.param("hardening", hardened, weakened, 0.0, 0.0, marks=pytest.mark.slow),
-        pytest.param("weakening", weakened, hardened, 0.0, 0.0, marks=pytest.mark.slow),
+        slow("hardening", hardened, weakened, 0.0, 0.0),
+        slow("weakening", weakened, hardened, 0.0, 0.0),
         ("weakening", weakened, hardened, -0.3, 0.2),
     ],
 )
@@ -662,7 +663,7 @@ TURNED = np.cumsum(
 )
 
 
-SLOW_RULES = [pytest.param(rule, marks=pytest.mark.slow) for rule in ("instant", "reform-after")]
+SLOW_RULES = [slow(rule) for rule in ("instant", "reform-after")]
 
 
 @pytest.mark.parametrize("rule", ["reset", *SLOW_RULES])
@@ -697,10 +698,7 @@ def test_strengthening_on_a_very_soft_spring_decoheres_as_step_after_step():
     assert off < found.force_error + own.force_error
 
 
-@pytest.mark.parametrize(
-    "rule",
-    [pytest.param(rule, marks=pytest.mark.slow) for rule in ("reform-after", "reset", "instant")],
-)
+@pytest.mark.parametrize("rule", [slow(rule) for rule in ("reform-after", "reset", "instant")])
 def test_a_life_alone_takes_a_law_onto_a_spring(page, monkeypatch, rule):
     """Step by step the same as by its birth_threshold, where both take the same steps."""
     monkeypatch.setattr(make, "LIVES", {Closed: ClosedLife} | LIVES)

@@ -13,6 +13,7 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import stats
 
 import master
@@ -70,14 +71,7 @@ def named() -> dict[str, dict[str, Any]]:
 
 @pytest.mark.parametrize(
     ("page", "case", "call", "answer"),
-    [
-        pytest.param(
-            *row,
-            id=row[2],
-            marks=[pytest.mark.slow] if any(name in row[2] for name in SLOW) else [],
-        )
-        for row in ROWS
-    ],
+    [slow(*row, id=row[2], when=any(name in row[2] for name in SLOW)) for row in ROWS],
 )
 def test_row(page: str, case: str, call: str, answer: str, named: dict[str, Any]) -> None:
     if answer.startswith("refused: "):
@@ -94,9 +88,7 @@ def test_row(page: str, case: str, call: str, answer: str, named: dict[str, Any]
     assert abs(value - float(answer)) <= allowed
 
 
-@pytest.mark.parametrize(
-    "page", [pytest.param("islands.md", marks=pytest.mark.slow), "rough-surfaces.md"]
-)
+@pytest.mark.parametrize("page", [slow("islands.md"), "rough-surfaces.md"])
 def test_a_page_prints_what_it_says(page: str, capsys: pytest.CaptureFixture[str]) -> None:
     names = executed(page)
     assert capsys.readouterr().out.endswith(blocks(page, "text")[0])

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scenes import GAUSSIAN, ROUGH, scene
@@ -489,9 +490,7 @@ def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:
     assert "force_before_slip" in result.sweep._ipython_key_completions_()
 
 
-@pytest.mark.parametrize(
-    "error", [*(pytest.param(one, marks=pytest.mark.slow) for one in (1e-9, 1e-2)), np.inf]
-)
+@pytest.mark.parametrize("error", [*(slow(one) for one in (1e-9, 1e-2)), np.inf])
 def test_what_is_not_solved_is_not_drawn(error: float) -> None:
     """An empty panel says why; beside the ensemble the legend says so, and nothing is compared."""
     result, beside = toolkit.run(scene()), toolkit.run(scene(eq=EQ))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from plain_in_time import Pulled, pulled
 from scipy import stats
 from scipy.interpolate import PchipInterpolator
@@ -223,10 +224,7 @@ def test_breaks_that_come_ever_faster_are_read_back_between_steps() -> None:
         assert births == pytest.approx((0.0, 0.5 * (1.0 - np.sqrt(1.0 - time))), abs=1e-8)
 
 
-@pytest.mark.parametrize(
-    "delay",
-    [1e-12, *(pytest.param(delay, marks=pytest.mark.slow) for delay in (1e-13, 1e-9, 1e-3))],
-)
+@pytest.mark.parametrize("delay", [1e-12, *(slow(delay) for delay in (1e-13, 1e-9, 1e-3))])
 def test_a_delay_far_below_the_digits_of_the_time_does_next_to_nothing(delay: float) -> None:
     """A million thresholds of drive lead to each slip. Contacts that had formed again after a slip were born with the
     sign turned on the next step: up to 1.0496 of all held, between points of the path at which F was right."""
@@ -262,10 +260,7 @@ def test_a_delay_far_below_a_step_does_next_to_nothing() -> None:
     assert np.abs(later.force - at_once).max() < later.force_error + 3.7e-5 + 2e-6
 
 
-@pytest.mark.parametrize(
-    "law",
-    ["soft", *(pytest.param(one, marks=pytest.mark.slow) for one in ("eyring", "ageing", "delay"))],
-)
+@pytest.mark.parametrize("law", ["soft", *(slow(one) for one in ("eyring", "ageing", "delay"))])
 def test_a_drive_that_turns_back_by_next_to_nothing_is_as_good_as_one_that_holds(law: str) -> None:
     """The spring still pulls the slider on, while contacts break at rest: it moves against the drive."""
     contacts, spring, hold = {
@@ -725,9 +720,7 @@ def test_forces_are_read_between_the_ends_of_steps_and_behind_a_slip() -> None:
 SECOND = ("stiff heat", "growth, delay", "growth, heat", "growth from 0, heat")
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SECOND)) for name in TWINS]
-)
+@pytest.mark.parametrize("name", [slow(name, when=name in SECOND) for name in TWINS])
 def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force_through_turns(
     name: str,
 ) -> None:
@@ -764,13 +757,7 @@ SLIPPING = {
 
 
 # stiff heat is held to its twin above, and to the slips of others in test_soft_laws
-@pytest.mark.parametrize(
-    "name",
-    [
-        "heat",
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("stiff heat", "growth, heat")),
-    ],
-)
+@pytest.mark.parametrize("name", ["heat", *(slow(name) for name in ("stiff heat", "growth, heat"))])
 def test_with_heat_a_slip_comes_where_the_twin_loses_balance_and_new_contacts_follow(
     name: str,
 ) -> None:
@@ -1002,10 +989,7 @@ def test_a_slip_ahead_of_the_end_is_undecided_within_twice_the_change_of_the_way
 
 @pytest.mark.parametrize(
     "name",  # growth with heat has a twin
-    [
-        pytest.param(n, marks=[pytest.mark.slow] * n.startswith(("strengthening, h", "heat, l")))
-        for n in MEMORIES
-    ],
+    [slow(n, when=n.startswith(("strengthening, h", "heat, l"))) for n in MEMORIES],
 )
 def test_on_a_stiff_spring_each_memory_tells_the_force_of_a_rigid_slider(name: str) -> None:
     """Steps in time beside panels of time, on the way that the slider has gone, straight from point to point."""
@@ -1036,8 +1020,8 @@ def in_unit(name: str, unit: float) -> Contacts:
     ("name", "spring", "slip", "path"),
     [
         ("delay", 0.02, "instant", [10.0, 30.0, 60.0]),
-        pytest.param("ageing", 0.2, "reform-after", [1.0, 4.0, 8.0, 7.0], marks=pytest.mark.slow),
-        pytest.param("heat", 0.02, "instant", [10.0, 30.0, 60.0], marks=pytest.mark.slow),
+        slow("ageing", 0.2, "reform-after", [1.0, 4.0, 8.0, 7.0]),
+        slow("heat", 0.02, "instant", [10.0, 30.0, 60.0]),
     ],
 )
 def test_lengths_only_set_the_scale_under_a_spring(

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scenes import ROUGH, refused, said, write
 
 import eq_model
@@ -263,9 +264,7 @@ SOME = [
 ]
 
 
-@pytest.mark.parametrize(
-    "scene", ["delay", *(pytest.param(scene, marks=pytest.mark.slow) for scene in SOME)]
-)
+@pytest.mark.parametrize("scene", ["delay", *(slow(scene) for scene in SOME)])
 def test_the_table_of_costs_is_up_to_date(
     scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -313,13 +312,13 @@ def test_tables_of_errors_and_costs_are_what_their_script_makes() -> None:
 
 
 # rows of the table whose errors a second or so of work finds again, all rigid sliders
-QUICK = ["delay", "delays", "friction-loop", "gaussian", "grains", "gw-elastic", "gw-gaussian"]
-QUICK += ["gw-plastic", "kinetic-force", "lubricated", "one-peak", "persson", "persson-wide"]
-QUICK += ["rectangular", "reforming", "rough-gw-mixed", "rough-gw-paper", "rough-gw-strength"]
-QUICK += ["rough-persson-amontons", "rough-persson-paper", "strengthening", "two-peaks"]
+QUICK = ["delay", "friction-loop", "gaussian", "grains", "gw-elastic", "kinetic-force", "persson"]
+SOLVED = [*QUICK, "delays", "gw-gaussian", "gw-plastic", "lubricated", "one-peak", "persson-wide"]
+SOLVED += ["rectangular", "reforming", "rough-gw-mixed", "rough-gw-paper", "rough-gw-strength"]
+SOLVED += ["rough-persson-amontons", "rough-persson-paper", "strengthening", "two-peaks"]
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", [slow(name, when=name not in QUICK) for name in SOLVED])
 def test_the_table_of_errors_holds_true_errors(name: str) -> None:
     """The true error of the master equation at 1e-3 is that of the page, to the one digit told there; else `python
     docs/error_and_cost.py --errors` makes the page anew. Run times are the machine's."""

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from matplotlib.image import imread
 from scipy import integrate, optimize, stats
 
@@ -166,7 +167,7 @@ def test_the_critical_spring_of_the_law_follows_from_its_answer(a: float, b: flo
     assert abs(spring.value - max(b - a, 0.0) / 0.2) <= spring.error + 1e-12
 
 
-@pytest.mark.parametrize("ratio", [1.3, pytest.param(np.e**0.5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("ratio", [1.3, slow(np.e**0.5)])
 def test_the_error_of_the_critical_spring_holds_what_large_steps_leave_out(ratio: float) -> None:
     """By the ageing law the answer is not in proportion to the step: steps that are not small give another spring than
     (b - a)/D_c, and those twice as large beside them tell most of that."""
@@ -179,7 +180,7 @@ def test_the_error_of_the_critical_spring_holds_what_large_steps_leave_out(ratio
     assert found.error < 4.0 * abs(alone.value - exact)
 
 
-@pytest.mark.parametrize("laws", [8, pytest.param(64, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("laws", [4, slow(64)])
 def test_the_critical_spring_of_drawn_laws_is_within_its_error_in_noise_too(laws: int) -> None:
     """Laws that evolve with slip or age, by steps of 5 to 80 %: noise that is even as large as is told, that swings,
     and that tilts the answer."""
@@ -614,11 +615,7 @@ def test_the_page_of_the_documentation_holds() -> None:
 
 
 @pytest.mark.parametrize(
-    "stop",
-    [
-        TimeIsUp,
-        *(pytest.param(one, marks=pytest.mark.slow) for one in (KeyboardInterrupt, Terminated)),
-    ],
+    "stop", [TimeIsUp, *(slow(one) for one in (KeyboardInterrupt, Terminated))]
 )
 def test_a_stopped_command_leaves_what_is_known(
     capsys: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stop: type[BaseException]

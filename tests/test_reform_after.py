@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from conftest import slow
 from plain_reform_after import groups, pulled
 
 import master
@@ -14,17 +15,13 @@ import origins
     ("parts", "spring", "stiffness", "count"),
     [
         ([(1.0, 1.0, 0.2)], 0.5, "independent", 8),
-        pytest.param([(1.0, 1.0, 0.05)], 1.4, "independent", 5, marks=pytest.mark.slow),
-        pytest.param([(1.0, 1.0, 0.2)], 0.4, "linked", 7, marks=pytest.mark.slow),
+        slow([(1.0, 1.0, 0.05)], 1.4, "independent", 5),
+        slow([(1.0, 1.0, 0.2)], 0.4, "linked", 7),
         # slips of the weaker group and of all contacts in turns: the former were once repeated as if there were no
         # others, as each is as the one before
         ([(0.6, 1.0, 0.15), (0.4, 2.4, 0.12)], 0.3, "independent", 5),
-        pytest.param(
-            [(0.6, 1.0, 0.15), (0.4, 2.4, 0.12)], 0.3, "independent", 10, marks=pytest.mark.slow
-        ),
-        pytest.param(
-            [(0.5, 1.0, 0.14), (0.5, 2.2, 0.25)], 0.1, "independent", 10, marks=pytest.mark.slow
-        ),
+        slow([(0.6, 1.0, 0.15), (0.4, 2.4, 0.12)], 0.3, "independent", 10),
+        slow([(0.5, 1.0, 0.14), (0.5, 2.2, 0.25)], 0.1, "independent", 10),
     ],
 )
 def test_slips_are_those_of_the_plain_twin(parts, spring, stiffness, count) -> None:

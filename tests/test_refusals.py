@@ -236,7 +236,9 @@ REFUSED = [
         "values and jumps that move with phi",
     ),
     (
-        lambda: origins.continuous_mixture(lambda phi: stats.beta(2.0, 2.0, loc=phi), 0.0, 1.0),
+        lambda: origins.continuous_mixture(
+            lambda phi: origins.rectangular(phi, 1.0 + phi), 0.0, 1.0
+        ),
         "accuracy = 1e-10: 512 laws",
     ),
     (lambda: Contacts(stats.halfcauchy()), "thresholds: the mean is inf"),

@@ -12,6 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from conftest import slow
 from scenes import GAUSSIAN, ROUGH, said, scene, write
 from solving import same_bits
 
@@ -70,9 +71,7 @@ def no_picture(monkeypatch: pytest.MonkeyPatch) -> None:
 # -- what runs, and what comes back ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in shipped_scenes()]
-)
+@pytest.mark.parametrize("name", [slow(n, when=n in LONG) for n in shipped_scenes()])
 def test_shipped_scene_runs_and_its_solvers_agree(name: str) -> None:
     _is_solved_and_agrees(name, every_speed=False)
 
@@ -439,8 +438,7 @@ FEW_RESET = (
 
 
 @pytest.mark.parametrize(
-    ("law", "drive", "eq", "infinite", "why"),
-    [FEW_SLIP, NONE_SLIPS, pytest.param(*FEW_RESET, marks=pytest.mark.slow)],
+    ("law", "drive", "eq", "infinite", "why"), [FEW_SLIP, NONE_SLIPS, slow(*FEW_RESET)]
 )
 @pytest.mark.usefixtures("no_picture")
 def test_contacts_that_contradict_the_master_equation_are_the_headline(
@@ -481,7 +479,7 @@ def test_contacts_that_agree_are_no_headline(capsys: Any) -> None:
     assert told["verdict"] == told["master"]["verdict"]
 
 
-@pytest.mark.parametrize("rule", ["reset", pytest.param("instant", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("rule", ["reset", slow("instant")])
 def test_a_run_says_where_the_slip_rule_decides(rule: str) -> None:
     wide = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
     drive = {"to": 15.0, "points": 151, "spring": 0.95, "slip": rule}

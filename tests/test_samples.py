@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scenes import scene
 from scipy import stats
 
@@ -49,7 +50,7 @@ def test_a_few_values_are_one_peak_and_not_one_each(values: list[float]) -> None
 
 def test_how_it_begins_and_ends() -> None:
     """A power where the samples show one, a finite value at 0, or an edge; no weight beyond edges."""
-    power = origins.from_samples(draws("weibull 2.5", 100_000))
+    power = origins.from_samples(draws("weibull 2.5", 30_000))
     assert power.onset_power == pytest.approx(1.5, abs=3.0 * power.onset_power_error)
     assert power.pdf(0.0) == 0.0
     assert 0.0 < power.onset_power_error < 0.3 and power.support() == (0.0, np.inf)
@@ -64,7 +65,7 @@ def test_how_it_begins_and_ends() -> None:
     assert sharp.pdf(sharp.support()).min() > 0.8 and sharp.onset_power == 0.0
 
 
-@pytest.mark.parametrize("seeds", [range(3), pytest.param(range(3, 6), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seeds", [range(3), slow(range(3, 6))])
 def test_mean_is_the_samples_in_any_unit(seeds: range) -> None:
     """A score equation of the likelihood: the samples' mean is that of the law, of 10 to 3,000 samples."""
     for seed in seeds:

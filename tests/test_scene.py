@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scenes import GAUSSIAN, ROUGH, scene
 
 import eq_model
@@ -386,11 +387,7 @@ def places(table: dict[str, Any] | list[Any]) -> Iterator[list[Any]]:
 
 @pytest.mark.parametrize(
     ("name", "each"),
-    [
-        *((name, 1) for name in ONE_OF_EACH),
-        ("rough-gw-mixed", 8),
-        pytest.param("rough-gw-mixed", 1, marks=pytest.mark.slow),
-    ],
+    [*((name, 1) for name in ONE_OF_EACH), ("rough-gw-mixed", 8), slow("rough-gw-mixed", 1)],
 )
 def test_what_cannot_be_is_one_line_that_names_its_key(name: str, each: int) -> None:
     """Of a surface, which is made anew each time, every key has one in eight of the wrong values, in turn."""

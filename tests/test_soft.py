@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import pytest
+from conftest import slow
 from numpy.polynomial import Chebyshev, Legendre, Polynomial
 from phase_type import gaussian_force
 from scipy import stats
@@ -96,7 +97,7 @@ def test_slips_of_a_few_contacts_between_those_of_all_are_no_main_slips():
     assert ensemble.slips.number.max() + 1 == slips.main.size  # the ensemble counts no others
 
 
-SOFTER = [pytest.param(spring, marks=pytest.mark.slow) for spring in (1e-9, 1e-4)]
+SOFTER = [slow(spring) for spring in (1e-9, 1e-4)]
 
 
 @pytest.mark.parametrize("law", [origins.identical(1.0), TWO])
@@ -268,13 +269,7 @@ def test_exact_values_slip_where_they_break():
 
 @pytest.mark.parametrize(
     ("law", "weakest", "spring"),
-    [
-        (NARROW, 0.5, 4.0),
-        *(
-            pytest.param(*one, marks=pytest.mark.slow)
-            for one in ((GROUPS, 0.95, 0.3), (NARROW, 0.5, 1.0))
-        ),
-    ],
+    [(NARROW, 0.5, 4.0), *(slow(*one) for one in ((GROUPS, 0.95, 0.3), (NARROW, 0.5, 1.0)))],
 )
 def test_reform_after_lands_where_those_that_hold_balance(law, weakest, spring):
     first = first_onset(spring, law)
@@ -318,15 +313,8 @@ def test_reform_after_lands_where_those_that_hold_balance(law, weakest, spring):
     ("law", "rule", "turns"),
     [
         (origins.rectangular(0.5, 1.5), "reform-after", (1.4, -0.6, 0.8)),
-        pytest.param(
-            origins.rectangular(0.5, 1.5),
-            "reform-after",
-            (2.4, -0.6, 0.8, -2.0),
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            origins.gw_elastic(1.0), "instant", (2.4, -0.6, 0.8, -2.0), marks=pytest.mark.slow
-        ),
+        slow(origins.rectangular(0.5, 1.5), "reform-after", (2.4, -0.6, 0.8, -2.0)),
+        slow(origins.gw_elastic(1.0), "instant", (2.4, -0.6, 0.8, -2.0)),
     ],
 )
 def test_a_stiff_spring_follows_the_rigid_curve_through_turns(law, rule, turns):
@@ -361,13 +349,7 @@ def test_the_histories_of_the_example_in_moves_py():
     assert behind.at(0.0) == pytest.approx(0.2) and behind.curve_to(0.1).to_travel >= 0.1
 
 
-@pytest.mark.parametrize(
-    "rule",
-    [
-        "reform-after",
-        *(pytest.param(rule, marks=pytest.mark.slow) for rule in ("reset", "instant")),
-    ],
-)
+@pytest.mark.parametrize("rule", ["reform-after", *(slow(rule) for rule in ("reset", "instant"))])
 def test_the_mirror_image_and_the_scale_of_a_drive(rule):
     path = np.concatenate([np.linspace(0.0, 4.0, 41), np.linspace(3.9, -3.0, 60)])
     one = solved(origins.Contacts(origins.gaussian(1.0, 0.15), 0.1), path, 0.6, rule)
@@ -379,9 +361,7 @@ def test_the_mirror_image_and_the_scale_of_a_drive(rule):
     assert np.abs(small.force * 1e9 - one.force).max() <= 1e-9
 
 
-@pytest.mark.parametrize(
-    "law", [NARROW, pytest.param(origins.lubricated(1.0), marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("law", [NARROW, slow(origins.lubricated(1.0))])
 def test_a_millionth_off_critical_is_decided_rightly(law):
     contacts = origins.Contacts(law)
     critical = master.propensity(contacts, 1e-10).critical_spring
@@ -562,7 +542,7 @@ def test_the_error_of_ten_thousand_slips_is_known(law, spring, monkeypatch):
     [
         (origins.gaussian(1.0, 0.2), 0.5, 950),
         # changes shrink by a third to a quarter a slip
-        pytest.param(NARROW, 1.4, 60, marks=pytest.mark.slow),
+        slow(NARROW, 1.4, 60),
     ],
 )
 def test_slips_that_become_alike_are_repeated(law, spring, slips, monkeypatch):

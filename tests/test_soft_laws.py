@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from conftest import slow
 from rate_laws import Tilted
 from scipy import stats
 from solving import held_to_claim
@@ -20,14 +21,7 @@ WIDE = gaussian(1.0, 0.2)
 SOFT = Thermal("soft", 0.1)
 
 
-@pytest.mark.parametrize(
-    "rule",
-    [
-        pytest.param("reset", marks=pytest.mark.slow),
-        "reform-after",
-        pytest.param("instant", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("rule", [slow("reset"), "reform-after", slow("instant")])
 def test_without_rates_every_slip_is_that_of_panels_of_the_way(rule: SlipRule) -> None:
     """Two roads to one answer, with turns: the one in steps of time is taken for the rate's sake."""
     back = np.concatenate([np.linspace(0.1, 4.0, 21), np.linspace(3.8, 1.0, 15), [2.0, 3.0]])
@@ -342,7 +336,7 @@ SOFTEST, FAR = 1e-6, np.array([3e5, 7e5, 1.5e6])
 HARDLY_WARM = Contacts(WIDE, thermal=Thermal("soft", 0.1, 1e-25))
 
 
-@pytest.mark.parametrize("rule", [pytest.param("reset", marks=pytest.mark.slow), "reform-after"])
+@pytest.mark.parametrize("rule", [slow("reset"), "reform-after"])
 def test_on_the_softest_spring_a_law_that_does_nothing_changes_nothing(rule: SlipRule) -> None:
     """Nothing holds at the end of a slip, so that both rules are the paper's, which is solved without steps."""
     exact = master.solve(Contacts(WIDE), FAR, 1e-8, spring=SOFTEST)
@@ -383,7 +377,7 @@ def test_a_slip_of_hundreds_of_thresholds_ends_at_the_force_of_steady_sliding() 
     assert np.abs(solved.force - [0.3 / 1.001, steady]).max() <= claim
 
 
-@pytest.mark.parametrize("after", [2.0, pytest.param(10.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("after", [2.0, slow(10.0)])
 def test_a_path_that_ends_just_after_a_slip_tells_of_the_slip(after: float) -> None:
     """F of a soft slider hardly depends on X, which decides on the slip: here soon after it."""
     late = Contacts(WIDE, delay=Delay(0.3))
@@ -419,10 +413,7 @@ def test_heat_that_does_nothing_is_left_out_and_told() -> None:
     "law, temperature, stiffness",
     [
         ("soft", 5e-6, "independent"),
-        *(
-            pytest.param(*one, marks=pytest.mark.slow)
-            for one in (("stiff", 1e-7, "independent"), ("soft", 1e-6, "linked"))
-        ),
+        *(slow(*one) for one in (("stiff", 1e-7, "independent"), ("soft", 1e-6, "linked"))),
     ],
 )
 def test_weak_heat_is_left_out_with_its_whole_effect_as_the_error(
@@ -571,13 +562,7 @@ def test_steps_longer_than_a_delay_claim_what_they_do_not_tell_of_a_slip() -> No
     assert off <= told.slips.drive_error + 1.1e-4
 
 
-@pytest.mark.parametrize(
-    "thermal",
-    [
-        Thermal("eyring", width=0.03),
-        pytest.param(Thermal("stiff", 0.01), marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("thermal", [Thermal("eyring", width=0.03), slow(Thermal("stiff", 0.01))])
 def test_contacts_older_than_fresh_ones_have_a_critical_spring_with_heat(thermal: Thermal) -> None:
     """So fast that hardly any breaks by heat; the threshold of the strongest contact of all is infinite, and a rate was
     asked of the ratio of two such."""

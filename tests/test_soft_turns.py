@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import slow
 
 import master
 import origins
@@ -25,9 +26,7 @@ def back_and_forth(spring: float, seed: int) -> np.ndarray:
     return np.concatenate([np.linspace(begin, end, 6)[1:] for begin, end in legs])
 
 
-@pytest.mark.parametrize(
-    "std, spring, seed", [pytest.param(0.35, 0.02, 1, marks=pytest.mark.slow), (0.2, 0.3, 3)]
-)
+@pytest.mark.parametrize("std, spring, seed", [slow(0.35, 0.02, 1), (0.2, 0.3, 3)])
 def test_instant_slips_have_the_force_of_a_rigid_slider_at_the_same_places(
     std: float, spring: float, seed: int
 ) -> None:
@@ -41,7 +40,7 @@ def test_instant_slips_have_the_force_of_a_rigid_slider_at_the_same_places(
     assert off <= soft.force_error * (1.0 + 1.0 / spring) + rigid.force_error
 
 
-@pytest.mark.parametrize("slip", ["reset", pytest.param("reform-after", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("slip", ["reset", slow("reform-after")])
 @pytest.mark.parametrize("std, spring, seed", [(0.3, 0.03, 4)])
 def test_slips_between_turns_keep_the_error(
     slip: str, std: float, spring: float, seed: int
@@ -59,10 +58,12 @@ def test_slips_between_turns_keep_the_error(
     assert rough.slips.drive_error <= 1e-5 / spring
 
 
-@pytest.mark.parametrize("stiffness", ["independent", "linked"])
-@pytest.mark.parametrize("y", [0.5, 1.1, 2.6, 12.0])
+@pytest.mark.parametrize(
+    ("y", "stiffness"),
+    [(0.5, "linked"), (1.1, "independent"), (2.6, "linked"), (12.0, "independent")],
+)
 def test_the_place_of_a_turn_changes_the_force_by_no_more_than_is_told(
-    stiffness: str, y: float
+    y: float, stiffness: str
 ) -> None:
     """Beside rigid sliders that turn at y and a little behind: the force over the way back, from the turn or at X."""
     contacts = origins.Contacts(origins.gaussian(1.0, 0.3), stiffness=stiffness)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 from phase_type import coxian, gaussian_force, hyper_erlang
 from solving import held_to_claim
 
@@ -58,8 +59,8 @@ def test_two_commensurate_values_are_a_sawtooth_for_ever():
 NARROW = [
     (1e-3, np.linspace(0.0, 8.0, 321), 1e-8),
     (0.01, np.append(np.linspace(0.0, 60.0, 301), 4000.3), 1e-6),
-    pytest.param(0.002, np.linspace(3e4 - 3.0, 3e4, 60), 1e-4, marks=pytest.mark.slow),
-    pytest.param(0.004, np.array([4000.0, 4000.5]), 1e-8, marks=pytest.mark.slow),
+    slow(0.002, np.linspace(3e4 - 3.0, 3e4, 60), 1e-4),
+    slow(0.004, np.array([4000.0, 4000.5]), 1e-8),
 ]
 
 
@@ -117,10 +118,7 @@ def test_any_path(path):
     assert (found.holding == 1.0).all()
 
 
-@pytest.mark.parametrize(
-    "law",
-    [origins.gaussian(1.0, 0.05), pytest.param(scipy.stats.gamma(0.5), marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize("law", [origins.gaussian(1.0, 0.05), slow(scipy.stats.gamma(0.5))])
 def test_a_tolerance_beyond_reach_is_said(law):
     contacts, path = origins.Contacts(law, 0.1), PATH[:121:20]
     solution = master.solve(contacts, path, 1e-17)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 
 import origins
 from origins.contacts import Contacts
@@ -282,7 +283,7 @@ def test_a_map_ends_where_a_number_is_refused(
     ("number", "status", "word"),
     [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")],
 )
-@pytest.mark.parametrize("scene", [["gaussian"], pytest.param([], marks=pytest.mark.slow)])
+@pytest.mark.parametrize("scene", [["gaussian"], slow([])])
 def test_an_interrupted_table_holds_what_is_known(
     scene: list[str],
     number: int,
@@ -329,13 +330,13 @@ def test_a_number_takes_no_more_than_its_share_of_the_wall_time(
     monkeypatch.setattr("toolkit.stability.table.rows", endless)
     monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 1)
     folder = tmp_path / "out"
-    assert main(["stability", "gaussian", "--set", "wall_time=8", "--out", str(folder)]) == 0
+    assert main(["stability", "gaussian", "--set", "wall_time=3", "--out", str(folder)]) == 0
     found = json.loads((folder / "stability.json").read_text())
     told = {(row["group"], row["case"][:6]): row for row in found["rows"]}
     assert "stopped_by_wall_time" not in found
     for case in ("x 1e-1", "x 1e+1"):
         own = told["contacts.thresholds.mean", case]
-        assert own["verdict"] == "slow" and "share of wall_time = 8 s" in own["said"]
+        assert own["verdict"] == "slow" and "share of wall_time = 3 s" in own["said"]
         assert told["contacts.thresholds.std", case]["verdict"] == "exact"
 
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 
 import master
 import origins
@@ -43,9 +44,7 @@ def test_a_critical_spring_that_time_does_not_suffice_for_is_unknown() -> None:
     assert np.isnan(fall.value) and fall.error == np.inf
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * ("arcsine" in name)) for name in CLOSED]
-)
+@pytest.mark.parametrize("name", [slow(name, when="arcsine" in name) for name in CLOSED])
 def test_closed_values(name: str) -> None:
     law, start, spring, static = CLOSED[name]
     found = master.propensity(origins.Contacts(law, start))
@@ -250,13 +249,7 @@ COARSE = {
 QUICKLY_SOLVED = ("linked", "ageing", "soft", "births at many stretches")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICKLY_SOLVED))
-        for name in COARSE
-    ],
-)
+@pytest.mark.parametrize("name", [slow(name, when=name not in QUICKLY_SOLVED) for name in COARSE])
 def test_claims_at_coarse_tolerances_bound_the_error(name: str) -> None:
     tolerances, offs = (1e-2, 1e-3, 1e-4, 1e-7), []
     fine, *coarse = (master.propensity(COARSE[name], asked) for asked in (1e-9, *tolerances))

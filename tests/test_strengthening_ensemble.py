@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from conftest import slow
 from solving import gauss
 
 import eq_model
@@ -94,7 +95,7 @@ SLIDING = np.linspace(30.0, 31.0, 3)
         (0.03, 1e-4, None, 60_000),
         (0.5, 0.01, None, 60_000),
         (0.03, 1e-4, SOFT, 30_000),
-        pytest.param(0.03, 1e-4, EYRING, 12_000, marks=pytest.mark.slow),
+        slow(0.03, 1e-4, EYRING, 12_000),
     ],
 )
 def test_steady_sliding(beta, velocity, thermal, number):
@@ -167,11 +168,7 @@ TIMES = np.array([9.0, 9.5, 21.5, 400.0, 413.0, 413.4, 430.4, 630.0])
 
 
 @pytest.mark.parametrize(
-    ("age", "start", "delay"),
-    [
-        (30.0, 0.2, 0.0),
-        *(pytest.param(0.0, 0.0, delay, marks=pytest.mark.slow) for delay in (0.0, 5.0)),
-    ],
+    ("age", "start", "delay"), [(30.0, 0.2, 0.0), *(slow(0.0, 0.0, delay) for delay in (0.0, 5.0))]
 )
 def test_a_path_that_turns_rests_and_changes_its_speed(age, start, delay):
     """The ensemble agrees with contacts that are followed one by one; those that do not age in rests do not."""

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import stats
 from solving import gauss
 
@@ -128,13 +129,9 @@ def doubly(law, beta, velocity, tau, rates):
 @pytest.mark.parametrize(
     ("law", "beta", "velocity", "tau", "thermal"),
     [
-        pytest.param(PC, 0.03, 1e-4, 1.0, EYRING, id="eyring", marks=pytest.mark.slow),
+        slow(PC, 0.03, 1e-4, 1.0, EYRING, id="eyring"),
         pytest.param(PC, 0.1, 1.0, 1e-3, Thermal("soft", 0.02, 2.0), id="soft"),
-        pytest.param(
-            *(origins.gaussian(1.0, 0.1), 0.3, 0.1, 0.1, Thermal("stiff", 0.02, 2.0)),
-            id="stiff",
-            marks=pytest.mark.slow,
-        ),
+        slow(*(origins.gaussian(1.0, 0.1), 0.3, 0.1, 0.1, Thermal("stiff", 0.02, 2.0)), id="stiff"),
     ],
 )
 def test_with_heat_the_force_is_a_double_quadrature(law, beta, velocity, tau, thermal):
@@ -156,8 +153,7 @@ SLOPES = (
 
 
 @pytest.mark.parametrize(
-    ("tau", "velocity", "exact"),
-    [pytest.param(*one, marks=[pytest.mark.slow] * (one != SLOPES[3])) for one in SLOPES],
+    ("tau", "velocity", "exact"), [slow(*one, when=one != SLOPES[3]) for one in SLOPES]
 )
 def test_the_two_logarithms_of_heat_and_growth_multiply(tau, velocity, exact):
     """α = β does not cancel: F_k = F_k(∞) AB with B = 1 + β ln(<x_s>/vτ_0) and A = 1 + α ln(v/v_0), v_0 being
@@ -212,14 +208,7 @@ def twin(law, beta, tau, times, places, count, start=0.0, age=0.0):
 TIMES, PLACES = [0.0, 1.5, 2.5, 4.0, 5.0], [0.0, 1.5, -0.1, -0.1, 2.9]
 
 
-@pytest.mark.parametrize(
-    ("start", "age"),
-    [
-        pytest.param(0.0, 0.0, marks=pytest.mark.slow),
-        pytest.param(0.3, 2.0, marks=pytest.mark.slow),
-        (-0.3, 0.05),
-    ],
-)
+@pytest.mark.parametrize(("start", "age"), [slow(0.0, 0.0), slow(0.3, 2.0), (-0.3, 0.05)])
 def test_a_path_that_turns_rests_and_changes_its_speed(start, age):
     """The twin comes nearer as its steps are halved, and from without growth nobody comes near."""
     beta, tau, t = 0.2, 0.5, np.linspace(0.25, 5.0, 20)
@@ -236,7 +225,7 @@ def test_a_path_that_turns_rests_and_changes_its_speed(start, age):
     assert np.abs(found.force - without_growth).max() > 0.1
 
 
-@pytest.mark.parametrize("draws", [2, pytest.param(16, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("draws", [1, slow(16)])
 def test_what_is_claimed_bounds_the_error_at_any_tolerance(draws):
     """Against solutions a thousand times as fine, over random laws, growth, paths and delays."""
     draw, over = np.random.default_rng(11), []
@@ -296,10 +285,7 @@ def left_one_by_one(law, beta, start, until, thermal):
 
 @pytest.mark.parametrize(
     "thermal",
-    [
-        Thermal("eyring", width=0.05, attempt_frequency=3.0),
-        pytest.param(Thermal("stiff", 0.1, 0.5), marks=pytest.mark.slow),
-    ],
+    [Thermal("eyring", width=0.05, attempt_frequency=3.0), slow(Thermal("stiff", 0.1, 0.5))],
 )
 def test_with_heat_what_holds_on_a_path_that_turns_and_rests_is_a_sum_over_thresholds(thermal):
     """Of the first contacts alone: broken ones stay out. A coarse solution claims little, and is right to some 1e-6."""
@@ -333,10 +319,7 @@ TOGETHER = {
 # the kernel of Eyring's rates beside growth takes 13 s to compile; test_agreement holds soft heat beside growth
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] if case[0].thermal else [])
-        for name, case in TOGETHER.items()
-    ],
+    [slow(name, when=case[0].thermal is not None) for name, case in TOGETHER.items()],
 )
 def test_the_ensemble_agrees(name):
     """At all points, in standard errors; a growth that is a tenth weaker does not agree."""
@@ -372,7 +355,7 @@ def test_a_stiff_spring_pulls_the_slider_as_if_it_were_rigid():
 @pytest.mark.parametrize(
     # up to the first slip all rules are alike
     "slip",
-    [*(pytest.param(one, marks=pytest.mark.slow) for one in ("instant", "reset")), "reform-after"],
+    [*(slow(one) for one in ("instant", "reset")), "reform-after"],
 )
 def test_the_first_slip_is_where_the_force_falls_as_steeply_as_the_spring(slip):
     """Where growth hardly changes on the way, all lengths are g times those of thresholds that stay."""

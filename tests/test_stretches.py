@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 
 import master
 import origins
@@ -105,9 +106,7 @@ SLOW |= {
 }
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in KINDS]
-)
+@pytest.mark.parametrize("name", [slow(name, when=name in SLOW) for name in KINDS])
 def test_stretches_add_up_to_what_holds_and_to_the_force(name: str) -> None:
     kind = KINDS[name]
     forward = min(np.diff(kind.turns)) > 0.0

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import integrate, stats
 
 import eq_model
@@ -94,7 +95,7 @@ def test_the_error_of_late_slips_holds_what_a_transient_leaves() -> None:
         # 5.6, 1.6, 3.9, 2.2, 1.8, ... of a long delay: slips 5 to 8 were averaged as if they lasted
         (Machine(5e-4, 0.2, 5e-4, 1.0), 2000.0, 2000),
         # slips of many sizes, of which the second alone was told, with the scatter between sliders as its error
-        pytest.param(Machine(0.05, 0.02, 5e-5, 1.0), 20.0, 4000, marks=pytest.mark.slow),
+        slow(Machine(0.05, 0.02, 5e-5, 1.0), 20.0, 4000),
     ],
 )
 def test_only_slips_that_last_are_averaged(machine: Machine, delay: float, number: int) -> None:
@@ -163,7 +164,7 @@ def test_a_slider_that_swings_at_the_end_is_told_by_its_last_whole_slip() -> Non
     [
         (Machine(0.5, 2e-3, 0.015, 1.0), 4, 0.368),
         # a heavy damping: the force at the path's end, 0.4714 +- 0.0029, stood for that of sliding, 0.4884
-        pytest.param(Machine(0.5, 2e-5, 5e-3, 1.0), 9, 0.245, marks=pytest.mark.slow),
+        slow(Machine(0.5, 2e-5, 5e-3, 1.0), 9, 0.245),
     ],
     ids=["four slips", "nine slips"],
 )

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 from scipy.special import ndtr
 from solving import held_to_claim, through
 
@@ -33,7 +34,7 @@ def walk(start: float, path: np.ndarray, threshold: float) -> np.ndarray:
     return np.array(out)
 
 
-@pytest.mark.parametrize("start", [pytest.param(0.3, marks=pytest.mark.slow), -0.4])
+@pytest.mark.parametrize("start", [slow(0.3), -0.4])
 def test_identical_thresholds_are_a_polygon(start):
     path = through(TURNS, 37)
     solution = master.solve(origins.Contacts(origins.identical(1.0), start), path, 1e-9)
@@ -130,9 +131,7 @@ def test_the_paper_closure_forgets_after_a_turn() -> None:
     [
         ({"delay": origins.Delay(0.3)}, [1e-3, 2.05e-3, 1e15], 1e-12),
         ({"delay": origins.Delay(1e-3)}, [1e-3, 1e-3 * (2.0 + 8e-8), 1e5], 1e-12),
-        pytest.param(
-            {"thermal": Thermal("soft", 0.1)}, [1e-3, 2.005e-3, 1e10], 1e-7, marks=pytest.mark.slow
-        ),
+        slow({"thermal": Thermal("soft", 0.1)}, [1e-3, 2.005e-3, 1e10], 1e-7),
     ],
 )
 def test_a_rest_changes_nothing_before_it(laws: dict, time: list[float], digits: float) -> None:

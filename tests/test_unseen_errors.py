@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from conftest import slow
 from solving import gauss
 
 import master
@@ -91,7 +92,7 @@ def mean_over_starts(law, start, path, cuts):
     return float(weight[kept] @ forces / weight[kept].sum())
 
 
-@pytest.mark.parametrize("turns", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("turns", [False, slow(True)])
 def test_a_wide_start_on_a_law_with_jumps_is_as_good_as_it_claims(turns):
     """Fixed nodes for the start see no bend of E: they are 1e-4 off with a claim of 1e-8."""
     start, path = gaussian_start(0.1, 0.08), np.array([0.0, 0.35, 0.7])
@@ -109,6 +110,7 @@ def test_a_wide_start_on_a_law_with_jumps_is_as_good_as_it_claims(turns):
     assert abs(planted.force[-1] - exact) > 10.0 * planted.force_error
 
 
+@pytest.mark.slow  # quick: K* of such births, within its claim (test_stick_slip.py)
 def test_ageing_contacts_born_at_many_stretches_are_interpolated_to_the_error_that_is_told():
     """Between 22 stretches a polynomial would be some 5e-4 off across a narrow law of fresh thresholds."""
     ageing = Ageing(gaussian(1.0, 0.05), 0.1)
@@ -142,7 +144,7 @@ def test_loose_tolerances_of_narrow_thresholds(std: float, tolerance: float) -> 
 def test_points_just_before_a_panel_are_read_on_the_one_before() -> None:
     """F of narrow thresholds falls by 1e-9 within 1e-11 of the way."""
     contacts = Contacts(gaussian(1.0, 0.003))
-    rough = np.linspace(0.0, 12.0, 121)
+    rough = np.linspace(0.0, 6.0, 61)
     motion, _ = motion_of(Drive(rough), contacts.mean_threshold, True)
     panels = march_of(contacts, motion, ColdLife(contacts), 1e-10).run().solved.begin[1:]
     path = np.sort(np.concatenate([rough, panels * (1.0 - 8e-13)]))

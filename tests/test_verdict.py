@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import linalg, stats
 
 import eq_model
@@ -224,7 +225,7 @@ def test_a_mass_that_is_not_followed_is_told_in_words(capsys: Any, monkeypatch: 
     assert "np." not in page and "master.solve" not in page and "simulate" not in page
 
 
-@pytest.mark.parametrize("part", [0.1, pytest.param(1.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("part", [0.1, slow(1.0)])
 def test_an_undamped_slider_that_rings_is_told_of_with_some_damping(
     part: float, capsys: Any, monkeypatch: Any
 ) -> None:
@@ -375,7 +376,7 @@ def test_slips_on_the_way_to_sliding_are_not_called_stick_slip(monkeypatch: Any)
     assert longer.slips.drive.size > 8 and longer.slips.drive.max() < 30.0
 
 
-@pytest.mark.parametrize("rule", ["reset", "reform-after"])
+@pytest.mark.parametrize("rule", ["reform-after", slow("reset")])
 def test_one_slip_to_no_force_is_followed_until_it_is_known_whether_it_goes_on(
     rule: str, monkeypatch: Any
 ) -> None:
@@ -477,9 +478,7 @@ def test_a_slow_machine_follows_fewer_contacts_than_its_pilot_promised(monkeypat
         assert found.contacts == 4 * kept and len(np.unique(found.slips.replica)) == 4
 
 
-@pytest.mark.parametrize(
-    "stop", [pytest.param(KeyboardInterrupt, marks=pytest.mark.slow), Terminated]
-)
+@pytest.mark.parametrize("stop", [slow(KeyboardInterrupt), Terminated])
 def test_an_interrupted_verdict_tells_what_is_known(
     stop: type[BaseException], capsys: Any, monkeypatch: Any
 ) -> None:
@@ -897,10 +896,7 @@ GROWING = {
 
 @pytest.mark.parametrize(
     ("law", "known"),
-    [
-        ({"kind": "identical", "value": 1.0}, True),
-        pytest.param(GAUSSIAN, False, marks=pytest.mark.slow),
-    ],
+    [({"kind": "identical", "value": 1.0}, True), slow(GAUSSIAN, False)],
     ids=["exact", "gaussian"],
 )
 def test_a_page_is_written_of_what_is_known_where_f_s_is_too_late(
@@ -1947,10 +1943,7 @@ def test_a_delay_that_outlasts_sliding_over_a_threshold_is_followed_with_the_mas
         assert value == pytest.approx(own.slips.mean(name, 3)[0], abs=0.05)
 
 
-@pytest.mark.parametrize(
-    "kind",
-    ["stick-slip", *(pytest.param(one, marks=pytest.mark.slow) for one in ("smooth", "undecided"))],
-)
+@pytest.mark.parametrize("kind", ["stick-slip", *(slow(one) for one in ("smooth", "undecided"))])
 def test_that_no_delay_matters_is_told_only_where_a_long_one_was_followed(
     capsys: Any, monkeypatch: Any, kind: str
 ) -> None:
@@ -2053,9 +2046,7 @@ def test_the_commands_own_limit_of_time_is_named_as_such() -> None:
             time.sleep(1.0)
 
 
-@pytest.mark.parametrize(
-    "damping", [10.0, *(pytest.param(one, marks=pytest.mark.slow) for one in (1.0, 60.0))]
-)
+@pytest.mark.parametrize("damping", [10.0, *(slow(one) for one in (1.0, 60.0))])
 def test_a_mass_is_followed_until_its_swing_has_died_away(damping: float) -> None:
     """Sliding at F_k the spring bears F_k + γv in the end; a path of a few loadings is shorter than one period."""
     contacts = Contacts(gaussian(1.0, 0.2))

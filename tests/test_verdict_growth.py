@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 
 import eq_model
 import master
@@ -34,8 +35,8 @@ def of_many(**named: Any) -> Behaviour:
 def test_contacts_of_the_area_grow_as_they_are_followed_beside_a_mass() -> None:
     """A slip of a light, overdamped mass is one without a mass, but for the 0.29 units of time that it takes: the drive
     goes on by 0.03 then, in which the contacts that it broke wait already."""
-    found = follow_finite(HEAVY, GROWING, 8000, of_many(), KNOWN.static, 1e4)
-    assert (found.kind, found.contacts, found.message) == ("stick-slip", 8000, "")
+    found = follow_finite(HEAVY, GROWING, 4000, of_many(), KNOWN.static, 1e4)
+    assert (found.kind, found.contacts, found.message) == ("stick-slip", 4000, "")
     assert found.slips >= 8.0
     assert abs(found.before - BEFORE) < 4.0 * found.before_error < 0.06
     gone_on = HEAVY.velocity * slip_duration(HEAVY, BEFORE)
@@ -68,22 +69,26 @@ def test_infinitely_many_growing_contacts_slip_so_without_a_mass() -> None:
     assert told.period == pytest.approx(PERIOD, abs=1e-3)
 
 
-def test_growing_contacts_are_followed_in_place_of_infinitely_many(monkeypatch: Any) -> None:
+@pytest.mark.parametrize("number", [1500, slow(4000)])
+def test_growing_contacts_are_followed_in_place_of_infinitely_many(
+    number: int, monkeypatch: Any
+) -> None:
     """Where the master equation takes no such slider; with heat beside them, too, by which they slip from less."""
 
     def refused(*arguments: Any, **named: Any) -> None:
         raise InputError("mass: takes 8001 steps")
 
     monkeypatch.setattr(master, "solve", refused)
-    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", 4000)
+    monkeypatch.setattr("toolkit.verdict.sliders.ensemble.CONTACTS", number)
     waiting = GROWING.replace(delay=Delay(1.0))
     told = follow(HEAVY, waiting, "mass", KNOWN, 1e4)
-    assert told.kind == "stick-slip" and told.contacts == 4000
+    assert told.kind == "stick-slip" and told.contacts == number
     assert abs(told.before - BEFORE) < 4.0 * told.error + 0.01
     hot = waiting.replace(thermal=Thermal("soft", 0.05, 100.0))
-    warm = follow(HEAVY, hot, "mass", KNOWN, 1e4)
-    assert warm.kind == "stick-slip" and warm.contacts == 4000
-    assert warm.before + 3.0 * warm.error < told.before
+    if number == 4000:  # of fewer contacts the error is as large as what heat takes
+        warm = follow(HEAVY, hot, "mass", KNOWN, 1e4)
+        assert warm.kind == "stick-slip" and warm.contacts == number
+        assert warm.before + 3.0 * warm.error < told.before
     assert may_follow(HEAVY, waiting, "mass", KNOWN)
     assert may_follow(HEAVY, hot, "mass", KNOWN)
     ageing = waiting.replace(thresholds=gaussian(1.0, 0.2), ageing=Ageing(gaussian(1.0, 0.3), 1.0))

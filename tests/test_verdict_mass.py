@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import stats
 
 import eq_model
@@ -94,33 +95,33 @@ def test_the_trace_of_a_mass_has_its_slips_in_time() -> None:
     assert steepest < 0.2 * np.ptp(found.force)
 
 
-def test_a_slip_of_a_mass_is_shown_in_its_own_time() -> None:
+@pytest.mark.parametrize("contacts_told", [2000, slow(None)])
+def test_a_slip_of_a_mass_is_shown_in_its_own_time(contacts_told: int | None) -> None:
     """While all contacts are out, mass and spring swing by themselves: damping takes the same share of each swing, and
     the picture has force and way of the slider; told by the master equation, and by the ensemble."""
     machine, slip = Machine(spring=1e-2, mass=1e-4, damping=2e-4, velocity=1.0), np.pi * 0.1
     contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(5.0))
     begun = of_a_mass("stick-slip", 0.8, slip_time=slip, first_slip=79.0, run_time=1.0)
     begun = replace(begun, drive=np.array([0.0, 80.0]), force=np.array([0.0, 0.8]))
-    for contacts_told in (None, 2000):
-        # the first slip is looked for again where its place is not known well
-        told = replace(begun, contacts=contacts_told)
-        found = closely(told, machine, contacts, 1e9)
-        time, way = in_its_own_time(found, machine)
-        force = found.slip_force
-        assert found.drive is told.drive and time[0] < 0.0 < time[-1] and time.size > 300
-        swing = time[time > 1.5 * slip]
-        last = swing[np.argmax(force[time > 1.5 * slip])] - time[np.argmin(force)]
-        assert last == pytest.approx(slip, rel=0.03)
-        first, second = force.min(), force[time > 1.5 * slip].max()
-        ratio = machine.damping / (2.0 * np.sqrt(machine.mass or 0.0) * np.sqrt(machine.spring))
-        assert -second / first == pytest.approx(np.exp(-np.pi * ratio), rel=0.05)
-        np.testing.assert_allclose(way[-1], (force.max() - force[-1]) / 1e-2 + time[-1], rtol=1e-6)
-        verdict_of = of(found)
-        (panel,) = (one for one in draw_verdict(verdict_of).axes if one.get_label() == "slip")
-        assert panel.lines[0].get_xdata().size == time.size
-        rows = friction(verdict_of)
-        assert rows["slip rule"].count("mass, its first slip") == time.size
-        assert closely(told, machine, contacts, 0.0) is told
+    # the first slip is looked for again where its place is not known well
+    told = replace(begun, contacts=contacts_told)
+    found = closely(told, machine, contacts, 1e9)
+    time, way = in_its_own_time(found, machine)
+    force = found.slip_force
+    assert found.drive is told.drive and time[0] < 0.0 < time[-1] and time.size > 300
+    swing = time[time > 1.5 * slip]
+    last = swing[np.argmax(force[time > 1.5 * slip])] - time[np.argmin(force)]
+    assert last == pytest.approx(slip, rel=0.03)
+    first, second = force.min(), force[time > 1.5 * slip].max()
+    ratio = machine.damping / (2.0 * np.sqrt(machine.mass or 0.0) * np.sqrt(machine.spring))
+    assert -second / first == pytest.approx(np.exp(-np.pi * ratio), rel=0.05)
+    np.testing.assert_allclose(way[-1], (force.max() - force[-1]) / 1e-2 + time[-1], rtol=1e-6)
+    verdict_of = of(found)
+    (panel,) = (one for one in draw_verdict(verdict_of).axes if one.get_label() == "slip")
+    assert panel.lines[0].get_xdata().size == time.size
+    rows = friction(verdict_of)
+    assert rows["slip rule"].count("mass, its first slip") == time.size
+    assert closely(told, machine, contacts, 0.0) is told
 
 
 def test_contacts_that_wait_are_pulled_as_far_as_a_slider_that_sticks() -> None:
