@@ -7,7 +7,7 @@ import scipy.stats as st
 import master
 import origins
 from master.outcome import unheard
-from master.soft.inertia.in_time.flights import LEFT, Bounds, Formed
+from master.soft.inertia.in_time.flights import PARTS_LEFT, Bounds, Formed
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from origins import Contacts, Delay, Drive, Thermal
 
@@ -33,7 +33,8 @@ def test_a_slip_is_that_of_the_road_at_no_temperature() -> None:
     assert ours.drive.size == theirs.drive.size == 1
     for name in ("force_before", "force_after"):
         assert np.abs(getattr(ours, name) - getattr(theirs, name)).max() < 1e-3
-    assert np.abs(ours.duration - theirs.duration).max() <= ours.duration_error < 0.6
+    # the time in which the slider gets fast, which bounds it, is a tenth of the slip; it is known far better
+    assert np.abs(ours.duration - theirs.duration).max() < 1e-3 < ours.duration_error < 0.7
     assert ours.top_speed == pytest.approx(theirs.top_speed, rel=2e-3)
     assert np.abs(found.followed.force - exact.force).max() <= found.followed.force_error
     for mine, other in (
@@ -100,8 +101,8 @@ def test_bounds_on_contacts_that_hold_are_bounds_along_a_long_ringing(damped: fl
 
     formed = Formed(np.zeros(1), np.zeros(1), np.zeros(1))
     for node, begin in enumerate(np.arange(0.0, 4.2 / damped, 0.15)):
-        new = -0.15 * np.diff(LEFT, prepend=1.0)
-        instants = begin + 0.15 * (1.0 - LEFT)
+        new = -0.15 * np.diff(PARTS_LEFT, prepend=1.0)
+        instants = begin + 0.15 * (1.0 - PARTS_LEFT)
         formed = formed.and_then(Formed(instants, travel(instants), new))
         if node % 7:
             continue
@@ -156,6 +157,29 @@ def test_beside_a_slip_the_error_is_as_large_as_its_fall() -> None:
     # slips are known all the same
     assert followed.error <= 1e-2
     assert abs(followed.slips.drive[0] - exact.slips.drive[0]) <= followed.slips.drive_error
+
+
+def test_contacts_that_come_back_are_back_at_once_beside_the_time_from_slip_to_slip() -> None:
+    """One step led from a slip at 684 over their return at 714 far beyond: read in its middle half of them were still
+    out, and 10,000 steps were taken for what 1,700 tell."""
+    path = np.array([600.0, 720.0, 760.0, 800.0])
+    exact, followed = (
+        master.solve(WAITING, path, 1e-4, **SOFT),
+        in_steps(WAITING, path, SOFT).followed,
+    )
+    assert np.abs(followed.holding - exact.holding).max() <= followed.holding_error <= 1e-2
+    assert followed.error <= 1e-2 and followed.nodes < 3000
+
+
+def test_attempts_quicker_than_the_last_digit_of_the_time_are_followed() -> None:
+    """At 1e13 attempts per time their first ones are lost in the digits of the time: steps took none, and ended in a
+    division by it. A slider without mass sticks as well."""
+    contacts = WAITING.replace(thermal=Thermal("eyring", width=0.01, attempt_frequency=1e13))
+    path, spring = np.array([100.0, 300.0, 400.0]), {"spring": 1e-3, "velocity": 1.0}
+    heavy = master.solve(contacts, path, 1e-2, **SOFT)
+    light = master.solve(contacts, path, 1e-2, slip="reset", **spring)
+    assert heavy.success and light.success
+    assert np.abs(heavy.force - light.force).max() <= heavy.force_error + light.force_error
 
 
 def test_the_end_of_a_slip_that_does_not_swing_is_not_known() -> None:

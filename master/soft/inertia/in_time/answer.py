@@ -129,7 +129,11 @@ def answer(
             of = "slips that not all halvings have"
             parts.append(ErrorPart(of, float(np.abs(drops).max()) / unit))
         of_contacts = error_by(changes[:, FORCE, far] / unit, safety)
-        most = min(error_by(changes[:, HOLDING, far], safety), 1.0)
+        most = error_by(changes[:, HOLDING, far], safety)
+        if last.may_fly:
+            ahead = clocks.holding_ahead(total(unseen) * unit / last.spring)
+            most += float(ahead[far].max(initial=0.0))
+        most = min(most, 1.0)
         of_holding = ErrorPart("steps, by which the share that holds changed", most)
         if last.flown:
             # beside a slip it is extrapolated across what comes back at once, and told with an error as large

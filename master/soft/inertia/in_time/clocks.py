@@ -71,6 +71,19 @@ class Clocks:
                 far &= (behind < -room) | (behind > length + room)
         return far
 
+    def holding_ahead(self, drive_error: float) -> Array:
+        """By how much the share that holds changes at these times (n,), on a drive of one speed, while the drive moves
+        by `drive_error` (a length): as much is not known of it where the force is known as if X_T were off by that."""
+        motion, when = self.last.motion, self.when[-1]
+        if motion is None:
+            return np.zeros(when.size)
+        off = drive_error / float(np.abs(motion.speeds[0]))
+        at, *beside = (
+            read(self.last.sections, np.clip(when + shift, 0.0, motion.times[-1]), len(COLUMNS))
+            for shift in (0.0, -off, off)
+        )
+        return np.asarray(np.abs(np.stack(beside) - at)[:, HOLDING].max(axis=0))
+
     def spread(self, count: int, drive_error: float) -> Array:
         """What is not known of the forces of spring and contacts (lengths) and the share that holds at the first
         `count` times, shape (3, count), as slips begin at an X_T that is known to `drive_error` (a length): all that

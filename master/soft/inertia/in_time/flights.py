@@ -46,7 +46,7 @@ PHASE, GROWTH = 0.15, 0.05
 STILL, OF_DRIFT = 1e-6, 32
 # Times between two nodes of which births count together in the bound on the contacts that hold, ever denser up to the
 # later node, as parts of the interval left; and most of them that it looks back on.
-LEFT, LOOKS_BACK = np.append(0.7 ** np.arange(1, 24), 0.0), 480
+PARTS_LEFT, LOOKS_BACK = np.append(0.7 ** np.arange(1, 24), 0.0), 480
 # Shares of the contacts: that hold, above which no flight is looked for; in a group, below which it is left out.
 FEW_HOLD, GONE = 0.1, 1e-15
 # Cells of the mesh on which bounds are told, 0.5 % apart, and the first, in mean thresholds.
@@ -213,14 +213,14 @@ class Flights:
         if swing > AT_RETURN * contacts.unit or self._spring > SOFTEST_IN_STEPS:
             self._survival = None
         self.are_known = self._survival is not None and bool(contacts.delay)
-        if survival is not None:
-            self._bounds = Bounds(survival, contacts.unit, contacts.memory.largest_stretch)
+        if self._survival is not None and self.are_known:
+            self._bounds = Bounds(self._survival, contacts.unit, contacts.memory.largest_stretch)
 
     def ahead(self, leg: int, end: float, speed: float) -> Flight | None:
         """The flight from now on of a slider of this speed, up to the time `end` at most; None where contacts hold, or
         come back so soon that it is not worth it."""
         contacts, groups = self._contacts, self._contacts.groups
-        may_be_out = bool(contacts.delay) and contacts.holding < FEW_HOLD
+        may_be_out = self.are_known and contacts.holding < FEW_HOLD
         if self._survival is None or not may_be_out or contacts.steps < self._not_before:
             return None
         kept = self._bounds.of(groups.weight, groups.largest)
@@ -268,8 +268,8 @@ class Flights:
             for ahead in step * 0.5 ** np.arange(HALVINGS + 1):
                 until = lasts if lasts - t < LONGER * ahead else t + float(ahead)
                 births_then = self._births(until)
-                new = -max(births_then - births, 0.0) * np.diff(LEFT, prepend=1.0)
-                instants = until - (until - t) * LEFT
+                new = -max(births_then - births, 0.0) * np.diff(PARTS_LEFT, prepend=1.0)
+                instants = until - (until - t) * PARTS_LEFT
                 tried = formed.and_then(Formed(instants, motion.travel(instants), new))
                 bound = kept.plus(self._bounds.of(tried.births, tried.furthest()))
                 if self._is_weak(motion, until, bound):

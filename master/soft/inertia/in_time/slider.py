@@ -63,7 +63,8 @@ class HeavySlider:
         self._sliding, self._broken_before = sliding, 0.0
         self._way = list[HeavyNode]()  # since the slider turned last, or slid
         self.slides, self.flown = list[Slid](), list[Bound]()
-        self.longest_start, self._rested = 0.0, 0.0
+        # when it left rest last; inf once it has flown since
+        self.longest_start, self._left_rest = 0.0, 0.0
         self.sections = list[list[HeavyNode]]()
         self.falls = Falls(motion, self.spring, contacts.unit)
         if motion is None:
@@ -72,10 +73,10 @@ class HeavySlider:
         contacts.takes_no_birth_back = True
         self._swings = SwingSteps(contacts, drive, motion)
         self._drifts = Drifts(self._swings.mass, drive.damping)
-        self._slow = SlowSteps(contacts, drive, motion, self._drifts)
         # what follows a slip on a drive that turns, stops or changes its speed is not known by the slip's own clock
         survival = survival if motion.speeds.size == 1 and motion.speeds[0] else None
         self._flights = Flights(contacts, drive, motion, tolerance, survival)
+        self._slow = SlowSteps(contacts, drive, motion, self._drifts, self._flights.are_known)
         self._energies = Energies(contacts, self.spring, self.damping)
         self._drive_speed = 0.0
 
@@ -104,6 +105,8 @@ class HeavySlider:
                     self._creep(leg, end)
                     swing = self.quiet
                 else:
+                    # which asks for the next one at rest, not for one behind swings
+                    self._slow.ends_section = False
                     self._swings.begin_section(leg, end, swing, goes_on)
                     swing = self._swing(leg, end)
                 goes_on = True
@@ -146,8 +149,8 @@ class HeavySlider:
                 continue
             part = min(2.0 * part, 1.0)
             if crept is None or self._leaves_rest(crept):
-                self._is_slow = slow.ends_section = False
-                self._rested = contacts.now
+                self._is_slow = False
+                self._left_rest = contacts.now
                 if contacts.steps < begin + STEPS_TO_REST:
                     self._not_before = contacts.steps + STEPS_TO_REST
                 return
@@ -258,10 +261,12 @@ class HeavySlider:
         if flight is None:
             return False
         contacts.unresolved.note(OF_FLIGHT, SWINGS_BY * flight.bound.force, contacts.now)
-        if self._rested < contacts.now:
-            since = min([self._rested, *self.falls.begins[len(self.falls.slips) :]])
+        if self._left_rest < contacts.now:
+            since = min([self._left_rest, *self.falls.begins[len(self.falls.slips) :]])
             self.longest_start = max(self.longest_start, contacts.now - since)
-            self._rested = np.inf
+            self._left_rest = np.inf
+            contacts.past_breaks.repeat_bend(since)
+        contacts.past_breaks.repeat_bend(contacts.now)
         self.flown.append(flight.bound)
         contacts.past_breaks.begin_section()
         work, damped = self._work, self._damped
@@ -284,16 +289,6 @@ class HeavySlider:
     def _node(self, sizes_so_far: float, speed: float) -> HeavyNode:
         """The end of the step just taken, with this speed of the slider."""
         state = self.contacts
-        stored = state.groups.stored(state.memory)
-        return HeavyNode(
-            sizes_so_far,
-            state.now,
-            state.force,
-            state.holding,
-            state.position,
-            speed,
-            self._work,
-            self._damped,
-            self._on_contacts,
-            stored,
-        )
+        contacts = state.now, state.force, state.holding, state.position
+        energies = self._work, self._damped, self._on_contacts, state.groups.stored(state.memory)
+        return HeavyNode(sizes_so_far, *contacts, speed, *energies)

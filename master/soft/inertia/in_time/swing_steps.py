@@ -101,7 +101,8 @@ class SwingSteps(Steps):
         phase = MORE_PHASE * PHASE if self._is_small else PHASE
         self._most_holding = min(MORE_HOLD * contacts.holding, 1.0)
         self._rate = self._swings_at(self._most_holding) / phase + scales.rate / CONTROL.e_folds
-        first = np.inf if goes_on else scales.time
+        # no first changes are to be resolved that are quicker than the slider can follow
+        first = np.inf if goes_on else max(scales.time, 1.0 / self._fastest)
         self._time_units = TimeUnits(contacts.now, end, self._rate, first)
         self.section_end = end
 
