@@ -10,7 +10,7 @@ import pytest
 
 import master
 from master.soft.in_time.refining import NO_SLIP_YET
-from origins import Contacts, Delay, InputError, gaussian
+from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.scenes import said, write
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.scene.scale import scale_of
@@ -80,7 +80,7 @@ def test_more_digits_of_k_that_take_long_are_given_up_and_the_first_ones_kept(
 
     monkeypatch.setattr(master, "propensity", slow)
     began = time.monotonic()
-    found = judge.propensity_of(contacts, 1.0, Budget(0.4, strict=True))
+    found = judge.propensity_of(contacts, 1.0, Budget(0.4, strict=True), judge.PRECISE)
     assert time.monotonic() - began < 10.0
     assert found.critical_spring_error == 1e-4 and found.critical_spring > 0.0
 
@@ -214,3 +214,20 @@ def test_a_damping_that_would_help_is_told_without_the_path(
     told = follow(machine, contacts, "mass", known, 1e4)
     assert told.refused
     assert told.message == "a slider with mass takes 2000 steps; give a larger damping (3 or more)"
+
+
+def test_smooth_sliding_within_its_error_of_f_k_is_told_at_f_k() -> None:
+    """130 ± 10 mN stood where F_k was known to be 133.6 mN: on coarse steps the slider's force has the error of these,
+    and tends to F_k without mass and damping. A force that is not F_k within its error stays as it is."""
+    contacts = Contacts(
+        gaussian(1.0, 0.2), thermal=Thermal("eyring", width=0.03, attempt_frequency=1.0)
+    )
+    kinetic = master.steady_state(contacts, velocity=1e-3)
+    machine, off = Machine(1.0, None, 0.0, 1e-3), kinetic.force_error * contacts.mean_threshold
+    rigid = RigidSlider(kinetic.force, kinetic.force, off, 0.1, 1.0)
+    rough = follow(machine, contacts, "reset", rigid, 1e4, in_time=0.05)
+    assert rough.kind == "smooth" and rough.before == rough.after == kinetic.force
+    assert rough.error == pytest.approx(kinetic.force_error) and rough.error < 1e-5
+    assert rough.force[-1] != kinetic.force and abs(rough.force[-1] - kinetic.force) < 0.05
+    other = follow(machine, contacts, "reset", replace(rigid, kinetic=0.3), 1e4, in_time=0.05)
+    assert other.before == other.force[-1] and other.error > 1e-5

@@ -61,8 +61,9 @@ OWN = 0.5
 HEAVY = 0.8
 # of K* and F_s of readings other than the scene's own
 TOLERANCE = 1e-6
-# relative error of both that is not seen on the page, and not lowered with more work
-PRECISE = 1e-5
+# relative error of both that is not seen on the page, and not lowered with more work; of other readings, of which the
+# page has the largest and the smallest
+PRECISE, OF_RANGE = 1e-5, 1e-3
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long; and part of the time
 # that is left, for them: contacts that grow and break by heat take a hundred times as long
 LONGER, OF_MORE = 12.0, 0.25
@@ -222,7 +223,7 @@ def answer_of(
         if contacts.thermal is not None and reading.own:
             without = contacts.replace(thermal=None)
             cold = kinetic_of(master.steady_state(without, velocity=velocity), without)
-        found = propensity_of(contacts, velocity, budget)
+        found = propensity_of(contacts, velocity, budget, PRECISE if reading.own else OF_RANGE)
         ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
         static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
         critical = Quantity(found.critical_spring, found.critical_spring_error)
@@ -281,16 +282,16 @@ def _without_slip(behaviours: list[Behaviour], contacts: Contacts, rule: str) ->
     return replace(first, rule=rule, run_time=0.0) if sure else None
 
 
-def propensity_of(contacts: Contacts, velocity: float, budget: Budget) -> Any:
+def propensity_of(contacts: Contacts, velocity: float, budget: Budget, enough: float) -> Any:
     """K*, F_s and the decoherence length of these contacts, roughly first: laws with many peaks take a minute for more,
-    which is spent only where it is there, and where K* is not infinite anyway."""
+    which is spent only where it is there, and where K* is not infinite anyway. `enough`: their relative errors."""
     import master
 
     rough = master.propensity(contacts, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
     seconds = OF_MORE * budget.remaining()
     late = LONGER * rough.run_time > seconds
     spring, off = rough.critical_spring, rough.critical_spring_error
-    precise = off <= PRECISE * spring and rough.static_to_kinetic_error <= PRECISE
+    precise = off <= enough * spring and rough.static_to_kinetic_error <= enough
     if late or precise or not np.isfinite(spring):
         return rough
     with suppress(TimeIsUp), no_longer_than(seconds):

@@ -99,7 +99,9 @@ def sliders(
         most = most_breaks(contacts, rule)
         took = min(pilot.run_time, time.process_time() - spent)  # on a busy machine the latter
         took = seconds_of(pilot.breaks, contacts, rule, took)
-        times = min(remaining / max(took, 1e-9), most / max(pilot.breaks, 1))
+        # the part that they are given below
+        part = PART_OF_FIRST if number >= FEWER * PILOT else 1.0
+        times = min(part * remaining / max(took, 1e-9), most / max(pilot.breaks, 1))
         # by powers of 2, as the time differs from run to run, and answers should not
         fewer = PILOT * 2 ** int(np.log2(times)) if times > 1.0 else 0
         if number > times * PILOT and fewer <= known:

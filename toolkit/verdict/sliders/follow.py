@@ -139,20 +139,23 @@ def follow(
 def _settled(
     found: Behaviour, machine: Machine, rigid: RigidSlider, contacts: Contacts
 ) -> Behaviour:
-    """Smooth sliding whose force still changes at the path's end at F_k and what the damping bears, to which it tends
-    once contacts that began together have forgotten it. With a mass what still swings is the error, no less than what
-    slips that shrink leave, as contacts that come back together hold it for less than from one point to the next. Exact
-    thresholds may keep their order: the force is told as it is."""
+    """Smooth sliding whose force still changes at the path's end, or is F_k within its error, at F_k and what the
+    damping bears, to which it tends once contacts that began together have forgotten it. With a mass what still swings
+    is the error, no less than what slips that shrink leave, as contacts that come back together hold it for less than
+    from one point to the next. Exact thresholds may keep their order: the force is told as it is."""
     if found.kind != "smooth" or not found.drive.size:
         return found
     mean, waits = contacts.mean_threshold, machine.velocity * contacts.waiting_time
     late = found.drive >= found.drive[-1] - max(found.drive[-1] / SETTLED_IN, waits)
     change = float(np.ptp(found.force[late])) / mean
+    steady, exact = rigid.kinetic + machine.damping * machine.velocity, contacts.thresholds.atoms[0]
     if machine.mass is None and change <= found.error:
-        return found
-    if contacts.thresholds.atoms[0].size:
+        known = max(rigid.kinetic_error, found.left) / mean
+        if exact.size or known > found.error or abs(found.before - steady) > found.error * mean:
+            return found
+        return replace(found, before=steady, after=steady, error=known)
+    if exact.size:
         return replace(found, error=found.error + change)
-    steady = rigid.kinetic + machine.damping * machine.velocity
     error = max(found.error, rigid.kinetic_error / mean)
     if machine.mass is None:
         return replace(found, before=steady, after=steady, error=max(error, found.left / mean))
