@@ -228,6 +228,9 @@ def test_forces_and_weights_from_a_file(tmp_path: Path) -> None:
         ("1 2\n", {"column": 3}, "there is no column 3 of 2"),
         ("1 2\n1 -3\n", {"column": 1, "weight_column": 2}, "line 2: weights must be a number > 0"),
         ("t f\n1 2\n", {}, 'holds 2 columns; say which has x_s, as column = "t" or "f"$'),
+        ("# an MD run\nt f\n1 2\n", {}, 'say which has x_s, as column = "t" or "f"$'),
+        ("# an MD run\n# t f\n1 2\n", {}, 'say which has x_s, as column = "t" or "f"$'),
+        ("1.0\n", {"unit": "furlong"}, '"nm", "pm", "μm", "um", "Å" or "A"'),
         ("t f\n1 2\n", {"column": 3}, 'there is no column 3 of 2, "t" or "f"$'),
         ("1 2\n", {}, "holds 2 columns; say which has x_s, as column = 1 to 2$"),
         ("1 2 3 4 5 6\n", {}, "as column = 1 to 6; or is it another file, as of heights or atoms"),
@@ -248,6 +251,12 @@ def test_bad_files_are_refused(tmp_path: Path, text: str, more: dict, message: s
 )
 def test_a_column_under_a_header_with_decimal_points_or_commas(tmp_path: Path, text: str) -> None:
     assert of_file(tmp_path, text, column=2).samples.tolist() == [1.5, 1.7]
+
+
+def test_the_header_is_the_line_before_the_numbers_that_is_no_comment(tmp_path: Path) -> None:
+    """The first line was taken for it, a comment on the file too."""
+    for text in ("# an MD run\na b\n1 1.5\n2 1.7\n", "# of MD\n\n# a b\n1 1.5\n2 1.7\n"):
+        assert of_file(tmp_path, text, column="b").samples.tolist() == [1.5, 1.7]
 
 
 def test_a_run_with_samples_says_whose_errors_it_tells() -> None:

@@ -784,6 +784,7 @@ def test_units_follow_what_is_known() -> None:
 
 
 REFUSED = {
+    "times": ({"drive": {"spring": 1.0, "times": [1.0]}}, "drive.to: is missing"),
     "rules": ({"drive": {"spring": 1.0}, "verdict": {"rules": ["best"]}}, "verdict.rules = 'best'"),
     "reading": (
         {"thresholds": ROUGH, "verdict": {"readings": ["hertz/amontons"]}},

@@ -640,8 +640,8 @@ def test_a_slider_whose_sliding_swings_is_told_which_damping_ends_it() -> None:
     told = in_units(late(solved.message), newtons)
     assert told.startswith("neither force nor slips are known in time: raise wall_time")
     assert told.endswith(
-        "friction falls with the speed by 2.18 N s/m, and the damping is 0.400 N s/m; "
-        "give one above 2.18 N s/m"
+        "friction falls with the speed by 2.179 N s/m, and the damping is 0.400 N s/m; "
+        "give one above 2.179 N s/m"
     ), told
     assert late("stopped by wall_time").endswith("where none is given)")
 

@@ -2,9 +2,11 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
+from unicodedata import normalize
 
 import numpy as np
 
@@ -72,8 +74,8 @@ def from_samples(
 
 
 def _place(key: str, column: int | str | None, lines: list[str]) -> int | None:
-    """The number of a column that is named by the header, the first line with text, which may begin with #; InputError
-    where it names no such column."""
+    """The number of a column that is named by the header, which may begin with #; InputError where it names no such
+    column."""
     if not isinstance(column, str):
         return column
     names = _names(lines)
@@ -84,10 +86,18 @@ def _place(key: str, column: int | str | None, lines: list[str]) -> int | None:
 
 
 def _names(lines: list[str]) -> list[str]:
-    """The words of the first line, which are names of columns where it is a header."""
-    header = next((line for line in lines if line.strip()), "").strip().lstrip("#").strip()
+    """The words of the last line before the numbers, of one that is no comment where there is one: names of columns
+    where it is a header."""
+    above = list(takewhile(lambda line: not _has_numbers(line), filter(str.strip, lines)))
+    plain = [line for line in above if not line.lstrip().startswith("#")]
+    header = (plain or above or [""])[-1].strip().lstrip("#").strip()
     names = [word.strip().strip("\"'") for word in re.split(r"[;,\t]", header)]
     return names if len(names) > 1 else header.split()
+
+
+def _has_numbers(line: str) -> bool:
+    """Whether a line has a number that is no part of a comment."""
+    return bool(np.isfinite(_words(line.partition("#")[0])).any())
 
 
 def _column(file: str, lines: list[str], name: str, place: int | None, decimal: str) -> list[float]:
@@ -156,7 +166,8 @@ def _words(line: str) -> list[float]:
 
 def in_si(unit: str, units: dict[str, float]) -> float:
     """What one of this unit is in SI units; InputError for a unit that is not known."""
-    one_of("unit", unit, tuple(units))
+    if unit not in units:  # letters that look alike are one to the reader
+        one_of("unit", unit, tuple(dict.fromkeys(normalize("NFKC", one) for one in units)))
     return units[unit]
 
 
@@ -188,6 +199,6 @@ def _check_one_stiffness(law: Mapping[str, Any], interface: Mapping[str, Any] | 
     stated, given = (interface or {}).get("mean_stiffness"), law.get("stiffness")
     if not (alike and isinstance(stated, float | int) and isinstance(given, float | int)):
         return
-    if abs(stated - given) > SAME_STIFFNESS * abs(given):
+    if given > 0.0 and abs(stated - given) > SAME_STIFFNESS * given:
         hint = f"thresholds.stiffness = {given:g} N/m turned forces into lengths; give the same <k>"
         refuse("contacts.interface.mean_stiffness", stated, hint)

@@ -15,6 +15,7 @@ from origins.errors import InputError
 from origins.samples.from_samples import sampled_parts
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.running.solvers import within
+from toolkit.scene.drive import sliding_speed
 from toolkit.scene.scale import SHARED, of_contacts, scale_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
@@ -74,16 +75,16 @@ def verdict(
 ) -> Verdict:
     """Whether the scene's interface sticks and slips on its machine, for each reading and each slip rule.
 
-    `progress` is called with a word on what begins. `keep`: an interrupt ends the work; once F_k is known it is not
-    raised, and the verdict holds it as `stopped`. Raises InputError for a scene without an answer under its own
-    reading, and for unknown readings or rules. The path of the scene is left out: the drive goes one way, as far as it
-    has to, at the speed of the scene's first leg.
+    The drive goes one way, at the speed of the scene's first leg. `progress` is called with a word on what begins.
+    `keep`: an interrupt ends the work; once F_k is known it is not raised, and the verdict holds it as `stopped`.
+    Raises InputError for a scene without an answer under its own reading, and for unknown readings or rules.
     """
     began = time.monotonic()
     table = scene.drive_table or DriveTable()
     left_path = "turns" if table.turns is not None else "times" if table.times is not None else ""
     if left_path:
-        table = structs.replace(table, velocity=scene.sliding, turns=None, times=None)
+        speed = sliding_speed(scene.drive, table)
+        table = structs.replace(table, velocity=speed, turns=None, times=None)
     readings, rules = readings_of(scene), rules_of(scene, table)
     # what is given is of the clock, as of a queue; else a busy machine says what a quiet one does
     budget = Budget(

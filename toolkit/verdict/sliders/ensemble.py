@@ -95,12 +95,10 @@ def sliders(
         if pilot is None:
             raise InputError(f"{PILOT:,} contacts take more than {left:.0f} s: {MORE_TIME}")
         remaining = max(seconds - pilot.run_time, 0.0)
-        left = max(remaining, SHORT)
-        most = most_breaks(contacts, rule)
+        left, most = max(remaining, SHORT), most_breaks(contacts, rule)
         took = min(pilot.run_time, time.process_time() - spent)  # on a busy machine the latter
         took = seconds_of(pilot.breaks, contacts, rule, took)
-        # the part that they are given below
-        part = PART_OF_FIRST if number >= FEWER * PILOT else 1.0
+        part = PART_OF_FIRST if number >= FEWER * PILOT else 1.0  # that they are given below
         times = min(part * remaining / max(took, 1e-9), most / max(pilot.breaks, 1))
         # by powers of 2, as the time differs from run to run, and answers should not
         fewer = PILOT * 2 ** int(np.log2(times)) if times > 1.0 else 0
