@@ -11,7 +11,7 @@ import eq_model
 import master
 import origins
 from master.outcome import StoppedError
-from master.soft.inertia.closed import watch_closed
+from master.soft.inertia.closed_falls import watch_closed
 from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.oscillation import Oscillation
 from origins import InputError

@@ -21,11 +21,14 @@ from origins.thresholds.law import Array
 # Part of the tolerance, and of the error of each slip, that slips may miss together, and each, which are repeated
 # although they are not quite the same.
 OF_REPEATING = 0.1
-# Round-off of the largest force, or of the mean threshold, up to which its polynomials' coefficients are: a part of it.
+# Round-off of the force, a part of its largest value or of the mean threshold: its polynomials' coefficients are as
+# large as the larger of these.
 ROUNDED = 1e-15
-# Slips that leave some contacts holding, and moves, that are kept to be repeated: each keeps its panels.
+# How many of the latest moves, and of the slips that leave some contacts holding, are kept to be repeated: each keeps
+# its panels.
 MOST_OF_LATE = 8
-Onset = tuple[Move, float]  # of a slip: the move that leads to it, and the travel on it
+# where a slip begins: the move that leads to it, and the slider's travel on that move
+Onset = tuple[Move, float]
 
 
 class ColdSlider:
@@ -239,7 +242,8 @@ class ColdSlider:
         return Slipped(force, 1.0 - holding, end_shift, slide.after_slip(y, error))
 
     def _note(self, move: Move, slip: SlipBegin, begin: float, force: float, broken: float) -> None:
-        """Record a slip, of a move that begins at `begin`, with F after it along the motion, and what part broke."""
+        """List a slip of a move that begins at X = `begin`, with F after it, above 0 along the motion, and the share
+        `broken` of the contacts that broke in it."""
         drive, force_before = begin + slip.load / self.spring, float(slip.curve.force(slip.travel))
         self.slips.append(move.direction * np.array([drive, force_before, force]))
         self.fractions_broken.append(broken)

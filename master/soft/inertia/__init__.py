@@ -11,7 +11,8 @@ which comes next:
 
 The force on a straight move, and what the contacts store, come from the panels of a march (`reaction.py`).
 `record.py` keeps results at the asked times and finds slips, the falls of the spring's force after a stick;
-`closed.py` looks for them in closed motions; `foretold.py` refuses, before the work, what would take too long.
+`closed_falls.py` looks for them in motions of closed form; `foretold.py` refuses, before the work, sliders that would
+ring for too long.
 With a delay births depend on time: `delayed/` has a state and motions of its own. Where it is so short that it only
 takes from the damping, it is left out (`short_delay.py`). With any other law beside thresholds and start `in_time/`
 takes steps of time.

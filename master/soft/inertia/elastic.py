@@ -6,7 +6,7 @@ import numpy as np
 
 from master.outcome import StoppedError
 from master.soft.inertia.body import RINGS, Body, Mode
-from master.soft.inertia.closed import watch_closed
+from master.soft.inertia.closed_falls import watch_closed
 from master.soft.inertia.oscillation import Oscillation
 from master.soft.inertia.reaction import Reaction
 from master.soft.inertia.record import Instant, Watched, crossing

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from master.soft.inertia.body import QUIET
-from master.soft.inertia.closed import watch_closed
+from master.soft.inertia.closed_falls import watch_closed
 from master.soft.inertia.delayed.body import DelayedBody, Energies
 from master.soft.inertia.delayed.collocation import State
 from master.soft.inertia.delayed.past_breaks import EPSILON

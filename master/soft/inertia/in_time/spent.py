@@ -18,8 +18,8 @@ class Spent(NamedTuple):
 class Energies:
     """Energies on steps of these contacts, under this spring and damping.
 
-    pull : in the methods, the spring's force minus that of the contacts as the step begins (a length); drive_speed :
-        that of the drive on it
+    Its methods take, for one step, `pull`, the spring's force minus that of the contacts as it begins (a length), and
+    `drive_speed`, that of the drive on it.
     """
 
     def __init__(self, contacts: ContactsInSteps, spring: float, damping: float) -> None:

@@ -1,4 +1,5 @@
-"""Falls of the spring's force while the motion is closed, however often the slider swings."""
+"""Falls of the spring's force in a motion of closed form, as a rule an oscillation: of many swings only the first and
+the last are looked at."""
 
 from collections.abc import Callable
 
@@ -18,7 +19,8 @@ SHORTEST = 1e-3
 def watch_closed(
     record: Record, motion: Oscillation, lasts: float, seen: Callable[[Array], Watched]
 ) -> None:
-    """Let the record watch a closed motion; `seen` tells the slider at times from its beginning on."""
+    """Let the record watch a motion of closed form that lasts so long; `seen` tells the slider at times from its
+    beginning on."""
     near = PERIODS * motion.period
     if not lasts:  # it begins at its end, where breaks begin
         record.watch(seen(np.zeros(1)))
