@@ -21,6 +21,10 @@ OF_BEND = "a step or two from where the drive changes its speed to a slip, betwe
 OF_CREEP = "steady creep, at whose begin F was not that of steady sliding at the slider's speed"
 OF_QUIET = "inertia of a slider that hardly swings, which is left out"
 OF_FLIGHT = "contacts that come back while the slider flies on its spring alone, which are taken to break at once"
+OF_RINGING = (
+    "contacts that break while the slider swings on those that hold, which are taken to hold"
+)
+OF_LONG_SLIP = "a long slip, on which F is taken as that of steady sliding at the slider's speed"
 # Ratio of the survivals of a step's first and last births below which it is unknown how many in between hold.
 UNKNOWN_BELOW = 0.5
 

@@ -95,7 +95,7 @@ def answer(
     rows, clocks = [_rows(one) for one in sliders], Clocks(sliders, times)
     same = len(sliders) == COMPARED and len({one.drive.size for one in rows}) == 1
     begun = {len(one.falls.begins) for one in sliders}
-    if same and len(begun) == 1 and all(one.flown for one in sliders):
+    if same and len(begun) == 1 and all(one.passes_slips for one in sliders):
         begins = np.array([one.falls.begins for one in sliders])
         clocks.of_slips(begins, _at_step_0(begins))
     read_from = np.array([clocks.read(k) for k in range(len(sliders))])
@@ -135,22 +135,23 @@ def answer(
             most += float(ahead[far].max(initial=0.0))
         most = min(most, 1.0)
         of_holding = ErrorPart("steps, by which the share that holds changed", most)
-        if last.flown:
+        if last.passes_slips:
             # beside a slip it is extrapolated across what comes back at once, and told with an error as large
             limit[HOLDING] = np.clip(limit[HOLDING], 0.0, 1.0)
-            more = max(bound.holding for bound in last.flown)
+            more = max((bound.holding for bound in last.flown), default=0.0)
             of_holding = of_holding._replace(size=min(most + more, 1.0))
             errors = total((*parts, *unseen)), total(unseen), of_contacts, of_holding.size
             beside = _beside(clocks, changes[:, :, : asked.size], np.array(errors), safety)
         in_time = total((*parts, *unseen)) * unit / last.spring
-        if last.may_fly and (len(begun) > 1 or _may_slip(last, in_time)):
+        if last.may_pass_slips and (len(begun) > 1 or _may_slip(last, in_time)):
             # as large as any, and none may hold
             most = float(np.abs(clocks.pull(asked, limit[PLACE, : asked.size])).max(initial=0.0))
             beside = Beside(at_end._replace(size=most / unit), most / unit, 1.0)
     parts = [*parts, *unseen]
     duration_error += _of_durations(slips, total(parts) * unit, last, drive)
     columns = {of: limit[k, : asked.size] for k, of in enumerate(COLUMNS)}
-    of_contacts += total(unseen)
+    more_of_contacts = max((slid.of_contacts for slid in last.slides), default=0.0) / unit
+    of_contacts += total(unseen) + more_of_contacts
     return HeavyAnswer(
         columns, slips, tuple(parts), of_contacts, of_holding, duration_error, beside
     )
@@ -202,6 +203,7 @@ def _of_durations(slips: SlipRows, error: float, slider: HeavySlider, drive: Dri
         radians = error / np.where(known, np.abs(turning), 1.0)
         per_radian = (float(drive.mass or 0.0) / slider.spring) ** 0.5
         part = np.where(known, np.maximum(part, radians * per_radian), np.inf)
+    if slider.passes_slips:
         # rest, which leaves inertia out, tells roughly when the slider gets faster than its drive
         part += OF_START * slider.longest_start
     return float(part.max(initial=0.0))
@@ -225,7 +227,7 @@ def _unseen(slider: HeavySlider, contacts: Contacts, drive: Drive) -> tuple[Erro
     if largest:
         of = max(largest, key=lambda kind: largest[kind].error)
         error = largest[of].error / unit
-        if slider.flown:  # in flights, and while the slider hardly swings before, they add up
+        if slider.passes_slips:  # in slips, and while the slider hardly swings before, they add up
             error = sum(one.error for one in largest.values()) / unit
         of = f"{of}, near t = {largest[of].time:.6g}"
     return (

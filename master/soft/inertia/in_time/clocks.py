@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from master.soft.in_time.answer.reading import read
 from master.soft.inertia.in_time.node import HeavyNode
+from master.soft.inertia.in_time.ringing import with_rings
 from master.soft.inertia.in_time.slider import HeavySlider
 from origins.thresholds.law import Array
 
@@ -53,7 +54,7 @@ class Clocks:
     def read(self, which: int) -> Array:
         """The columns of a slider for an answer at these times, X as far behind its drive; shape (columns, n)."""
         slider, when = self._sliders[which], self.when[which]
-        columns = read(slider.sections, when, len(COLUMNS))
+        columns = _columns(slider, when)
         if slider.motion is not None:
             columns[PLACE] += slider.motion.at(self._times) - slider.motion.at(when)
         return columns
@@ -119,9 +120,14 @@ class Clocks:
 
     def _read_forces(self, when: Array) -> Array:
         """See _forces, at these times."""
-        return self._forces(when, read(self.last.sections, when, len(COLUMNS)))
+        return self._forces(when, _columns(self.last, when))
 
     def _forces(self, times: Array, columns: Array) -> Array:
         """The forces of spring and contacts and the share that holds of the last slider, shape (3, n)."""
         pull = self.pull(times, columns[PLACE])
         return np.stack([pull, columns[FORCE], columns[HOLDING]])
+
+
+def _columns(slider: HeavySlider, when: Array) -> Array:
+    """The columns of a slider at these times, shape (columns, n)."""
+    return with_rings(read(slider.sections, when, len(COLUMNS)), slider.rings, when)

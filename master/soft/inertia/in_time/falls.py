@@ -1,24 +1,14 @@
 """Falls of the spring's force along steps of a slider with mass, between whose ends X is a cubic of the time."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from master.motion import Motion
+from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.record import Instant, Record, Slip, Watched, crossing
 from origins.thresholds.law import Array
 
 # Times on a step at which the slider is looked at, its ends among them.
 LOOKED_AT = 5
-
-
-class StepEnd(NamedTuple):
-    """The slider at the end of a step: the time, X, dX/dt, and the share of the contacts that holds."""
-
-    time: float
-    position: float
-    speed: float
-    holding: float
 
 
 class Falls:
@@ -42,7 +32,9 @@ class Falls:
         since = self._record.slips_since
         return [slip.begin.time for slip in self.slips] + ([] if since is None else [since])
 
-    def watch(self, leg: int, begin: StepEnd, end: StepEnd, breaks: tuple[float, float]) -> None:
+    def watch(
+        self, leg: int, begin: HeavyNode, end: HeavyNode, breaks: tuple[float, float]
+    ) -> None:
         """Look at a step on a leg of the drive's motion, with the breaks per contact up to its begin and end."""
         motion = self._motion
         assert motion is not None
@@ -87,7 +79,7 @@ class Falls:
         )
 
 
-def _cubic(begin: StepEnd, end: StepEnd, part: Array) -> tuple[Array, Array]:
+def _cubic(begin: HeavyNode, end: HeavyNode, part: Array) -> tuple[Array, Array]:
     """X and dX/dt at parts of a step's time, by the cubic with the positions and speeds at its ends."""
     lasts = end.time - begin.time
     travel = end.position - begin.position

@@ -3,6 +3,22 @@
 from typing import NamedTuple
 
 
+class Spent(NamedTuple):
+    """Energies, per N_c<k> (length squared): the work of the drive, and what damping and moving the contacts took."""
+
+    given: float
+    damped: float
+    on_contacts: float
+
+    def plus(self, other: "Spent") -> "Spent":
+        """Both together."""
+        return Spent(*(a + b for a, b in zip(self, other, strict=True)))
+
+    def less(self, other: "Spent") -> "Spent":
+        """These without the other ones."""
+        return Spent(*(a - b for a, b in zip(self, other, strict=True)))
+
+
 class HeavyNode(NamedTuple):
     """The end of a step: the sum of the sizes of its section's steps so far, and the state there; from the time on
     these are columns of what is read. Energies are per N_c<k> (length squared), see master.soft.inertia.record.Record.
@@ -18,3 +34,8 @@ class HeavyNode(NamedTuple):
     damped: float
     on_contacts: float
     stored: float
+
+    @property
+    def spent(self) -> Spent:
+        """The energies so far."""
+        return Spent(self.work, self.damped, self.on_contacts)

@@ -19,8 +19,10 @@ from master.soft.in_time.refining import (
 from master.soft.in_time.steps import CONTROL
 from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.in_time.answer import COMPARED, HeavyAnswer, answer
+from master.soft.inertia.in_time.long_slips import long_slips_of
+from master.soft.inertia.in_time.ringing import Ringing
 from master.soft.inertia.in_time.slider import HeavySlider
-from master.soft.inertia.in_time.steady_sliding import Slid, sliding_of
+from master.soft.inertia.in_time.steady_sliding import sliding_of
 from master.soft.inertia.run import SlipsInTime
 from origins import Contacts, Drive
 from origins.errors import refuse
@@ -48,7 +50,8 @@ def follow_in_steps(
     take too long."""
     balance = balance_of(contacts, drive)
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
-    sliding = sliding_of(contacts, drive, motion, tolerance, until)
+    given = contacts, drive, motion, tolerance, until
+    sliding = sliding_of(*given) or long_slips_of(*given)
     if sliding is None:
         _refuse_long_ways(contacts, drive, balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
@@ -59,7 +62,8 @@ def follow_in_steps(
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
-        slider = HeavySlider(cohorts, drive, motion, tolerance * unit, sliding, survival)
+        rings = None if motion is None else Ringing(contacts, drive, motion, tolerance * unit)
+        slider = HeavySlider(cohorts, drive, motion, tolerance * unit, sliding, survival, rings)
         try:
             slider.run()
         except StoppedError as why:
@@ -103,12 +107,14 @@ def _refuse_long_ways(contacts: Contacts, drive: Drive, balance: float) -> None:
         refuse("path[-1]", drive.path[-1], f"{fault}; end the path sooner, or take a slip rule")
 
 
-def _sliding(slides: list[Slid], motion: Motion) -> dict[str, Any]:
+def _sliding(slider: HeavySlider, motion: Motion) -> dict[str, Any]:
     """What is to be said of long ways without steps, and the position of the drive from which on F is that of steady
     sliding at its speed, where it is."""
+    slides = slider.slides
     begins = motion.at(np.array([slid.nodes[0].time for slid in slides])).tolist()
     where = ", ".join(f"X_T = {at:.6g}" for at in begins[:NAMED]) + ", ..." * (len(begins) > NAMED)
-    note = f"from {where} on the slider slides steadily: F is F_k of its present speed, and no steps are taken"
+    what = "in slips" if slider.passes_slips else "on the slider slides steadily"
+    note = f"from {where} {what}: F is F_k of its present speed, and no steps are taken"
     if not slides[-1].to_end:
         return {"note": note}
     beyond = slides[-1].steady_from - motion.times[-1]
@@ -174,7 +180,7 @@ def _found(
         beside_slips=best.beside.force,
     )
     if last.slides and last.motion is not None:
-        followed = followed._replace(**_sliding(last.slides, last.motion))
+        followed = followed._replace(**_sliding(last, last.motion))
     stored_first = last.sections[0][0].stored
     of_contacts = best.of_contacts + best.beside.contact_force
     return HeavyFound(followed, best.columns, of_contacts, stored_first)

@@ -8,19 +8,24 @@ import numpy as np
 from master.motion import Motion
 from master.outcome import StoppedError
 from master.soft.in_time.contacts import ContactsInSteps, Trial
-from master.soft.in_time.steps import CONTROL
-from master.soft.in_time.unresolved import OF_CREEP, OF_FLIGHT, OF_QUIET
+from master.soft.in_time.unresolved import (
+    OF_CREEP,
+    OF_FLIGHT,
+    OF_LONG_SLIP,
+    OF_QUIET,
+    OF_RINGING,
+)
 from master.soft.inertia.body import QUIET
-from master.soft.inertia.in_time.falls import Falls, StepEnd
+from master.soft.inertia.in_time.falls import Falls
 from master.soft.inertia.in_time.flights import SWINGS_BY, Bound, Flights
-from master.soft.inertia.in_time.node import HeavyNode
+from master.soft.inertia.in_time.node import HeavyNode, Spent
+from master.soft.inertia.in_time.ringing import Ring, Ringing
 from master.soft.inertia.in_time.slow_steps import Crept, Drifts, SlowSteps
-from master.soft.inertia.in_time.spent import Energies, Spent
+from master.soft.inertia.in_time.spent import Energies
 from master.soft.inertia.in_time.steady_sliding import Slid, SteadySliding
 from master.soft.inertia.in_time.swing_steps import SwingSteps, Swung
 from origins.drive import Drive
 from origins.thresholds.law import Array
-from origins.thresholds.numerical import clipped
 
 # Force of a swing, in QUIET of the tolerance, below which it counts as rest; and of inertia that is left out then,
 # above which the slider swings again: so far apart that the two ways of going on do not alternate.
@@ -29,8 +34,6 @@ COMES_TO_REST, LEAVES_REST = 2.5, 10.0
 STEPS_TO_REST = 8
 # Least part of a step's size that is tried at rest where none balances after a longer one.
 LEAST_SLOW = 2.0**-8
-# Times the e-folds of contacts that may break on a step up to which it is taken as it is; least factor on its size.
-BELIEVED, LEAST_SHRINK = 1.5, 0.03
 
 
 class HeavySlider:
@@ -40,7 +43,7 @@ class HeavySlider:
     sections : nodes of each smooth section: from a turn of the slider to the next, or of the drive
     falls : of the spring's force, and slips among them
     slides : long ways without steps, in order
-    flown : bounds on what contacts do on flights, in order
+    flown : bounds on what contacts do on flights, in order; rings : swings that are told without steps
     longest_start : the longest time from rest, or a slip's begin before, to its flight, as the slider gets fast
     """
 
@@ -52,18 +55,19 @@ class HeavySlider:
         tolerance: float,
         sliding: SteadySliding | None = None,
         survival: Callable[[Array], Array] | None = None,
+        ringing: Ringing | None = None,
     ) -> None:
         """At rest, in balance, at t = 0; `tolerance` is that of the force, a length; `sliding`: how it may slide on
-        without steps; `survival`: as in `Flights`."""
+        without steps; `survival`: as in `Flights`; `ringing`: swings that are told without steps."""
         self.contacts, self.motion = contacts, motion
         self.spring, self.quiet = float(drive.spring or 0.0), QUIET * tolerance
         self.damping, self._size = drive.damping, 0.5**contacts.halvings
-        self._shrink, self._is_slow, self._not_before = 1.0, False, 0
-        self._work = self._damped = self._on_contacts = 0.0
-        self._sliding, self._broken_before = sliding, 0.0
+        self._is_slow, self._not_before = False, 0
+        self._spent = Spent(0.0, 0.0, 0.0)
+        self._sliding, self._ringing, self._broken_before = sliding, ringing, 0.0
         self._way = list[HeavyNode]()  # since the slider turned last, or slid
-        self.slides, self.flown = list[Slid](), list[Bound]()
-        # when it left rest last; inf once it has flown since
+        self.slides, self.flown, self.rings = list[Slid](), list[Bound](), list[Ring]()
+        # when it left rest last; inf once it has flown or slipped without steps since
         self.longest_start, self._left_rest = 0.0, 0.0
         self.sections = list[list[HeavyNode]]()
         self.falls = Falls(motion, self.spring, contacts.unit)
@@ -81,9 +85,16 @@ class HeavySlider:
         self._drive_speed = 0.0
 
     @property
-    def may_fly(self) -> bool:
-        """Whether flights are looked for."""
-        return self.motion is not None and self._flights.are_known
+    def may_pass_slips(self) -> bool:
+        """Whether ways without steps through slips are looked for: flights, or long slips."""
+        slides = self._sliding is not None and self._sliding.in_slips
+        return slides or (self.motion is not None and self._flights.are_known)
+
+    @property
+    def passes_slips(self) -> bool:
+        """Whether there were some."""
+        slid = self._sliding is not None and self._sliding.in_slips and bool(self.slides)
+        return slid or bool(self.flown)
 
     def run(self) -> None:
         """Follow the drive to its end, leg by leg."""
@@ -104,6 +115,8 @@ class HeavySlider:
                     self._slow.begin_section(leg, end, self._swings.speed)
                     self._creep(leg, end)
                     swing = self.quiet
+                elif self._rings(leg, end):
+                    swing = self.quiet
                 else:
                     # which asks for the next one at rest, not for one behind swings
                     self._slow.ends_section = False
@@ -119,7 +132,7 @@ class HeavySlider:
         contacts, swings = self.contacts, self._swings
         size = np.inf
         while contacts.now < end:
-            swung = self._resolving(swings)
+            swung = swings.next_resolved(self._size)
             energies = self._energies.on_swing(swung, swings.pull, self._drive_speed)
             off, speed = swings.swing_of(swung)
             stiff = self.spring + contacts.holding
@@ -161,29 +174,6 @@ class HeavySlider:
             if self._slides_on(leg) or slow.ends_section:
                 return
 
-    def _resolving(self, swings: SwingSteps) -> Swung:
-        """The next step of a swing, so short that not too many contacts break on it."""
-        while True:
-            size = self._size * self._shrink
-            swung = swings.next_step(size)
-            taken = min(swings.size(swung.trial), size)
-            factor = self._resolving_factor(swung.trial, taken)
-            few = taken <= BELIEVED * factor * self._size
-            if few:
-                self._shrink = min(factor, 1.0)
-                return swung
-            self._shrink = max(min(factor, 0.7 * self._shrink), LEAST_SHRINK)
-            if taken <= LEAST_SHRINK * self._size:
-                return swung
-
-    def _resolving_factor(self, trial: Trial, size: float) -> float:
-        """The factor on the size of steps at which as many contacts break on one as is resolved; at most 1."""
-        holding = self.contacts.holding
-        if trial.kept >= holding or size <= 0.0:
-            return 1.0
-        loss = np.log(holding / trial.kept) / size if trial.kept > 0.0 else np.inf
-        return float(clipped(CONTROL.e_folds / loss, LEAST_SHRINK, 1.0))
-
     def _force_at_rest(self, swung: Swung, force: float, speed: float) -> float:
         """Force that is left out if what is left of the swing at the end of this step, which is not taken yet, with
         this force and speed, counts as rest."""
@@ -197,39 +187,23 @@ class HeavySlider:
         size = self._slow.size(crept.trial)
         return crept.left_out > LEAVES_REST * self.quiet or size <= 0.0
 
-    def _take(
-        self,
-        leg: int,
-        trial: Trial,
-        size: float,
-        speed: float,
-        energies: Spent,
-    ) -> None:
+    def _take(self, leg: int, trial: Trial, size: float, speed: float, energies: Spent) -> None:
         """Take a step, at whose end the slider has this speed and on which these energies were given and taken."""
         contacts, nodes = self.contacts, self.sections[-1]
         taken, breaks = max(size, 0.0), contacts.past_breaks.total
         contacts.past_breaks.check_none_is_passed(trial.end)
         contacts.take(trial, taken)
-        given, damped, on_contacts = energies
-        self._work, self._damped = self._work + given, self._damped + damped
-        self._on_contacts += on_contacts
+        self._spent = self._spent.plus(energies)
         self._swings.speed = speed
         if not np.isfinite(contacts.position):
             raise StoppedError(f"the motion is lost at t = {contacts.now:.6g}")
         nodes.append(self._node(nodes[-1].sizes_so_far + taken, speed))
         before, after = nodes[-2:]
         earlier = self._broken_before
-        self._watch(leg, before, after, (earlier + breaks, earlier + contacts.past_breaks.total))
-        self._way = [*self._way, after] if speed else [after]
-
-    def _watch(
-        self, leg: int, before: HeavyNode, after: HeavyNode, broken: tuple[float, float]
-    ) -> None:
-        """Look for falls of the spring's force between two nodes, with the breaks per contact up to each."""
-        begin, end = (
-            StepEnd(one.time, one.position, one.speed, one.holding) for one in (before, after)
+        self.falls.watch(
+            leg, before, after, (earlier + breaks, earlier + contacts.past_breaks.total)
         )
-        self.falls.watch(leg, begin, end, broken)
+        self._way = [*self._way, after] if speed else [after]
 
     def _slides_on(self, leg: int) -> bool:
         """Whether the slider slides on steadily from here; if so it has, as far as that is known."""
@@ -242,16 +216,49 @@ class HeavySlider:
         before = self._broken_before + contacts.past_breaks.total
         for k, (one, after) in enumerate(pairwise(slid.nodes)):
             broken = before + slid.breaks[k], before + slid.breaks[k + 1]
-            self._watch(leg, one, after, broken)
+            self.falls.watch(leg, one, after, broken)
         last, self._broken_before = slid.nodes[-1], before + float(slid.breaks[-1])
-        contacts.unresolved.note(OF_CREEP, slid.error, contacts.now)
+        if sliding.in_slips:
+            self._since_rest()
+        kind = OF_LONG_SLIP if sliding.in_slips else OF_CREEP
+        contacts.unresolved.note(kind, slid.error, contacts.now)
         step = self._size * self._swings.length
         contacts.slide_to(last.position, last.time, last.speed, step, sliding.life)
-        self._work, self._damped, self._on_contacts = last.work, last.damped, last.on_contacts
+        self._spent = last.spent
         self.sections.append(slid.nodes)
         self.slides.append(slid)
         self._swings.speed, self._is_slow, self._way = last.speed, False, []
         sliding.begin_section()
+        return True
+
+    def _since_rest(self) -> float | None:
+        """When the slider left rest, or began to slip before, as its first way without steps since then begins; None on
+        others."""
+        if self._left_rest >= self.contacts.now:
+            return None
+        since = min([self._left_rest, *self.falls.begins[len(self.falls.slips) :]])
+        self.longest_start = max(self.longest_start, self.contacts.now - since)
+        self._left_rest = np.inf
+        return since
+
+    def _rings(self, leg: int, end: float) -> bool:
+        """Whether the slider, which turns round now, swings on contacts of which none breaks; if so it has, as a
+        section of two nodes, up to its rest or the time `end`."""
+        contacts, node = self.contacts, self.sections[-1][-1]
+        if self._ringing is None or self._swings.speed:
+            return False
+        ring = self._ringing.ahead(leg, end, contacts, node)
+        if ring is None:
+            return False
+        until = min(node.time + ring.lasts, end)
+        trial = contacts.trial(float(ring.motion.travel(until - node.time)), until)
+        last = HeavyNode(1.0, until, *ring.columns(np.array([until]))[:, 0].tolist())
+        contacts.unresolved.note(OF_RINGING, SWINGS_BY * ring.broken, contacts.now)
+        self._take(leg, trial, 1.0, last.speed, last.spent.less(node.spent))
+        self.rings.append(ring)
+        self._is_slow = until < end
+        for time in (node.time, until):
+            self._drifts.add(time, ring.motion.drift)
         return True
 
     def _flies(self, leg: int, end: float) -> bool:
@@ -261,25 +268,23 @@ class HeavySlider:
         if flight is None:
             return False
         contacts.unresolved.note(OF_FLIGHT, SWINGS_BY * flight.bound.force, contacts.now)
-        if self._left_rest < contacts.now:
-            since = min([self._left_rest, *self.falls.begins[len(self.falls.slips) :]])
-            self.longest_start = max(self.longest_start, contacts.now - since)
-            self._left_rest = np.inf
+        since = self._since_rest()
+        if since is not None:
             contacts.past_breaks.repeat_bend(since)
         contacts.past_breaks.repeat_bend(contacts.now)
         self.flown.append(flight.bound)
         contacts.past_breaks.begin_section()
-        work, damped = self._work, self._damped
+        spent = self._spent
         nodes = [self._node(0.0, self._swings.speed)]
         self.sections.append(nodes)
         for k, size in enumerate(np.diff(flight.sizes).tolist(), 1):
             broken = before + contacts.past_breaks.total
             place, now, held = flight.position[k], flight.time[k], flight.holding[k]
             contacts.fly_to(float(place), float(now), size, float(held))
-            self._work, self._damped = work + flight.given[k], damped + flight.damped[k]
+            self._spent = spent.plus(Spent(flight.given[k], flight.damped[k], 0.0))
             nodes.append(self._node(float(flight.sizes[k]), float(flight.speed[k])))
             after = before + contacts.past_breaks.total
-            self._watch(leg, nodes[-2], nodes[-1], (broken, after))
+            self.falls.watch(leg, nodes[-2], nodes[-1], (broken, after))
         # what has formed bears a force at once: of the next section, as no spline is to lead through that
         contacts.land(flight.landed)
         self._swings.speed, self._way = nodes[-1].speed, nodes[-1:]
@@ -289,6 +294,7 @@ class HeavySlider:
     def _node(self, sizes_so_far: float, speed: float) -> HeavyNode:
         """The end of the step just taken, with this speed of the slider."""
         state = self.contacts
-        contacts = state.now, state.force, state.holding, state.position
-        energies = self._work, self._damped, self._on_contacts, state.groups.stored(state.memory)
-        return HeavyNode(sizes_so_far, *contacts, speed, *energies)
+        place = state.now, state.force, state.holding, state.position
+        return HeavyNode(
+            sizes_so_far, *place, speed, *self._spent, state.groups.stored(state.memory)
+        )

@@ -1,18 +1,8 @@
 """Energies on one step of a slider with mass, which is not taken yet."""
 
-from typing import NamedTuple
-
 from master.soft.in_time.contacts import ContactsInSteps, Trial
+from master.soft.inertia.in_time.node import Spent
 from master.soft.inertia.in_time.swing_steps import Swung
-
-
-class Spent(NamedTuple):
-    """Energies on a step, per N_c<k> (length squared): the work of the drive, and what damping and moving the contacts
-    took."""
-
-    given: float
-    damped: float
-    on_contacts: float
 
 
 class Energies:

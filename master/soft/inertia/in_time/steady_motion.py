@@ -17,6 +17,8 @@ LEFT_OUT, IN_BALANCE, INERTIAL = 1e-6, 0.5, 2.0
 OF_FORCE, FEWEST, NODES = 0.1, 4.0, 16
 # Relative accuracy of the integrator, and most units.
 ACCURACY, MOST_UNITS = 1e-8, 1e5
+# Most change of ln V on a memory of F in a long slip, beyond which a lag of first order is not known.
+MOST_CHANGE = 0.5
 # Stiffness in place of one that is not above 0 (a length).
 TINY = 1e-300
 
@@ -26,6 +28,8 @@ class Machine(NamedTuple):
 
     unit, life : mean threshold, and the longest life (lengths)
     until : reading of time.monotonic() at which to stop
+    memory : the way for which F remembers the speed, on the average (a length)
+    allowed_lag : by how much F may lag behind F_k(V) in a long slip (a length)
     """
 
     mass: float
@@ -35,6 +39,8 @@ class Machine(NamedTuple):
     unit: float
     life: float
     until: float
+    memory: float = 0.0
+    allowed_lag: float = np.inf
 
     def stiffness(self, u: Array | float, table: KineticTable) -> Array:
         """Change of F_k and damping by u = ln V (a length)."""
@@ -45,6 +51,11 @@ class Machine(NamedTuple):
         speed = float(np.exp(u))
         loading = self.spring * (self.drive_speed - speed)
         return self.mass * speed * loading / max(float(self.stiffness(u, table)), TINY)
+
+    def lag(self, u: float, rise_per_length: float, table: KineticTable) -> float:
+        """By how much F lags behind F_k(V) at this ln V (a length), in the first order of d ln V/dX (1/length)."""
+        slope = abs(float(table.force(np.asarray(u), 1)))
+        return self.memory * abs(rise_per_length) * slope
 
 
 class SteadyMotion:
@@ -138,3 +149,14 @@ class SteadyMotion:
         units = faster, loading / (OF_FORCE * of.unit), self._of_time
         pace = np.sqrt(sum(one**2 for one in units))
         return np.array([faster, loading, 1.0, *energies, speed]) / pace
+
+
+class SlipMotion(SteadyMotion):
+    """The same in a long slip, where the change of V on a life matters by the lag of F alone: it is told in lags that
+    are allowed, or in parts of MOST_CHANGE of ln V on a memory."""
+
+    def _change(self, state: Array) -> float:
+        """See the class."""
+        of, u = self._of, float(state[0])
+        rise = abs(self._slope(state)) / float(np.exp(u))
+        return max(of.lag(u, rise, self._table) / of.allowed_lag, of.memory * rise / MOST_CHANGE)

@@ -49,13 +49,15 @@ ENERGIES, COHORTS = 7, 200
 
 class Slid(NamedTuple):
     """How the slider slides on: nodes from here on; breaks per contact on the way; the error of F (a length); whether
-    the path ends there; and the time from which on F is within the tolerance of its last value."""
+    the path ends there; the time from which on F is within the tolerance of its last value; and by how much the error
+    of the contacts' force is larger."""
 
     nodes: list[HeavyNode]
     breaks: Array
     error: float
     to_end: bool
     steady_from: float
+    of_contacts: float = 0.0
 
 
 class Begin(NamedTuple):
@@ -67,7 +69,12 @@ class Begin(NamedTuple):
 
 
 class SteadySliding(Creep):
-    """Steady sliding on the last leg of a drive that goes on at one speed; lengths are along the motion."""
+    """Steady sliding on the last leg of a drive that goes on at one speed; lengths are along the motion.
+
+    in_slips : whether it is looked for in slips, or in balance
+    """
+
+    in_slips, _most_change = False, CHANGE
 
     def __init__(
         self, contacts: Contacts, drive: Drive, motion: Motion, tolerance: float, until: float
@@ -101,7 +108,7 @@ class SteadySliding(Creep):
         if not left >= WORTH * self._machine.life:
             return None
         begin = self._in_balance(way, distance)
-        return None if begin is None else self._slid(last, begin, contacts)
+        return None if begin is None else self._slid(last, begin, contacts, SteadyMotion)
 
     def _in_balance(self, way: list[HeavyNode], distance: float) -> Begin | None:
         """The begin of sliding in balance, by the rules of steady creep; None where it is not known to be so."""
@@ -135,12 +142,20 @@ class SteadySliding(Creep):
         drive = float(self._motion.at(np.array(node.time)))
         return self._sign * self._spring * (drive - node.position)
 
-    def _slid(self, last: HeavyNode, begin: Begin, contacts: ContactsInSteps) -> Slid:
-        """The solution from the last node on."""
-        steady = SteadyMotion(self._machine, begin.table, float(self._motion.times[-1]) - last.time)
+    def _slid(
+        self,
+        last: HeavyNode,
+        begin: Begin,
+        contacts: ContactsInSteps,
+        equations: type[SteadyMotion],
+    ) -> Slid:
+        """The solution from the last node on, by these equations."""
+        left = float(self._motion.times[-1]) - last.time
+        steady = equations(self._machine, begin.table, left)
         state = np.array([begin.u, self._load(last), last.time, *np.zeros(4)])
-        most_change = CHANGE * 0.5**contacts.halvings
-        rows, to_end = steady.followed(state, float(self._motion.times[-1]), most_change)
+        rows, to_end = steady.followed(
+            state, float(self._motion.times[-1]), self._most_change * 0.5**contacts.halvings
+        )
         sigma, u, load, time, given, damped, on_contacts, breaks = rows
         if to_end:
             time[-1] = self._motion.times[-1]

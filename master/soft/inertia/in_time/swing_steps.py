@@ -21,6 +21,7 @@ from master.soft.in_time.steps import CONTROL, Guess, Root, Steps
 from master.soft.in_time.time_units import TimeUnits
 from master.soft.inertia.oscillation import Oscillation
 from origins.drive import Drive
+from origins.thresholds.numerical import clipped
 
 # Phase (radians) on the coarsest step, if the slider did not travel, of its swing on MORE_HOLD times the contacts
 # that hold: contacts are moved evenly, and break by heat as if their stretch grew so. With 0.5 a full swing takes 13
@@ -34,11 +35,15 @@ MORE_HOLD = 4.0
 # Part of a step's size in which the turn at its end is found; and halvings of a step behind a turn, in search of one on
 # which the slider does not turn yet.
 AT_TURN, HALVINGS_BEHIND_TURN = 1e-8, 12
+# Least time of that step, in last digits of the time: a turn is not known better.
+IN_DIGITS = 4.0
 # Speed, in coarsest travels in the time of a radian of the swing, below which a slider that turns is taken as at rest:
 # rounding of its forces.
 NO_SPEED = 1e-9
 # The same at a turn that was found, in these or in the speed before it: where it is larger, steps have a gap there.
 STILL_MOVES = 1e-3
+# Times the e-folds of contacts that may break on a step up to which it is taken as it is; least factor on its size.
+BELIEVED, LEAST_SHRINK = 1.5, 0.03
 # Acceleration at a turn, in mean thresholds of force, below which it is rounding: the slider then starts as its drive.
 NO_PULL = 1e-10
 
@@ -68,7 +73,7 @@ class SwingSteps(Steps):
         super().__init__(contacts, float(drive.spring or 0.0), motion)
         self.mass, self.damping, self.speed = float(drive.mass or 0.0), drive.damping, 0.0
         self._fastest, self._time_fraction = self._swings_at(1.0), 0.5
-        self._most_holding = 1.0
+        self._most_holding = self._shrink = 1.0
         self._drive_speed, self._rate, self._is_small = 0.0, self._fastest / PHASE, False
 
     def _swings_at(self, holding: float) -> float:
@@ -139,6 +144,27 @@ class SwingSteps(Steps):
         moved = float(self.motion_of(trial).travel(lasts)) if lasts else 0.0
         return self.sign * (moved - trial.travel)
 
+    def next_resolved(self, size: float) -> Swung:
+        """The balanced step of this size, or a shorter one, on which not too many contacts break."""
+        while True:
+            swung = self.next_step(size * self._shrink)
+            taken = min(self.size(swung.trial), size * self._shrink)
+            factor = self._resolving_factor(swung.trial, taken)
+            if taken <= BELIEVED * factor * size:
+                self._shrink = min(factor, 1.0)
+                return swung
+            self._shrink = max(min(factor, 0.7 * self._shrink), LEAST_SHRINK)
+            if taken <= LEAST_SHRINK * size:
+                return swung
+
+    def _resolving_factor(self, trial: Trial, size: float) -> float:
+        """The factor on the size of steps at which as many contacts break on one as is resolved; at most 1."""
+        holding = self.contacts.holding
+        if trial.kept >= holding or size <= 0.0:
+            return 1.0
+        loss = np.log(holding / trial.kept) / size if trial.kept > 0.0 else np.inf
+        return float(clipped(CONTROL.e_folds / loss, LEAST_SHRINK, 1.0))
+
     def next_step(self, size: float) -> Swung:
         """The balanced step of this size, or a shorter one up to the section's end, or to the slider's turn."""
         found, swung = self._solved(size)
@@ -168,10 +194,11 @@ class SwingSteps(Steps):
     def _to_turn(self, size: float, tried_other: bool = False) -> Swung:
         """The step to where the slider turns round, which it does before one of this size ends. From a turn, where it
         moves neither way on any step that is tried, FaultError."""
+        shortest = IN_DIGITS * float(np.spacing(self.contacts.now)) * self._rate
 
         def ahead(at: float) -> float:
             """The speed along the motion at the end of a step; below 0 where none has this size."""
-            if not at:
+            if at < shortest:
                 return abs(self.speed)
             found, swung = self._solved(at)
             return self.sign * swung.speed if found.converged else -1.0
@@ -193,7 +220,7 @@ class SwingSteps(Steps):
                 ahead_there = found.converged and self.sign * swung.speed >= 0.0
                 return swung if ahead_there else self._to_turn(size, tried_other=True)
         at = float(brentq(ahead, low, high, xtol=AT_TURN * size))
-        _, swung = self._solved(at)
+        _, swung = self._solved(max(at, shortest))
         if abs(swung.speed) > STILL_MOVES * max(abs(self.speed), self.length * self._fastest):
             raise FaultError(f"no turn of the slider is found beyond t = {self.contacts.now:.6g}")
         return swung._replace(speed=0.0, turns=True)

@@ -1,0 +1,143 @@
+"""Long slips of a slider with mass without steps: once contacts have lost their common start, F is F_k(V).
+
+On the spring of a machine a slip is a million thresholds long. Contacts that form again at once, and grow stronger with
+their age, have forgotten the begin of the slip after some tens of thresholds. From there on
+
+    M V' = S - γ V - F_k(V),    S' = K (v - V),
+
+with S the spring's force, the equations of steady_sliding.py. They hold as long as F lags little behind F_k(V): a
+contact remembers the speed it had on the way l of its life, and in the first order of the change of V
+
+    |F - F_k(V)| <= l |dF_k/d ln V| |d ln V/dX|.
+
+As V^2 grows in proportion to the way X from the slip's begin, d ln V/dX = 1/2X: the lag falls, until the slider comes
+to rest, some tens of thresholds before which steps go on with contacts as in steady sliding at that speed.
+
+The error of F is what it is off F_k(V) by as steps end, in the limit of short steps, how much that varied along the
+last part of the way, and the lag. That of the spring's force is far smaller, as F is so far off on a small part of the
+slip alone.
+"""
+
+import numpy as np
+
+from master.motion import Motion
+from master.soft.in_time.contacts import ContactsInSteps
+from master.soft.in_time.creep import CREEP, Offset
+from master.soft.inertia.in_time.node import HeavyNode
+from master.soft.inertia.in_time.steady_motion import SlipMotion
+from master.soft.inertia.in_time.steady_sliding import Begin, Slid, SteadySliding
+from master.steady.kinetic_table import KineticTable, tabulated
+from origins import Contacts, Drive
+from origins.laws.proportional import ProportionalGrowth
+from origins.thresholds.law import Array
+
+# Part of the tolerance by which F may lag behind F_k(V), and by which what it is off may vary along the last part of
+# the way.
+LAG, VARIATION = 0.25, 0.25
+# That part is this many mean thresholds at least, on which contacts that began together would break once.
+COMPARED = 1.5
+# Ratio of M V^2 to F_k times the memory above which the contacts hardly change the slider's speed while they break.
+HEAVY = 4.0
+# Factor on the error of the spring's force by the lag of first order.
+SAFETY = 2.0
+# Least length of a slip that is worth it, in longest lives.
+WORTH = 5.0
+# Factors on the speed of the slider as its slip is tabulated: it ends nearly as slow as it began.
+SLOWER, FASTER = 100.0, 2.0
+
+
+class LongSlips(SteadySliding):
+    """Long slips on the last leg of a drive that goes on at one speed; lengths are along the motion."""
+
+    # in lags that are allowed
+    in_slips, _most_change = True, 1.0
+
+    def __init__(
+        self, contacts: Contacts, drive: Drive, motion: Motion, tolerance: float, until: float
+    ) -> None:
+        """See Creep."""
+        super().__init__(contacts, drive, motion, tolerance, until)
+        law = contacts.thresholds
+        # the mean age of steadily sliding contacts on the slider, each by its force
+        memory = float(law.moment(3) / (1.5 * law.moment(2)))
+        allowed = LAG * self._tolerance
+        self._machine = self._machine._replace(memory=memory, allowed_lag=allowed)
+
+    def slide(self, way: list[HeavyNode], contacts: ContactsInSteps) -> Slid | None:
+        """See SteadySliding."""
+        last, sign = way[-1], self._sign
+        distance, speed = sign * (last.position - way[0].position), sign * last.speed
+        looked = len(way) < CREEP.next_look * self._nodes_at_last_look
+        of = self._machine
+        load = self._load(last)
+        is_light = of.mass * speed**2 < HEAVY * load * of.memory
+        if speed <= 0.0 or looked or is_light or distance < 2.0 * COMPARED * of.unit:
+            return None
+        self._nodes_at_last_look = len(way)
+        if load - sign * last.force < WORTH * of.spring * of.life:
+            return None
+        begin = self._in_slip(way, distance)
+        if begin is None:
+            return None
+        slid = self._slid(last, begin._replace(error=0.0), contacts, SlipMotion)
+        of_spring = self._of_spring(slid, begin, distance)
+        return slid._replace(error=slid.error + of_spring, of_contacts=begin.error)
+
+    def _of_spring(self, slid: Slid, begin: Begin, distance: float) -> float:
+        """The error of the spring's force behind a slip (a length), as F lags behind F_k(V). That changes the energy by
+        W, the integral of the lag over X, l |dF_k|, and what F is off by at the begin, on a way as long as that before:
+        and so (S - F)^2/2K, as the slider stops."""
+        last, of, sign = slid.nodes[-1], self._machine, self._sign
+        forces = np.array([node.force for node in slid.nodes])
+        energy = of.memory * float(np.abs(np.diff(forces)).sum()) + begin.error * distance
+        most = (2.0 * of.spring * energy) ** 0.5
+        pulled = abs(self._load(last) - sign * last.force)
+        return SAFETY * min(most, of.spring * energy / pulled if pulled else np.inf)
+
+    def _in_slip(self, way: list[HeavyNode], distance: float) -> Begin | None:
+        """The begin of sliding in a slip; None where F is not known to be F_k(V)."""
+        last, sign, of = way[-1], self._sign, self._machine
+        position, force, speed = sign * np.array([(n.position, n.force, n.speed) for n in way]).T
+        late = position >= position[-1] - max(CREEP.last_part * distance, COMPARED * of.unit)
+        if np.count_nonzero(late) < CREEP.fewest_steps or speed[late].min() <= 0.0:
+            return None
+        table = self._table_of_slip(speed[late], self._load(last))
+        if table is None:
+            return None
+        u = float(np.log(speed[-1]))
+        offsets = force[late] - table.force(np.log(speed[late]))
+        way_compared = float(np.ptp(position[late]))
+        offset = Offset(
+            float(offsets.mean()), float(np.ptp(offsets)), way_compared / (offsets.size - 1)
+        )
+        faster = float(np.log(speed[-1] / speed[late][0])) / way_compared
+        lag = of.lag(u, faster, table)
+        if max(offset.variation / VARIATION, lag / LAG) > self._tolerance:
+            return None
+        error = max(offset.at_step_0(self._offset_of_longer_steps), lag)
+        self._offset_of_longer_steps = offset
+        return Begin(u, table, error + offset.variation)
+
+    def _table_of_slip(self, speeds: Array, load: float) -> KineticTable | None:
+        """F_k at these speeds, and at those that a spring with this force may give the slider."""
+        of = self._machine
+        most = FASTER * (float(speeds.max()) + load / (of.spring * of.mass) ** 0.5)
+        needed, table = np.log([float(speeds.min()), most]), self._table
+        if table is None or table.ends[0] > needed[0] or needed[1] > table.ends[1]:
+            needed[0] -= np.log(SLOWER)
+            error = CREEP.of_change * self._tolerance
+            self._table = tabulated(self._contacts, needed, error, self._until)
+        return self._table
+
+
+def long_slips_of(
+    contacts: Contacts, drive: Drive, motion: Motion | None, tolerance: float, until: float
+) -> LongSlips | None:
+    """Long slips of these contacts, None where F_k(V) is not what they lead to, or is not known."""
+    law, growth = contacts.thresholds, contacts.changing
+    if motion is None or not motion.speeds[-1] or not isinstance(growth, ProportionalGrowth):
+        return None
+    alone = set(contacts.laws) <= {growth.law}
+    if not alone or law.atoms[0].size or not np.isfinite(law.moment(3)):
+        return None
+    return LongSlips(contacts, drive, motion, tolerance, until)
