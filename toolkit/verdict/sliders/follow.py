@@ -45,8 +45,9 @@ from toolkit.verdict.sliders.steady import settling_distance, slides_on
 TOLERANCE, TOLERANCE_IN_TIME, ENOUGH = 1e-6, 1e-3, 0.05
 # the latter where it is only told whether the slider slips: slips of a third of it are listed
 WHETHER_IT_SLIPS = 0.03
-# of a slider with mass and a delay, of which 1e-3 takes some times as long
-TOLERANCE_WITH_DELAY = 1e-2
+# of a slider with mass and a delay, of which 1e-3 takes some times as long; and of one whose contacts grow stronger on
+# a spring softer than this, in N_c<k>: five slips on it are a few thousand steps each
+TOLERANCE_WITH_DELAY, TOLERANCE_OF_LONG_SLIPS, SOFT = 1e-2, 2e-2, 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
 LENGTHS = (LOADINGS_IN_PLACE, 20.0, 60.0)
 # the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
@@ -114,6 +115,8 @@ def follow(
     if rule == "mass" and contacts.waiting_time:
         tolerance = max(tolerance, TOLERANCE_WITH_DELAY)
         lengths = (FIRST_WITH_DELAY, *lengths[1:])
+    elif rule == "mass" and contacts.changing is not None and machine.spring < SOFT:
+        tolerance = max(tolerance, TOLERANCE_OF_LONG_SLIPS)
     distances = [each * loading for each in lengths]
     found = by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":

@@ -130,7 +130,7 @@ def answer(
             parts.append(ErrorPart(of, float(np.abs(drops).max()) / unit))
         of_contacts = error_by(changes[:, FORCE, far] / unit, safety)
         most = error_by(changes[:, HOLDING, far], safety)
-        if last.may_fly:
+        if last.may_pass_slips:
             ahead = clocks.holding_ahead(total(unseen) * unit / last.spring)
             most += float(ahead[far].max(initial=0.0))
         most = min(most, 1.0)

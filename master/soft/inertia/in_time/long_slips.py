@@ -135,7 +135,9 @@ def long_slips_of(
 ) -> LongSlips | None:
     """Long slips of these contacts, None where F_k(V) is not what they lead to, or is not known."""
     law, growth = contacts.thresholds, contacts.changing
-    if motion is None or not motion.speeds[-1] or not isinstance(growth, ProportionalGrowth):
+    # what follows a slip on a drive that turns, stops or changes its speed is not known by the slip's own clock
+    one_speed = motion is not None and motion.speeds.size == 1 and bool(motion.speeds[0])
+    if motion is None or not one_speed or not isinstance(growth, ProportionalGrowth):
         return None
     alone = set(contacts.laws) <= {growth.law}
     if not alone or law.atoms[0].size or not np.isfinite(law.moment(3)):
