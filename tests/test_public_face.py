@@ -101,6 +101,8 @@ for words in ("--help", "--version", "run --help"):
         done(words)
 import origins
 done("origins")
+from toolkit import commands
+done("commands")
 laws = [origins.gaussian(1.0, 0.1, form='paper', upper=3.0), origins.from_samples([0.5, 1.0, 1.5])]
 law = origins.mixture(laws, [0.5, 0.5])
 law.isf(law.sf([0.5, 1.0])); law.std(); law.rvs(3)
@@ -126,8 +128,8 @@ def test_help_imports_no_package_and_what_is_not_named_is_not_imported(told: Any
         if name.startswith(("--", "run")):
             assert not {"numpy", "scipy", "msgspec", "origins"} & set(modules)
         parts = ["interpolate", "integrate", "sparse", "signal"]
-        parts += ["special"] if name == "origins" else []
-        if name in ("origins", "laws"):
+        parts += ["special"] if name != "laws" else []
+        if name in ("origins", "commands", "laws"):
             assert not {f"scipy.{part}" for part in parts} & set(modules)
 
 

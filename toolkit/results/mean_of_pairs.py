@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-import scipy.special
+import scipy  # imports its parts when they are first used
 
 from origins.thresholds.law import Array
 
