@@ -120,6 +120,7 @@ def test_steady_creep_goes_on_as_steps_do(slip: Any) -> None:
     assert creep.regime.verdict == "smooth" and not creep.slips.drive.size
 
 
+@pytest.mark.slow  # quick: creep goes on as steps do, above
 def test_the_numbers_of_the_example_in_creep_py(monkeypatch: pytest.MonkeyPatch) -> None:
     """How the three sliders hand over to creep, and what the error is made of."""
     from_here, told = Creep.from_here, []

@@ -82,7 +82,8 @@ def test_contacts_survive_as_the_integral_of_their_rate_says(heat: Thermal, damp
     assert balanced(found)
 
 
-@pytest.mark.parametrize(("n", "replicas"), [(50, 300), slow(1000, 400)])
+@pytest.mark.slow  # quick: how long contacts survive in heat, above
+@pytest.mark.parametrize(("n", "replicas"), [(50, 300), (1000, 400)])
 def test_without_mass_it_is_the_slider_of_the_rule_instant(n: int, replicas: int) -> None:
     """X, the force and their scatter between machines, in a first slip and after, with any number of threads; one of
     warmer contacts differs."""

@@ -121,13 +121,15 @@ def test_errors_of_nearly_equal_contacts_that_swing_back_hold() -> None:
     assert off < roughly.force_error + well.force_error
 
 
+@pytest.mark.slow  # quick: strengthening beside a plain integrator, below
 @pytest.mark.parametrize(
     "contacts",
     [
-        slow(Contacts(WIDE, ageing=Ageing(WIDE, 0.02)), id="ageing"),
-        slow(Contacts(WIDE, reforming=-0.2), id="re-forming"),
-        pytest.param(Contacts(origins.growing_grains(1.0, 1.0, age=4.0)), id="grains"),
+        Contacts(WIDE, ageing=Ageing(WIDE, 0.02)),
+        Contacts(WIDE, reforming=-0.2),
+        Contacts(origins.growing_grains(1.0, 1.0, age=4.0)),
     ],
+    ids=["ageing", "re-forming", "grains"],
 )
 def test_other_laws_beside_a_mass_agree_with_shorter_steps(contacts: Contacts) -> None:
     path = np.linspace(0.3, 3.0, 10)

@@ -663,10 +663,8 @@ TURNED = np.cumsum(
 )
 
 
-SLOW_RULES = [slow(rule) for rule in ("instant", "reform-after")]
-
-
-@pytest.mark.parametrize("rule", ["reset", *SLOW_RULES])
+@pytest.mark.slow  # quick: the same of a slider with mass, below
+@pytest.mark.parametrize("rule", ["reset", "instant", "reform-after"])
 def test_a_law_of_one_s_own_on_a_spring_is_the_same_law_that_is_built_in(rule):
     """On a drive that slips, turns and rests; by another memory, so that the errors of steps differ."""
     laws = origins.strengthening(PC, 0.05, 0.01), OwnStrengthening(PC, 0.05, 0.01)
@@ -698,7 +696,8 @@ def test_strengthening_on_a_very_soft_spring_decoheres_as_step_after_step():
     assert off < found.force_error + own.force_error
 
 
-@pytest.mark.parametrize("rule", [slow(rule) for rule in ("reform-after", "reset", "instant")])
+@pytest.mark.slow
+@pytest.mark.parametrize("rule", ["reform-after", "reset", "instant"])
 def test_a_life_alone_takes_a_law_onto_a_spring(page, monkeypatch, rule):
     """Step by step the same as by its birth_threshold, where both take the same steps."""
     monkeypatch.setattr(make, "LIVES", {Closed: ClosedLife} | LIVES)

@@ -905,6 +905,7 @@ def test_what_a_slip_left_behind_counts_from_where_contacts_form_again(
     assert undecided_end([slider(0.5, apart), slider(0.0, 0.0)]) == end
 
 
+@pytest.mark.slow  # quick: slips where the twin loses balance, below
 def test_a_step_from_a_bend_of_the_drive_to_a_slip_has_the_error_of_its_straight_line() -> None:
     """The drive slows down by a tenth so short before a slip that all halvings take one step up to it: F in between,
     which falls by 8e-4 there, was off by 2.4e-4, and 6e-6 was claimed."""

@@ -71,13 +71,13 @@ ONE, NEXT = origins.identical(1.0), np.array([1.81, 1.9])
 PAIR = origins.mixture([origins.identical(0.9), ONE], [0.05, 0.95])
 
 
-@pytest.mark.parametrize("laws", [LATE, COOL], ids=["delay", "hardly any heat"])
 @pytest.mark.parametrize(
-    "path, time, force",
+    "laws, path, time, force",
     [
-        ([1.9, 1.0], None, [0.95, 0.5]),
-        ([1.9, 1.9, 1.95], [1.0, 2.0, 3.0], [0.95, 0.95, 0.975]),
-        ([1.9, 2.5], [1.0, 4.0], [0.95, 0.25]),
+        (LATE, [1.9, 1.0], None, [0.95, 0.5]),
+        (COOL, [1.9, 1.9, 1.95], [1.0, 2.0, 3.0], [0.95, 0.95, 0.975]),
+        (LATE, [1.9, 2.5], [1.0, 4.0], [0.95, 0.25]),
+        slow(COOL, [1.9, 2.5], [1.0, 4.0], [0.95, 0.25]),
     ],
 )
 def test_equal_contacts_slip_where_they_all_break_and_never_before(laws, path, time, force) -> None:

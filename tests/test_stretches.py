@@ -92,6 +92,8 @@ def integrals(density, low: float, high: float, leave: float) -> np.ndarray:
 POINTS = 12
 QUADRATURE = 2e-9  # what the halved integrals may leave, or a thirtieth of the error claimed
 SLOW = {
+    "holds, delay",
+    "turning, re-forming",
     "turning, delay",
     "forward, heat",
     "forward, ageing",

@@ -89,13 +89,14 @@ def test_the_error_of_late_slips_holds_what_a_transient_leaves() -> None:
     assert beyond.number.tolist() == [0, 1, 0, 1] and beyond.drive.min() > 3.5
 
 
+@pytest.mark.slow  # quick: slips that get ever rarer, below
 @pytest.mark.parametrize(
     ("machine", "delay", "number"),
     [
         # 5.6, 1.6, 3.9, 2.2, 1.8, ... of a long delay: slips 5 to 8 were averaged as if they lasted
         (Machine(5e-4, 0.2, 5e-4, 1.0), 2000.0, 2000),
         # slips of many sizes, of which the second alone was told, with the scatter between sliders as its error
-        slow(Machine(0.05, 0.02, 5e-5, 1.0), 20.0, 4000),
+        (Machine(0.05, 0.02, 5e-5, 1.0), 20.0, 4000),
     ],
 )
 def test_only_slips_that_last_are_averaged(machine: Machine, delay: float, number: int) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import slow
 from solving import gauss
 
 import master
@@ -92,7 +91,8 @@ def mean_over_starts(law, start, path, cuts):
     return float(weight[kept] @ forces / weight[kept].sum())
 
 
-@pytest.mark.parametrize("turns", [False, slow(True)])
+@pytest.mark.slow  # quick: a start wider than steady sliding, in test_agreement.py
+@pytest.mark.parametrize("turns", [False, True])
 def test_a_wide_start_on_a_law_with_jumps_is_as_good_as_it_claims(turns):
     """Fixed nodes for the start see no bend of E: they are 1e-4 off with a claim of 1e-8."""
     start, path = gaussian_start(0.1, 0.08), np.array([0.0, 0.35, 0.7])
