@@ -265,13 +265,9 @@ SOME = [
 
 
 @pytest.mark.parametrize("scene", ["delay", *(slow(scene) for scene in SOME)])
-def test_the_table_of_costs_is_up_to_date(
-    scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_table_of_costs_is_up_to_date(scene: str) -> None:
     """What a scene builds and leaves out is what the page says, and the shares of files within ten percent; else
-    `python docs/error_and_cost.py --costs` makes it anew. Its kernels are compiled anew: numba's cache holds those of
-    all scenes that ran on this machine, and imports the files of their laws with them."""
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    `python docs/error_and_cost.py --costs` makes it anew."""
     script, page = made()
     says, now = (
         row.strip("| ").split(" | ")
