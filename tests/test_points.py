@@ -307,3 +307,15 @@ def test_a_sweep_of_a_drive_without_a_path_is_written(tmp_path: Path) -> None:
     toolkit.save(toolkit.run(bare), tmp_path / "out")
     assert (tmp_path / "out" / "sweep.csv").read_text().count("\n") == 3
     assert toolkit.load(tmp_path / "out").time.size == 0
+
+
+def test_a_sweep_over_a_machine_that_pulls_nothing_says_so(capsys: Any) -> None:
+    """Springs of any unit were taken, and F_k of a rigid slider stood beside each."""
+    tables: dict[str, Any] = {"master": None, "drive": {"area": 1e-6}}
+    spring = {"sweep": {"drive.spring": ["10 N/m", "20 N/m"]}}
+    _, out, _ = said(capsys, "run", write(thresholds=ROUGH, **tables, **spring))
+    assert "note    drive.spring: no number hangs on it here" in "\n".join(out)
+    bad = {"sweep": {"drive.spring": ["10 N/m", "20 N"]}}
+    status, _, err = said(capsys, "run", write(thresholds=ROUGH, **tables, **bad))
+    swept = toolkit.load("mine-output").sweep
+    assert status == 1 and "20 N': unit N is not known" in swept["message"][1], err

@@ -850,6 +850,19 @@ def test_rules_that_leave_contacts_out_are_left_out_where_they_re_form_stretched
         )
 
 
+def test_a_speed_that_is_not_given_is_told_also_without_a_machine_where_it_matters(
+    capsys: Any,
+) -> None:
+    """In heat the table had forces "at 1.00 m/s" of a scene that names no speed, and no word on it."""
+    said_of_it = "the speed: none is given, and 1 m/s is taken; forces and K* hang on it"
+    heat = {"law": "eyring", "width": 0.03, "attempt_frequency": 1e10}
+    for laws, told in (({"thermal": heat}, True), ({}, False)):
+        contacts = {"thresholds": ROUGH} | laws
+        readings = {"readings": ["gw/amontons"], "steps": [1]}
+        _, page, _ = judged(capsys, contacts=contacts, drive={"area": 1e-6}, verdict=readings)
+        assert (said_of_it in page) is told
+
+
 def test_a_path_that_turns_is_left_out_as_one_that_ends(capsys: Any) -> None:
     """The verdict finds its own, at the speed of the first leg: it was refused."""
     thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
@@ -1844,7 +1857,8 @@ def test_a_mass_without_time_is_not_told_to_shorten_its_path() -> None:
     """The path is the verdict's own: more time is what the user can give."""
     machine = Machine(spring=1e-3, mass=1e-3, damping=1e-3, velocity=1.0)
     found = follow(machine, Contacts(gaussian(1.0, 0.3)), "mass", rigid(WIDE), 1e-3)
-    assert "raise wall_time" in found.message and "path" not in found.message
+    assert "wall_time" in found.message and "raise" in found.message
+    assert "path" not in found.message
 
 
 def test_a_limit_of_time_leaves_no_module_half_imported(monkeypatch: Any) -> None:

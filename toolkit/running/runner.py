@@ -26,6 +26,7 @@ from toolkit.running.solvers import (
 )
 from toolkit.saving import save
 from toolkit.scene import laws
+from toolkit.scene.drive import MACHINE_KEYS
 from toolkit.scene.interfaces import foreseen, of_interface, remarks
 from toolkit.scene.scene import Scene, load_scene
 from toolkit.version import __version__
@@ -175,6 +176,12 @@ def _solve_points(
         notes.append(
             f'the regimes are those of drive.slip = "{table.slip or "reset"}", and other rules may have others: sweep '
             'over "drive.slip" = ["reset", "reform-after", "instant"], too'
+        )
+    of_machine = [key for key in record.along if key in MACHINE_KEYS]
+    if of_machine and scene.master is None and scene.eq is None:
+        notes.append(
+            f"{' and '.join(of_machine)}: no number hangs on it here, as all are of a rigid slider; for slips add "
+            "drive.to and [master]"
         )
     return _result(scene, notes, sweep=record)
 

@@ -123,9 +123,12 @@ def solve_master(
             if not solved.path.size:
                 raise InputError(solved.message)
     except InputError as error:
-        if scene.eq is None or contacts.each_by_itself() is not contacts:
+        alone = scene.eq is not None and contacts.each_by_itself() is contacts
+        other = "; without [master] the scene's [eq] runs alone" * alone
+        said = f"{with_units_of(scene.scale, str(error))}{other}"
+        if said == str(error):
             raise
-        raise InputError(f"{error}; without [master] the scene's [eq] runs alone") from error
+        raise InputError(said) from error
     found = record_of(solved)
     if found.regime is not None:
         reason = with_units_of(scene.scale, with_units(scene, found.regime))

@@ -35,6 +35,8 @@ _MACHINE = {
 
 # all of these, as they follow a number
 UNITS = {unit for one in _MACHINE.values() for unit in (one.si, one.shared, *one.others)}
+# keys that no rigid slider hangs on
+MACHINE_KEYS = {"drive.slip", *(f"drive.{name}" for name in _MACHINE)}
 # of the spring, from no force on, on a path with some slips
 _LOADINGS = 5.0
 

@@ -228,8 +228,7 @@ def checked(source: Source, solved: bool, comm: Any = None) -> Scene:
         return _checked_grid(source, grid, solved, comm)
     followed = solved and (table.master is not None or table.eq is not None)
     driven = table.drive is not None and (followed or has_path(table.drive))
-    if driven:
-        check_machine(table)  # before the contacts, which may take long
+    check_machine(table)  # before the contacts, which may take long
     contacts = make_contacts(table.contacts, folder, comm)
     drive = make_drive(table.drive, contacts) if table.drive is not None and driven else None
     sweep = None

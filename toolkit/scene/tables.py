@@ -39,13 +39,18 @@ GROWTHS = {
     and issubclass(own, ProportionalGrowth)
     and own is not ProportionalGrowth
 }
-_Growths = msgspec.defstruct(
-    "_Growths", [(law, dict[str, Any] | None, None) for law in GROWTHS], bases=(KeyTable,)
+
+
+class _OfThresholds(KeyTable, frozen=True):
+    thresholds: dict[str, Any]
+
+
+_OfGrowths = msgspec.defstruct(
+    "_OfGrowths", [(law, dict[str, Any] | None, None) for law in GROWTHS], bases=(_OfThresholds,)
 )
 
 
-class ContactsTable(_Growths, frozen=True, kw_only=True):  # type: ignore[valid-type,misc,call-arg]
-    thresholds: dict[str, Any]
+class ContactsTable(_OfGrowths, frozen=True):  # type: ignore[valid-type,misc,call-arg]
     start: dict[str, Any] | None = None
     thermal: dict[str, Any] | None = None
     ageing: dict[str, Any] | None = None

@@ -61,9 +61,12 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
         speed = written(verdict.velocity, speed_unit(verdict))
         said = f"not the path of drive.{verdict.left_path}, which is left out: the drive goes one way, at {speed}"
         yield Line(GENERAL, said)
-    if not verdict.velocity_given and own.machine is not None and own.scale.length_unit == "m":
-        decides = bool(own.contacts.in_time) or own.machine.mass is not None
+    machine, in_time = own.machine, bool(own.contacts.in_time)
+    matters = in_time or machine is not None
+    if matters and not verdict.velocity_given and own.scale.length_unit == "m":
+        decides = in_time or (machine is not None and machine.mass is not None)
         what = "forces and slips hang on it, and all times" if decides else "all times hang on it"
+        what = what if machine is not None else "forces and K* hang on it"
         given = "none is given, and 1 m/s is taken"
         yield Line(
             TURNS if decides else UNSIZED, f"the speed: {given}; {what}: give drive.velocity"
