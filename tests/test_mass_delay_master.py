@@ -33,7 +33,7 @@ from master.soft.inertia.delayed.small_swings import SmallSwings
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.record import Record
-from master.soft.inertia.run import Run
+from master.soft.inertia.run import Differences, Run
 from master.soft.inertia.short_delay import short_delay
 from master.soft.regime import regime
 from master.soft.slips import slips_of
@@ -822,7 +822,7 @@ def test_the_error_of_a_short_delay_by_hand(
         runs.append(drive.damping)
         return SimpleNamespace(
             stopped=next(stopped),
-            differ=lambda _: (differ, 0.0),
+            differ=lambda _: Differences(differ, differ, 0.0),
             slips=lambda _: slips,
             record=SimpleNamespace(speed=np.array([-0.5 * speed])),
         )

@@ -10,6 +10,7 @@ from master.outcome import unheard
 from master.soft.inertia.in_time.flights import PARTS_LEFT, Bounds, Formed
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from origins import Contacts, Delay, Drive, Thermal
+from origins.errors import InputError
 
 EYRING = Thermal("eyring", width=0.03, attempt_frequency=1e3)
 # contacts come back 30 after they broke, where a slip of the first machine takes 4.5
@@ -182,6 +183,21 @@ def test_attempts_quicker_than_the_last_digit_of_the_time_are_followed() -> None
     assert np.abs(heavy.force - light.force).max() <= heavy.force_error + light.force_error
 
 
+def test_a_regime_hangs_on_slips_and_not_on_points_of_the_path_within_one() -> None:
+    """At T = 0, where the second slip begins at 1379563 and lasts for 3: two runs with points in it were 0.7 apart, and
+    neither force nor slips were known."""
+    contacts = WAITING.replace(delay=Delay(60.0))
+    machine = {"spring": 1e-6, "mass": 1e-6, "damping": 6e-7, "velocity": 1.0}
+    path = np.array([5e5, 1379567.0, 1379568.0, 2.9e6])
+    exact, found = (
+        master.solve(contacts, path, tolerance, **machine) for tolerance in (1e-4, 3e-2)
+    )
+    assert found.regime.verdict == exact.regime.verdict == "stick-slip"
+    assert np.abs(found.slips.drive - exact.slips.drive).max() <= found.slips.drive_error < 1e4
+    assert not found.success and "farther from slips" in found.message
+    assert np.abs(found.force - exact.force).max() <= found.force_error
+
+
 def test_the_end_of_a_slip_that_does_not_swing_is_not_known() -> None:
     """It comes to rest as its drive overtakes it, which hangs on the last digits of the force: no duration is told."""
     machine = SOFT | {"damping": 1.5 * 2.0 * 1e-3}
@@ -201,3 +217,13 @@ def test_a_path_that_ends_where_a_slip_may_begin_tells_so(end: float) -> None:
     assert np.abs(followed.force - exact.force).max() <= followed.force_error
     assert np.abs(followed.holding - exact.holding).max() <= followed.holding_error
     assert (followed.force_error > 0.5) == (end == 683.8)
+
+
+def test_a_path_of_two_speeds_is_told_that_one_would_be_followed() -> None:
+    """Beside an end sooner, which leads nowhere near a slip; not where contacts come back before."""
+    machine = {"spring": 1e-4, "mass": 1e-4, "damping": 6e-5}
+    path, time = np.array([1000.0, 8000.0]), np.array([1000.0, 15000.0])
+    for delay, told in ((50.0, "drive at one speed"), (5.0, "give a larger damping")):
+        contacts = WAITING.replace(delay=Delay(delay), thermal=EYRING)
+        with pytest.raises(InputError, match=told):
+            master.solve(contacts, path, 5e-2, time=time, **machine)

@@ -20,6 +20,7 @@ SHORTEN = "shorten the path or loosen the tolerance"
 LOOSEN = "loosen the tolerance"
 LEAVE_OUT = "leave out the heat"
 LEAVE_HEAT = f"{LEAVE_OUT} or {LOOSEN}"
+ELSEWHERE = "put points of the path and its end farther from slips, or tighten the tolerance"
 GIVE_WIDTH = "give the exact thresholds a width, as in gaussian(mean, std)"
 
 

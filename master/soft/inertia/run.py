@@ -1,8 +1,10 @@
 """One run of a slider with mass, with one tolerance, and its slips; and where two runs part."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from master.motion import Motion, drive_motion
 from master.outcome import StoppedError
@@ -53,6 +55,19 @@ class SlipsInTime(Slips):
     __repr__ = brief
 
 
+class Differences(NamedTuple):
+    """Largest differences of two runs, in mean thresholds.
+
+    force : of the spring's force at all points, and of what `of_slips` says
+    of_slips : of that force as slips begin and end, of K X_T there, and of the force at points not beside a slip
+    contact_force : of that of the contacts
+    """
+
+    force: float
+    of_slips: float
+    contact_force: float
+
+
 class Run:
     """The slider followed once.
 
@@ -71,7 +86,7 @@ class Run:
         # the motion hangs on F itself, and not on F' as slips without a mass do
         of_panels = OF_PANELS * tolerance * unit / cold.life.largest_stretch
         cold.of_panels = max(of_panels, LEAST_OF_PANELS)
-        self._spring, self._unit = spring, unit
+        self._spring, self._unit, self._waits = spring, unit, contacts.waiting_time
         self.tolerance = tolerance
         self.balance = cold.force_of(contacts.start) / spring
         if abs(drive.path[0] - self.balance) <= AT_BALANCE * unit:
@@ -120,21 +135,36 @@ class Run:
             duration_error=duration_error,
         )
 
-    def differ(self, other: "Run") -> tuple[float, float]:
-        """Largest differences, in mean thresholds: of the spring's force at points and slips and of K X_T at slips; and
-        of the contacts' force."""
+    def differ(self, other: "Run") -> Differences:
+        """How far the runs differ."""
         n = min(self.force.size, other.force.size)
         ours, theirs = self.slips(0.0), other.slips(0.0)
         if ours.drive.size != theirs.drive.size or not n:
-            return np.inf, np.inf
-        force = max(
-            float(np.abs(self.force[:n] - other.force[:n]).max()),
+            return Differences(np.inf, np.inf, np.inf)
+        points = np.abs(self.force[:n] - other.force[:n])
+        of_slips = max(
+            float(points[~self._beside_slips(ours, theirs)[:n]].max(initial=0.0)),
             self._spring * float(np.abs(ours.drive - theirs.drive).max(initial=0.0)),
             float(np.abs(ours.force_before - theirs.force_before).max(initial=0.0)),
             float(np.abs(ours.force_after - theirs.force_after).max(initial=0.0)),
         )
-        both = self.record.contact_force[:n], other.record.contact_force[:n]
-        return float(force / self._unit), float(np.abs(both[0] - both[1]).max() / self._unit)
+        contacts = np.abs(self.record.contact_force[:n] - other.record.contact_force[:n]).max()
+        both = max(of_slips, float(points.max()))
+        return Differences(*(float(off) / self._unit for off in (both, of_slips, contacts)))
+
+    def _beside_slips(self, ours: SlipsInTime, theirs: SlipsInTime) -> NDArray[np.bool_]:
+        """Which of the path's points lie in a slip of either run, or behind it while contacts are out, shape (n,):
+        there the force swings, and differs by all that it changes in the time by which the slips do."""
+        times, beside = self.record.times, np.zeros(self.record.times.size, dtype=bool)
+        begins, ends = (
+            np.stack([ours.time, theirs.time]),
+            np.stack([ours.duration, theirs.duration]),
+        )
+        ends += begins + self._waits
+        apart = np.abs(np.diff(begins, axis=0))[0]
+        for begin, end in zip(begins.min(axis=0) - apart, ends.max(axis=0) + apart, strict=True):
+            beside |= (times >= begin) & (times <= end)
+        return beside
 
     def duration_error(self, other: "Run", error: float) -> float:
         """Estimate from above of the largest error of the slips' durations, where that of the force is `error` (mean
@@ -142,7 +172,7 @@ class Run:
         chance none, as much of a duration as the error is of the slip's fall. inf for other numbers of slips, and
         where it does not follow the force in proportion, as at the end of a slip that fades."""
         ours, theirs = self.slips(0.0), other.slips(0.0)
-        differ, _ = self.differ(other)
+        differ = self.differ(other).of_slips
         if not np.isfinite(differ) or not np.isfinite(error):
             return np.inf
         lasts, change = ours.duration, np.abs(ours.duration - theirs.duration)

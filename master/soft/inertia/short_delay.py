@@ -86,7 +86,7 @@ def short_delay(
     if run.stopped:
         return None
     undelayed = Run(without, drive, tolerance, OF_RUN, until)
-    changes, _ = run.differ(undelayed)
+    changes = run.differ(undelayed).force
     if undelayed.stopped or not np.isfinite(changes):
         return None
     slips, pulled = run.slips(0.0), _fastest(drive)

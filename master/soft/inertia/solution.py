@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from master.outcome import Progress
-from master.soft.followed import LOOSEN, ErrorPart, Followed
+from master.soft.followed import ELSEWHERE, LOOSEN, ErrorPart, Followed
 from master.soft.in_time.idle_heat import Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
@@ -119,7 +119,7 @@ def solve_inertial(
         if best.stopped != UNRESOLVED or not parts:
             break
     coarser, stopped, parting = best, best.stopped, ""
-    error = of_contacts = np.inf
+    error = of_slips = of_contacts = np.inf
     for part in parts:
         of_swings = best.goes_on.force / unit if best.goes_on is not None else 0.0
         if stopped or error + of_swings <= tolerance or part * tolerance < LEAST:
@@ -128,11 +128,10 @@ def solve_inertial(
         nodes, stopped = nodes + run.nodes, run.stopped
         if not stopped:
             best, coarser = run, before
-            differ, contacts_differ = best.differ(before)
             unseen = UNSEEN * part * tolerance
-            error, of_contacts = (
+            error, of_slips, of_contacts = (
                 max(SAFETY * off + unseen, LEAST_ERROR * part * tolerance)
-                for off in (differ, contacts_differ)
+                for off in best.differ(before)
             )
             parting = run.parting(before, (tolerance - unseen) / SAFETY)
             progress(error)
@@ -140,7 +139,7 @@ def solve_inertial(
     # a first run that was stopped has asked for less than `tolerance`, and knows no error
     if most > 1.0 + max(tolerance, best.tolerance):
         stopped = f"number is not conserved: holding reaches {most:.4g}, a fault of the program"
-        error = of_contacts = np.inf
+        error = of_slips = of_contacts = np.inf
     neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
         neglected += idle.error
@@ -159,20 +158,23 @@ def solve_inertial(
             f"from X_T = {swings.since:.6g} on, swings of the force by {swings.force / unit:.1e} are told by their "
             "middle, as they neither grow nor drift"
         )
+    drive_error = (of_slips + neglected) * unit / spring
+    beside = error - of_slips if np.isfinite(error) else 0.0
     found = Followed(
         balance=best.balance,
         force=best.force,
         holding=best.record.holding[: best.force.size],
-        slips=best.slips(
-            (error + neglected) * unit / spring, best.duration_error(coarser, error + neglected)
-        ),
-        error=float(error + neglected),
+        slips=best.slips(drive_error, best.duration_error(coarser, of_slips + neglected)),
+        error=float(of_slips + neglected),
         of_holding=ErrorPart("the share that holds", of_holding),
         nodes=nodes,
         stopped_because=stopped,
         parts=(
-            ErrorPart(f"two runs with other tolerances{parting}", error),
+            ErrorPart(f"two runs with other tolerances{parting}", of_slips),
             ErrorPart("rounding, and heat, a delay or swings that are left out", neglected, LOOSEN),
+        ),
+        beside_slips=ErrorPart(
+            "points beside a slip, where the two runs differ by its time", beside, ELSEWHERE
         ),
         note="; ".join(notes),
     )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.soft.followed import LEAVE_HEAT, LOOSEN, ErrorPart, total
+from master.soft.followed import ELSEWHERE, LEAVE_HEAT, LOOSEN, ErrorPart, total
 from master.soft.in_time.idle_heat import unresolved_heat
 from master.soft.inertia.in_time.clocks import COLUMNS, FORCE, HOLDING, PLACE, Clocks
 from master.soft.inertia.in_time.slider import HeavySlider
@@ -33,8 +33,6 @@ MORE_ROOM = 2.0
 OF_END = 0.1
 # Times the time from rest to a flight in the error of a slip's duration: of 50 random machines one was 0.7 of it off.
 OF_START = 2.0
-# What is to be done about points of the path beside a slip.
-ELSEWHERE = "put points of the path and its end farther from slips, or tighten the tolerance"
 # Halved steps of as many sliders tell an error.
 COMPARED = 3
 

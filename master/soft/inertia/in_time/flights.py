@@ -191,7 +191,7 @@ class Way(NamedTuple):
 class Flights:
     """Flights of a slider on these contacts; see the head of the file.
 
-    are_known : whether they are looked for
+    are_known : whether they are looked for; at_one_speed : whether they would be on a drive of one speed
     """
 
     def __init__(
@@ -210,11 +210,12 @@ class Flights:
         self._most, self._not_before = ALLOWED * tolerance, 0
         given = self._mass, self._damping, self._spring, 0.0, 0.0, contacts.unit / self._spring, 0.0
         swing = Oscillation.of(*given).bound(contacts.delay)
-        if swing > AT_RETURN * contacts.unit or self._spring > SOFTEST_IN_STEPS:
-            self._survival = None
-        self.are_known = self._survival is not None and bool(contacts.delay)
-        if self._survival is not None and self.are_known:
-            self._bounds = Bounds(self._survival, contacts.unit, contacts.memory.largest_stretch)
+        soft = self._spring <= SOFTEST_IN_STEPS and swing <= AT_RETURN * contacts.unit
+        self.at_one_speed = survival is not None and soft and bool(contacts.delay)
+        # what follows a slip on a drive that turns, stops or changes its speed is not known by the slip's own clock
+        self.are_known = self.at_one_speed and motion.speeds.size == 1 and bool(motion.speeds[0])
+        if survival is not None and self.are_known:
+            self._bounds = Bounds(survival, contacts.unit, contacts.memory.largest_stretch)
 
     def ahead(self, leg: int, end: float, speed: float) -> Flight | None:
         """The flight from now on of a slider of this speed, up to the time `end` at most; None where contacts hold, or
@@ -229,8 +230,7 @@ class Flights:
         drive_speed, now = float(self._motion.speeds[leg]), contacts.now
         pull = self._spring * (float(self._motion.at(np.array(now))) - contacts.position)
         rate = self._spring * drive_speed
-        given = self._mass, self._damping, self._spring, pull, rate, 0.0, speed
-        motion = Oscillation.of(*given)
+        motion = Oscillation.of(self._mass, self._damping, self._spring, pull, rate, 0.0, speed)
         # for a delay, births are those of breaks before the flight
         lasts = min(end - now, contacts.delay)
         way = self._way(motion, lasts, kept)

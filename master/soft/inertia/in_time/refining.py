@@ -67,7 +67,7 @@ def follow_in_steps(
         try:
             slider.run()
         except StoppedError as why:
-            stopped = _why(why, cohorts, drive)
+            stopped = _why(why, slider, drive)
             if best is None:
                 if time.monotonic() <= until and not isinstance(why, FaultError):
                     refuse("path[-1]", drive.path[-1], stopped)
@@ -129,8 +129,9 @@ def _largest(found: HeavyAnswer) -> float:
     return max(found.error, found.of_holding.size)
 
 
-def _why(why: StoppedError, contacts: ContactsInSteps, drive: Drive) -> str:
+def _why(why: StoppedError, slider: HeavySlider, drive: Drive) -> str:
     """Why a slider was stopped, and where steps were too many what to do."""
+    contacts = slider.contacts
     work = MOST_WORK * (contacts.most_steps / MOST_STEPS) ** 2
     if contacts.cost <= contacts.most_steps and contacts.work <= work:
         return str(why)
@@ -138,6 +139,8 @@ def _why(why: StoppedError, contacts: ContactsInSteps, drive: Drive) -> str:
         f"a slider with mass takes {contacts.steps} steps, {contacts.work:.1e} operations in all,"
     )
     hint = f"or give a larger damping ({enough_damping(drive)})"
+    if slider.may_fly_at_one_speed:
+        hint = "or drive at one speed all along, on which slips of contacts that wait so long take no steps"
     return (
         f"{fault} to t = {contacts.now:.4g}, and no more are taken on; end the path sooner, {hint}"
     )

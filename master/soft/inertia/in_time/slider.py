@@ -77,8 +77,6 @@ class HeavySlider:
         contacts.takes_no_birth_back = True
         self._swings = SwingSteps(contacts, drive, motion)
         self._drifts = Drifts(self._swings.mass, drive.damping)
-        # what follows a slip on a drive that turns, stops or changes its speed is not known by the slip's own clock
-        survival = survival if motion.speeds.size == 1 and motion.speeds[0] else None
         self._flights = Flights(contacts, drive, motion, tolerance, survival)
         self._slow = SlowSteps(contacts, drive, motion, self._drifts, self._flights.are_known)
         self._energies = Energies(contacts, self.spring, self.damping)
@@ -95,6 +93,11 @@ class HeavySlider:
         """Whether there were some."""
         slid = self._sliding is not None and self._sliding.in_slips and bool(self.slides)
         return slid or bool(self.flown)
+
+    @property
+    def may_fly_at_one_speed(self) -> bool:
+        """Whether flights would be looked for on a drive of one speed, which this is not."""
+        return self.motion is not None and self._flights.at_one_speed > self._flights.are_known
 
     def run(self) -> None:
         """Follow the drive to its end, leg by leg."""
@@ -200,9 +203,8 @@ class HeavySlider:
         nodes.append(self._node(nodes[-1].sizes_so_far + taken, speed))
         before, after = nodes[-2:]
         earlier = self._broken_before
-        self.falls.watch(
-            leg, before, after, (earlier + breaks, earlier + contacts.past_breaks.total)
-        )
+        broken = earlier + breaks, earlier + contacts.past_breaks.total
+        self.falls.watch(leg, before, after, broken)
         self._way = [*self._way, after] if speed else [after]
 
     def _slides_on(self, leg: int) -> bool:
@@ -268,8 +270,7 @@ class HeavySlider:
         if flight is None:
             return False
         contacts.unresolved.note(OF_FLIGHT, SWINGS_BY * flight.bound.force, contacts.now)
-        since = self._since_rest()
-        if since is not None:
+        if (since := self._since_rest()) is not None:
             contacts.past_breaks.repeat_bend(since)
         contacts.past_breaks.repeat_bend(contacts.now)
         self.flown.append(flight.bound)
@@ -295,6 +296,5 @@ class HeavySlider:
         """The end of the step just taken, with this speed of the slider."""
         state = self.contacts
         place = state.now, state.force, state.holding, state.position
-        return HeavyNode(
-            sizes_so_far, *place, speed, *self._spent, state.groups.stored(state.memory)
-        )
+        stored = state.groups.stored(state.memory)
+        return HeavyNode(sizes_so_far, *place, speed, *self._spent, stored)
