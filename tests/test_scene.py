@@ -143,7 +143,11 @@ def test_columns_of_samples_are_named_and_may_have_decimal_commas(tmp_path: Path
     assert mean("1,0\n1,1\n1,3\n", decimal=",") == plain
     for text, more, told in (
         (table, {"column": "x_S"}, "column = 'x_S': is no column of the header; did you mean x_s?"),
-        ("1.0\n2.0\n", {"column": "x_s"}, "is no column of the header; it names 1.0"),
+        (
+            "1.0\n2.0\n",
+            {"column": "x_s"},
+            "no header stands before the numbers; write its number, as",
+        ),
         ("1,0\n1,1\n", {}, 'write decimal = ","'),
         ("3,7298e-09\n1,85e-9\n", {}, 'write decimal = ","'),
         ("1.0\n1.1\n", {"decimal": ";"}, "decimal = ';'"),

@@ -79,6 +79,9 @@ def _place(key: str, column: int | str | None, lines: list[str]) -> int | None:
     if not isinstance(column, str):
         return column
     names = _names(lines)
+    if not names:
+        hint = "names no column, as no header stands before the numbers; write its number, as"
+        refuse(key, column, f"{hint} {key} = 1")
     if column not in names:
         hint = f"is no column of the header; {did_you_mean(column, names)}it names"
         refuse(key, column, f"{hint} {shorten(', '.join(names), 100, placeholder=' ...')}")
