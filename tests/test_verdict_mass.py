@@ -444,6 +444,25 @@ def test_a_trace_has_several_points_of_each_swing() -> None:
     assert replace(machine, mass=None).points(1e9) == 600
 
 
+def test_the_period_of_fewer_contacts_than_there_are_is_known_as_their_force_is() -> None:
+    """The standard error of 500 contacts alone was a third of what their period is off by from that of all."""
+    machine, contacts = (
+        Machine(1e-3, 1e-3, 6e-4, 1.0),
+        Contacts(gaussian(1.0, 0.2), delay=Delay(30.0)),
+    )
+    exact = master.solve(contacts, np.array([2150.0]), 1e-4, **machine.keywords("mass")).period
+    known = RigidSlider(0.69, 0.52, 1e-9, 1.0, 4.0, 1e6)
+    for most in (500, 4000):
+        asked = machine, contacts, "mass", 700.0, time.monotonic() + 1e4, known, most
+        found = follow_by_contacts(*asked)
+        assert found.period is not None and found.sliders is not None
+        off = abs(found.period - exact)
+        assert off <= found.period_error
+        # times the force that is not known, for the fall of a mass that swings
+        assert found.period_error < 2.5 * found.error / machine.spring
+        assert most > 500 or off > 3.0 * found.sliders.period_error
+
+
 @pytest.mark.slow  # quick: contacts that wait are pulled as far as a slider that sticks, above
 def test_contacts_that_wait_longer_than_the_spring_is_loaded_slip_on(monkeypatch: Any) -> None:
     """In their delay the drive goes on by seven times what loads the spring: the path ended while all contacts were out

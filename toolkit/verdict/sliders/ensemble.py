@@ -22,6 +22,7 @@ from toolkit.verdict.sliders.budget import (
     too_long,
     way_without_contacts,
 )
+from toolkit.verdict.sliders.few_contacts import period_off, too_early_by
 from toolkit.verdict.sliders.late import (
     SLIDERS,
     in_the_end,
@@ -206,7 +207,7 @@ def follow_by_contacts(
         before, after, error = many.before, many.after, many.force_error
     if slipped and number < (round(rigid.contacts) if rigid.contacts else np.inf):
         few = _fewer(machine, contacts, rule, path, until) if number > PILOT else None
-        error += (too_early := _too_early(found, few or found, unit))
+        error += (too_early := too_early_by(found, few or found, unit))
         if before - after < SURE * error:
             return not_followed(rule, f"{number:,} contacts slip, perhaps as they are so few")
     if not common and not has_slid(found, unit):
@@ -238,13 +239,16 @@ def follow_by_contacts(
             swings = float(forces.min()), float(forces.max())
         seen = slips.drive.size / SLIDERS
         many = Finite(rule, number, "smooth", slips=seen, fluctuation=scatter_of(forces))
+    period_error = 0.0
+    if many and many.period:
+        period_error = many.period_error + period_off(too_early, machine.spring)
     return Behaviour(
         rule=rule,
         kind=kind,
         before=before,
         after=after,
         period=many.period if many else None,
-        period_error=many.period_error if many and many.period else 0.0,
+        period_error=period_error,
         slips=common,
         error=float(error / unit),
         success=True,
@@ -285,16 +289,3 @@ def _fewer(
     except InputError:
         return None
     return replace(few, slips=main_slips(few.slips))
-
-
-def _too_early(found: Any, few: Any, unit: float) -> float:
-    """By how much F before the first slip may be too low as there are not more contacts (a length): by N^(-2/3) mean
-    thresholds `unit`, or by what a few contacts say of its factor, with their standard errors; of these few themselves
-    by ten times that, more than was found of any law."""
-    number = found.contacts // SLIDERS
-    least = float(number ** (-2.0 / 3.0)) * unit
-    if few is found:
-        return 10.0 * least
-    (force, off), (lower, more_off) = (each.slips.mean("force_before", 0) for each in (found, few))
-    ratio = (number * SLIDERS / few.contacts) ** (2.0 / 3.0) - 1.0
-    return max(least, float((abs(force - lower) + off + more_off) / ratio))

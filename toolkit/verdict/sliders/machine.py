@@ -207,7 +207,7 @@ class Behaviour:
         Of infinitely many contacts whose slips go on and differ in size, before, after and period are means over the
         later half of the main slips.
     period_error : of the period (a length), from above; where slips differ with the standard error of its mean, of the
-        ensemble this alone
+        ensemble this and what fewer contacts than there are may change
     sliders : what tells it of finitely many contacts, whose means of late slips the numbers are; None: no such slips
     instead : why the master equation does not decide, where sliders of all contacts do in its place; "" where it does
     slip_time, top_speed : of the last slip; None where slips take no time
