@@ -10,7 +10,7 @@ from master.steady.kinetic_table import tabulated
 from origins import Contacts, Thermal
 
 # Drawn tables of each law of heat, and speeds within each at which forces are solved one by one.
-DRAWN, SPEEDS = 12, 100
+DRAWN, SPEEDS = 8, 100
 
 
 def drawn_contacts(draw: np.random.Generator, law: str) -> Contacts:

@@ -16,7 +16,7 @@ from oracle.write import write
 WRONG_BEFORE = "spectrum grains"
 ALL = load()
 FAST = 0.1  # s that a kept answer took: the calls asked by `make test` are of these
-PER_KIND = 3
+PER_KIND = 2
 # hard laws (docs/limits.md): may be short, never FALSE
 HARD = {
     "hard law forward: arcsine",

@@ -444,6 +444,7 @@ def test_five_readings_have_five_marks_and_of_ten_the_own_one_stands_out() -> No
         assert drawn["springs"].get_xlabel().endswith("N/m)")
 
 
+@pytest.mark.slow  # K* of so narrow a peak takes long; quick: the other panels, above
 def test_a_peak_narrower_than_the_panels_points_has_its_height() -> None:
     """It is cut off where the axis ends, and the panel says so."""
     parts = [{"kind": "gaussian", "mean": 1.0, "std": 0.3}]

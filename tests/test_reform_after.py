@@ -14,7 +14,7 @@ import origins
 @pytest.mark.parametrize(
     ("parts", "spring", "stiffness", "count"),
     [
-        ([(1.0, 1.0, 0.2)], 0.5, "independent", 8),
+        slow([(1.0, 1.0, 0.2)], 0.5, "independent", 8),
         slow([(1.0, 1.0, 0.05)], 1.4, "independent", 5),
         slow([(1.0, 1.0, 0.2)], 0.4, "linked", 7),
         # slips of the weaker group and of all contacts in turns: the former were once repeated as if there were no

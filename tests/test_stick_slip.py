@@ -57,7 +57,7 @@ def test_closed_values(name: str) -> None:
         assert abs(found.static_to_kinetic - static) <= found.static_to_kinetic_error <= 3e-8
 
 
-@pytest.mark.parametrize("law", [origins.gw_elastic(1.588), origins.gw_gaussian(0.5, 1.0)])
+@pytest.mark.parametrize("law", [origins.gw_elastic(1.588), slow(origins.gw_gaussian(0.5, 1.0))])
 def test_averages_over_a_spread_start_are_as_fine_as_slopes_need(law: origins.Thresholds) -> None:
     """F falls by a ten thousandth of its rise; averages too coarse for its slope cost minutes and missed 1e-8."""
     contacts, x = Contacts(law, SPREAD), np.linspace(0.0, 6.0, 601)

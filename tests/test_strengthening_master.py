@@ -225,11 +225,11 @@ def test_a_path_that_turns_rests_and_changes_its_speed(start, age):
     assert np.abs(found.force - without_growth).max() > 0.1
 
 
-@pytest.mark.parametrize("draws", [1, slow(16)])
-def test_what_is_claimed_bounds_the_error_at_any_tolerance(draws):
+@pytest.mark.slow  # quick: drawn cases of the command, in test_force_error.py
+def test_what_is_claimed_bounds_the_error_at_any_tolerance():
     """Against solutions a thousand times as fine, over random laws, growth, paths and delays."""
     draw, over = np.random.default_rng(11), []
-    for _ in range(draws):
+    for _ in range(16):
         law = list(LAWS.values())[draw.integers(len(LAWS))]
         beta, tau = 10.0 ** draw.uniform(-2.0, 0.0), 10.0 ** draw.uniform(-6.0, 1.0)
         age = draw.choice([0.0, 3.0])

@@ -357,6 +357,7 @@ def test_what_is_regained_over_a_long_delay_is_not_told(capsys: Any, monkeypatch
     assert "drop of a slip (mass)" in page and "of it regained" not in page
 
 
+@pytest.mark.slow  # quick: slips of few contacts are over once they slide, in test_fading_slips.py
 def test_slips_on_the_way_to_sliding_are_not_called_stick_slip(monkeypatch: Any) -> None:
     """Contacts that re-form at once slip many times before they slide: on a longer way no slip follows, so that where
     infinitely many are not decided the slips of fewer contacts than there are tell nothing, and those of all that they
