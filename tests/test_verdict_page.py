@@ -61,7 +61,7 @@ def test_where_steps_end_the_page_does_not_ask_for_more_time(
     # in seconds where the scene is in metres
     metres = scale_of(Contacts(gaussian(1.0, 0.3)), None)
     metres = replace(metres, length_unit="m", time_unit="s")
-    assert "lead to t = 1,220 s, and X = 47.9 µm" in in_units(
+    assert "lead to t = 1,218 s, and X = 47.8682 µm" in in_units(
         "lead to t = 1218, and X = 4.78682e-05", metres
     )
 
