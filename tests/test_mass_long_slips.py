@@ -1,5 +1,7 @@
 """Slips of a slider with mass by a million thresholds, of contacts that grow stronger: F_k(V), then ringing."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy.stats as st
@@ -12,6 +14,8 @@ import origins
 from master.motion import drive_motion
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.refining import memory_of
+from master.soft.inertia.in_time.clocks import Clocks
+from master.soft.inertia.in_time.long_slips import long_slips_of
 from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.ringing import Ringing, with_rings
 from master.stick_slip.extremes import extremes
@@ -103,7 +107,7 @@ def at_a_turn(contacts: Contacts, now: float) -> tuple[Ringing, ContactsInSteps,
     cohorts.take(cohorts.trial(-0.15, now), 1.0)
     place = now, cohorts.force, cohorts.holding, cohorts.position
     node = HeavyNode(0.0, *place, 0.0, 0.0, 0.0, 0.0, 0.0)
-    return Ringing(contacts, drive, motion, 1e-2), cohorts, node
+    return Ringing(drive, motion, 1e-2, 1.0), cohorts, node
 
 
 def test_a_slider_rings_on_contacts_that_hold() -> None:
@@ -136,15 +140,40 @@ def test_a_slider_rings_on_contacts_that_hold() -> None:
 
 
 def test_it_does_not_where_contacts_break() -> None:
-    """Where the spring pulls them beyond their largest stretch, or heat breaks them, or others come back."""
+    """Where the spring pulls them beyond their largest stretch; nor are slips so where heat breaks them, others come
+    back, they do not grow, or the drive stops."""
     ringing, cohorts, node = at_a_turn(STRONGER, 6e3)
     assert ringing.ahead(0, 1e4, cohorts, node) is None
+    drive = Drive(np.array([1e7]), **RINGING)
+    assert long_slips_of(STRONGER, drive, drive_motion(drive, 0.0), 1e-2, np.inf) is not None
     for other in (
+        Contacts(NORMAL),
         STRONGER.replace(delay=Delay(1e-3)),
         STRONGER.replace(thermal=Thermal("eyring", width=0.03, attempt_frequency=1e3)),
     ):
-        ringing, cohorts, node = at_a_turn(other, 1e-3)
-        assert ringing.ahead(0, 1.0, cohorts, node) is None
+        assert long_slips_of(other, drive, drive_motion(drive, 0.0), 1e-2, np.inf) is None
+    holds = Drive(np.array([1e7, 1e7]), time=np.array([1.0, 2.0]), **(RINGING | {"velocity": 1.0}))
+    assert long_slips_of(STRONGER, holds, drive_motion(holds, 0.0), 1e-2, np.inf) is None
+
+
+def test_a_swing_of_unknown_phase_counts_in_full() -> None:
+    """Where a slip's time is known to a part of a period of the ringing behind it, the force at a point there is not
+    known better than the swing is large; it seemed to be where that time was a whole number of periods."""
+    drive = Drive(np.array([1e7]), **RINGING)
+    ringing, cohorts, node = at_a_turn(STRONGER, 1e-3)
+    ring = ringing.ahead(0, 1.0, cohorts, node)
+    assert ring is not None
+    period, spring = ring.motion.period, RINGING["spring"]
+    slider = SimpleNamespace(rings=[ring], spring=spring, motion=drive_motion(drive, 0.0))
+    clocks = Clocks([slider], np.array([node.time]))  # type: ignore[list-item]
+    at = node.time + 5.0 * period
+    for periods in (0.3, 1.0, 4.0, 4.5):
+        swing = 2.0 * float(ring.motion.bound((5.0 - periods) * period))
+        assert clocks.rung(at, periods * period) == pytest.approx(
+            [spring * swing, ring.stiff * swing]
+        )
+    assert not clocks.rung(at, 0.2 * period).any()
+    assert not clocks.rung(at + ring.lasts, 4.0 * period).any()
 
 
 @pytest.mark.slow

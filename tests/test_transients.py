@@ -24,7 +24,7 @@ from toolkit.verdict.files import plain
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.sliders.ensemble import follow_by_contacts
 from toolkit.verdict.sliders.finite import follow_finite
-from toolkit.verdict.sliders.follow import STILL_SWINGS, behaviour_of, follow
+from toolkit.verdict.sliders.follow import STILL_SWINGS, follow
 from toolkit.verdict.sliders.late import EVER_RARER, in_the_end, shrinking
 from toolkit.verdict.sliders.machine import (
     Behaviour,
@@ -35,6 +35,7 @@ from toolkit.verdict.sliders.machine import (
     rigid_slider,
 )
 from toolkit.verdict.sliders.steady import friction_falls, slides_on
+from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.slips_in_words import mean_over_slips
 from toolkit.verdict.text.words import page, sentence
 
@@ -249,6 +250,26 @@ def test_slips_that_fade_are_followed_until_they_are_over_and_open_until_then(
     never = not_followed("mass", "it is not solved here")
     monkeypatch.setattr("toolkit.verdict.sliders.follow.by_distribution", lambda *_: never)
     assert follow(machine, contacts, "mass", rigid, 1e4).slips == fades.slips
+
+
+def test_slips_with_mass_are_told_where_a_point_beside_one_is_not() -> None:
+    """A slip takes no time beside that by which its begin is not known, so that the force at a point near it is off by
+    all that it falls: a verdict puts its own points anywhere, and was "not decided" for that."""
+    machine = Machine(0.1, 0.1, 0.05, 1.0)
+    solved = master.solve(
+        Contacts(WIDE), np.linspace(0.0, 15.0, 9), 1e-5, **machine.keywords("mass")
+    )
+    assert solved.slips.drive.size
+    error = solved.slips.force_error
+    assert error == pytest.approx(0.1 * solved.slips.drive_error / WIDE.mean())
+    for off, lowest in ((0.7, error), (0.2 * error, 0.2 * error)):
+        told = behaviour_of(
+            "mass", replace(solved, force_error=off, success=False), 1.0, 1.0, STILL_SWINGS
+        )
+        assert told.error == pytest.approx(lowest) and told.message == STILL_SWINGS
+    slips = replace(solved.slips, force_error=1.0)
+    unknown = replace(solved, force_error=0.7, success=False, slips=slips, message="too many steps")
+    assert behaviour_of("mass", unknown, 1.0, 1.0, "").message == "too many steps"
 
 
 def test_slips_of_several_sizes_are_told_by_their_mean() -> None:

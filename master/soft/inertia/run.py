@@ -40,6 +40,8 @@ class SlipsInTime(Slips):
     top_speed : largest dX/dt on the way (length per time), shape (n,)
     duration_error : estimate from above of the largest error of `duration`, a time; inf where it is not known, as
         of a slip that fades without a swing, whose end, the speed of the drive, is reached slowly.
+    force_error : the same of the forces before and after slips, in mean thresholds; that of X_T, `drive_error`, may
+        add up from slip to slip
 
     The slider sticks where the force rises by 0.02 mean thresholds while it stays within two of them, a fifth of the
     contacts at least hold it and fewer break. From where it last stuck to the end of the fall there are 0.2 breaks per
@@ -51,6 +53,7 @@ class SlipsInTime(Slips):
     duration: Array
     top_speed: Array
     duration_error: float = np.inf
+    force_error: float = np.inf
 
     __repr__ = brief
 
@@ -133,6 +136,7 @@ class Run:
             duration=end[0] - begin[0],
             top_speed=top,
             duration_error=duration_error,
+            force_error=self._spring * drive_error / self._unit,
         )
 
     def differ(self, other: "Run") -> Differences:

@@ -75,7 +75,8 @@ class InertialSolution(SoftSolution):
     velocity : dX/dt at the points of the path, shape (n,)
     contact_force : F/(N_c<k>), shape (n,), a length; contact_force_error : estimate from above of its largest error, in
         mean thresholds: above `force_error` where the slider passes many thresholds in a slip
-    energy : by parts
+    energy : by parts; neither these nor `velocity` have an error of their own, and beside a slip, and while the slider
+        rings on its contacts, they may be those of another moment of it
     """
 
     velocity: Array

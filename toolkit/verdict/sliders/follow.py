@@ -8,17 +8,12 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.errors import InputError
-from toolkit.results.kinds import is_precise, kind_of
-from toolkit.results.mean_of_pairs import mean_of_pairs
-from toolkit.results.slips import slips_to_tell
-from toolkit.results.traces import with_slips
-from toolkit.scene.scale import ROUNDING
+from toolkit.results.kinds import kind_of
 from toolkit.verdict.sliders.budget import (
     NO_DAMPING,
     NO_TIME,
     few_are_followed,
     lacks_damping,
-    late,
     loading_of,
     may_follow,
 )
@@ -34,20 +29,19 @@ from toolkit.verdict.sliders.machine import (
     Machine,
     RigidSlider,
     critical_damping,
-    first_of,
-    last_of,
     not_followed,
 )
 from toolkit.verdict.sliders.steady import settling_distance, slides_on
+from toolkit.verdict.sliders.told import PRECISE_ENOUGH, behaviour_of, error_of, is_known
 
-# of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time; and the error up to which
-# a regime and its forces are told, the error beside them
-TOLERANCE, TOLERANCE_IN_TIME, ENOUGH = 1e-6, 1e-3, 0.05
-# the latter where it is only told whether the slider slips: slips of a third of it are listed
+# of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
+TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
+# where it is only told whether the slider slips: slips of a third of it are listed
 WHETHER_IT_SLIPS = 0.03
 # of a slider with mass and a delay, of which 1e-3 takes some times as long; and of one whose contacts grow stronger on
-# a spring softer than this, in N_c<k>: five slips on it are a few thousand steps each
-TOLERANCE_WITH_DELAY, TOLERANCE_OF_LONG_SLIPS, SOFT = 1e-2, 2e-2, 1e-2
+# a spring softer than this, in N_c<k>: five slips on it are some hundred steps each, and their forces known to some
+# 0.02, as the error of their places adds up
+TOLERANCE_WITH_DELAY, TOLERANCE_OF_LONG_SLIPS, SOFT = 1e-2, 0.1, 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
 LENGTHS = (LOADINGS_IN_PLACE, 20.0, 60.0)
 # the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
@@ -226,70 +220,22 @@ def by_distribution(
             if of_path and "give a larger damping" not in why:
                 why = why.partition("; ")[0]
             return replace(not_followed(rule, why or str(error)), refused=True)
-        if found.slips and not is_precise(solved):
+        if found.slips and not is_known(solved):
             break  # what the shorter path told stands
         swings = kind_of(solved) == "smooth" and length < settled
         asked = machine.velocity, contacts.mean_threshold, STILL_SWINGS if swings else ""
         found = replace(behaviour_of(rule, solved, *asked), cut=solved.path.size < path.size)
         # where heat is left out its bound alone misses the tolerance, and a longer path is no harder
-        cold = found.heat_left_out is not None and solved.force_error < ENOUGH and not found.cut
-        if found.kind != "undecided" or not (solved.success or cold):
+        cold = (
+            found.heat_left_out is not None
+            and solved.force_error < PRECISE_ENOUGH
+            and not found.cut
+        )
+        goes_on = solved.success or cold or error_of(solved) <= tolerance
+        if found.kind != "undecided" or not goes_on:
             break
         enough = np.inf
         if solved.period is not None and found.slips < ENOUGH_SLIPS and not swings:
             more = ENOUGH_SLIPS - found.slips + PART_OF_PERIOD
             enough = float(solved.slips.drive[-1]) + more * solved.period - begin
     return found
-
-
-def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why: str) -> Behaviour:
-    """What the solution of a soft slider says: no figure where its force is not known. `unit` : the mean threshold;
-    `open_why` : why it is not known whether the slider will slip again, "" where that is to be seen."""
-    if not is_precise(solved):
-        why = solved.message
-        if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
-            why = late(why)
-        unknown = not_followed(rule, why.partition("; take eq_model")[0])
-        unknown = replace(unknown, heat_left_out=solved.heat_left_out)
-        return replace(unknown, error=solved.force_error, run_time=solved.run_time)
-    slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
-    last = float(solved.force[-1]) if solved.force.size else float("nan")
-    before, after, period, error = last, last, solved.period, solved.force_error
-    period_error = 0.0 if period is None else 2.0 * float(slips.drive_error)
-    if slips.drive.size and kind in ("stick-slip", "undecided"):
-        shown = slips_to_tell(slips, kind == "stick-slip")
-        forces = slips.force_before[shown], slips.force_after[shown]
-        before, after = (float(one.mean()) for one in forces)
-        if shown.size > 1:
-            # as many gaps as slips, with that before the first of them
-            period, scatter = mean_of_pairs(np.diff(slips.drive[slips.main])[-shown.size :])
-            period_error += scatter
-            error += mean_of_pairs(slips.drop[shown]).error / unit
-        after = after if abs(after) > ROUNDING * abs(before) else 0.0
-    shrinks, left = max(-(solved.regime.trend or 0.0), 0.0), 0.0
-    if shrinks and solved.period:  # drops go on to shrink as they did
-        silent = float(solved.path[-1] - slips.drive[-1]) / solved.period
-        left = float(slips.drop[-1] * (1.0 - shrinks) ** silent)
-    drive, force = with_slips(solved, velocity)
-    return Behaviour(
-        rule=rule,
-        kind=kind,
-        before=before,
-        after=after,
-        period=period,
-        period_error=period_error,
-        slips=slips.drive.size,
-        smaller=slips.drive.size - slips.main.size,
-        error=error,
-        success=bool(solved.success or (kind != "undecided" and solved.force_error < ENOUGH)),
-        message=open_why or (solved.regime.reason if solved.success else solved.message),
-        run_time=solved.run_time,
-        slip_time=last_of(slips, "duration"),
-        top_speed=last_of(slips, "top_speed"),
-        first_slip=first_of(slips),
-        heat_left_out=solved.heat_left_out,
-        shrinks_by=shrinks,
-        left=left,
-        drive=drive,
-        force=force,
-    )

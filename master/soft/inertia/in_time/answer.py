@@ -66,7 +66,8 @@ class HeavyAnswer(NamedTuple):
     columns : by the names of HeavyNode, arrays of shape (n,); lengths, and energies per N_c<k>
     slips : of the last slider, in the limit where all have as many
     parts : of the error of the spring's force (mean thresholds); of_contacts : error of the contacts' force (the same)
-    of_holding : error of the share that holds; duration_error : of the slips' durations
+    of_holding : error of the share that holds; duration_error : of the slips' durations; of_slips : of the forces
+        before and after slips (mean thresholds)
     beside : what the errors of both forces and of holding may be larger where slips are near
     """
 
@@ -76,6 +77,7 @@ class HeavyAnswer(NamedTuple):
     of_contacts: float
     of_holding: ErrorPart
     duration_error: float
+    of_slips: float
     beside: Beside
 
     @property
@@ -99,7 +101,8 @@ def answer(
     read_from = np.array([clocks.read(k) for k in range(len(sliders))])
     limit, slips = read_from[-1], rows[-1]
     unknown = ErrorPart("steps, of which fewer than three halvings were solved", np.inf)
-    parts, of_contacts, of_holding, duration_error = [unknown], np.inf, unknown, np.inf
+    parts, of_contacts, of_holding = [unknown], np.inf, unknown
+    duration_error = of_slip_forces = np.inf
     at_end = ErrorPart("a slip that may come before the path ends", 0.0, ELSEWHERE)
     unseen, beside = _unseen(last, contacts, drive), Beside(at_end, 0.0, 0.0)
     if len(sliders) == COMPARED:
@@ -111,6 +114,9 @@ def answer(
             lengths = np.array([np.array(one[:5]) for one in rows])
             lengths[:, :3] *= last.spring
             of_slips = _changes(lengths).reshape(3, -1) / unit
+            forces = np.array([[one.force_before, one.force_after] for one in rows])
+            of_forces = _changes(forces).reshape(3, -1) / unit
+            of_slip_forces = error_by(of_forces, safety) + total(unseen)
             slips = SlipRows(*_at_step_0(np.array([np.array(one) for one in rows])))
             of_durations = _changes(np.array([one.duration for one in rows]))[1:].max(initial=0.0)
             duration_error = safety * float(of_durations)
@@ -151,7 +157,14 @@ def answer(
     more_of_contacts = max((slid.of_contacts for slid in last.slides), default=0.0) / unit
     of_contacts += total(unseen) + more_of_contacts
     return HeavyAnswer(
-        columns, slips, tuple(parts), of_contacts, of_holding, duration_error, beside
+        columns,
+        slips,
+        tuple(parts),
+        of_contacts,
+        of_holding,
+        duration_error,
+        of_slip_forces,
+        beside,
     )
 
 

@@ -19,6 +19,8 @@ from origins.thresholds.law import Array
 
 # Columns of a node that are read: all behind its size and its time.
 COLUMNS = HeavyNode._fields[2:]
+# Part of a period in which a swing goes from one end to another place that is no farther than the ends of that part.
+OF_PERIOD = 0.25
 FORCE, HOLDING, PLACE = (COLUMNS.index(of) for of in ("force", "holding", "position"))
 
 
@@ -105,7 +107,20 @@ class Clocks:
             low, high = np.searchsorted(times, [when[k] - off, when[k] + off])
             seen = np.column_stack([passed[:, low:high], early[:, k], late[:, k]])
             out[:, k] = np.abs(seen - at[:, k : k + 1]).max(axis=1)
+            out[:2, k] = np.maximum(out[:2, k], self.rung(float(when[k]), off))
         return out
+
+    def rung(self, when: float, off: float) -> Array:
+        """What is not known of the forces of spring and contacts (lengths) while the last slider rings, at a time that
+        is known to `off`: where that is a part of a period, the phase is not known."""
+        most = np.zeros(2)
+        for ring in self.last.rings:
+            since = max(when - off - ring.begin.time, 0.0)
+            begun = when + off > ring.begin.time and since < ring.lasts
+            if begun and off > OF_PERIOD * ring.motion.period:
+                swing = 2.0 * ring.motion.bound(since)
+                most = np.maximum(most, swing * np.array([self.last.spring, ring.stiff]))
+        return most
 
     def pull(self, times: Array, places: Array) -> Array:
         """The spring's force (lengths) on the last slider at these places at these times, on a drive that moves."""

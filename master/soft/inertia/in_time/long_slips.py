@@ -13,16 +13,15 @@ contact remembers the speed it had on the way l of its life, and in the first or
 As V^2 grows in proportion to the way X from the slip's begin, d ln V/dX = 1/2X: the lag falls, until the slider comes
 to rest, some tens of thresholds before which steps go on with contacts as in steady sliding at that speed.
 
-The error of F is what it is off F_k(V) by as steps end, in the limit of short steps, how much that varied along the
-last part of the way, and the lag. That of the spring's force is far smaller, as F is so far off on a small part of the
-slip alone.
+The error of F is what it is off F_k(V) by as steps end, how much that varied along the last part of the way, and the
+lag. That of the spring's force is far smaller, as F is so far off on a small part of the slip alone.
 """
 
 import numpy as np
 
 from master.motion import Motion
 from master.soft.in_time.contacts import ContactsInSteps
-from master.soft.in_time.creep import CREEP, Offset
+from master.soft.in_time.creep import CREEP
 from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.steady_motion import SlipMotion
 from master.soft.inertia.in_time.steady_sliding import Begin, Slid, SteadySliding
@@ -57,21 +56,23 @@ class LongSlips(SteadySliding):
     ) -> None:
         """See Creep."""
         super().__init__(contacts, drive, motion, tolerance, until)
-        law = contacts.thresholds
-        # the mean age of steadily sliding contacts on the slider, each by its force
-        memory = float(law.moment(3) / (1.5 * law.moment(2)))
+        law, self.motion = contacts.thresholds, motion
+        # the mean way of steadily sliding contacts on the slider, each by its force, at the age 0
+        self._memory_of_fresh = float(law.moment(3) / (1.5 * law.moment(2)))
         allowed = LAG * self._tolerance
-        self._machine = self._machine._replace(memory=memory, allowed_lag=allowed)
+        self._machine = self._machine._replace(allowed_lag=allowed)
 
     def slide(self, way: list[HeavyNode], contacts: ContactsInSteps) -> Slid | None:
         """See SteadySliding."""
         last, sign = way[-1], self._sign
         distance, speed = sign * (last.position - way[0].position), sign * last.speed
         looked = len(way) < CREEP.next_look * self._nodes_at_last_look
-        of = self._machine
+        if speed <= 0.0 or looked:
+            return None
+        self._machine = of = self._machine._replace(memory=self._memory_at(speed))
         load = self._load(last)
         is_light = of.mass * speed**2 < HEAVY * load * of.memory
-        if speed <= 0.0 or looked or is_light or distance < 2.0 * COMPARED * of.unit:
+        if is_light or distance < 2.0 * COMPARED * of.unit:
             return None
         self._nodes_at_last_look = len(way)
         if load - sign * last.force < WORTH * of.spring * of.life:
@@ -82,6 +83,12 @@ class LongSlips(SteadySliding):
         slid = self._slid(last, begin._replace(error=0.0), contacts, SlipMotion)
         of_spring = self._of_spring(slid, begin, distance)
         return slid._replace(error=slid.error + of_spring, of_contacts=begin.error)
+
+    def _memory_at(self, speed: float) -> float:
+        """The way for which F remembers the speed, at this one (a length): contacts grow stronger on it."""
+        growth, fresh = self._contacts.changing, self._memory_of_fresh
+        assert isinstance(growth, ProportionalGrowth)
+        return fresh * float(growth.factor(fresh / speed))
 
     def _of_spring(self, slid: Slid, begin: Begin, distance: float) -> float:
         """The error of the spring's force behind a slip (a length), as F lags behind F_k(V). That changes the energy by
@@ -107,16 +114,12 @@ class LongSlips(SteadySliding):
         u = float(np.log(speed[-1]))
         offsets = force[late] - table.force(np.log(speed[late]))
         way_compared = float(np.ptp(position[late]))
-        offset = Offset(
-            float(offsets.mean()), float(np.ptp(offsets)), way_compared / (offsets.size - 1)
-        )
+        variation = float(np.ptp(offsets))
         faster = float(np.log(speed[-1] / speed[late][0])) / way_compared
         lag = of.lag(u, faster, table)
-        if max(offset.variation / VARIATION, lag / LAG) > self._tolerance:
+        if max(variation / VARIATION, lag / LAG) > self._tolerance:
             return None
-        error = max(offset.at_step_0(self._offset_of_longer_steps), lag)
-        self._offset_of_longer_steps = offset
-        return Begin(u, table, error + offset.variation)
+        return Begin(u, table, max(abs(float(offsets.mean())), lag) + variation)
 
     def _table_of_slip(self, speeds: Array, load: float) -> KineticTable | None:
         """F_k at these speeds, and at those that a spring with this force may give the slider."""

@@ -51,7 +51,8 @@ def follow_in_steps(
     balance = balance_of(contacts, drive)
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
     given = contacts, drive, motion, tolerance, until
-    sliding = sliding_of(*given) or long_slips_of(*given)
+    slips = long_slips_of(*given)
+    sliding = sliding_of(*given) or slips
     if sliding is None:
         _refuse_long_ways(contacts, drive, balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
@@ -62,7 +63,7 @@ def follow_in_steps(
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
-        rings = None if motion is None else Ringing(contacts, drive, motion, tolerance * unit)
+        rings = None if slips is None else Ringing(drive, slips.motion, tolerance * unit, unit)
         slider = HeavySlider(cohorts, drive, motion, tolerance * unit, sliding, survival, rings)
         try:
             slider.run()
@@ -165,6 +166,7 @@ def _found(
         duration=slips.duration,
         top_speed=slips.top_speed,
         duration_error=best.duration_error,
+        force_error=best.of_slips,
     )
     nodes, stopped = ended
     of_holding = best.of_holding

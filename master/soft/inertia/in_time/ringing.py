@@ -1,8 +1,8 @@
 """Ringing without steps: a slider that has come to rest swings on contacts of which none breaks any more.
 
-Where contacts break by their stretch alone, those that hold have been stretched as far as they are in a swing that is
-inside the swings before. The slider is then a damped oscillator in closed form, on the spring of a machine for some
-thousand swings:
+Where contacts break by their stretch alone, and grow no weaker, as those of long_slips.py, those that hold have been
+stretched as far as they are in a swing that is inside the swings before. The slider is then a damped oscillator in
+closed form, on the spring of a machine for some thousand swings:
 
     M y'' + γ y' + (K + κ) y = K (X_T - X_0) - F_0,    F = F_0 + κ y,    κ the stiffness of those that hold.
 
@@ -19,7 +19,6 @@ from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.oscillation import Oscillation
-from origins import Contacts
 from origins.drive import RISE, Drive
 from origins.thresholds.law import Array
 
@@ -73,23 +72,18 @@ class Ring(NamedTuple):
 class Ringing:
     """Swings of a slider on these contacts that are told without steps."""
 
-    def __init__(self, contacts: Contacts, drive: Drive, motion: Motion, tolerance: float) -> None:
-        """tolerance : of the force (a length)."""
+    def __init__(self, drive: Drive, motion: Motion, tolerance: float, unit: float) -> None:
+        """On a drive of one speed. tolerance : of the force; unit : the mean threshold (lengths)."""
         self._motion, self._tolerance = motion, tolerance
-        self._quiet = QUIET * tolerance
+        self._quiet, self._small = QUIET * tolerance, SMALL * RISE * unit
         self._mass, self._damping = float(drive.mass or 0.0), drive.damping
         self._spring = float(drive.spring or 0.0)
-        self._small = SMALL * RISE * contacts.mean_threshold
-        held = set(contacts.laws) & {"thermal", "ageing", "delay", "reforming", "grains"}
-        self._is_known = not held
 
     def ahead(
         self, leg: int, end: float, cohorts: ContactsInSteps, begin: HeavyNode
     ) -> Ring | None:
         """The swings from this turn on, until the slider is at rest or the time `end`; None where contacts break on
         them, or where they are not worth it."""
-        if not self._is_known:
-            return None
         speed, stiff, spring = float(self._motion.speeds[leg]), cohorts.holding, self._spring
         drive = float(self._motion.at(np.array(begin.time)))
         pull, all_stiff = spring * (drive - begin.position) - begin.force, spring + stiff

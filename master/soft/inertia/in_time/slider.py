@@ -91,8 +91,8 @@ class HeavySlider:
     @property
     def passes_slips(self) -> bool:
         """Whether there were some."""
-        slid = self._sliding is not None and self._sliding.in_slips and bool(self.slides)
-        return slid or bool(self.flown)
+        in_slips = self._sliding is not None and self._sliding.in_slips
+        return bool(self.flown) or (in_slips and bool(self.slides or self.rings))
 
     @property
     def may_fly_at_one_speed(self) -> bool:

@@ -1,0 +1,88 @@
+"""What a solution of a soft slider says of its behaviour, and how well that is known."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from toolkit.results.kinds import is_precise, kind_of
+from toolkit.results.mean_of_pairs import mean_of_pairs
+from toolkit.results.slips import slips_to_tell
+from toolkit.results.traces import with_slips
+from toolkit.scene.scale import ROUNDING
+from toolkit.verdict.sliders.budget import late
+from toolkit.verdict.sliders.machine import Behaviour, first_of, last_of, not_followed
+
+# Error, in mean thresholds, up to which a regime and its forces are told, the error beside them.
+PRECISE_ENOUGH = 0.05
+
+
+def error_of(solved: Any) -> float:
+    """The error by which a solution is judged, in mean thresholds. With a mass that of its slips, where a point of the
+    path is nearer to one than its time is known, or their places are known less well than their forces: the path is the
+    verdict's own, and asks for no force there."""
+    slips = solved.slips
+    if not (hasattr(slips, "duration") and slips.drive.size):
+        return float(solved.force_error)
+    return float(min(solved.force_error, slips.force_error))
+
+
+def is_known(solved: Any) -> bool:
+    """Whether the forces of a solution are known well enough to be told."""
+    return is_precise(solved) or error_of(solved) < PRECISE_ENOUGH
+
+
+def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why: str) -> Behaviour:
+    """What the solution of a soft slider says: no figure where its force is not known. `unit` : the mean threshold;
+    `open_why` : why it is not known whether the slider will slip again, "" where that is to be seen."""
+    if not is_known(solved):
+        why = solved.message
+        if "stopped by wall_time" in why:  # the path and its tolerance are the verdict's own
+            why = late(why)
+        unknown = not_followed(rule, why.partition("; take eq_model")[0])
+        unknown = replace(unknown, heat_left_out=solved.heat_left_out)
+        return replace(unknown, error=solved.force_error, run_time=solved.run_time)
+    judged = error_of(solved)
+    # else its message is of points of the path beside slips
+    told = solved.success or judged < min(solved.force_error, PRECISE_ENOUGH)
+    slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
+    last = float(solved.force[-1]) if solved.force.size else float("nan")
+    before, after, period, error = last, last, solved.period, judged
+    period_error = 0.0 if period is None else 2.0 * float(slips.drive_error)
+    if slips.drive.size and kind in ("stick-slip", "undecided"):
+        shown = slips_to_tell(slips, kind == "stick-slip")
+        forces = slips.force_before[shown], slips.force_after[shown]
+        before, after = (float(one.mean()) for one in forces)
+        if shown.size > 1:
+            # as many gaps as slips, with that before the first of them
+            period, scatter = mean_of_pairs(np.diff(slips.drive[slips.main])[-shown.size :])
+            period_error += scatter
+            error += mean_of_pairs(slips.drop[shown]).error / unit
+        after = after if abs(after) > ROUNDING * abs(before) else 0.0
+    shrinks, left = max(-(solved.regime.trend or 0.0), 0.0), 0.0
+    if shrinks and solved.period:  # drops go on to shrink as they did
+        silent = float(solved.path[-1] - slips.drive[-1]) / solved.period
+        left = float(slips.drop[-1] * (1.0 - shrinks) ** silent)
+    drive, force = with_slips(solved, velocity)
+    return Behaviour(
+        rule=rule,
+        kind=kind,
+        before=before,
+        after=after,
+        period=period,
+        period_error=period_error,
+        slips=slips.drive.size,
+        smaller=slips.drive.size - slips.main.size,
+        error=error,
+        success=bool(solved.success or (kind != "undecided" and judged < PRECISE_ENOUGH)),
+        message=open_why or (solved.regime.reason if told else solved.message),
+        run_time=solved.run_time,
+        slip_time=last_of(slips, "duration"),
+        top_speed=last_of(slips, "top_speed"),
+        first_slip=first_of(slips),
+        heat_left_out=solved.heat_left_out,
+        shrinks_by=shrinks,
+        left=left,
+        drive=drive,
+        force=force,
+    )
