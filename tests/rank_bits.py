@@ -19,8 +19,8 @@ start, path = origins.gaussian_start(mean=0.05, std=0.1), np.linspace(0.0, 6.0, 
 
 
 def told(comm: Any) -> Iterator[Any]:
-    """Every kind of ensemble, as what is gathered is the same for all laws; islands, whose sampling is shared; what one
-    rank refuses, which all refuse."""
+    """Every kind of ensemble, with some laws, as what is gathered is the same for all; islands, whose sampling is
+    shared; what one rank refuses, which all refuse."""
     for contacts, drive, number, more in (
         (origins.Contacts(mixed, start), path, 5001, {}),
         (
@@ -30,6 +30,7 @@ def told(comm: Any) -> Iterator[Any]:
             {"histograms": [2]},
         ),
         (origins.Contacts(wide, start, ageing=ageing), loop, 3001, {"histograms": [4]}),
+        (origins.Contacts(origins.strengthening(wide, 0.1, 2.0), start), loop, 301, {}),
         (origins.Contacts(wide, delay=origins.Delay(0.1)), 3.0 * loop, 300, {"spring": 0.7}),
         (origins.Contacts(wide, thermal=soft), path, 300, {"spring": 0.7}),
         (

@@ -83,8 +83,9 @@ def test_it_is_the_exact_slip_where_contacts_hardly_grow(seed: int) -> None:
     exact = master.solve(Contacts(law), path, 1e-5, **machine)
     grown = Contacts(origins.strengthening(law, 1e-9, 1.0))
     ours = master.solve(grown, path, 1e-2, **machine)
-    assert ours.slips.drive.size == exact.slips.drive.size == 1 and ours.success
+    assert ours.slips.drive.size == exact.slips.drive.size == 1
     claim = spring * (ours.slips.drive_error + exact.slips.drive_error)
+    assert claim < 2e-2
     for name in ("force_before", "force_after"):
         assert abs(getattr(ours.slips, name) - getattr(exact.slips, name))[0] < claim
     of_duration = ours.slips.duration_error + exact.slips.duration_error

@@ -99,6 +99,24 @@ def test_the_ensemble_agrees(law, start, delay):
 
 
 @pytest.mark.slow
+def test_a_law_stated_by_its_order_is_that_stated_by_its_factor():
+    """Growth is the same by any of the classes."""
+
+    class Power(origins.ProportionalGrowth):
+        law = "power"
+
+        def factor(self, age):
+            return (1.0 + np.asarray(age)) ** 0.3
+
+    def power(x, age, travelled):
+        return x / (1.0 + age) ** 0.3
+
+    laws = Power(PC, 1.0), Law("power", power, lambda duration: (1.0 + duration) ** 0.3)
+    one, other = (master.solve(Contacts(law), PATH, 1e-7, time=CLOCK).force for law in laws)
+    assert np.abs(one - other).max() < 1e-7
+
+
+@pytest.mark.slow
 def test_histograms_count_thresholds_as_they_are_then():
     """At rest on a slider that has not moved none breaks, and all thresholds are e^(-1/5) times those of P_c."""
     law = Law("weak", numba.njit(weak))

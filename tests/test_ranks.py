@@ -48,7 +48,7 @@ def test_environment_is_read(environment: str, launch: Launch) -> None:
 
 def test_bits_do_not_depend_on_the_number_of_ranks(mpirun: Any) -> None:
     alone = list(told(None))
-    assert len(alone) == 8 and alone[-1].startswith("temperature: ")
+    assert len(alone) == 9 and alone[-1].startswith("temperature: ")
     done = mpirun(2, GATHERED)
     assert done.returncode == 0, done.stderr
     every = json.loads(done.stdout)
