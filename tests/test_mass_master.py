@@ -1,5 +1,7 @@
 """A soft slider with mass, by the master equation: exact motions, scipy's integrator, limits, energy, the ensemble."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from conftest import slow
@@ -14,6 +16,7 @@ from master.outcome import StoppedError
 from master.soft.inertia.closed_falls import watch_closed
 from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.oscillation import Oscillation
+from master.soft.inertia.run import NEAR, Run, SlipsInTime
 from origins import InputError
 
 WIDE = origins.Contacts(origins.gaussian(1.0, 0.2))
@@ -238,6 +241,24 @@ def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
         off = np.abs(coarse.force - fine.force).max() / contacts.mean_threshold
         failed += not coarse.success or off > coarse.force_error + fine.force_error
     assert failed == 0
+
+
+def test_points_in_a_slip_are_known_no_better_than_when_it_begins() -> None:
+    """Both runs agreed at points by chance, or had a slip on one side of a point that is on the other: claims were 4
+    and 150 times too small."""
+    begins, lasts, fall = np.array([1.0, 5.0]), np.array([0.4, 0.4]), np.array([0.9, 0.3])
+    given = {"drive": begins, "before": begins, "after": begins, "force_before": fall}
+    given |= {"force_after": 0.0 * fall, "duration": lasts, "top_speed": lasts, "drive_error": 0.0}
+    ours, theirs = SlipsInTime(**given, time=begins), SlipsInTime(**given, time=begins + 0.002)
+    apart = 0.002 * NEAR
+    for times, off in (
+        ([1.1], 0.9 * 2.0 * apart / 0.4),
+        ([1.0 - 0.9 * apart], 0.9 * 2.0 * apart / 0.4),
+        ([0.9, 1.5, 5.3], 0.3 * 2.0 * apart / 0.4),
+        ([0.9, 1.5], 0.0),
+    ):
+        run = SimpleNamespace(record=SimpleNamespace(times=np.array(times)), force=np.array(times))
+        assert Run.unknown_fall(run, ours, theirs) == pytest.approx(off)  # type: ignore[arg-type]
 
 
 def test_linked_stiffness_beside_a_mass_is_refused_in_one_line() -> None:

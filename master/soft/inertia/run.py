@@ -29,6 +29,8 @@ ROUNDING = 1e-14
 # An error of a duration is told up to this part of it, and where two runs differ in it by no more than so many times
 # what their forces differ by, as a part of the fall: up to 5 times as a rule, hundreds of times in a slip that fades.
 OF_DURATION, FOLLOWS = 0.1, 30.0
+# Times that two runs differ by in when a slip begins, within which it may begin.
+NEAR = 4.0
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,7 @@ class Run:
             float(np.abs(ours.force_after - theirs.force_after).max(initial=0.0)),
         )
         contacts = np.abs(self.record.contact_force[:n] - other.record.contact_force[:n]).max()
-        both = max(of_slips, float(points.max()))
+        both = max(of_slips, float(points.max()), self.unknown_fall(ours, theirs))
         return Differences(*(float(off) / self._unit for off in (both, of_slips, contacts)))
 
     def _beside_slips(self, ours: SlipsInTime, theirs: SlipsInTime) -> NDArray[np.bool_]:
@@ -169,6 +171,16 @@ class Run:
         for begin, end in zip(begins.min(axis=0) - apart, ends.max(axis=0) + apart, strict=True):
             beside |= (times >= begin) & (times <= end)
         return beside
+
+    def unknown_fall(self, ours: SlipsInTime, theirs: SlipsInTime) -> float:
+        """How much (a length) the force may be off at a point of the path in a slip, or so near to its begin that it is
+        maybe in it, by when that is: a half of a swing falls by less than twice its mean rate."""
+        apart, times = NEAR * np.abs(ours.time - theirs.time), self.record.times
+        times = times[: self.force.size, None]
+        inside = (times >= ours.time - apart) & (times <= ours.time + ours.duration + apart)
+        part = np.minimum(2.0 * apart / np.maximum(ours.duration, apart), 1.0)
+        off = np.abs(ours.drop) * np.where(apart > 0.0, part, 0.0)
+        return float(np.where(inside, off, 0.0).max(initial=0.0))
 
     def duration_error(self, other: "Run", error: float) -> float:
         """Estimate from above of the largest error of the slips' durations, where that of the force is `error` (mean
