@@ -62,9 +62,9 @@ def any_case(draw: Any) -> Case:
     corners = np.append(0.0, np.cumsum(lengths * (-1.0) ** np.arange(lengths.size)))
     path = np.interp(np.linspace(0.0, lengths.size, 24), np.arange(corners.size), corners)
     drive: dict[str, Any] = {}
-    if lengths.size == 1 and number in (0, 1, 4) and draw(st.booleans()):
+    if lengths.size == 1 and number in (0, 1, 4, 5) and draw(st.booleans()):
         drive = {"spring": draw(decades(-6.0, 6.0)), "slip": draw(st.sampled_from(RULES))}
-        if draw(st.booleans()) and number < 2:
+        if draw(st.booleans()) and number != 4:
             del drive["slip"]
             drive |= {"mass": draw(decades(-6.0, 6.0)), "damping": draw(decades(-6.0, 3.0))}
         path = path * (1.0 + 1.0 / drive["spring"])
