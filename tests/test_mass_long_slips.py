@@ -185,7 +185,7 @@ def test_contacts_themselves_slip_so() -> None:
     contacts = Contacts(origins.strengthening(NORMAL, 0.05, 0.1))
     path, sizes, replicas = np.linspace(0.0, 150.0, 9), np.array([500, 2000, 8000]), (60, 30, 10)
     solved = master.solve(contacts, path, 1e-2, **machine)
-    assert solved.slips.drive.size == 1 and solved.success
+    assert solved.slips.drive.size == 1 and solved.slips.force_error < 1e-2
     weights = np.linalg.inv(np.stack([sizes**-power for power in (0.0, 2 / 3, 1.0)], axis=1))[0]
     drawn = [
         eq_model.simulate(contacts, path, n_contacts=n, n_replicas=many, seed=3, **machine).slips

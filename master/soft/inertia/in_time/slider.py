@@ -7,14 +7,8 @@ import numpy as np
 
 from master.motion import Motion
 from master.outcome import StoppedError
+from master.soft.in_time import unresolved
 from master.soft.in_time.contacts import ContactsInSteps, Trial
-from master.soft.in_time.unresolved import (
-    OF_CREEP,
-    OF_FLIGHT,
-    OF_LONG_SLIP,
-    OF_QUIET,
-    OF_RINGING,
-)
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.in_time.falls import Falls
 from master.soft.inertia.in_time.flights import SWINGS_BY, Bound, Flights
@@ -32,8 +26,8 @@ from origins.thresholds.law import Array
 COMES_TO_REST, LEAVES_REST = 2.5, 10.0
 # Fewest steps of a swing before rest is looked for again, where it was not found; and of rest that are worth it.
 STEPS_TO_REST = 8
-# Least part of a step's size that is tried at rest where none balances after a longer one.
-LEAST_SLOW = 2.0**-8
+# Least part of a step's size that is tried at rest; before long slips up to where F' jumps, as a group begins to break.
+LEAST_SLOW, LEAST_BEFORE_LONG_SLIPS = 2.0**-8, 2.0**-12
 
 
 class HeavySlider:
@@ -146,7 +140,7 @@ class HeavySlider:
             if self._slides_on(leg) or self._flies(leg, end):
                 break
             if at_rest < COMES_TO_REST * self.quiet and contacts.steps >= self._not_before:
-                contacts.unresolved.note(OF_QUIET, at_rest, contacts.now)
+                contacts.unresolved.note(unresolved.OF_QUIET, at_rest, contacts.now)
                 self._is_slow = True
                 break
             if swung.turns or swings.needs_other_steps(size):
@@ -157,20 +151,22 @@ class HeavySlider:
         """Take steps in balance until `end`, or until inertia matters again."""
         contacts, slow = self.contacts, self._slow
         begin, part = contacts.steps, 1.0
+        least = LEAST_SLOW if self._ringing is None else LEAST_BEFORE_LONG_SLIPS
         while contacts.now < end:
             crept = slow.next_step(part * self._size)
-            if crept is None and part > LEAST_SLOW:
-                # shorter ones end before the slip, of which a long one finds no balance
+            leaves = crept is None or self._leaves_rest(crept)
+            # shorter ones end before the slip, of which a long one finds no balance but behind it
+            if leaves and part > least and (crept is None or self._ringing is not None):
                 part *= 0.5
                 continue
             part = min(2.0 * part, 1.0)
-            if crept is None or self._leaves_rest(crept):
+            if crept is None or leaves:
                 self._is_slow = False
                 self._left_rest = contacts.now
                 if contacts.steps < begin + STEPS_TO_REST:
                     self._not_before = contacts.steps + STEPS_TO_REST
                 return
-            contacts.unresolved.note(OF_QUIET, crept.left_out, contacts.now)
+            contacts.unresolved.note(unresolved.OF_QUIET, crept.left_out, contacts.now)
             energies = self._energies.creeping(crept.trial, self._swings.pull, self._drive_speed)
             self._drifts.add(0.5 * (contacts.now + crept.trial.end), crept.drift)
             self._take(leg, crept.trial, slow.size(crept.trial), crept.speed, energies)
@@ -187,8 +183,7 @@ class HeavySlider:
 
     def _leaves_rest(self, crept: Crept) -> bool:
         """Whether inertia that this step in balance leaves out matters, or it leads back in time."""
-        size = self._slow.size(crept.trial)
-        return crept.left_out > LEAVES_REST * self.quiet or size <= 0.0
+        return crept.left_out > LEAVES_REST * self.quiet or self._slow.size(crept.trial) <= 0.0
 
     def _take(self, leg: int, trial: Trial, size: float, speed: float, energies: Spent) -> None:
         """Take a step, at whose end the slider has this speed and on which these energies were given and taken."""
@@ -222,7 +217,7 @@ class HeavySlider:
         last, self._broken_before = slid.nodes[-1], before + float(slid.breaks[-1])
         if sliding.in_slips:
             self._since_rest()
-        kind = OF_LONG_SLIP if sliding.in_slips else OF_CREEP
+        kind = unresolved.OF_LONG_SLIP if sliding.in_slips else unresolved.OF_CREEP
         contacts.unresolved.note(kind, slid.error, contacts.now)
         step = self._size * self._swings.length
         contacts.slide_to(last.position, last.time, last.speed, step, sliding.life)
@@ -255,7 +250,7 @@ class HeavySlider:
         until = min(node.time + ring.lasts, end)
         trial = contacts.trial(float(ring.motion.travel(until - node.time)), until)
         last = HeavyNode(1.0, until, *ring.columns(np.array([until]))[:, 0].tolist())
-        contacts.unresolved.note(OF_RINGING, SWINGS_BY * ring.broken, contacts.now)
+        contacts.unresolved.note(unresolved.OF_RINGING, SWINGS_BY * ring.broken, contacts.now)
         self._take(leg, trial, 1.0, last.speed, last.spent.less(node.spent))
         self.rings.append(ring)
         self._is_slow = until < end
@@ -269,7 +264,7 @@ class HeavySlider:
         flight = self._flights.ahead(leg, end, self._swings.speed)
         if flight is None:
             return False
-        contacts.unresolved.note(OF_FLIGHT, SWINGS_BY * flight.bound.force, contacts.now)
+        contacts.unresolved.note(unresolved.OF_FLIGHT, SWINGS_BY * flight.bound.force, contacts.now)
         if (since := self._since_rest()) is not None:
             contacts.past_breaks.repeat_bend(since)
         contacts.past_breaks.repeat_bend(contacts.now)
