@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.stats as st
+from conftest import slow
 
 import master
 import origins
@@ -183,6 +184,7 @@ def test_attempts_quicker_than_the_last_digit_of_the_time_are_followed() -> None
     assert np.abs(heavy.force - light.force).max() <= heavy.force_error + light.force_error
 
 
+@pytest.mark.slow  # quick: points beside a slip, below
 def test_a_regime_hangs_on_slips_and_not_on_points_of_the_path_within_one() -> None:
     """At T = 0, where the second slip begins at 1379563 and lasts for 3: two runs with points in it were 0.7 apart, and
     neither force nor slips were known."""
@@ -206,7 +208,7 @@ def test_the_end_of_a_slip_that_does_not_swing_is_not_known() -> None:
     assert found.followed.slips.drive.size == 1 and np.isinf(found.followed.slips.duration_error)
 
 
-@pytest.mark.parametrize("end", [683.0, 683.8])
+@pytest.mark.parametrize("end", [683.0, slow(683.8)])
 def test_a_path_that_ends_where_a_slip_may_begin_tells_so(end: float) -> None:
     """It begins at 683.86, and in steps half a length before: at 683.8 they were 0.04 off, and told 5e-5."""
     path = np.array([300.0, 600.0, end])
@@ -219,6 +221,7 @@ def test_a_path_that_ends_where_a_slip_may_begin_tells_so(end: float) -> None:
     assert (followed.force_error > 0.5) == (end == 683.8)
 
 
+@pytest.mark.slow
 def test_a_path_of_two_speeds_is_told_that_one_would_be_followed() -> None:
     """Beside an end sooner, which leads nowhere near a slip; not where contacts come back before."""
     machine = {"spring": 1e-4, "mass": 1e-4, "damping": 6e-5}

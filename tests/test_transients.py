@@ -196,7 +196,7 @@ def test_smooth_sliding_after_slips_that_shrink_is_told_at_f_k_with_what_is_left
     assert slides.swings == ((low, high) if many == 9 else None) and low < exact < high
     swings = f", still swinging between {low:.2g} N_c<k> length and {high:.2g} N_c<k> "
     assert (swings in said) is (many == 9)
-    assert said.startswith(f"smooth at {exact:.4f} N" if many == 9 else "smooth at 0.498 ± 0.005 N")
+    assert said.startswith(f"smooth at {exact:.4f} N" if many == 9 else "smooth at 0.498 ± 0.004 N")
     # where its ends are not known what is left is an error, of more than the force itself
     left = replace(slides, error=0.8, before=1e-3, after=1e-3, slips=13, swings=None)
     said = sentence(of(left))

@@ -864,6 +864,7 @@ def test_a_speed_that_is_not_given_is_told_also_without_a_machine_where_it_matte
         assert (said_of_it in page) is told
 
 
+@pytest.mark.slow  # the slider is followed in heat four times
 def test_a_path_that_turns_is_left_out_as_one_that_ends(capsys: Any) -> None:
     """The verdict finds its own, at the speed of the first leg: it was refused."""
     thresholds = {"kind": "gaussian", "mean": 1.0, "std": 0.2}

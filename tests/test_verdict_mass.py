@@ -444,6 +444,7 @@ def test_a_trace_has_several_points_of_each_swing() -> None:
     assert replace(machine, mass=None).points(1e9) == 600
 
 
+@pytest.mark.slow  # quick: how late few contacts slip, above
 def test_the_period_of_fewer_contacts_than_there_are_is_known_as_their_force_is() -> None:
     """The standard error of 500 contacts alone was a third of what their period is off by from that of all."""
     machine, contacts = (

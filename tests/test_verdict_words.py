@@ -195,7 +195,7 @@ def test_a_machine_without_units_is_refused_before_its_surface_is_read(capsys: A
     complete = {"spring": "50 N/m"} | area
     for command, drive, sweep in (
         ("verdict", complete, None),
-        ("thresholds", {"spring": 50.0}, None),  # which needs no machine
+        ("thresholds", complete, None),
         ("run", {"spring": "50 N/m", "to": 1e-3}, {"drive.area": [1e-6, 2e-6]}),
         ("run", complete | {"slip": "", "to": 1e-3}, {"drive.slip": ["reset", "instant"]}),
     ):

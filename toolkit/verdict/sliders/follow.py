@@ -46,6 +46,9 @@ TOLERANCE_WITH_DELAY, TOLERANCE_OF_LONG_SLIPS, SOFT = 1e-2, 0.1, 1e-2
 LENGTHS = (LOADINGS_IN_PLACE, 20.0, 60.0)
 # the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
 FIRST_WITH_DELAY = 9.0
+# the first where contacts grow stronger: five slips, and an end as far from the fifth as from a sixth, as coarser steps
+# have them earlier
+FIRST_OF_LONG_SLIPS = 5.8
 # tolerance of F_s and K*, where they decide how far a slider is pulled, and of one that rings for too long
 ROUGHLY = 1e-3
 # parts of critical damping tried where none is given and the slider rings for too long: tolerance; time of the first
@@ -111,6 +114,7 @@ def follow(
         lengths = (FIRST_WITH_DELAY, *lengths[1:])
     elif rule == "mass" and contacts.changing is not None and machine.spring < SOFT:
         tolerance = max(tolerance, TOLERANCE_OF_LONG_SLIPS)
+        lengths = (FIRST_OF_LONG_SLIPS, *lengths[1:])
     distances = [each * loading for each in lengths]
     found = by_distribution(machine, contacts, rule, distances, until, tolerance)
     if found.kind != "undecided":
