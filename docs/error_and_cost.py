@@ -37,12 +37,15 @@ def precision_of(scene: str) -> dict[str, Any] | str:
         return json.loads(file.read_text()) if file.exists() else done.stderr.strip()
 
 
-def point(one: dict[str, Any] | None, floor: float) -> str:
-    """True error and run time of a run; the reference's own error where it tells no more."""
+def point(one: dict[str, Any] | None, floor: float | None) -> str:
+    """True error and run time of a run; the reference's own error where it tells no more. None: that is not known, as
+    its run ended before, and no error is."""
     if one is None:
         return ""
     error = one["error"]
-    known = f"{error:.0e}" if error is not None and error >= floor else f"< {floor:.0e}"
+    known = "not known"
+    if floor is not None:
+        known = f"{error:.0e}" if error is not None and error >= floor else f"< {floor:.0e}"
     return f"{known}, {one['run_time']:.1g} s"
 
 

@@ -252,6 +252,14 @@ def made() -> tuple[Any, str]:
     return script, (DOCS / "error-and-cost.md").read_text(encoding="utf-8")
 
 
+def test_a_reference_that_ended_before_it_was_known_leaves_errors_unknown() -> None:
+    """On a busy machine it may: the script that makes the tables ended in a TypeError."""
+    script, _ = made()
+    run = {"error": 0.1, "run_time": 2.0}
+    assert script.point(run, None) == "not known, 2 s"
+    assert script.point(run, 0.2) == "< 2e-01, 2 s" and script.point(run, 0.01) == "1e-01, 2 s"
+
+
 # those with kernels, which are compiled for it, are slow
 SOME = [
     "gaussian",
