@@ -259,6 +259,8 @@ def test_points_in_a_slip_are_known_no_better_than_when_it_begins() -> None:
     ):
         run = SimpleNamespace(record=SimpleNamespace(times=np.array(times)), force=np.array(times))
         assert Run.unknown_fall(run, ours, theirs) == pytest.approx(off)  # type: ignore[arg-type]
+        held = 0.9 if abs(times[0] - 1.0) < apart else 0.0
+        assert Run.unknown_hold(run, ours, theirs) == held  # type: ignore[arg-type]
 
 
 def test_linked_stiffness_beside_a_mass_is_refused_in_one_line() -> None:

@@ -267,6 +267,12 @@ def test_slips_with_mass_are_told_where_a_point_beside_one_is_not() -> None:
             "mass", replace(solved, force_error=off, success=False), 1.0, 1.0, STILL_SWINGS
         )
         assert told.error == pytest.approx(lowest) and told.message == STILL_SWINGS
+    # smooth sliding is told by the force at the path's end
+    smooth = replace(solved.regime, verdict="smooth")
+    slides = replace(solved, force_error=0.04, success=False, regime=smooth)
+    assert behaviour_of("mass", slides, 1.0, 1.0, "").error == 0.04
+    lost = behaviour_of("mass", replace(slides, force_error=0.7), 1.0, 1.0, "")
+    assert lost.kind == "undecided" and lost.error == 0.7
     slips = replace(solved.slips, force_error=1.0)
     unknown = replace(solved, force_error=0.7, success=False, slips=slips, message="too many steps")
     assert behaviour_of("mass", unknown, 1.0, 1.0, "").message == "too many steps"

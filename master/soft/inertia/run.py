@@ -29,7 +29,7 @@ ROUNDING = 1e-14
 # An error of a duration is told up to this part of it, and where two runs differ in it by no more than so many times
 # what their forces differ by, as a part of the fall: up to 5 times as a rule, hundreds of times in a slip that fades.
 OF_DURATION, FOLLOWS = 0.1, 30.0
-# Times that two runs differ by in when a slip begins, within which it may begin.
+# A slip may begin at a time farther from where a run has it than another run does by this factor.
 NEAR = 4.0
 
 
@@ -155,6 +155,7 @@ class Run:
             float(np.abs(ours.force_after - theirs.force_after).max(initial=0.0)),
         )
         contacts = np.abs(self.record.contact_force[:n] - other.record.contact_force[:n]).max()
+        contacts = max(contacts, self.unknown_hold(ours, theirs))
         both = max(of_slips, float(points.max()), self.unknown_fall(ours, theirs))
         return Differences(*(float(off) / self._unit for off in (both, of_slips, contacts)))
 
@@ -173,14 +174,21 @@ class Run:
         return beside
 
     def unknown_fall(self, ours: SlipsInTime, theirs: SlipsInTime) -> float:
-        """How much (a length) the force may be off at a point of the path in a slip, or so near to its begin that it is
-        maybe in it, by when that is: a half of a swing falls by less than twice its mean rate."""
+        """How much (a length) the spring's force may be off at points of the path as it is not known better when a slip
+        begins: at points in a slip, and so near to its begin that they may be in it. Half a swing falls at less than
+        twice its mean rate."""
         apart, times = NEAR * np.abs(ours.time - theirs.time), self.record.times
         times = times[: self.force.size, None]
         inside = (times >= ours.time - apart) & (times <= ours.time + ours.duration + apart)
         part = np.minimum(2.0 * apart / np.maximum(ours.duration, apart), 1.0)
         off = np.abs(ours.drop) * np.where(apart > 0.0, part, 0.0)
         return float(np.where(inside, off, 0.0).max(initial=0.0))
+
+    def unknown_hold(self, ours: SlipsInTime, theirs: SlipsInTime) -> float:
+        """The same of the contacts' force, which a slip takes at its begin."""
+        apart = NEAR * np.abs(ours.time - theirs.time)
+        near = np.abs(self.record.times[: self.force.size, None] - ours.time) < apart
+        return float(np.where(near, np.abs(ours.force_before), 0.0).max(initial=0.0))
 
     def duration_error(self, other: "Run", error: float) -> float:
         """Estimate from above of the largest error of the slips' durations, where that of the force is `error` (mean

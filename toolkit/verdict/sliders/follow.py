@@ -39,15 +39,15 @@ TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
 # where it is only told whether the slider slips: slips of a third of it are listed
 WHETHER_IT_SLIPS = 0.03
 # of a slider with mass and a delay, of which 1e-3 takes some times as long; and of one whose contacts grow stronger on
-# a spring softer than this, in N_c<k>: five slips on it are some hundred steps each, and their forces known to some
-# 0.02, as the error of their places adds up
+# a spring softer than this, in N_c<k>. There places of slips are asked for, whose error adds up from slip to slip: the
+# forces of five on a scan are known to 0.04 then, after some hundred steps each
 TOLERANCE_WITH_DELAY, TOLERANCE_OF_LONG_SLIPS, SOFT = 1e-2, 0.1, 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
 LENGTHS = (LOADINGS_IN_PLACE, 20.0, 60.0)
 # the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
 FIRST_WITH_DELAY = 9.0
-# the first where contacts grow stronger: five slips, and an end as far from the fifth as from a sixth, as coarser steps
-# have them earlier
+# the first where contacts grow stronger: it ends between the fifth slip and a sixth, on a scan, so that coarser steps,
+# which have slips a little earlier, have as many
 FIRST_OF_LONG_SLIPS = 5.8
 # tolerance of F_s and K*, where they decide how far a slider is pulled, and of one that rings for too long
 ROUGHLY = 1e-3

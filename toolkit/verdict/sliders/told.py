@@ -18,11 +18,12 @@ PRECISE_ENOUGH = 0.05
 
 
 def error_of(solved: Any) -> float:
-    """The error by which a solution is judged, in mean thresholds. With a mass that of its slips, where a point of the
-    path is nearer to one than its time is known, or their places are known less well than their forces: the path is the
-    verdict's own, and asks for no force there."""
+    """The error of the forces that are told of a solution, in mean thresholds. Of a slider with mass that slips it is
+    that of the forces of its slips: these may be known where the force at a point of the path is not, as it is nearer
+    to a slip than the slip's time is known. Of smooth sliding the force at the path's end is told, and its error."""
     slips = solved.slips
-    if not (hasattr(slips, "duration") and slips.drive.size):
+    with_mass = hasattr(slips, "duration")
+    if not with_mass or not slips.drive.size or kind_of(solved) == "smooth":
         return float(solved.force_error)
     return float(min(solved.force_error, slips.force_error))
 
@@ -43,7 +44,7 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
         unknown = replace(unknown, heat_left_out=solved.heat_left_out)
         return replace(unknown, error=solved.force_error, run_time=solved.run_time)
     judged = error_of(solved)
-    # else its message is of points of the path beside slips
+    # where slips are known, and points of the path beside them are not, the solver's message is of these points
     told = solved.success or judged < min(solved.force_error, PRECISE_ENOUGH)
     slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
     last = float(solved.force[-1]) if solved.force.size else float("nan")

@@ -17,10 +17,10 @@ from master.soft.inertia.in_time.ringing import with_rings
 from master.soft.inertia.in_time.slider import HeavySlider
 from origins.thresholds.law import Array
 
+# Part of a period of ringing: a time that is not known to this leaves the phase of the swing unknown.
+OF_PERIOD = 0.25
 # Columns of a node that are read: all behind its size and its time.
 COLUMNS = HeavyNode._fields[2:]
-# Part of a period in which a swing goes from one end to another place that is no farther than the ends of that part.
-OF_PERIOD = 0.25
 FORCE, HOLDING, PLACE = (COLUMNS.index(of) for of in ("force", "holding", "position"))
 
 
@@ -107,12 +107,12 @@ class Clocks:
             low, high = np.searchsorted(times, [when[k] - off, when[k] + off])
             seen = np.column_stack([passed[:, low:high], early[:, k], late[:, k]])
             out[:, k] = np.abs(seen - at[:, k : k + 1]).max(axis=1)
-            out[:2, k] = np.maximum(out[:2, k], self.rung(float(when[k]), off))
+            out[:2, k] = np.maximum(out[:2, k], self.unknown_of_ringing(float(when[k]), off))
         return out
 
-    def rung(self, when: float, off: float) -> Array:
-        """What is not known of the forces of spring and contacts (lengths) while the last slider rings, at a time that
-        is known to `off`: where that is a part of a period, the phase is not known."""
+    def unknown_of_ringing(self, when: float, off: float) -> Array:
+        """What is not known of the forces of spring and contacts (lengths) at a time in which the last slider rings on
+        its contacts and which is known to `off`: where its phase is not known, the whole swing."""
         most = np.zeros(2)
         for ring in self.last.rings:
             since = max(when - off - ring.begin.time, 0.0)

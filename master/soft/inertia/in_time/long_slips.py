@@ -5,8 +5,8 @@ their age, have forgotten the begin of the slip after some tens of thresholds. F
 
     M V' = S - γ V - F_k(V),    S' = K (v - V),
 
-with S the spring's force, the equations of steady_sliding.py. They hold as long as F lags little behind F_k(V): a
-contact remembers the speed it had on the way l of its life, and in the first order of the change of V
+with S the spring's force, the equations of steady_sliding.py. They hold as long as F lags little behind F_k(V). In the
+first order of the change of V, with l the mean stretch of contacts, weighted by their force,
 
     |F - F_k(V)| <= l |dF_k/d ln V| |d ln V/dX|.
 
@@ -46,9 +46,9 @@ SLOWER, FASTER = 100.0, 2.0
 
 
 class LongSlips(SteadySliding):
-    """Long slips on the last leg of a drive that goes on at one speed; lengths are along the motion."""
+    """Long slips on a drive of one speed; lengths are along the motion."""
 
-    # in lags that are allowed
+    # a lag as large as is allowed ends a way without steps; halved with the steps
     in_slips, _most_change = True, 1.0
 
     def __init__(
@@ -57,7 +57,7 @@ class LongSlips(SteadySliding):
         """See Creep."""
         super().__init__(contacts, drive, motion, tolerance, until)
         law, self.motion = contacts.thresholds, motion
-        # the mean way of steadily sliding contacts on the slider, each by its force, at the age 0
+        # the mean stretch of steadily sliding contacts, weighted by their force, at a speed at which none grows
         self._memory_of_fresh = float(law.moment(3) / (1.5 * law.moment(2)))
         allowed = LAG * self._tolerance
         self._machine = self._machine._replace(allowed_lag=allowed)
@@ -82,7 +82,9 @@ class LongSlips(SteadySliding):
             return None
         slid = self._slid(last, begin._replace(error=0.0), contacts, SlipMotion)
         of_spring = self._of_spring(slid, begin, distance)
-        return slid._replace(error=slid.error + of_spring, of_contacts=begin.error)
+        # the lag where it ends may be as large as is allowed
+        of_contacts = max(begin.error, of.allowed_lag)
+        return slid._replace(error=slid.error + of_spring, of_contacts=of_contacts)
 
     def _memory_at(self, speed: float) -> float:
         """The way for which F remembers the speed, at this one (a length): contacts grow stronger on it."""
@@ -91,9 +93,9 @@ class LongSlips(SteadySliding):
         return fresh * float(growth.factor(fresh / speed))
 
     def _of_spring(self, slid: Slid, begin: Begin, distance: float) -> float:
-        """The error of the spring's force behind a slip (a length), as F lags behind F_k(V). That changes the energy by
-        W, the integral of the lag over X, l |dF_k|, and what F is off by at the begin, on a way as long as that before:
-        and so (S - F)^2/2K, as the slider stops."""
+        """The error of the spring's force S behind a slip (a length), as F lags behind F_k(V). That takes the energy W
+        from the slider: its integral over X, l |dF_k|, and on the first part of the way, as long as that before, what F
+        is off by at its begin. As the slider stops, (S - F)^2/2K is off by W."""
         last, of, sign = slid.nodes[-1], self._machine, self._sign
         forces = np.array([node.force for node in slid.nodes])
         energy = of.memory * float(np.abs(np.diff(forces)).sum()) + begin.error * distance
@@ -117,7 +119,7 @@ class LongSlips(SteadySliding):
         variation = float(np.ptp(offsets))
         faster = float(np.log(speed[-1] / speed[late][0])) / way_compared
         lag = of.lag(u, faster, table)
-        if max(variation / VARIATION, lag / LAG) > self._tolerance:
+        if variation > VARIATION * self._tolerance or lag > of.allowed_lag:
             return None
         return Begin(u, table, max(abs(float(offsets.mean())), lag) + variation)
 

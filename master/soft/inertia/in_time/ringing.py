@@ -24,9 +24,9 @@ from origins.thresholds.law import Array
 
 # Part of the tolerance that contacts may bear which break in the swings.
 ALLOWED = 0.05
-# Swings of the spring's force, in those that count as its fall, that are told without steps.
+# Largest swing of the spring's force that is told without steps, as a part of the least fall that is a slip.
 SMALL = 0.25
-# Periods that are worth it.
+# Fewest periods for which it is worth it.
 WORTH = 3.0
 
 
