@@ -146,17 +146,23 @@ def test_far_corners_keep_it_where_they_are_answered() -> None:
 
 
 def test_cohorts_agree_with_closed_forms_and_the_renewal_equation() -> None:
-    """Within the error that they claim: from a start with a width, with a delay, and with heat."""
+    """Within the error that they claim: from a start with a width, with a delay, one shorter than a third of the way
+    between two points, too, and with heat."""
     path = np.linspace(0.0, 3.0, 17)
     spread = origins.Contacts(origins.gaussian(1.0, 0.1), origins.gaussian_start(0.05, 0.05))
-    wait = origins.Contacts(origins.lubricated(1.0), 0.1, delay=origins.Delay(30.0 * 3.0 / 256.0))
+    wait, hurry = (
+        origins.Contacts(origins.lubricated(1.0), 0.1, delay=origins.Delay(steps * 3.0 / 256.0))
+        for steps in (30.0, 2.0)
+    )
     warm = origins.Contacts(origins.gaussian(1.0, 0.1), thermal=origins.Thermal("stiff", 0.05, 2.0))
-    for contacts in (spread, wait, warm):
+    for contacts in (spread, wait, hurry, warm):
         exact = (gaussian if contacts is spread else by_renewal)(contacts, path)
         found = by_cohorts(contacts, path, 1.0 * path)
         assert np.abs(found.values - exact.values).max() < found.error + exact.error < 2e-3
     with pytest.raises(origins.InputError):
         by_cohorts(origins.Contacts(origins.gaussian(1.0, 0.1), stiffness="linked"), path)
+    with pytest.raises(origins.InputError, match="a step would be longer"):
+        by_cohorts(origins.Contacts(origins.gaussian(1.0, 0.1), delay=origins.Delay(1e-3)), path)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from toolkit.stability.case import Truth
 from toolkit.stability.renewal import rate_of
 
 _PARTS = (3, 6, 12)  # steps between two points of the path, halved twice
+_MOST = 10  # times as many, where a delay is shorter than a step: a hundred times as long
 _CELLS = 16  # of thresholds, times the parts, where heat breaks contacts one by one of them
 # of stretches at which contacts form, on each side of 0: 1e-9 of a normal law; and of those of the start, times the
 # parts, as their survival bends in |x| where the path turns
@@ -37,7 +38,12 @@ def by_cohorts(contacts: Contacts, path: Array, time: Array | None = None) -> Tr
     if contacts.thresholds.atoms[0].size:
         raise InputError("contacts: their F jumps at exact thresholds, which no steps resolve")
     clock = path - path[0] if time is None else time
-    found = [_force(contacts, path, clock, parts)[::parts] for parts in _PARTS]
+    # a step is shorter than a delay, also where the slider rests
+    wait = contacts.waiting_time
+    times = 1 + int(np.diff(clock).max() / (_PARTS[0] * wait)) if wait else 1
+    if times > _MOST:
+        raise InputError("delay: by cohorts a step would be longer")
+    found = [_force(contacts, path, clock, times * parts)[:: times * parts] for parts in _PARTS]
     rows = np.array(found) / contacts.mean_threshold
     before, last = (4.0 * rows[1:] - rows[:-1]) / 3.0
     error = _SAFETY * float(np.abs(last - before).max()) + 1e-13
