@@ -40,6 +40,7 @@ from master.soft.in_time.threshold_cells import ThresholdCells
 from master.soft.in_time.time_units import (
     PER_E_FOLD_OF_HOLD,
     PER_E_FOLD_OF_MOVE,
+    ROUNDED,
     TimeUnits,
 )
 from master.soft.in_time.unresolved import OF_BALANCE
@@ -145,6 +146,22 @@ def test_time_units_are_uniform_and_logarithmic_and_lead_back_to_their_times(
     back = [count.time(many) for many in units]
     np.testing.assert_allclose(back, times, rtol=1e-9)
     assert count.time(2.0 * units[-1]) == end
+
+
+@pytest.mark.parametrize(("rate", "first"), [(3.0, 1e-3), (0.0, 0.5), (2e5, np.inf)])
+def test_last_digits_of_a_time_are_what_neighbouring_floats_differ_by(
+    rate: float, first: float
+) -> None:
+    """Of times in 80-bit numbers, which are told apart where floats are neighbours."""
+    count, began = TimeUnits(2.0, 1e4, rate, first), np.longdouble(2.0)
+    for time in (2.5, 700.0, 9999.0):
+        one, after = np.longdouble(time), np.longdouble(np.nextafter(time, np.inf))
+        logarithmic = np.log1p((np.array([one, after]) - began) / min(first, 1e4 - 2.0))
+        per_e_fold = PER_E_FOLD_OF_MOVE if rate else PER_E_FOLD_OF_HOLD
+        apart = rate * (after - one)
+        if not rate or first < np.inf:
+            apart += per_e_fold * float(np.diff(logarithmic)[0])
+        np.testing.assert_allclose(count.last_digits(time), ROUNDED * float(apart), rtol=1e-2)
 
 
 def test_births_follow_from_the_breaks_one_delay_before() -> None:

@@ -192,13 +192,17 @@ class Thresholds:
     def logsf(self, x: npt.ArrayLike) -> Array:
         """log of the survival, finite where it underflows."""
 
-        def inner(x: Array) -> Array:
-            log_survival = self._logsf(x)
-            near_one = log_survival > -0.5  # the cdf has more digits there
-            log_survival[near_one] = np.log1p(-self._cdf(x[near_one]))
-            return log_survival
+        return self._inside(self._log_survival, x, 0.0, -np.inf)
 
-        return self._inside(inner, x, 0.0, -np.inf)
+    def _log_survival(self, x: Array) -> Array:
+        """As `logsf` inside the support, with as many digits near 0, of a survival near 1, as elsewhere."""
+        own, without = type(self), Thresholds
+        if (own._cdf, own._sf, own._logsf) == (without._cdf, without._sf, without._logsf):
+            return self._numerical.logsf(x)
+        log_survival = self._logsf(x)
+        near_one = log_survival > -0.5  # the cdf has more digits there
+        log_survival[near_one] = np.log1p(-self._cdf(x[near_one]))
+        return log_survival
 
     def ppf(self, q: npt.ArrayLike) -> Array:
         """Threshold below which a fraction q lies. InputError for q outside [0, 1]."""

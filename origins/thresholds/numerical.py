@@ -210,10 +210,12 @@ class NumericalLaw:
         return np.where(below < 0.5, 1.0 - below, above)
 
     def logsf(self, x: Array) -> Array:
-        """Log of the survival; where that underflows, by Laguerre's nodes along the tail."""
-        above = self.sf(x)
+        """Log of the survival, near 0 from the weight below x; where the survival underflows, by Laguerre's nodes along
+        the tail."""
+        below, above = self._sides(x)
+        low = below < 0.5
         with np.errstate(divide="ignore"):
-            log_survival = np.log(above)
+            log_survival = np.where(low, np.log1p(-np.where(low, below, 0.0)), np.log(above))
         deep = above < 1e-280
         if deep.any():
             log_survival[deep] = self._log_tail(x[deep])

@@ -110,6 +110,9 @@ class Powered(Thresholds):
     def _logsf(self, x: Array) -> Array:
         return self.base.logsf(self._back(x))
 
+    def _log_survival(self, x: Array) -> Array:
+        return self._logsf(x)
+
     def _quantiles(self, below: Array, above: Array) -> Array:
         return self.power(self.base._quantiles(below, above))
 

@@ -39,7 +39,7 @@ FALLEN, LONGEST = 0.1, 40.0
 POINTS = 400
 # of a slip's way: a slider that goes on by less in the time of the slip has come to rest, or goes on with its drive
 RESTS = 0.02
-# of the force, in mean thresholds: no more is seen in a picture
+# of the force, in mean thresholds: no more is seen in a picture, nor more than the slip itself is known to
 TOLERANCE = 1e-2
 # times that the slip is looked for: with other points of the path it may begin a little earlier or later
 TRIES = 3
@@ -171,7 +171,8 @@ def _solved(
     if found.contacts is None:
         import master
 
-        return master.solve(contacts, path, TOLERANCE, wall_time=seconds, **asked)
+        tolerance = max(TOLERANCE, found.error)
+        return master.solve(contacts, path, tolerance, wall_time=seconds, **asked)
     import eq_model
 
     # the ensemble told of contacts without their heat

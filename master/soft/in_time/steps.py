@@ -14,6 +14,7 @@ Steps of the size s = 1 on K = 0.2 at v = 1, of P_c(1, 0.2) with heat ("soft", 0
 """
 
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -225,13 +226,11 @@ class Steps:
 
         The more of its size is time, the farther the drive gets and the less the slider travels: the imbalance rises
         with the time units, but for the first of them after a slip, and its root is the balance. Where the root is
-        below 0 there is none after a step of this size, see TriedStep.
+        below 0 there is none after a step of this size, see TriedStep. It is found to the last digits of the time.
         """
-        slope, accuracy = guess.slope, self.contacts.memory.balance * size
-
-        def tried(time_part: float) -> TriedStep:
-            return self.tried(size, time_part, slope)
-
+        here, slope = self.contacts, guess.slope
+        accuracy = max(here.memory.balance * size, self._time_units.last_digits(here.now))
+        tried = partial(self.tried, size, slope=slope)
         small = accuracy * self.first_guess.slope
         root = secant(tried, guess.time_fraction * size, slope, accuracy, small)
         if root.step.time_part < 0.0 and self.contacts.memory.exact:

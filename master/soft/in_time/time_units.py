@@ -9,6 +9,8 @@ PER_E_FOLD_OF_HOLD, PER_E_FOLD_OF_MOVE = 2.0, 0.4
 # Least product of the rate of uniform time units and `first`: below it the inverse would divide by 0, and time units
 # are logarithmic to all digits.
 LEAST_UNIFORM = 1e-200
+# Last digits of the time that rounding may take from the end of a step.
+ROUNDED = 2.0
 
 
 class TimeUnits:
@@ -36,6 +38,12 @@ class TimeUnits:
         """Time units since the begin."""
         later = time - self._section_begin
         return self.rate * later + self._per_e_fold * float(np.log1p(later / self._first))
+
+    def last_digits(self, time: float) -> float:
+        """What ROUNDED last digits of a time are in time units there: no search finds one of these to better than that,
+        which late on a path is a hundred times what a balance asks for."""
+        per_time = self.rate + self._per_e_fold / (self._first + time - self._section_begin)
+        return ROUNDED * float(np.spacing(time)) * per_time
 
     def time(self, units: float) -> float:
         """The time after so many time units, at most the end."""
