@@ -406,20 +406,22 @@ def test_a_scene_takes_a_law_of_growth_by_one_line(monkeypatch):
 OF_ORIGINS = """
 import origins
 class Root(origins.Strengthening):
-    law = "root"
+    law = "square root"
 def root(thresholds: object, half: float, time: float) -> Root:
     return Root(thresholds, 2.0 * half, time)
-origins.Root, origins.root = Root, root
+class OfPython(Root):
+    law = "a law that no function of origins makes"
+origins.Root, origins.OfPython, origins.square_root = Root, OfPython, root
 from toolkit import load_scene
 thresholds = {"kind": "identical", "value": 1.0}
-own = {"contacts": {"thresholds": thresholds, "root": {"half": 0.25, "time": 2.0}}}
+own = {"contacts": {"thresholds": thresholds, "square_root": {"half": 0.25, "time": 2.0}}}
 law = load_scene(own, solved=False).contacts.changing
 assert type(law) is Root and law.beta == 0.5 and law.time_unit == 2.0
 """
 
 
 def test_a_law_of_growth_that_origins_imports_is_a_table_of_scenes():
-    """No list in toolkit has to be told of it."""
+    """No list in toolkit has to be told of it; a name of two words has _ between them in scenes."""
     subprocess.run([sys.executable, "-c", OF_ORIGINS], check=True)
 
 

@@ -31,13 +31,14 @@ class KeyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 # laws by which thresholds grow, those of the face of origins: tables of [contacts], and the functions of P_c and of
-# numbers that they call, named as their laws
+# numbers that they call, named as their laws with _ for spaces; without such a function scenes do not know the law
 GROWTHS = {
-    own.law: f"origins:{own.law}"
+    name: f"origins:{name}"
     for own in vars(origins).values()
     if inspect.isclass(own)
     and issubclass(own, ProportionalGrowth)
     and own is not ProportionalGrowth
+    and inspect.isfunction(getattr(origins, name := own.law.replace(" ", "_"), None))
 }
 
 
