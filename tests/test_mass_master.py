@@ -16,7 +16,7 @@ from master.outcome import StoppedError
 from master.soft.inertia.closed_falls import watch_closed
 from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.oscillation import Oscillation
-from master.soft.inertia.run import NEAR, Run, SlipsInTime
+from master.soft.inertia.run import FALL, NEAR, Run, SlipsInTime, times_apart
 from origins import InputError
 
 WIDE = origins.Contacts(origins.gaussian(1.0, 0.2))
@@ -244,23 +244,27 @@ def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
 
 
 def test_points_in_a_slip_are_known_no_better_than_when_it_begins() -> None:
-    """Both runs agreed at points by chance, or had a slip on one side of a point that is on the other: claims were 4
-    and 150 times too small."""
+    """Both runs agreed at points by chance, or in when slips begin, or had a slip on one side of a point that is on the
+    other: claims were 4, 5 and 150 times too small."""
     begins, lasts, fall = np.array([1.0, 5.0]), np.array([0.4, 0.4]), np.array([0.9, 0.3])
     given = {"drive": begins, "before": begins, "after": begins, "force_before": fall}
     given |= {"force_after": 0.0 * fall, "duration": lasts, "top_speed": lasts, "drive_error": 0.0}
-    ours, theirs = SlipsInTime(**given, time=begins), SlipsInTime(**given, time=begins + 0.002)
-    apart = 0.002 * NEAR
-    for times, off in (
-        ([1.1], 0.9 * 2.0 * apart / 0.4),
-        ([1.0 - 0.9 * apart], 0.9 * 2.0 * apart / 0.4),
-        ([0.9, 1.5, 5.3], 0.3 * 2.0 * apart / 0.4),
-        ([0.9, 1.5], 0.0),
+    ours, theirs, earlier = (SlipsInTime(**given, time=begins + off) for off in (0.0, 0.002, 0.102))
+    assert times_apart(ours, theirs, theirs) == pytest.approx(0.002 * NEAR)
+    assert times_apart(ours, theirs, earlier) == pytest.approx(0.1 / FALL)
+    apart = times_apart(ours, theirs, theirs)
+    in_one = 0.9 * 2.0 * apart[0] / 0.4
+    for times, waits, off in (
+        ([1.1], 0.0, in_one),
+        ([1.0 - 0.9 * apart[0]], 0.0, in_one),
+        ([0.9, 1.5, 5.3], 0.0, in_one / 3.0),
+        ([0.9, 1.5], 0.0, 0.0),
+        # while contacts are out the slider swings on, here at a quarter of the slip's top speed
+        ([0.9, 1.5], 0.3, 0.25 * in_one),
     ):
-        run = SimpleNamespace(record=SimpleNamespace(times=np.array(times)), force=np.array(times))
-        assert Run.unknown_fall(run, ours, theirs) == pytest.approx(off)  # type: ignore[arg-type]
-        held = 0.9 if abs(times[0] - 1.0) < apart else 0.0
-        assert Run.unknown_hold(run, ours, theirs) == held  # type: ignore[arg-type]
+        record = SimpleNamespace(times=np.array(times), speed=np.full(len(times), 0.1))
+        run = SimpleNamespace(record=record, force=np.array(times), _waits=waits)
+        assert Run.unknown_fall(run, ours, apart) == pytest.approx(off)  # type: ignore[arg-type]
 
 
 def test_linked_stiffness_beside_a_mass_is_refused_in_one_line() -> None:

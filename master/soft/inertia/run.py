@@ -29,8 +29,9 @@ ROUNDING = 1e-14
 # An error of a duration is told up to this part of it, and where two runs differ in it by no more than so many times
 # what their forces differ by, as a part of the fall: up to 5 times as a rule, hundreds of times in a slip that fades.
 OF_DURATION, FOLLOWS = 0.1, 30.0
-# A slip may begin at a time farther from where a run has it than another run does by this factor.
-NEAR = 4.0
+# A slip may begin at a time farther from where a run has it than another run does by this factor; and as both may agree
+# by chance, than that run and the one before differ by, over this one: tolerances fall by 5 from run to run.
+NEAR, FALL = 4.0, 5.0
 
 
 @dataclass(frozen=True)
@@ -141,8 +142,8 @@ class Run:
             force_error=self._spring * drive_error / self._unit,
         )
 
-    def differ(self, other: "Run") -> Differences:
-        """How far the runs differ."""
+    def differ(self, other: "Run", earlier: "Run | None" = None) -> Differences:
+        """How far this run differs from the one before; `earlier` : the run before that, if there is one."""
         n = min(self.force.size, other.force.size)
         ours, theirs = self.slips(0.0), other.slips(0.0)
         if ours.drive.size != theirs.drive.size or not n:
@@ -155,8 +156,9 @@ class Run:
             float(np.abs(ours.force_after - theirs.force_after).max(initial=0.0)),
         )
         contacts = np.abs(self.record.contact_force[:n] - other.record.contact_force[:n]).max()
-        contacts = max(contacts, self.unknown_hold(ours, theirs))
-        both = max(of_slips, float(points.max()), self.unknown_fall(ours, theirs))
+        apart = times_apart(ours, theirs, (earlier or other).slips(0.0))
+        contacts = max(contacts, self.unknown_hold(ours, apart))
+        both = max(of_slips, float(points.max()), self.unknown_fall(ours, apart))
         return Differences(*(float(off) / self._unit for off in (both, of_slips, contacts)))
 
     def _beside_slips(self, ours: SlipsInTime, theirs: SlipsInTime) -> NDArray[np.bool_]:
@@ -173,20 +175,22 @@ class Run:
             beside |= (times >= begin) & (times <= end)
         return beside
 
-    def unknown_fall(self, ours: SlipsInTime, theirs: SlipsInTime) -> float:
+    def unknown_fall(self, ours: SlipsInTime, apart: Array) -> float:
         """How much (a length) the spring's force may be off at points of the path as it is not known better when a slip
-        begins: at points in a slip, and so near to its begin that they may be in it. Half a swing falls at less than
-        twice its mean rate."""
-        apart, times = NEAR * np.abs(ours.time - theirs.time), self.record.times
-        times = times[: self.force.size, None]
-        inside = (times >= ours.time - apart) & (times <= ours.time + ours.duration + apart)
+        begins, by the time `apart` (slips,): at points in a slip, and so near to its begin that they may be in it. Half
+        a swing falls at less than twice its mean rate. Behind it the slider swings on while contacts are out: there it
+        is as much less as the slider is slower."""
+        count = self.force.size
+        times, speed = self.record.times[:count, None], self.record.speed[:count, None]
+        end = ours.time + ours.duration + apart
+        inside = (times >= ours.time - apart) & (times <= end + self._waits)
         part = np.minimum(2.0 * apart / np.maximum(ours.duration, apart), 1.0)
         off = np.abs(ours.drop) * np.where(apart > 0.0, part, 0.0)
-        return float(np.where(inside, off, 0.0).max(initial=0.0))
+        slower = np.where(times > end, np.minimum(np.abs(speed) / ours.top_speed, 1.0), 1.0)
+        return float(np.where(inside, off * slower, 0.0).max(initial=0.0))
 
-    def unknown_hold(self, ours: SlipsInTime, theirs: SlipsInTime) -> float:
+    def unknown_hold(self, ours: SlipsInTime, apart: Array) -> float:
         """The same of the contacts' force, which a slip takes at its begin."""
-        apart = NEAR * np.abs(ours.time - theirs.time)
         near = np.abs(self.record.times[: self.force.size, None] - ours.time) < apart
         return float(np.where(near, np.abs(ours.force_before), 0.0).max(initial=0.0))
 
@@ -218,3 +222,12 @@ class Run:
         slips = len(self.record.slips), len(other.record.slips)
         slips_differ = "" if slips[0] == slips[1] else f", and slip {slips[0]} and {slips[1]} times"
         return f": the two runs part by {off.max():.1e} mean thresholds, from t = {t:.6g}, X = {x:.6g} on{slips_differ}"
+
+
+def times_apart(ours: SlipsInTime, theirs: SlipsInTime, earlier: SlipsInTime) -> Array:
+    """By how much the time at which each slip of a run begins may be off, by those of the run before, and of the one
+    before that; shape (slips,)."""
+    apart = NEAR * np.abs(ours.time - theirs.time)
+    if earlier.time.size == theirs.time.size:
+        apart = np.maximum(apart, np.abs(theirs.time - earlier.time) / FALL)
+    return np.asarray(apart)

@@ -125,14 +125,14 @@ def solve_inertial(
         of_swings = best.goes_on.force / unit if best.goes_on is not None else 0.0
         if stopped or error + of_swings <= tolerance or part * tolerance < LEAST:
             break
-        before, run = best, Run(contacts, drive, tolerance, part, until)
+        before, earlier, run = best, coarser, Run(contacts, drive, tolerance, part, until)
         nodes, stopped = nodes + run.nodes, run.stopped
         if not stopped:
             best, coarser = run, before
             unseen = UNSEEN * part * tolerance
             error, of_slips, of_contacts = (
                 max(SAFETY * off + unseen, LEAST_ERROR * part * tolerance)
-                for off in best.differ(before)
+                for off in best.differ(before, earlier)
             )
             parting = run.parting(before, (tolerance - unseen) / SAFETY)
             progress(error)
