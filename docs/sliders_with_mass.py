@@ -1,4 +1,4 @@
-"""The numbers and the picture of "Mass, delay and damping" in docs/sliders.md: python docs/sliders_with_mass.py"""
+"""The numbers and the picture of docs/sliders-with-mass.md: python docs/sliders_with_mass.py"""
 
 import tomllib
 from pathlib import Path
