@@ -72,18 +72,23 @@ QUESTIONS = {
         "master:slips_of",
     ),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
-    "stick-slip, smooth or undecided: of a solution, by its slips; in one word; for a verdict": (
+    "stick-slip, smooth or undecided: of a solution; the same by its slips": (
         "master:regime",
         "master:_by_slips",
+    ),
+    "the same in one word; for a verdict": (
         "toolkit:kind_of",
         "toolkit/verdict/sliders/follow.py:follow",
     ),
-    "the period of slips: of a solution; of an ensemble's late slips; for a verdict; on its page": (
+    "forces before and after a slip for a verdict; in its sentence": (
+        "toolkit:behaviour_of",
+        "toolkit:_behaved",
+    ),
+    "the period of slips: of a solution; of an ensemble's late slips": (
         "master:Slips.period",
         "toolkit:LateSlips",
-        "toolkit:behaviour_of",
-        "toolkit:period_of",
     ),
+    "the period for a verdict; on its page": ("toolkit:behaviour_of", "toolkit:period_of"),
     "the rule of a slip at T = 0: reset; reform-after, in the slip and its births; instant": (
         "master:ColdSlider.reset",
         "master:ColdSlider.reform_after",
@@ -95,7 +100,12 @@ QUESTIONS = {
         "master:ContactsInSteps.form_due",
         "master:slip_with_births",
     ),
-    "a slider with mass": ("master:InertialSlider",),
+    "a slider with mass at T = 0": ("master:InertialSlider",),
+    "a slider with mass in heat, ageing or growth; its long slips; errors of its forces": (
+        "master:HeavySlider",
+        "master:LongSlips",
+        "master/soft/inertia/in_time/answer.py:answer",
+    ),
     "a slip's begin: T = 0, in time": (
         "master:LoadCurve.slip_begins",
         "master:SlipBegins.up_to_slip",
@@ -133,10 +143,15 @@ QUESTIONS = {
     ),
     "(GW3) and (GW4): exponential heights": ("origins:gw_elastic", "origins:gw_plastic"),
     "Gaussian heights, in metres": ("origins:from_moments", "origins:Summits"),
-    "a scene's surface to P_c: what is built; of its moments; area and load to thresholds": (
+    "a scene's surface: what is built; its table; of a scan": (
         "toolkit:make_contacts",
+        "toolkit/scene/laws.py:build",
+        "toolkit/scene/kinds.py:from_topography",
+    ),
+    "a surface's moments to P_c; load by regime; the threshold law": (
         "origins:from_moments",
-        "origins:_joined",
+        "origins:Summits",
+        "origins:_by_law",
     ),
     "Persson's stresses and thresholds": ("origins:persson", "origins:from_moments"),
     "the barrier of an island": ("origins:barrier",),
@@ -146,7 +161,11 @@ QUESTIONS = {
         "eq_model:_cold",
         "eq_model:_by_rate",
     ),
-    "an avalanche of the ensemble": ("eq_model:_end_avalanche",),
+    "an avalanche of the ensemble: its begin; its end; the rules of a slip": (
+        "eq_model/coupled/slide_kernel.py:_stick",
+        "eq_model:_end_avalanche",
+        "eq_model/coupled/ensemble.py:Replicas._rules",
+    ),
     "a slider with mass in the ensemble: the next place; when it is passed; a stick; a slip": (
         "eq_model:nearest",
         "eq_model:first_passage",

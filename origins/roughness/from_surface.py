@@ -124,7 +124,7 @@ def _on_summits(fields: dict[str, Any], regime: str, height_law: str) -> Thresho
     fields["area_fraction"] = summits.area_fraction(z)
     fields["contact_density"] = summits.contact_density(z)
     area = straight(np.pi * summits.radius, 1.0)
-    return _joined(summits.compressions(z), summits.load, area, fields)
+    return _by_law(summits.compressions(z), summits.load, area, fields)
 
 
 def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
@@ -146,7 +146,7 @@ def _on_patches(fields: dict[str, Any], patch_area: float) -> Thresholds:
     fields |= {"plastic_fraction": plastic, "hertz_plastic_fraction": plastic}
     fields["plastic_load_fraction"] = loaded
     fields["patch_area"] = patch_area
-    return _joined(roots, straight(patch_area, 2.0), straight(patch_area, 0.0), fields)
+    return _by_law(roots, straight(patch_area, 2.0), straight(patch_area, 0.0), fields)
 
 
 def _load_beyond(limit: float, size: Thresholds, load: Bend) -> float:
@@ -161,9 +161,10 @@ def _load_beyond(limit: float, size: Thresholds, load: Bend) -> float:
     return min(float(borne.integral / Powered(size, load).mean()), 1.0)
 
 
-def _joined(size: Thresholds, load: Bend, area: Bend, fields: dict[str, Any]) -> Thresholds:
-    """Thresholds and interface, of known `fields`, of contacts whose load (N) and area (m²) are powers of `size`, a
-    random variable. InputError where the material lacks a constant, or k grows as fast as f_s or faster."""
+def _by_law(size: Thresholds, load: Bend, area: Bend, fields: dict[str, Any]) -> Thresholds:
+    """Thresholds by the law among `fields`, and the interface, of contacts whose load (N) and area (m²) are powers of
+    `size`, a random variable: the compression of a summit ("gw"), the root of the stress on a patch ("persson").
+    InputError where the material lacks a constant, or k grows as fast as f_s or faster."""
     law, material, moments = fields["law"], fields["material"], fields["moments"]
     of_area = law == "strength"
     strength = material.needed("shear_strength" if of_area else "local_friction", f'law = "{law}"')

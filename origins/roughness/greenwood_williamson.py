@@ -97,7 +97,7 @@ def _separation(summits: Summits, pressure: float) -> float:
     if summits.heights == "exponential":
         return excess(0.0)  # the pressure is proportional to e^-z
     # half of the summits are compressed by more than -h0; the pressure falls faster than e^(-z²/2)
-    deepest = straight(1.0, 1.0).against(summits.load)(2.0 * pressure / summits.density)
+    deepest = summits.load.inverse()(2.0 * pressure / summits.density)
     low = max(-float(deepest / summits.std), -1e6)
     high = np.sqrt(2.0 * max(excess(0.0), 0.0))
     if not excess(low) > 0.0:

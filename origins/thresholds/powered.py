@@ -50,6 +50,10 @@ class Bend(PowerLaw):
         slopes = np.where(y <= self.at, self.exponent, self.above)
         return self.times(1.0, exponent=-1.0)(y) * slopes
 
+    def inverse(self) -> "Bend":
+        """y as a function of this law, which rises."""
+        return straight(1.0, 1.0).against(self)
+
     def against(self, other: "Bend") -> "Bend":
         """This law as a function of another one, which rises with y; if both bend, then at the same y."""
         power, at = self.exponent / other.exponent, min(self.at, other.at)
@@ -72,7 +76,7 @@ class Powered(Thresholds):
     def __init__(self, base: Thresholds, power: PowerLaw) -> None:
         if not isinstance(power, Bend) or power.above == power.exponent:
             power = straight(power.coefficient, power.exponent)
-        self.base, self.power, self._back = base, power, straight(1.0, 1.0).against(power)
+        self.base, self.power, self._back = base, power, power.inverse()
         lower, upper = power(base.support()).tolist()
         self._support = lower, upper
         self.atoms = power(base.atoms[0]), base.atoms[1]

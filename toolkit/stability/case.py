@@ -84,12 +84,12 @@ class Row:
 
 @dataclass(frozen=True)
 class Case:
-    """Contacts on a path, both in the case's own unit of length.
+    """Contacts on a path.
 
-    contacts : makes them, so that a refusal is a row of the table
+    contacts : makes them, in any unit of length, so that a refusal is a row of the table
     path : positions (n,), in mean thresholds
     exact : the truth for forces in mean thresholds, None where only the other solver knows
-    drive : keywords of both solvers
+    drive : keywords of both solvers, in the contacts' unit
     tolerance : of the master equation
     n_contacts : of the ensemble; 0 leaves it out
     """

@@ -38,9 +38,10 @@ from toolkit.verdict.sliders.told import PRECISE_ENOUGH, behaviour_of, error_of,
 TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
 # where it is only told whether the slider slips: slips of a third of it are listed
 WHETHER_IT_SLIPS = 0.03
-# of a slider with mass and a delay, of which 1e-3 takes some times as long; and of one whose contacts grow stronger on
-# a spring softer than this, in N_c<k>. There places of slips are asked for, whose error adds up from slip to slip: the
-# forces of five on a scan are known to 0.04 then, after some hundred steps each
+# of a slider with mass and a delay, of which 1e-3 takes some times as long; and of one whose contacts change with their
+# age (the longest slips are those of contacts that strengthen) on a spring softer than this, in N_c<k>. There places of
+# slips are asked for, whose error adds up from slip to slip: the forces of five on a scan are known to 0.04 then, after
+# some hundred steps each
 TOLERANCE_WITH_DELAY, TOLERANCE_OF_LONG_SLIPS, SOFT = 1e-2, 0.1, 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
 LENGTHS = (LOADINGS_IN_PLACE, 20.0, 60.0)

@@ -48,7 +48,8 @@ SLOWER, FASTER = 100.0, 2.0
 class LongSlips(SteadySliding):
     """Long slips on a drive of one speed; lengths are along the motion."""
 
-    # a lag as large as is allowed ends a way without steps; halved with the steps
+    # of SlipMotion._change, in which the allowed lag is 1: where it gets larger the way without steps ends, and
+    # steps let the slider stop
     in_slips, _most_change = True, 1.0
 
     def __init__(
@@ -80,6 +81,7 @@ class LongSlips(SteadySliding):
         begin = self._in_slip(way, distance)
         if begin is None:
             return None
+        # what F is off by at the begin enters the error of the spring's force by its energy, in _of_spring
         slid = self._slid(last, begin._replace(error=0.0), contacts, SlipMotion)
         of_spring = self._of_spring(slid, begin, distance)
         # the lag where it ends may be as large as is allowed

@@ -151,12 +151,14 @@ class HeavySlider:
         """Take steps in balance until `end`, or until inertia matters again."""
         contacts, slow = self.contacts, self._slow
         begin, part = contacts.steps, 1.0
-        least = LEAST_SLOW if self._ringing is None else LEAST_BEFORE_LONG_SLIPS
+        # swings are told without steps where long slips are
+        before_long_slips = self._ringing is not None
+        least = LEAST_BEFORE_LONG_SLIPS if before_long_slips else LEAST_SLOW
         while contacts.now < end:
             crept = slow.next_step(part * self._size)
             leaves = crept is None or self._leaves_rest(crept)
-            # shorter ones end before the slip, of which a long one finds no balance but behind it
-            if leaves and part > least and (crept is None or self._ringing is not None):
+            # a long step jumps over the slip to the balance behind it; shorter ones end before the slip
+            if leaves and part > least and (crept is None or before_long_slips):
                 part *= 0.5
                 continue
             part = min(2.0 * part, 1.0)

@@ -48,9 +48,9 @@ ENERGIES, COHORTS = 7, 200
 
 
 class Slid(NamedTuple):
-    """How the slider slides on: nodes from here on; breaks per contact on the way; the error of F (a length); whether
-    the path ends there; the time from which on F is within the tolerance of its last value; and by how much the error
-    of the contacts' force is larger."""
+    """How the slider slides on: nodes from here on; breaks per contact on the way; the error of the spring's force (a
+    length); whether the path ends there; the time from which on F is within the tolerance of its last value; and by how
+    much the error of the contacts' force is larger."""
 
     nodes: list[HeavyNode]
     breaks: Array
