@@ -202,3 +202,25 @@ def test_contacts_themselves_slip_so() -> None:
         error = float(np.hypot.reduce(weights * spread))
         assert abs(mean - getattr(solved.slips, name)[0]) < 4.0 * error + claim
         assert error < 0.04 * abs(mean)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_the_distance_from_slip_to_slip_is_known_better_than_their_places(seed: int) -> None:
+    """Errors of X_T add up from slip to slip: beside finer steps the distances have an error of their own, which is a
+    part of that of two places."""
+    rng = np.random.default_rng(seed)
+    law = [NORMAL, st.gamma(6.0, scale=1.0 / 6.0), origins.gaussian(1.0, 0.4)][seed]
+    spring, drive = 10.0 ** rng.uniform(-6.0, -4.0), 10.0 ** rng.uniform(0.0, 2.0)
+    mass = spring * 10.0 ** rng.uniform(-4.0, -1.0)
+    damping = 2.0 * 10.0 ** rng.uniform(-1.0, -0.3) * (spring * mass) ** 0.5
+    machine = {"spring": spring, "mass": mass, "damping": damping, "velocity": drive}
+    grown, path = (
+        Contacts(origins.strengthening(law, 0.03, 1e-3)),
+        np.linspace(0.0, 4.2 / spring, 9),
+    )
+    ours, finer = (master.solve(grown, path, tolerance, **machine) for tolerance in (0.1, 0.02))
+    assert ours.slips.drive.size == finer.slips.drive.size > 2
+    off = np.abs(np.diff(ours.slips.drive) - np.diff(finer.slips.drive)).max()
+    assert off < ours.slips.spacing_error + finer.slips.spacing_error
+    assert ours.slips.period_error == ours.slips.spacing_error < 0.7 * 2.0 * ours.slips.drive_error

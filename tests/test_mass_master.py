@@ -243,6 +243,16 @@ def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     assert failed == 0
 
 
+def test_the_error_of_a_period_is_that_of_the_distances_in_it() -> None:
+    """Of 4.0 from the second to the fourth slip, between which a small one lies; or that of both places."""
+    begins, fall = np.array([1.0, 5.0, 5.5, 9.0]), np.array([0.9, 0.9, 0.01, 0.9])
+    given = {"drive": begins, "before": begins, "after": begins, "force_before": fall}
+    given |= {"force_after": 0.0 * fall, "time": begins, "duration": fall, "top_speed": fall}
+    for spacing, known in ((0.1, 0.2), (0.3, 0.5), (np.inf, 0.5)):
+        slips = SlipsInTime(**given, drive_error=0.25, spacing_error=spacing)
+        assert slips.period == 4.0 and slips.period_error == known
+
+
 def test_points_in_a_slip_are_known_no_better_than_when_it_begins() -> None:
     """Both runs agreed at points by chance, or in when slips begin, or had a slip on one side of a point that is on the
     other: claims were 4, 5 and 150 times too small."""

@@ -1455,6 +1455,30 @@ def test_an_error_that_is_told_leaves_the_force_no_more_digits() -> None:
     assert found.startswith("smooth at 0.54 ± 0.01 N_c<k> length")
 
 
+def test_an_error_that_hides_beside_the_force_before_a_slip_is_much_of_that_after_it() -> None:
+    """Readings are 5 % apart, 13 of 256 mN: more than the error of 6.5 mN, which leaves two digits of 40.6 mN."""
+    contacts, unit = Contacts(gaussian(1.0, 0.3)), 0.25 / 1e-3
+    own = replace(infinite("stick-slip", 8), before=256.47 / unit, after=40.6 / unit)
+    mean = contacts.mean_threshold
+    scale = Scale(1e-3 * unit, "N", 1.0, "N/m", "m", "s")
+    each = [answers.Quantity(value / unit, 1e-9) for value in (240.9, 253.0)]
+    first, other = (
+        answers.Answer(
+            name,
+            contacts,
+            scale,
+            force,
+            force,
+            force,
+            SOFT,
+            (replace(own, error=6.5 / unit / mean),),
+        )
+        for name, force in zip("ab", each, strict=True)
+    )
+    found = sentence(answers.Verdict("a", "a", 1.0, (first, other), (), {}, 1.0))
+    assert found.startswith("stick-slip: 256 mN down to 41 mN"), found
+
+
 @pytest.mark.slow
 def test_slips_of_islands_may_begin_far_below_their_static_force() -> None:
     """docs/islands.md: weak barriers, many at one value, let the slider slip before the strong ones bear F_s."""

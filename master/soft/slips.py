@@ -45,9 +45,14 @@ class Slips:
 
     @property
     def period(self) -> float | None:
-        """Distance of X_T between the last two main slips (a length, error 2 `drive_error`); None for fewer of them."""
+        """Distance of X_T between the last two main slips (a length); None for fewer of them."""
         last = self.drive[self.main][-2:]
         return abs(float(np.diff(last)[0])) if last.size > 1 else None
+
+    @property
+    def period_error(self) -> float:
+        """Estimate from above of the error of `period` (a length), and of the distance of any two main slips."""
+        return 2.0 * self.drive_error
 
 
 def largest_of_late(drops: Array) -> float:

@@ -97,7 +97,7 @@ def summary(result: Result) -> dict[str, Any]:
     if solved is not None and asked.master is not None:
         content["master"] = {"tolerance": asked.master.tolerance, **_numbers(solved)}
         if solved.slips is not None:
-            content["master"]["period_error"] = 2.0 * float(solved.slips.drive_error)
+            content["master"]["period_error"] = float(solved.slips.period_error)
         if not is_precise(solved):
             content["master"] |= dict.fromkeys(_OF_FORCE & content["master"].keys())
     if eq is not None and asked.eq is not None:

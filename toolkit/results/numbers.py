@@ -30,7 +30,7 @@ def numbers_of(result: Any) -> dict[str, Number]:
             found["before_slip"] = Number(before * scale.force, error[0] * scale.force, force)
             found["after_slip"] = Number(after * scale.force, error[0] * scale.force, force)
             if (period := solved.slips.period) is not None:
-                off = 2.0 * float(solved.slips.drive_error)
+                off = float(solved.slips.period_error)
                 found["period"] = Number(period, off, scale.length_unit)
     elif eq is not None:
         found |= _of_curve(eq.force, eq.force_standard_error + eq.step_error, scale)

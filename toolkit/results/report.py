@@ -30,7 +30,7 @@ def report(result: Any) -> list[str]:
         took = f"{solved.run_time:.4f} s"
         lines.append(f"master  error {error}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None:
-        error = 2.0 * solved.slips.drive_error
+        error = solved.slips.period_error
         period = with_error(solved.period, error, 9)
         if result.thresholds.in_metres:
             period = with_uncertainty(solved.period, error, "m")

@@ -45,6 +45,7 @@ class SlipsInTime(Slips):
         of a slip that fades without a swing, whose end, the speed of the drive, is reached slowly.
     force_error : the same of the forces before and after slips, in mean thresholds; that of X_T, `drive_error`, may
         add up from slip to slip
+    spacing_error : the same of the distance of X_T from one slip to the next, a length; inf where it is not known
 
     The slider sticks where the force rises by 0.02 mean thresholds while it stays within two of them, a fifth of the
     contacts at least hold it and fewer break. From where it last stuck to the end of the fall there are 0.2 breaks per
@@ -57,8 +58,15 @@ class SlipsInTime(Slips):
     top_speed: Array
     duration_error: float = np.inf
     force_error: float = np.inf
+    spacing_error: float = np.inf
 
     __repr__ = brief
+
+    @property
+    def period_error(self) -> float:
+        """As of other slips; with others between main ones, of all these distances."""
+        most = int(np.diff(self.main).max(initial=1))
+        return min(super().period_error, most * self.spacing_error)
 
 
 class Differences(NamedTuple):

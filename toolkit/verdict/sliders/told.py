@@ -49,7 +49,7 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
     slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
     last = float(solved.force[-1]) if solved.force.size else float("nan")
     before, after, period, error = last, last, solved.period, judged
-    period_error = 0.0 if period is None else 2.0 * float(slips.drive_error)
+    period_error = 0.0 if period is None else float(slips.period_error)
     if slips.drive.size and kind in ("stick-slip", "undecided"):
         shown = slips_to_tell(slips, kind == "stick-slip")
         forces = slips.force_before[shown], slips.force_after[shown]

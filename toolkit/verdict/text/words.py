@@ -234,12 +234,10 @@ def _behaved(
     """One kind of behaviour with its numbers; its forces alone if `bare`. The numerical error stands beside these where
     it is the widest uncertainty. `whom` : of whom, see `whom_of`."""
     scale, last, vague = answer.scale, alike[0], is_vague(verdict)
-    uncertainty = widest_uncertainty(verdict)
-    error = max((one.error for one in alike if one.error < np.inf), default=0.0)
-    error *= answer.contacts.mean_threshold * scale.force
+    unit_force = answer.contacts.mean_threshold * scale.force
+    error = unit_force * max((one.error for one in alike if one.error < np.inf), default=0.0)
     top = max((abs(one.before) for one in alike), default=0.0) * scale.force
-    if top > 0.0:
-        uncertainty = max(uncertainty, error / top)
+    uncertainty = max(widest_uncertainty(verdict), error / top if top else 0.0)
 
     def span(values: Sequence[float], unit: str, shown_error: float = 0.0) -> str:
         """One value, or the smallest and the largest where they differ as written; to the digit of an error that
@@ -278,7 +276,9 @@ def _behaved(
         beside += of_fluctuations(verdict, last) * (answer is verdict.own)
         return f"smooth at {said}{whom}{beside}{of_assumed_damping(answer, last)}"
     high = with_error([one.before * scale.force for one in alike])
-    low = span(after, scale.force_unit, shown_error)
+    # an error that hides beside the force before a slip may be much of what is left after it
+    own = error if error > uncertainty * min(map(abs, after)) else 0.0
+    low = span(after, scale.force_unit, shown_error or own)
     fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
     if kind == "undecided":
         seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"

@@ -274,3 +274,18 @@ def error_by(changes: Array, safety: float) -> float:
     before, last, extrapolated = changes.max(axis=1, initial=0.0).tolist()
     by_chance = before / FALL if last < before / MOST_FALL else 0.0
     return float(safety * max(last, extrapolated, by_chance))
+
+
+def spacing_error(sliders: list[HeavySlider], contacts: Contacts, drive: Drive) -> float:
+    """The error (a length) of the distance of X_T from one slip to the next, by its own changes as steps are halved:
+    errors of X_T add up from slip to slip, and most of them are those of both slips alike. What no change shows, such
+    as inertia that rest leaves out, makes all slips late, or all early, and counts once."""
+    last, places = (
+        sliders[-1],
+        [np.array([slip.begin.drive for slip in one.falls.slips]) for one in sliders],
+    )
+    if len(sliders) < COMPARED or len({one.size for one in places}) > 1:
+        return np.inf
+    safety = max(last.contacts.memory.safety, SAFETY)
+    unseen = total(_unseen(last, contacts, drive)) * contacts.mean_threshold / last.spring
+    return error_by(_changes(np.diff(places, axis=1)), safety) + unseen

@@ -18,7 +18,7 @@ from master.soft.in_time.refining import (
 )
 from master.soft.in_time.steps import CONTROL
 from master.soft.inertia.foretold import enough_damping
-from master.soft.inertia.in_time.answer import COMPARED, HeavyAnswer, answer
+from master.soft.inertia.in_time.answer import COMPARED, HeavyAnswer, answer, spacing_error
 from master.soft.inertia.in_time.long_slips import long_slips_of
 from master.soft.inertia.in_time.ringing import Ringing
 from master.soft.inertia.in_time.slider import HeavySlider
@@ -60,6 +60,7 @@ def follow_in_steps(
     stays = contacts.changing is None and contacts.reforming is None
     survival = contacts.thresholds.sf if stays else None
     sliders, best, halvings, stopped, nodes = list[HeavySlider](), None, 0, "", 0
+    spacing = np.inf
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
@@ -79,7 +80,7 @@ def follow_in_steps(
         found = answer(sliders, contacts, drive, asked)
         progress(found.error)
         if best is None or _largest(found) <= _largest(best):
-            best = found
+            best, spacing = found, spacing_error(sliders, contacts, drive)
         as_good_as_memory = _largest(found) < NEAR_MEMORY_ERROR * memory.error
         if _largest(best) <= tolerance or as_good_as_memory:
             break
@@ -90,7 +91,7 @@ def follow_in_steps(
             stopped = f"steps are not halved again, which takes {what}"
             break
         halvings += 1
-    return _found(best, sliders[-1], drive, balance, (nodes, stopped))
+    return _found(best, sliders[-1], drive, balance, (nodes, stopped), spacing)
 
 
 def _refuse_long_ways(contacts: Contacts, drive: Drive, balance: float) -> None:
@@ -148,9 +149,15 @@ def _why(why: StoppedError, slider: HeavySlider, drive: Drive) -> str:
 
 
 def _found(
-    best: HeavyAnswer, last: HeavySlider, drive: Drive, balance: float, ended: tuple[int, str]
+    best: HeavyAnswer,
+    last: HeavySlider,
+    drive: Drive,
+    balance: float,
+    ended: tuple[int, str],
+    spacing: float,
 ) -> HeavyFound:
-    """The answer in the form of other sliders; `ended`: steps in all, and why they were not halved further."""
+    """The answer in the form of other sliders; `ended`: steps in all, and why they were not halved further; `spacing`:
+    see `spacing_error`."""
     unit, spring, slips = last.contacts.unit, last.spring, best.slips
     place = best.columns["position"]
     force = spring * (drive.path[: place.size] - place)
@@ -167,6 +174,7 @@ def _found(
         top_speed=slips.top_speed,
         duration_error=best.duration_error,
         force_error=best.of_slips,
+        spacing_error=spacing,
     )
     nodes, stopped = ended
     of_holding = best.of_holding
