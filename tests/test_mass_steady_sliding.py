@@ -28,7 +28,8 @@ STRONGER = Contacts(
 @pytest.mark.parametrize(
     ("contacts", "damping", "beside"),
     [
-        (WIDE, 8e-9, False),
+        # quick: the equations of sliding, below, and sliders that slide so in their slips, in test_mass_long_slips.py
+        slow(WIDE, 8e-9, False),
         # beside the slider without mass
         slow(WIDE, 8e-9, True),
         slow(WIDE, 8e-5, False),

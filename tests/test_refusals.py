@@ -12,6 +12,7 @@ import pytest
 from ase import Atoms
 from ase.calculators.calculator import Calculator
 from ase.constraints import FixAtoms
+from conftest import slow
 from scenes import ROUGH, Scan, scene, write
 from scipy import stats
 
@@ -427,7 +428,11 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("call", "says"), REFUSED, ids=[says for _, says in REFUSED])
+@pytest.mark.parametrize(
+    ("call", "says"),
+    # some second, in which so many laws are made
+    [slow(call, says, id=says, when="512 laws" in says) for call, says in REFUSED],
+)
 def test_it_is_refused_in_one_line(call: Callable[[], object], says: str) -> None:
     with pytest.raises(origins.InputError) as caught:
         call()
