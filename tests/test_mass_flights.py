@@ -31,7 +31,7 @@ def test_a_slip_is_that_of_the_road_at_no_temperature() -> None:
     exact = master.solve(WAITING, path, 1e-4, **SOFT)
     found = in_steps(WAITING, path, SOFT)
     ours, theirs = found.followed.slips, exact.slips
-    assert exact.success and found.followed.error <= 1e-2
+    assert exact.success and found.followed.error_of_force_and_load <= 1e-2
     assert ours.drive.size == theirs.drive.size == 1
     for name in ("force_before", "force_after"):
         assert np.abs(getattr(ours, name) - getattr(theirs, name)).max() < 1e-3
@@ -157,7 +157,7 @@ def test_beside_a_slip_the_error_is_as_large_as_its_fall() -> None:
     assert off <= followed.force_error and followed.force_error > 0.5
     assert np.abs(followed.holding - exact.holding).max() <= followed.holding_error
     # slips are known all the same
-    assert followed.error <= 1e-2
+    assert followed.error_of_force_and_load <= 1e-2
     assert abs(followed.slips.drive[0] - exact.slips.drive[0]) <= followed.slips.drive_error
 
 
@@ -171,7 +171,7 @@ def test_contacts_that_come_back_are_back_at_once_beside_the_time_from_slip_to_s
         in_steps(WAITING, path, SOFT).followed,
     )
     assert np.abs(followed.holding - exact.holding).max() <= followed.holding_error <= 1e-2
-    assert followed.error <= 1e-2 and followed.nodes < 3000
+    assert followed.error_of_force_and_load <= 1e-2 and followed.nodes < 3000
 
 
 def test_attempts_quicker_than_the_last_digit_of_the_time_are_followed() -> None:

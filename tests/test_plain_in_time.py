@@ -406,7 +406,7 @@ def test_the_example_at_the_head_of_extrapolation_is_answered_so() -> None:
     assert found.force == pytest.approx([0.7042 - 0.0118 / 3.0, 0.2], abs=1e-12)
     assert steps == pytest.approx(3.0 * (0.0118 - (0.044 - 0.0118) / 3.0), abs=1e-12)
     assert left_over == pytest.approx(0.06, abs=1e-12)
-    assert found.error == pytest.approx(steps + left_over, abs=1e-9)
+    assert found.error_of_force_and_load == pytest.approx(steps + left_over, abs=1e-9)
     # the large slip is extrapolated, the small one is not
     assert found.slips.drive == pytest.approx([1.0 + found.force[0], 1.7], abs=1e-12)
     assert found.slips.drop == pytest.approx([found.force[0] - 0.2, 0.02], abs=1e-12)

@@ -107,7 +107,7 @@ class ColdSlider:
             holding=np.ones(force.size),
             slips=slips_of(np.reshape(self.slips, (-1, 3)).T, spring, self.drive_error),
             fractions_broken=np.array(self.fractions_broken),
-            error=max(part.size for part in parts),
+            error_of_force_and_load=max(part.size for part in parts),
             nodes=self.contacts.nodes,
             stopped_because=stopped,
             parts=parts,

@@ -43,12 +43,13 @@ def total(parts: Iterable[ErrorPart]) -> float:
 
 
 class Followed(NamedTuple):
-    """Results for a slider as far as it was followed; lengths, and `error` in mean thresholds.
+    """Results for a slider as far as it was followed; lengths, and errors in mean thresholds.
 
     balance, nodes : see SoftSolution
     force, holding : arrays of shape (k,), at the first k points of the path
-    error : estimate from above of that of force and load at slips
-    parts : at least one; `error` is their sum, at T = 0 without mass the largest of them
+    error_of_force_and_load : estimate from above of the error of the force, but at points near slips of a slider with
+        mass, and of K X_T at slips
+    parts : at least one; that error is their sum, at T = 0 without mass the largest of them
     stopped_because : why the path was not followed to its end, or steps were not halved further
     beside_slips : what the error of the force may be larger at points of the path near slips of a slider with mass,
         whose times are not known so well
@@ -63,7 +64,7 @@ class Followed(NamedTuple):
     force: Array
     holding: Array
     slips: Slips
-    error: float
+    error_of_force_and_load: float
     nodes: int
     parts: tuple[ErrorPart, ...]
     stopped_because: str = ""
@@ -76,7 +77,7 @@ class Followed(NamedTuple):
     @property
     def force_error(self) -> float:
         """Estimate from above of the error of the force at all points of the path."""
-        return self.error + self.beside_slips.size
+        return self.error_of_force_and_load + self.beside_slips.size
 
     @property
     def holding_error(self) -> float:
@@ -115,7 +116,7 @@ class Followed(NamedTuple):
     ) -> tuple[bool, str]:
         """Success and message; `place` is the symbol of the path's positions."""
         solved = self.force.size
-        unknown = "" if self.error < UNRELIABLE else f"{NOTHING_KNOWN}: "
+        unknown = "" if self.error_of_force_and_load < UNRELIABLE else f"{NOTHING_KNOWN}: "
         if fault := self.fault(tolerance):
             return False, fault
         if solved == drive.path.size:

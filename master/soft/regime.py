@@ -83,7 +83,9 @@ def regime(
     if count and spring >= critical and turns:
         on_spring += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
-    if (unknown := not found.error < UNRELIABLE) or found.force.size < drive.path.size:
+    if (
+        unknown := not found.error_of_force_and_load < UNRELIABLE
+    ) or found.force.size < drive.path.size:
         reason = NOTHING_KNOWN if unknown else f"{count} slips up to where the solution stopped"
     elif not count:  # K* is that of a rigid slider; a soft slider's speed differs from the drive's
         lacking = _lacking(contacts, drive, found, critical, latest)
@@ -139,7 +141,7 @@ def _by_slips(
         farther = _farther(drive, slips, (FEWEST + 1 - count) * longest)
         return "undecided", f"{counted} are too few to tell{farther}"
     # a drop is known to the error of its two forces
-    unsure = 2.0 * found.error * contacts.mean_threshold
+    unsure = 2.0 * found.error_of_force_and_load * contacts.mean_threshold
     faded = trend is not None and trend < -STEADY
     if faded and drops[count // 2] - drops[-1] <= unsure:
         if unsure <= OF_DROP * drops[-1]:
@@ -193,7 +195,7 @@ def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[n
     force = np.abs(force_after) / contacts.mean_threshold
     steadily = drive.forward and (drive.time is None or not contacts.in_time)
     alike = relaxed and steadily and not contacts.older_at_start
-    return np.flatnonzero((force <= min(found.error, NO_FORCE)) & (alike and out))
+    return np.flatnonzero((force <= min(found.error_of_force_and_load, NO_FORCE)) & (alike and out))
 
 
 def _alike_and_new(contacts: Contacts, drive: Drive, found: Followed) -> bool:
@@ -204,7 +206,7 @@ def _alike_and_new(contacts: Contacts, drive: Drive, found: Followed) -> bool:
         return False
     drop, period = slips.drop[-FEWEST_OF_NEW:], np.diff(slips.drive[-FEWEST_OF_NEW:])
     travel = (slips.after - slips.before)[-FEWEST_OF_NEW:]
-    unknown = 2.0 * found.error * contacts.mean_threshold
+    unknown = 2.0 * found.error_of_force_and_load * contacts.mean_threshold
     alike = float(np.ptp(drop)) <= unknown + STEADY * drop.min()
     in_turn = float(np.ptp(period)) <= 4.0 * slips.drive_error + STEADY * period.min()
     new = travel.min() > float(contacts.thresholds.isf(HOLD_ON))

@@ -102,16 +102,18 @@ def solve_soft(
         slips = replace(found.slips, drive_error=found.slips.drive_error + of_drive)
         left_out = ErrorPart("heat that is left out", error, LEAVE_HEAT)
         found = found._replace(
-            error=found.error + error, slips=slips, parts=(*found.parts, left_out)
+            error_of_force_and_load=found.error_of_force_and_load + error,
+            slips=slips,
+            parts=(*found.parts, left_out),
         )
     else:
         of_heat = idle.effect * contacts.mean_threshold
         found = ColdSlider(contacts, drive, tolerance, until, of_heat).follow()
-        progress(found.error)
+        progress(found.error_of_force_and_load)
     position = drive.path[: found.force.size] - found.force / float(drive.spring or 0.0)
     common = common_fields((given, contacts), drive, found, tolerance, until)
     if idle.message:
-        common |= without_heat(common, idle, found.error)
+        common |= without_heat(common, idle, found.error_of_force_and_load)
     return SoftSolution(position=position, run_time=time.perf_counter() - began, **common)
 
 
@@ -134,7 +136,7 @@ def common_fields(
     which weights beyond every threshold are told, and those that were followed, without laws that are left out."""
     given, followed = contacts
     if found.fault(tolerance):
-        found = found._replace(error=np.inf)
+        found = found._replace(error_of_force_and_load=np.inf)
     success, message = found.outcome(given, drive, tolerance, "X_T")
     return {
         "path": drive.path[: found.force.size],

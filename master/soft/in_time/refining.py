@@ -104,7 +104,7 @@ def refined(
         found = extrapolated(sliders, contacts, drive, balance, asked)
         if slider.creeps_from is not None:
             found = found._replace(**_creeping(slider, motion))
-        progress(found.error)
+        progress(found.error_of_force_and_load)
         if best is None or found.largest_error <= best.largest_error:
             best = found
         before = sliders[-2:][0].contacts.work  # the first slider's own, as long as it is alone

@@ -166,7 +166,7 @@ def solve_inertial(
         force=best.force,
         holding=best.record.holding[: best.force.size],
         slips=best.slips(drive_error, best.duration_error(coarser, of_slips + neglected)),
-        error=float(of_slips + neglected),
+        error_of_force_and_load=float(of_slips + neglected),
         of_holding=ErrorPart("the share that holds", of_holding),
         nodes=nodes,
         stopped_because=stopped,

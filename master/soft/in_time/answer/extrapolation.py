@@ -129,7 +129,7 @@ def extrapolated(
         force=limit.answer.force[: asked.size] * unit,
         holding=limit.answer.holding[: asked.size],
         slips=slips_of(drive_and_forces, spring, error * unit / spring),
-        error=error,
+        error_of_force_and_load=error,
         of_holding=limit.of_holding,
         nodes=cohorts.steps,
         parts=parts,

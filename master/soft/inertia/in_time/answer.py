@@ -81,8 +81,8 @@ class HeavyAnswer(NamedTuple):
     beside: Beside
 
     @property
-    def error(self) -> float:
-        """That of the spring's force, where slips begin and far from them, in mean thresholds."""
+    def error_of_force_and_load(self) -> float:
+        """That of the spring's force, but at points near slips, and of K X_T at slips, in mean thresholds."""
         return total(self.parts)
 
 

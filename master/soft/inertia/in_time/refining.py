@@ -78,7 +78,7 @@ def follow_in_steps(
             break
         sliders, nodes = [*sliders[1 - COMPARED :], slider], nodes + cohorts.steps
         found = answer(sliders, contacts, drive, asked)
-        progress(found.error)
+        progress(found.error_of_force_and_load)
         if best is None or _largest(found) <= _largest(best):
             best, spacing = found, spacing_error(sliders, contacts, drive)
         as_good_as_memory = _largest(found) < NEAR_MEMORY_ERROR * memory.error
@@ -128,7 +128,7 @@ def _sliding(slider: HeavySlider, motion: Motion) -> dict[str, Any]:
 
 def _largest(found: HeavyAnswer) -> float:
     """The error by which an answer is judged."""
-    return max(found.error, found.of_holding.size)
+    return max(found.error_of_force_and_load, found.of_holding.size)
 
 
 def _why(why: StoppedError, slider: HeavySlider, drive: Drive) -> str:
@@ -140,12 +140,15 @@ def _why(why: StoppedError, slider: HeavySlider, drive: Drive) -> str:
     fault = (
         f"a slider with mass takes {contacts.steps} steps, {contacts.work:.1e} operations in all,"
     )
-    hint = f"or give a larger damping ({enough_damping(drive)})"
+    end, hint = "end the path sooner", f"or give a larger damping ({enough_damping(drive)})"
+    if slider.falls.begins and slider.motion is not None:
+        begins = float(slider.motion.at(np.array(slider.falls.begins[-1])))
+        end = f"end the path before the slip at X_T = {begins:.6g}"
+    if len(slider.falls.begins) > len(slider.falls.slips):
+        hint = "or take a slip rule, or eq_model.simulate: the slip itself takes so many"
     if slider.may_fly_at_one_speed:
         hint = "or drive at one speed all along, on which slips of contacts that wait so long take no steps"
-    return (
-        f"{fault} to t = {contacts.now:.4g}, and no more are taken on; end the path sooner, {hint}"
-    )
+    return f"{fault} to t = {contacts.now:.4g}, and no more are taken on; {end}, {hint}"
 
 
 def _found(
@@ -161,7 +164,7 @@ def _found(
     unit, spring, slips = last.contacts.unit, last.spring, best.slips
     place = best.columns["position"]
     force = spring * (drive.path[: place.size] - place)
-    drive_error = best.error * unit / spring
+    drive_error = best.error_of_force_and_load * unit / spring
     listed = SlipsInTime(
         drive=slips.drive,
         before=slips.drive - slips.force_before / spring,
@@ -185,7 +188,7 @@ def _found(
         force=force,
         holding=best.columns["holding"],
         slips=listed,
-        error=best.error,
+        error_of_force_and_load=best.error_of_force_and_load,
         nodes=nodes,
         parts=best.parts,
         stopped_because=stopped,
