@@ -47,3 +47,11 @@ def test_a_force_with_a_sharp_bend_has_no_table() -> None:
     """Contacts of nearly one threshold: F_k rises with ln V, and no more where heat does not break them in time."""
     contacts = Contacts(origins.gaussian(1.0, 1e-3), thermal=Thermal("eyring", width=1e-3))
     assert tabulated(contacts, np.log([1e-60, 1e60]), 1e-7) is None
+
+
+def test_there_is_none_at_speeds_of_a_slider_that_moves_on_in_the_last_digit_of_the_time() -> None:
+    """A step of no time told 1e292, which a verdict on samples in heat was refused for, in units that nobody gave."""
+    warm = origins.Contacts(origins.gaussian(1.0, 0.2), thermal=origins.Thermal("soft", 0.05, 0.1))
+    assert tabulated(warm, np.log([0.1, 1.0]), 1e-3) is not None
+    for ends in ([1.0, 1e292], [1e-292, 1.0]):
+        assert tabulated(warm, np.log(ends), 1e-3) is None

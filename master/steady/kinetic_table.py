@@ -21,6 +21,8 @@ DEGREES, DEGREES_OF_CHANGING = (12, 24, 48, 96), (12, 24, 48)
 BLOCK, SAFETY, MOST_RATIO = 6, 3.0, 0.9
 # Part of the error of the table that one force may have; and between which accuracies, in mean thresholds.
 PART_OF_ERROR, ACCURACIES = 0.1, (1e-9, 1e-6)
+# Largest ln V, either sign, of which F_k is known: of speeds up to 1e100.
+FARTHEST = 230.0
 
 
 class KineticTable(NamedTuple):
@@ -51,7 +53,10 @@ def tabulated(
     contacts: Contacts, ends: Array, most_error: float, until: float = np.inf
 ) -> KineticTable | None:
     """The table between these ends (2,) of ln V; None where its error would be above the most (a length), as F_k is not
-    smooth in ln V. `until`: reading of time.monotonic() after which StoppedError comes."""
+    smooth in ln V, and at speeds beyond all, as of a slider that moves on in the last digit of the time. `until`:
+    reading of time.monotonic() after which StoppedError comes."""
+    if np.abs(ends).max() > FARTHEST:
+        return None
     forces, off = np.empty(0), 0.0
     for degree in DEGREES if contacts.changing is None else DEGREES_OF_CHANGING:
         # places where the polynomial of this degree is 1 or -1: each second one stands in the list before
