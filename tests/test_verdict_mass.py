@@ -898,3 +898,17 @@ def test_contacts_of_the_area_are_given_up_once_the_time_is_over(monkeypatch: An
     own, over = replace(own, scale=replace(own.scale, contacts=100.0)), Budget(0.0, strict=True)
     (told,) = judge.finite_sliders(SimpleNamespace(eq=None), own, over, over, print)
     assert (told.kind, told.contacts, told.message) == ("unknown", 100, NO_TIME)
+
+
+@pytest.mark.parametrize("kind", ["undecided", "smooth"])
+def test_where_heat_costs_the_answer_of_a_mass_it_is_told_what_to_leave_out(kind: str) -> None:
+    """Samples at 300 K on 50 N/m, with 0.1 kg: not decided in a minute, and in seconds without heat."""
+    warm = Contacts(gaussian(1.0, 0.3), thermal=Thermal("soft", 1e-3, 1.0))
+    number, cold = answers.Quantity(0.50, 1e-9), answers.Quantity(0.51, 1e-9)
+    slider = Behaviour("mass", kind, 0.5, 0.5, None, 0, 1e-3, True, "takes 2001 steps", 0.0)
+    machine = Machine(1e-4, 1e-4, 1e-3, 1.0)
+    given = "own", warm, scale_of(warm, None), number, number, number, machine, (slider,)
+    verdict = answers.Verdict("a", "a", 1.0, (answers.Answer(*given, cold=cold),), (), {}, 1.0)
+    told = [line for line in dependence(verdict) if line.startswith("heat lowers F_k")]
+    assert len(told) == 1
+    assert ("leave [contacts.thermal] out" in told[0]) == (kind == "undecided")

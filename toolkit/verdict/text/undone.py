@@ -203,6 +203,10 @@ def _of_heat(verdict: Verdict) -> Iterator[Line]:
     own, scale = verdict.own, verdict.own.scale
     unit = own.contacts.mean_threshold * scale.force
     kinetic, change = _by_heat(own), own.cold and abs(own.kinetic.value / own.cold.value - 1.0)
+    seen = own.behaviours[:1] and own.contacts.changing is None and own.behaviours[0]
+    if kinetic and seen and (seen.rule, seen.kind, seen.slips) == ("mass", "undecided", 0):
+        ask = "leave [contacts.thermal] out to be told what it does then"
+        kinetic += f". Without heat a slider with mass is followed in far fewer steps: {ask}"
     cold = {one.rule: one.heat_left_out for one in own.behaviours if one.heat_left_out is not None}
     said = ((written(most * unit, scale.force_unit, digits=2), rule) for rule, most in cold.items())
     for most, rules in by_reason(said).items():
