@@ -86,6 +86,15 @@ def test_forces_of_a_surface_are_in_newtons_or_pascals_and_lengths_in_nanometres
     )
 
 
+def test_an_error_above_the_tolerance_stands_in_the_legend_in_newtons() -> None:
+    result = toolkit.run(scene(ROUGH, drive={"to": 5e-8, "points": 5, "area": 1e-6}))
+    short = dataclasses.replace(result.master, success=False, force_error=0.01)
+    axes = plot_force(Figure().subplots(), dataclasses.replace(result, master=short))
+    newtons = 0.01 * result.mean_threshold * result.scale.force
+    said = axes.get_lines()[0].get_label()
+    assert f"error {written(newtons, 'N', digits=2)} (" in said and said.endswith("not as asked")
+
+
 def test_units_of_n_c_k_are_one_key_away_and_own_units_have_no_prefix() -> None:
     drive = {"to": 5e-8, "points": 5, "area": 1e-6}
     result = toolkit.run(scene(ROUGH, drive=drive, units="N_c<k>"))

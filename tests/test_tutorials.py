@@ -143,15 +143,14 @@ def test_the_verdict_on_a_structure(page: str, capsys: Any) -> None:
     run(python(page)[0], {})
     status, out, _ = said(capsys, "verdict", "flake.toml")
     (told,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
-    first, slips, smooth = told.splitlines()
-    assert status == 0 and first in out, "\n".join(out)
-    assert any("other samples would change F_k by ± " in line for line in out)
-    read = json.loads(Path("flake-output/verdict.json").read_text(encoding="utf-8"))["readings"]
-    each = {one["rule"]: one for one in read[0]["behaviours"]}
-    for rule in ("reset", "reform-after"):
-        assert each[rule]["before"] == pytest.approx(1.78e-3, rel=0.01) and "1.78 mN" in slips
-        assert each[rule]["period"] == pytest.approx(35.6e-6, rel=0.01) and "35.6 µm" in slips
-    assert each["instant"]["after"] == pytest.approx(1.47e-3, rel=0.01) and "1.47 mN" in smooth
+    number = re.compile(r"\d+(?:\.\d+)?")
+    assert status == 0
+    for line in told.splitlines():
+        # the same words, and numbers that hang on how many contacts there is time for
+        (same,) = (one for one in out if number.sub("#", one) == number.sub("#", line))
+        tolerance = 0.2 if "other samples" in line else 0.01
+        found, expected = (list(map(float, number.findall(each))) for each in (same, line))
+        assert found == pytest.approx(expected, rel=tolerance), same
 
 
 @pytest.mark.slow

@@ -101,7 +101,9 @@ def _draw_solved(axes: Any, result: Result) -> None:
     solved: Any = result.master
     label = "master equation"
     if not solved.success:
-        label += f", error {solved.force_error:.1e} $\\langle x_s\\rangle$: not as asked"
+        error = result.scale.error(solved.force_error, result.mean_threshold)
+        error = error.replace("<x_s>", "$\\langle x_s\\rangle$")
+        label += f", error {error}: not as asked"
     place, force = along(result, solved), solved.force
     place, force = with_slips(place, solved.path, force, slips_of(solved))
     if not is_precise(solved):
