@@ -1,5 +1,6 @@
 """What precision and a scene cost: true errors against run time, fronts and crossings, imports."""
 
+import dataclasses
 import gc
 import importlib.util
 import json
@@ -202,6 +203,21 @@ def test_precision_of_a_slider_with_mass_has_both_solvers(capsys: Any, monkeypat
     assert found["points"][-1]["error"] is None and found["reference_error"] > 0.0
     notes = "\n".join(found["notes"])
     assert "no independent road: the ensemble" in notes and "master: left out; " in notes
+
+
+@pytest.mark.usefixtures("unrendered")
+def test_an_answer_of_which_nothing_is_known_is_no_reference(capsys: Any, monkeypatch: Any) -> None:
+    """Errors of all others were not known beside it, where the ensemble is the other road."""
+    solve = solve_master
+
+    def unknown(*arguments: Any) -> Any:
+        return dataclasses.replace(solve(*arguments), force_error=np.inf, message="not known")
+
+    monkeypatch.setattr("toolkit.judge.precision.RUNGS", SHORT)
+    monkeypatch.setattr("toolkit.judge.precision.solve_master", unknown)
+    found = measured(capsys, thresholds={"kind": "rectangular", "lower": 0.5, "upper": 1.0})
+    assert found["reference"].startswith("the ensemble at ")
+    assert any("master: no answer at 0.01; not known" in note for note in found["notes"])
 
 
 def test_what_no_solver_takes_is_refused_with_the_reasons_of_both(capsys: Any) -> None:

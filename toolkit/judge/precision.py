@@ -253,8 +253,9 @@ def _climb(
                 break
             run = _timed(work, setting)
             answer, spent = run.answer, spent + run.run_time * run.runs
-            if not np.isfinite(answer.force).all():
-                notes.append(f"{method}: no answer at {setting:.3g}")
+            if not np.isfinite(answer.force).all() or answer.claimed == np.inf:
+                why = f"; {answer.found.message}" if answer.claimed == np.inf else ""
+                notes.append(f"{method}: no answer at {setting:.3g}{why}")
                 break
             missed = method == "master" and answer.found.force_error > setting
             if method == "master" and runs and _is_same(answer, runs[-1].answer):
