@@ -1727,6 +1727,11 @@ def test_with_a_delay_the_headline_ends_with_the_reach_of_the_force_before_a_sli
     told = "the force before a slip by the 3 of 3 readings that slip is 500 mN to 900 mN"
     assert sentence(found).endswith("; F_k of the 3 readings is 400 mN to 1.20 N")
     assert said.endswith(f"; {told}")
+    # another reading's slips under a rule that does not decide the own one are no reach of its force
+    elsewhere = tuple(
+        replace(one, behaviours=(replace(one.behaviours[0], rule="instant"),)) for one in each[1:]
+    )
+    assert "before a slip by" not in sentence(replace(found, answers=(each[0], *elsewhere)))
     title = draw_verdict(found).get_suptitle()
     without = "no friction trace is drawn, as no slider was followed"
     assert title == f"a\nstick-slip: 800 mN down to 500 mN\n{without}"

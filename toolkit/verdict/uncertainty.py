@@ -99,19 +99,23 @@ def widest(verdict: Verdict) -> list[str]:
 
 def range_of_force(verdict: Verdict, whose: str = "") -> str:
     """F_k over all readings, whose they are, from the least to the largest; where contacts depend on time, and stick
-    and slip, the force before a slip of readings that do, as F_k is that of a rigid slider as fast as the drive."""
+    and slip, the force before a slip of readings that do under a rule that decides the own one, if there are several,
+    as F_k is that of a rigid slider as fast as the drive."""
     scale, uncertainty, answers = verdict.own.scale, widest_uncertainty(verdict), verdict.answers
     forces = [(one.kinetic.value * one.scale.force, 0.0) for one in answers]
     what, befores = f"F_k{whose}", list[list[tuple[float, float]]]()
+    rules = {each.rule for each in verdict.own.behaviours if each.kind != "undecided"}
     for one in answers:
         unit = one.scale.force
-        slipping = [each for each in one.behaviours if each.kind == "stick-slip"]
+        slips = [each for each in one.behaviours if each.kind == "stick-slip"]
+        slipping = [each for each in slips if each.rule in rules]
         errors = (error_beside(verdict, one, each) * unit for each in slipping)
         befores.append(
             list(zip((abs(each.before) * unit for each in slipping), errors, strict=True))
         )
-    if verdict.own.contacts.in_time and befores[0]:
-        forces, slip = [one for each in befores for one in each], sum(map(bool, befores))
+    slip = sum(map(bool, befores))
+    if verdict.own.contacts.in_time and befores[0] and slip > 1:
+        forces = [one for each in befores for one in each]
         what = f"the force before a slip by the {slip} of {len(answers)} readings that slip"
     # each to the digit of its own error, where that is the wider one
     ends = (
