@@ -107,6 +107,9 @@ class Followed(NamedTuple):
 
     def fault(self, tolerance: float) -> str:
         """The message of a number that is not conserved, else ""."""
+        if np.isinf(self.holding_error):
+            # fewer than three halvings: steps longer than a delay tell too many births, as no error is known yet
+            return ""
         # an error estimate so large judges nothing: the tolerance does
         error = self.holding_error if self.holding_error < UNRELIABLE else 0.0
         return unconserved(self.holding, tolerance, error)
