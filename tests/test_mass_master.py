@@ -1,6 +1,8 @@
 """A soft slider with mass, by the master equation: exact motions, scipy's integrator, limits, energy, the ensemble."""
 
+from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -272,9 +274,16 @@ def test_points_in_a_slip_are_known_no_better_than_when_it_begins() -> None:
         # while contacts are out the slider swings on, here at a quarter of the slip's top speed
         ([0.9, 1.5], 0.3, 0.25 * in_one),
     ):
-        record = SimpleNamespace(times=np.array(times), speed=np.full(len(times), 0.1))
-        run = SimpleNamespace(record=record, force=np.array(times), _waits=waits)
-        assert Run.unknown_fall(run, ours, apart) == pytest.approx(off)  # type: ignore[arg-type]
+        # also on a drive that goes down, where speeds are below 0
+        for sign in (1.0, -1.0):
+            record = SimpleNamespace(times=np.array(times), speed=np.full(len(times), 0.1 * sign))
+            run: Any = SimpleNamespace(record=record, force=np.array(times), _waits=waits)
+            one = replace(ours, top_speed=sign * lasts)
+            assert Run.unknown_fall(run, one, apart) == pytest.approx(off)
+    # the contacts' force, by so much before a slip and behind its begin
+    for time, off in ((1.0 + 0.9 * apart[0], 0.9), (1.0 + 1.1 * apart[0], 0.0)):
+        run = SimpleNamespace(record=SimpleNamespace(times=np.array([time])), force=np.ones(1))
+        assert Run.unknown_hold(run, ours, apart) == off
 
 
 def test_linked_stiffness_beside_a_mass_is_refused_in_one_line() -> None:

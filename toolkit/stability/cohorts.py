@@ -17,7 +17,7 @@ from toolkit.stability.case import Truth
 from toolkit.stability.renewal import rate_of
 
 _PARTS = (3, 6, 12)  # steps between two points of the path, halved twice
-_MOST = 10  # times as many, where a delay is shorter than a step: a hundred times as long
+_MOST = 10  # times as many, where a delay is shorter than a step: a hundred times as long, in heat a thousand times
 _CELLS = 16  # of thresholds, times the parts, where heat breaks contacts one by one of them
 # of stretches at which contacts form, on each side of 0: 1e-9 of a normal law; and of those of the start, times the
 # parts, as their survival bends in |x| where the path turns

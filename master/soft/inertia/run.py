@@ -26,6 +26,8 @@ from origins.thresholds.law import Array
 OF_PANELS, LEAST_OF_PANELS = 0.01, 1e-13
 # Differences of two runs below this many mean thresholds are rounding.
 ROUNDING = 1e-14
+# Speed in place of 0.
+TINY = 1e-300
 # An error of a duration is told up to this part of it, and where two runs differ in it by no more than so many times
 # what their forces differ by, as a part of the fall: up to 5 times as a rule, hundreds of times in a slip that fades.
 OF_DURATION, FOLLOWS = 0.1, 30.0
@@ -187,14 +189,16 @@ class Run:
         """How much (a length) the spring's force may be off at points of the path as it is not known better when a slip
         begins, by the time `apart` (slips,): at points in a slip, and so near to its begin that they may be in it. Half
         a swing falls at less than twice its mean rate. Behind it the slider swings on while contacts are out: there it
-        is as much less as the slider is slower."""
+        is as much less as the slider is slower. A slip that goes on as the path ends is not among them."""
         count = self.force.size
         times, speed = self.record.times[:count, None], self.record.speed[:count, None]
         end = ours.time + ours.duration + apart
         inside = (times >= ours.time - apart) & (times <= end + self._waits)
         part = np.minimum(2.0 * apart / np.maximum(ours.duration, apart), 1.0)
         off = np.abs(ours.drop) * np.where(apart > 0.0, part, 0.0)
-        slower = np.where(times > end, np.minimum(np.abs(speed) / ours.top_speed, 1.0), 1.0)
+        # of a drive that goes down, all speeds are below 0
+        slower = np.abs(speed) / np.maximum(np.abs(ours.top_speed), np.abs(speed) + TINY)
+        slower = np.where(times > end, slower, 1.0)
         return float(np.where(inside, off * slower, 0.0).max(initial=0.0))
 
     def unknown_hold(self, ours: SlipsInTime, apart: Array) -> float:
@@ -234,7 +238,7 @@ class Run:
 
 def times_apart(ours: SlipsInTime, theirs: SlipsInTime, earlier: SlipsInTime) -> Array:
     """By how much the time at which each slip of a run begins may be off, by those of the run before, and of the one
-    before that; shape (slips,)."""
+    before that, if there is one, against two that agree by chance; shape (slips,)."""
     apart = NEAR * np.abs(ours.time - theirs.time)
     if earlier.time.size == theirs.time.size:
         apart = np.maximum(apart, np.abs(theirs.time - earlier.time) / FALL)

@@ -279,7 +279,8 @@ def error_by(changes: Array, safety: float) -> float:
 def spacing_error(sliders: list[HeavySlider], contacts: Contacts, drive: Drive) -> float:
     """The error (a length) of the distance of X_T from one slip to the next, by its own changes as steps are halved:
     errors of X_T add up from slip to slip, and most of them are those of both slips alike. What no change shows, such
-    as inertia that rest leaves out, makes all slips late, or all early, and counts once."""
+    as inertia that rest leaves out, makes all slips late, or all early, and counts once; on a drive that turns back,
+    twice, as late is further on one leg and less far on the next."""
     last, places = (
         sliders[-1],
         [np.array([slip.begin.drive for slip in one.falls.slips]) for one in sliders],
@@ -288,4 +289,5 @@ def spacing_error(sliders: list[HeavySlider], contacts: Contacts, drive: Drive) 
         return np.inf
     safety = max(last.contacts.memory.safety, SAFETY)
     unseen = total(_unseen(last, contacts, drive)) * contacts.mean_threshold / last.spring
-    return error_by(_changes(np.diff(places, axis=1)), safety) + unseen
+    goes_one_way = np.unique(np.sign(np.diff(drive.path))).size <= 1
+    return error_by(_changes(np.diff(places, axis=1)), safety) + unseen * (1 if goes_one_way else 2)
