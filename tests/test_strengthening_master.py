@@ -266,7 +266,7 @@ def test_after_a_rest_the_next_peak_rises_by_beta_per_logarithm_of_time():
         assert found.success, found.message
         assert np.abs(found.force[1:] - exact).max() < 1e-6
         peaks.append(found.force.max() / growth(beta, rest))
-    np.testing.assert_allclose(peaks, peaks[0], rtol=0.05)
+    np.testing.assert_allclose(peaks, peaks[0], rtol=1e-3)
 
 
 def left_one_by_one(law, beta, start, until, thermal):
