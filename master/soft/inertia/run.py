@@ -31,8 +31,8 @@ TINY = 1e-300
 # An error of a duration is told up to this part of it, and where two runs differ in it by no more than so many times
 # what their forces differ by, as a part of the fall: up to 5 times as a rule, hundreds of times in a slip that fades.
 OF_DURATION, FOLLOWS = 0.1, 30.0
-# A slip may begin at a time farther from where a run has it than another run does by this factor; and as both may agree
-# by chance, than that run and the one before differ by, over this one: tolerances fall by 5 from run to run.
+# Two runs tell when a slip begins. The true time may be off by NEAR times what they differ by. As both may agree by
+# chance, it is taken to be off by what the run before differed by over FALL at least: tolerances fall by 5 each time.
 NEAR, FALL = 4.0, 5.0
 
 
@@ -186,10 +186,11 @@ class Run:
         return beside
 
     def unknown_fall(self, ours: SlipsInTime, apart: Array) -> float:
-        """How much (a length) the spring's force may be off at points of the path as it is not known better when a slip
-        begins, by the time `apart` (slips,): at points in a slip, and so near to its begin that they may be in it. Half
-        a swing falls at less than twice its mean rate. Behind it the slider swings on while contacts are out: there it
-        is as much less as the slider is slower. A slip that goes on as the path ends is not among them."""
+        """How much (a length) the spring's force may be off at points of the path, as the time when a slip begins is
+        known to `apart` (slips,) only. It counts at points in a slip, and so near to its begin that they may be in it:
+        half a swing falls at less than twice its mean rate. Behind the slip the slider swings on while contacts are
+        out: there the force is off by as much less as the slider is slower. A slip that goes on as the path ends is not
+        counted."""
         count = self.force.size
         times, speed = self.record.times[:count, None], self.record.speed[:count, None]
         end = ours.time + ours.duration + apart
@@ -237,8 +238,8 @@ class Run:
 
 
 def times_apart(ours: SlipsInTime, theirs: SlipsInTime, earlier: SlipsInTime) -> Array:
-    """By how much the time at which each slip of a run begins may be off, by those of the run before, and of the one
-    before that, if there is one, against two that agree by chance; shape (slips,)."""
+    """By how much the time at which each slip begins may be off in a run, shape (slips,); `theirs`: of the run before,
+    `earlier`: of the one before that, where there is one."""
     apart = NEAR * np.abs(ours.time - theirs.time)
     if earlier.time.size == theirs.time.size:
         apart = np.maximum(apart, np.abs(theirs.time - earlier.time) / FALL)

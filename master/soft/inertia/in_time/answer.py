@@ -281,10 +281,8 @@ def spacing_error(sliders: list[HeavySlider], contacts: Contacts, drive: Drive) 
     errors of X_T add up from slip to slip, and most of them are those of both slips alike. What no change shows, such
     as inertia that rest leaves out, makes all slips late, or all early, and counts once; on a drive that turns back,
     twice, as late is further on one leg and less far on the next."""
-    last, places = (
-        sliders[-1],
-        [np.array([slip.begin.drive for slip in one.falls.slips]) for one in sliders],
-    )
+    last = sliders[-1]
+    places = [np.array([slip.begin.drive for slip in one.falls.slips]) for one in sliders]
     if len(sliders) < COMPARED or len({one.size for one in places}) > 1:
         return np.inf
     safety = max(last.contacts.memory.safety, SAFETY)
