@@ -15,8 +15,8 @@ from origins.roughness.interface import Interface
 from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
+from toolkit.judge.columns import comparison_rows, precision_rows
 from toolkit.judge.describe import SHARED_NUMBERS, Description, describe, in_units_of, table_of
-from toolkit.judge.files import comparison_rows, precision_rows, save_judgement
 from toolkit.judge.frontier import draw_picture as draw_precision
 from toolkit.pictures.thresholds import save_thresholds_picture as draw_law
 from toolkit.processes.ranks import on_root
@@ -31,7 +31,7 @@ from toolkit.running.checkpoint import say
 from toolkit.running.progress import Progress
 from toolkit.running.solvers import within
 from toolkit.saving import pictures as picture
-from toolkit.saving import read_formats, stale
+from toolkit.saving import read_formats, save_judgement, stale
 from toolkit.scene.changes import read_changes
 from toolkit.scene.interfaces import foreseen
 from toolkit.scene.laws import inside
@@ -182,20 +182,20 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
         scenes[scene.name] = scene
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))  # before the work, not after it
-    verdicts = judge.compare(list(scenes.values()), comm, comm is None or comm.Get_rank() == 0)
-    lines, numbers = table(verdicts), {"scenes": [verdict.plain() for verdict in verdicts]}
+    compared = judge.compare(list(scenes.values()), comm, comm is None or comm.Get_rank() == 0)
+    lines, numbers = table(compared), {"scenes": [one.plain() for one in compared]}
     lines[-1] += f"; the whole command {time.monotonic() - began:.2g} s"
-    draw = partial(pictures.draw_comparison, verdicts)
+    draw = partial(pictures.draw_comparison, compared)
     rows = comparison_rows(numbers["scenes"])
     on_root(comm, lambda: save_judgement(folder, "compare", draw, lines, numbers, rows, formats))
     print("\n".join([*lines, f"written to {folder}"]))
-    return 0 if all(one.result.success and one.found.success for one in verdicts) else 1
+    return 0 if all(one.result.success and one.found.success for one in compared) else 1
 
 
 def verdict(arguments: argparse.Namespace) -> int:
     """Whether the scene's interface sticks and slips on its machine: one page, a picture, tables; returns 1 where a
     solver missed its tolerance."""
-    from toolkit.judge.verdict import report_verdict
+    from toolkit.verdict.report import report_verdict
 
     changes, formats = read_changes(arguments.changes), read_formats(arguments.format)
     return 0 if report_verdict(arguments.scene, changes, arguments.out, formats).success else 1

@@ -1,9 +1,10 @@
-"""Saving of a result: its files and its pictures, all or none."""
+"""Saving of a result, and of a judgement: files and pictures, all or none."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from origins.errors import refuse
 from toolkit.results.files import (
@@ -17,7 +18,7 @@ from toolkit.results.files import (
 from toolkit.results.folders import write_folder
 from toolkit.results.points import write_sweep
 from toolkit.results.records import Result
-from toolkit.results.spreadsheets import has_force, has_slips, write_force, write_slips
+from toolkit.results.spreadsheets import has_force, has_slips, write_force, write_rows, write_slips
 
 FORMATS = ("pdf", "svg")  # of pictures, beside PNG
 
@@ -76,3 +77,31 @@ def save(result: Result, folder: str | os.PathLike[str], formats: Sequence[str] 
         gone += ["thresholds.json", "thresholds.png", "barriers.png"]
         gone += stale(["thresholds"], writers)
     write_folder(folder, writers, [name for name in gone if name not in writers])
+
+
+def save_judgement(
+    folder: str,
+    name: str,
+    draw: Any,
+    lines: list[str],
+    numbers: dict[str, Any],
+    rows: Mapping[str, Sequence[Any]],
+    formats: Sequence[str] = (),
+    table: str = "",
+) -> None:
+    """Write name.png, .txt, .json and .csv, the last as table.csv if that is given; `rows` are its columns, by their
+    heads, and without any there is none. The picture is written in `formats`, too. Raises InputError where that
+    fails."""
+    text, figure = "\n".join([*lines, ""]), draw()
+    writers: dict[str, Any] = {
+        **pictures(name, partial(_save_figure, figure), formats),
+        f"{name}.txt": lambda path: path.write_text(text, encoding="utf-8"),
+        f"{name}.json": lambda path: write_json(numbers, path),
+    }
+    if rows:
+        writers[f"{table or name}.csv"] = partial(write_rows, rows)
+    write_folder(folder, writers, stale([name], writers))
+
+
+def _save_figure(figure: Any, path: Path) -> None:
+    figure.savefig(path, dpi=150, format=path.suffix[1:])

@@ -67,7 +67,7 @@ class Read:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ComparedScene:
     """One scene's line of the comparison.
 
     `readings` begin with the scene's own, to which `conditions`, `cautions` and `found` belong: the speed, temperature
@@ -102,19 +102,21 @@ class Verdict:
         return kept | self.own.plain() | {"left_out": self.left_out}
 
 
-def common_unit(verdicts: Sequence[Verdict]) -> str:
+def common_unit(compared: Sequence[ComparedScene]) -> str:
     """The unit in which K* is ranked: "N/m" where each scene is of a surface with drive.area, "N/m³", per nominal area,
     where each is of a surface, else "N_c<k>". N_c<k> differs between surfaces, so that springs in its units may be in
     another order."""
-    units = {verdict.result.scale.spring_unit for verdict in verdicts}
-    if SHARED in units or not verdicts:
+    units = {one.result.scale.spring_unit for one in compared}
+    if SHARED in units or not compared:
         return SHARED
     return "N/m" if units == {"N/m"} else "N/m³"
 
 
-def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -> list[Verdict]:
-    """A verdict per scene, the one most prone to stick-slip (largest K*, in the `common_unit`) first; those whose K* is
-    no number last, by F_s/F_k.
+def compare(
+    scenes: Sequence[Scene], comm: Any = None, progress: bool = False
+) -> list[ComparedScene]:
+    """What is compared of each scene, the one most prone to stick-slip (largest K*, in the `common_unit`) first; those
+    whose K* is no number last, by F_s/F_k.
 
     The scenes' own [master] and [eq] are run too, for the picture and the evidence. Where a spring pulls, the slider
     turns or there is no path, the force is that of a rigid slider from X = 0 on instead, and a caution says so. `comm`
@@ -122,17 +124,17 @@ def compare(scenes: Sequence[Scene], comm: Any = None, progress: bool = False) -
     `progress` shows progress on stderr. Raises InputError, with the name of the scene, for thresholds of infinite
     <x_s^2>: there is no kinetic force to compare with.
     """
-    verdicts = []
+    compared = []
     for scene in scenes:
         with inside(scene.name, {}):
-            verdicts.append(_judge(scene, comm, progress))
-    unit = common_unit(verdicts)
+            compared.append(_judge(scene, comm, progress))
+    unit = common_unit(compared)
 
-    def proneness(one: Verdict) -> list[float]:
+    def proneness(one: ComparedScene) -> list[float]:
         spring = -1.0 if one.own.smoothed else one.own.spring(unit).value
         return [spring, one.own.numbers["static_to_kinetic"].value]
 
-    return sorted(verdicts, key=proneness, reverse=True)
+    return sorted(compared, key=proneness, reverse=True)
 
 
 def read(scene: str, comm: Any, changes: Mapping[str, Any]) -> Scene:
@@ -143,7 +145,7 @@ def read(scene: str, comm: Any, changes: Mapping[str, Any]) -> Scene:
     return load_scene(scene, not machine, comm, changes)
 
 
-def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
+def _judge(scene: Scene, comm: Any, progress: bool) -> ComparedScene:
     """F_k, K*, what they hang on, and what the run of one scene showed."""
     found, readings, left_out = on_root(comm, partial(_measured, scene))
     conditions_met = conditions(scene.contacts, scene.sliding)
@@ -164,7 +166,7 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> Verdict:
         cautions = [f"F(X) is left out: {error}", *cautions]
         result = solve(replace(scene, master=None), comm)[0]
     kinetic = readings[0].numbers["kinetic_force"].value * scene.contacts.mean_threshold
-    return Verdict(
+    return ComparedScene(
         scene.name,
         tuple(readings),
         left_out,

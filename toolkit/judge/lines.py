@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolkit.judge.compare import FORCES, SHOWN, SPRINGS, Verdict, common_unit
+from toolkit.judge.compare import FORCES, SHOWN, SPRINGS, ComparedScene, common_unit
 from toolkit.judge.describe import RESAMPLES, onset_in_words
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.scale import SHARED, guarded
@@ -16,30 +16,30 @@ PRECISE = 1e-3
 _HEADS = "onset power,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load of P_c,EQ at the peak,ME there,max |z|"
 
 
-def table(verdicts: Sequence[Verdict]) -> list[str]:
+def table(compared: Sequence[ComparedScene]) -> list[str]:
     """The comparison as lines of text: where readings disagree on stick-slip, and whose order is not decided; each
     number to a digit beyond that which the widest of its uncertainties leaves, and below it how far it goes over the
     readings; then notes, and run times."""
-    heads, unit, names = _HEADS.split(","), common_unit(verdicts), list(SHOWN)
+    heads, unit, names = _HEADS.split(","), common_unit(compared), list(SHOWN)
     if unit != SHARED:
         force = "N" if unit == "N/m" else "Pa"
         at = heads.index("EQ at the peak")
         heads[at:at] = [f"K* ({unit})", f"F_k ({force})"]
         names += [SPRINGS[unit], FORCES[unit]]
     rows, notes, times = [["", "scene", *heads]], dict[str, list[str]](), list[str]()
-    for rank, verdict in enumerate(verdicts, start=1):
-        own, ranges = [*verdict.conditions, *verdict.cautions], list[str]()
-        cells, many = [str(rank), verdict.name], len(verdict.readings)
+    for rank, scene in enumerate(compared, start=1):
+        own, ranges = [*scene.conditions, *scene.cautions], list[str]()
+        cells, many = [str(rank), scene.name], len(scene.readings)
         for name in names:
-            value, over = _cells([one.numbers[name] for one in verdict.readings])
-            if name in SPRINGS.values() and any(one.unknown for one in verdict.readings):
-                value, over = _of_answered(verdict, name)
+            value, over = _cells([one.numbers[name] for one in scene.readings])
+            if name in SPRINGS.values() and any(one.unknown for one in scene.readings):
+                value, over = _of_answered(scene, name)
             if name == "onset_power" and value:
-                value = onset_in_words(verdict.own.numbers[name], 4)
+                value = onset_in_words(scene.own.numbers[name], 4)
             cells.append(value)
             ranges.append(over)
-        times.append(f"{verdict.name} {verdict.found.run_time:.2g} s")
-        if (seen := verdict.evidence) is not None:
+        times.append(f"{scene.name} {scene.found.run_time:.2g} s")
+        if (seen := scene.evidence) is not None:
             worst, expected = seen["worst_deviation"], seen["expected"]
             cells.append(with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6))
             cells.append("" if expected is None else f"{expected:.5f}")
@@ -47,22 +47,22 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
             times[-1] += f" and EQ {seen['run_time']:.2g} s"
             if seen["not_compared"] is not None:
                 own.append(f"EQ and ME not compared: {seen['not_compared']}")
-        if verdict.found.sampled:
+        if scene.found.sampled:
             own.append(f"errors are those of the samples, by {RESAMPLES} resampled laws")
-        for why in dict.fromkeys(verdict.left_out.values()):
-            names_of = [name for name, its in verdict.left_out.items() if its == why]
+        for why in dict.fromkeys(scene.left_out.values()):
+            names_of = [name for name, its in scene.left_out.items() if its == why]
             own.append(f"left out: {'; '.join(names_of)}: {why}")
         rows.append(cells)
         if many > 1:
             rows.append(["", f"over {many} readings", *ranges])
-            names_of = sorted(one.name for one in verdict.readings)
+            names_of = sorted(one.name for one in scene.readings)
             what = "contact model/threshold law and step of the points"
             own.append(f"the {many} readings, {what}, are {'; '.join(names_of)}")
         for note in own:
-            notes.setdefault(note, []).append(verdict.name)
+            notes.setdefault(note, []).append(scene.name)
     said = [f"{', '.join(whose)}: {note}" for note, whose in notes.items()]
-    started = {one.name: one.result.asked.contacts.start for one in verdicts}
-    if any(start != started[verdicts[0].name] for start in started.values()):
+    started = {one.name: one.result.asked.contacts.start for one in compared}
+    if any(start != started[compared[0].name] for start in started.values()):
         names = [name for name, start in started.items() if start is not None]
         hint = "K* and F_s/F_k depend on it; compare scenes of one start"
         said.append(
@@ -76,7 +76,7 @@ def table(verdicts: Sequence[Verdict]) -> list[str]:
     told = [at for at in range(len(rows[0])) if any(any(row[at : at + 1]) for row in rows[1:])]
     rows = [[row[at] for at in told if at < len(row)] for row in rows]
     head, *lines = in_columns(rows, ">")
-    first = [*disagreements(verdicts), *undecided_order(verdicts)]
+    first = [*disagreements(compared), *undecided_order(compared)]
     said.append(f"run times: {', '.join(times)}")
     return [*first, head, "-" * len(head), *lines, *said]
 
@@ -90,44 +90,44 @@ def _cells(each: Sequence[Number]) -> tuple[str, str]:
     return {"inf": "infinite", "not known": ""}.get(value, value), ranges
 
 
-def _of_answered(verdict: Verdict, name: str) -> tuple[str, str]:
+def _of_answered(scene: ComparedScene, name: str) -> tuple[str, str]:
     """K*, and its range over the readings, where it is not known by some: these are in no range, and of the scene's own
     reading it is told below which value it is."""
-    answered = [one.numbers[name] for one in verdict.readings if not one.unknown]
+    answered = [one.numbers[name] for one in scene.readings if not one.unknown]
     value, over = _cells(answered) if answered else ("", "not known")
-    if verdict.own.smoothed:
+    if scene.own.smoothed:
         value = "hangs on smoothing"
-    elif verdict.own.unknown:
-        own, over = verdict.own.numbers[name], value if len(answered) == 1 else over
+    elif scene.own.unknown:
+        own, over = scene.own.numbers[name], value if len(answered) == 1 else over
         value = f"not known, below {own.value + (own.error or 0.0):.2g}"
     return value, over
 
 
-def disagreements(verdicts: Sequence[Verdict]) -> list[str]:
+def disagreements(compared: Sequence[ComparedScene]) -> list[str]:
     """A sentence for each scene whose readings disagree on stick-slip of its machine."""
     said = list[str]()
-    for verdict in verdicts:
-        decided = [one for one in verdict.readings if one.softer is not None]
+    for scene in compared:
+        decided = [one for one in scene.readings if one.softer is not None]
         slip = [one.name for one in decided if one.softer]
-        if 0 < len(slip) < len(decided) and verdict.own.softer is not None:
-            own = "slips" if verdict.own.softer else "does not slip"
+        if 0 < len(slip) < len(decided) and scene.own.softer is not None:
+            own = "slips" if scene.own.softer else "does not slip"
             said.append(
-                f"{verdict.name}: readings disagree on stick-slip: on its spring a slider slips by {len(slip)} of "
-                f"{len(decided)} readings; by its own, {verdict.own.name}, it {own}"
+                f"{scene.name}: readings disagree on stick-slip: on its spring a slider slips by {len(slip)} of "
+                f"{len(decided)} readings; by its own, {scene.own.name}, it {own}"
             )
     return said
 
 
-def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
+def undecided_order(compared: Sequence[ComparedScene]) -> list[str]:
     """Scenes without a K*, and a sentence for those whose K* reach over one another, as far as readings and errors go:
     their rank tells nothing. Infinite ones are ranked by F_s/F_k."""
-    unit, said, named = common_unit(verdicts), list[str](), set[str]()
-    unranked = [one.name for one in verdicts if one.own.smoothed]
+    unit, said, named = common_unit(compared), list[str](), set[str]()
+    unranked = [one.name for one in compared if one.own.smoothed]
     if unranked:
         said.append(
             f"no rank by K* of {', '.join(unranked)}: it hangs on the smoothing of P_c, and is no number of the islands"
         )
-    ends = {one.name: _range(one, unit) for one in verdicts if not one.own.smoothed}
+    ends = {one.name: _range(one, unit) for one in compared if not one.own.smoothed}
     for name, (low, high) in ends.items():
         alike = [name]
         for other, (lower, higher) in list(ends.items())[list(ends).index(name) + 1 :]:
@@ -148,16 +148,16 @@ def undecided_order(verdicts: Sequence[Verdict]) -> list[str]:
         if len(readings_by_span) == 1:
             each = f"{next(iter(readings_by_span))} for each"
         many = f"{', '.join(alike[:-1])} and {alike[-1]}"
-        single = all(len(one.readings) == 1 for one in verdicts if one.name in alike)
+        single = all(len(one.readings) == 1 for one in compared if one.name in alike)
         over = "with their errors" if single else "over readings and errors"
         said.append(f"order undecided between {many}: {over} K* is {each}")
     return said
 
 
-def _range(verdict: Verdict, unit: str) -> tuple[float, float]:
+def _range(scene: ComparedScene, unit: str) -> tuple[float, float]:
     """From where to where K* goes over the readings, with its errors, two of those that are standard errors."""
-    many, ends = (2.0 if verdict.found.sampled else 1.0), list[float]()
-    for one in (reading.spring(unit) for reading in verdict.readings):
+    many, ends = (2.0 if scene.found.sampled else 1.0), list[float]()
+    for one in (reading.spring(unit) for reading in scene.readings):
         off = many * (one.error or 0.0) if np.isfinite(one.value) else 0.0
         ends += [max(one.value - off, 0.0), one.value + off]
     return min(ends), max(ends)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.judge.compare import Verdict, common_unit
+from toolkit.judge.compare import ComparedScene, common_unit
 from toolkit.judge.lines import disagreements
 from toolkit.pictures.axes import in_lines, name_axis, some_of, spring_name, style_of
 from toolkit.pictures.thresholds import highest
@@ -18,35 +18,35 @@ _MARKS = 0.1  # distance of the marks of a curve, in diagonals of the axes
 
 
 class _Styled:
-    """A scene's verdict with its style, and the units in which it is drawn: metres and newtons or pascals where all
+    """A compared scene with its style, and the units in which it is drawn: metres and newtons or pascals where all
     scenes are of surfaces, else its own mean threshold and kinetic force."""
 
-    def __init__(self, number: int, verdict: Verdict, unit: str) -> None:
-        self.verdict, self.unit = verdict, unit
-        self.name = verdict.name.replace("$", r"\$")
+    def __init__(self, number: int, scene: ComparedScene, unit: str) -> None:
+        self.scene, self.unit = scene, unit
+        self.name = scene.name.replace("$", r"\$")
         self.style = style_of(number) | {"lw": 1.3, "ms": 4, "label": self.name}
         self.line = {key: own for key, own in self.style.items() if key not in ("marker", "ms")}
-        self.mean = verdict.result.mean_threshold
+        self.mean = scene.result.mean_threshold
         self.length = self.mean if unit == SHARED else 1.0
-        self.kinetic = verdict.own.numbers["kinetic_force"].value * self.mean
-        self.force = 1.0 / self.kinetic if unit == SHARED else verdict.own.springs[unit]
+        self.kinetic = scene.own.numbers["kinetic_force"].value * self.mean
+        self.force = 1.0 / self.kinetic if unit == SHARED else scene.own.springs[unit]
 
 
-def draw_comparison(verdicts: Sequence[Verdict]) -> Any:
+def draw_comparison(compared: Sequence[ComparedScene]) -> Any:
     """P_c, springs that slip, and forces, a colour, a dash and a mark for each scene, on a figure of its own."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(13, 9), layout="constrained")
     places = figure.subplot_mosaic([["P", "S"], ["F", "F"]])
-    unit = common_unit(verdicts)
-    styled = [_Styled(number, verdict, unit) for number, verdict in enumerate(verdicts)]
+    unit = common_unit(compared)
+    styled = [_Styled(number, scene, unit) for number, scene in enumerate(compared)]
     _thresholds(places["P"], styled)
     _springs(places["S"], styled)
     _forces(places["F"], styled)
     # below all axes: inside them it would cover curves
     handles, labels = places["P"].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=5)
-    if said := disagreements(verdicts):
+    if said := disagreements(compared):
         figure.suptitle("\n".join(map(in_lines, said)), fontsize="medium", parse_math=False)
     return figure
 
@@ -55,7 +55,7 @@ def _thresholds(axes: Any, styled: list[_Styled]) -> None:
     """P_c of each scene; exact values as spikes, on an axis for their weight."""
     lasts, tops, own = list[float](), list[float](), None
     for number, one in enumerate(styled):
-        curve, unit = one.verdict.result.thresholds, one.length
+        curve, unit = one.scene.result.thresholds, one.length
         shown = np.isfinite(curve.density)
         marked = one.style | {"markevery": (0.02 * number, _MARKS)}
         axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, **marked)
@@ -85,7 +85,7 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
     """F(X): master equation as lines, ensemble as error bars of one standard error; F_k of each scene at the edge."""
     extents = []
     for one in styled:
-        unit, solved, eq = one.length, one.verdict.result.master, one.verdict.result.eq
+        unit, solved, eq = one.length, one.scene.result.master, one.scene.result.eq
         extents += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
         if solved is not None and is_precise(solved):
             axes.plot(solved.path / unit, solved.force * one.force, zorder=3, **one.line)
@@ -104,7 +104,7 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
     levels = [one.kinetic * one.force for one in styled]
     if levels and max(levels) > _APART * min(levels):
         axes.set(yscale="log", ylim=(min(levels) / 100.0, 2.0 * max(levels)))
-    simulated = any(one.verdict.result.eq is not None for one in styled)
+    simulated = any(one.scene.result.eq is not None for one in styled)
     points = ", EQ ensemble (points, ±1 standard error)" if simulated else ""
     axes.set_title(f"force: master equation (lines){points}; $F_k$ dotted")
     if styled and styled[0].unit != SHARED:
@@ -118,17 +118,17 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
 
 def _stiffness(one: _Styled) -> float:
     """N_c<k> of a scene in the unit in which springs are drawn."""
-    return one.verdict.own.springs[one.unit]
+    return one.scene.own.springs[one.unit]
 
 
 def _springs(axes: Any, styled: list[_Styled]) -> None:
     """K* of each scene with its error and its range over the readings, in N/m or N/m³ of surfaces, else over N_c<k>: a
     softer driving spring is unstable. Infinite ones reach the edge."""
     unit = styled[0].unit if styled else SHARED
-    springs = [one.verdict.own.spring(unit) for one in styled]
-    over = [[each.spring(unit).value for each in one.verdict.readings] for one in styled]
+    springs = [one.scene.own.spring(unit) for one in styled]
+    over = [[each.spring(unit).value for each in one.scene.readings] for one in styled]
     machines = [
-        None if (k := one.verdict.own.machine) is None else k * _stiffness(one) for one in styled
+        None if (k := one.scene.own.machine) is None else k * _stiffness(one) for one in styled
     ]
     finite = [value for values in over for value in values if 0.0 < value < np.inf]
     finite += [machine for machine in machines if machine]
@@ -142,8 +142,8 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
         axes.plot(low * (high / low) ** 0.03, row, one.style["marker"], **mark)
         if machine := machines[row]:
             axes.plot([machine] * 2, [row - 0.4, row + 0.45], "--", color="0.2", lw=1.4, zorder=4)
-        unknown = one.verdict.own.unknown
-        if one.verdict.own.smoothed:
+        unknown = one.scene.own.unknown
+        if one.scene.own.smoothed:
             said = "not known: it hangs on the smoothing of $P_c$"
             beside = {"xytext": (20, 0), "textcoords": "offset points"}
             axes.annotate(said, (low, row), **beside, **small)
@@ -174,7 +174,7 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
     name_axis(axes.xaxis, *spring_name(unit))
     legend = ["a slider slips at least once on springs below $K^*$"]
     # of contacts that depend on time a slider may creep on softer springs, and slide smoothly
-    if any(one.verdict.conditions for one in styled):
+    if any(one.scene.conditions for one in styled):
         legend = ["$K^*$, the steepest fall of a rigid slider's force"]
     if any(hasattr(one, "has_xerr") for one in axes.containers):
         single = all(len(values) == 1 for values in over)

@@ -8,7 +8,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 from origins.errors import InputError
-from toolkit.judge.files import save_judgement
 from toolkit.processes.signals import Terminated, TimeIsUp
 from toolkit.rate_state.files import answers, plain
 from toolkit.rate_state.judge import Judged, judge
@@ -17,6 +16,7 @@ from toolkit.rate_state.words import page
 from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
 from toolkit.running.solvers import within
+from toolkit.saving import save_judgement
 from toolkit.scene.scene import Scene
 from toolkit.verdict.sliders.budget import Budget
 

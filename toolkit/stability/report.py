@@ -6,10 +6,10 @@ from dataclasses import asdict
 from typing import Any
 
 from origins.errors import refuse
-from toolkit.judge.files import save_judgement
 from toolkit.processes.signals import Terminated, TimeIsUp, no_longer_than
 from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
+from toolkit.saving import save_judgement
 from toolkit.scene.scene import Scene
 from toolkit.stability.case import Row
 from toolkit.stability.coverage import Coverage, as_lines, ask, coverage, plain_coverage

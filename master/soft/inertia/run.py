@@ -74,13 +74,13 @@ class SlipsInTime(Slips):
 class Differences(NamedTuple):
     """Largest differences of two runs, in mean thresholds.
 
-    force : of the spring's force at all points, and of what `of_slips` says
-    of_slips : of that force as slips begin and end, of K X_T there, and of the force at points not beside a slip
+    force : of the spring's force at all points, and of what `force_and_load` says
+    force_and_load : of that force as slips begin and end, of K X_T there, and of the force at points not beside a slip
     contact_force : of that of the contacts
     """
 
     force: float
-    of_slips: float
+    force_and_load: float
     contact_force: float
 
 
@@ -159,7 +159,7 @@ class Run:
         if ours.drive.size != theirs.drive.size or not n:
             return Differences(np.inf, np.inf, np.inf)
         points = np.abs(self.force[:n] - other.force[:n])
-        of_slips = max(
+        force_and_load = max(
             float(points[~self._beside_slips(ours, theirs)[:n]].max(initial=0.0)),
             self._spring * float(np.abs(ours.drive - theirs.drive).max(initial=0.0)),
             float(np.abs(ours.force_before - theirs.force_before).max(initial=0.0)),
@@ -168,8 +168,8 @@ class Run:
         contacts = np.abs(self.record.contact_force[:n] - other.record.contact_force[:n]).max()
         apart = times_apart(ours, theirs, (earlier or other).slips(0.0))
         contacts = max(contacts, self.unknown_hold(ours, apart))
-        both = max(of_slips, float(points.max()), self.unknown_fall(ours, apart))
-        return Differences(*(float(off) / self._unit for off in (both, of_slips, contacts)))
+        both = max(force_and_load, float(points.max()), self.unknown_fall(ours, apart))
+        return Differences(*(float(off) / self._unit for off in (both, force_and_load, contacts)))
 
     def _beside_slips(self, ours: SlipsInTime, theirs: SlipsInTime) -> NDArray[np.bool_]:
         """Which of the path's points lie in a slip of either run, or behind it while contacts are out, shape (n,):
@@ -213,7 +213,7 @@ class Run:
         chance none, as much of a duration as the error is of the slip's fall. inf for other numbers of slips, and
         where it does not follow the force in proportion, as at the end of a slip that fades."""
         ours, theirs = self.slips(0.0), other.slips(0.0)
-        differ = self.differ(other).of_slips
+        differ = self.differ(other).force_and_load
         if not np.isfinite(differ) or not np.isfinite(error):
             return np.inf
         lasts, change = ours.duration, np.abs(ours.duration - theirs.duration)

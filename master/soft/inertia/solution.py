@@ -120,7 +120,7 @@ def solve_inertial(
         if best.stopped != UNRESOLVED or not parts:
             break
     coarser, stopped, parting = best, best.stopped, ""
-    error = of_slips = of_contacts = np.inf
+    error = of_force_and_load = of_contacts = np.inf
     for part in parts:
         of_swings = best.goes_on.force / unit if best.goes_on is not None else 0.0
         if stopped or error + of_swings <= tolerance or part * tolerance < LEAST:
@@ -130,7 +130,7 @@ def solve_inertial(
         if not stopped:
             best, coarser = run, before
             unseen = UNSEEN * part * tolerance
-            error, of_slips, of_contacts = (
+            error, of_force_and_load, of_contacts = (
                 max(SAFETY * off + unseen, LEAST_ERROR * part * tolerance)
                 for off in best.differ(before, earlier)
             )
@@ -140,7 +140,7 @@ def solve_inertial(
     # a first run that was stopped has asked for less than `tolerance`, and knows no error
     if most > 1.0 + max(tolerance, best.tolerance):
         stopped = f"number is not conserved: holding reaches {most:.4g}, a fault of the program"
-        error = of_slips = of_contacts = np.inf
+        error = of_force_and_load = of_contacts = np.inf
     neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
     if idle.message:
         neglected += idle.error
@@ -159,19 +159,19 @@ def solve_inertial(
             f"from X_T = {swings.since:.6g} on, swings of the force by {swings.force / unit:.1e} are told by their "
             "middle, as they neither grow nor drift"
         )
-    drive_error = (of_slips + neglected) * unit / spring
-    beside = error - of_slips if np.isfinite(error) else 0.0
+    drive_error = (of_force_and_load + neglected) * unit / spring
+    beside = error - of_force_and_load if np.isfinite(error) else 0.0
     found = Followed(
         balance=best.balance,
         force=best.force,
         holding=best.record.holding[: best.force.size],
-        slips=best.slips(drive_error, best.duration_error(coarser, of_slips + neglected)),
-        error_of_force_and_load=float(of_slips + neglected),
+        slips=best.slips(drive_error, best.duration_error(coarser, of_force_and_load + neglected)),
+        error_of_force_and_load=float(of_force_and_load + neglected),
         of_holding=ErrorPart("the share that holds", of_holding),
         nodes=nodes,
         stopped_because=stopped,
         parts=(
-            ErrorPart(f"two runs with other tolerances{parting}", of_slips),
+            ErrorPart(f"two runs with other tolerances{parting}", of_force_and_load),
             ErrorPart("rounding, and heat, a delay or swings that are left out", neglected, LOOSEN),
         ),
         beside_slips=ErrorPart(

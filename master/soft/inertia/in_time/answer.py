@@ -66,7 +66,7 @@ class HeavyAnswer(NamedTuple):
     columns : by the names of HeavyNode, arrays of shape (n,); lengths, and energies per N_c<k>
     slips : of the last slider, in the limit where all have as many
     parts : of the error of the spring's force (mean thresholds); of_contacts : error of the contacts' force (the same)
-    of_holding : error of the share that holds; duration_error : of the slips' durations; of_slips : of the forces
+    of_holding : error of the share that holds; duration_error : of the slips' durations; of_slip_forces : of those
         before and after slips (mean thresholds)
     beside : what the errors of both forces and of holding may be larger where slips are near
     """
@@ -77,7 +77,7 @@ class HeavyAnswer(NamedTuple):
     of_contacts: float
     of_holding: ErrorPart
     duration_error: float
-    of_slips: float
+    of_slip_forces: float
     beside: Beside
 
     @property
@@ -97,7 +97,7 @@ def answer(
     begun = {len(one.falls.begins) for one in sliders}
     if same and len(begun) == 1 and all(one.passes_slips for one in sliders):
         begins = np.array([one.falls.begins for one in sliders])
-        clocks.of_slips(begins, _at_step_0(begins))
+        clocks.set_by_slips(begins, _at_step_0(begins))
     read_from = np.array([clocks.read(k) for k in range(len(sliders))])
     limit, slips = read_from[-1], rows[-1]
     unknown = ErrorPart("steps, of which fewer than three halvings were solved", np.inf)

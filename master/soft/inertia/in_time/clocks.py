@@ -38,7 +38,7 @@ class Clocks:
         self.when = np.tile(times, (len(sliders), 1))
         self._begins, self._apart = np.empty(0), np.empty(0)
 
-    def of_slips(self, begins: Array, limit: Array) -> None:
+    def set_by_slips(self, begins: Array, limit: Array) -> None:
         """Each by its own slips, which begin at these times (sliders, slips), at step 0 at the times `limit`. Only on a
         drive of one speed, on which sliders are at the same place then."""
         motion, count = self._sliders[-1].motion, limit.size

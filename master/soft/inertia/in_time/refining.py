@@ -176,7 +176,7 @@ def _found(
         duration=slips.duration,
         top_speed=slips.top_speed,
         duration_error=best.duration_error,
-        force_error=best.of_slips,
+        force_error=best.of_slip_forces,
         spacing_error=spacing,
     )
     nodes, stopped = ended

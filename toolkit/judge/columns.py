@@ -1,42 +1,7 @@
-"""The files of a judgement: its picture, its table as text and as CSV, its numbers as JSON; all or none."""
+"""The tables of `precision` and `compare` as columns of a CSV file."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
-from pathlib import Path
 from typing import Any
-
-from toolkit.results.files import write_json
-from toolkit.results.folders import write_folder
-from toolkit.results.spreadsheets import write_rows
-from toolkit.saving import pictures, stale
-
-
-def save_judgement(
-    folder: str,
-    name: str,
-    draw: Any,
-    lines: list[str],
-    numbers: dict[str, Any],
-    rows: Mapping[str, Sequence[Any]],
-    formats: Sequence[str] = (),
-    table: str = "",
-) -> None:
-    """Write name.png, .txt, .json and .csv, the last as table.csv if that is given; `rows` are its columns, by their
-    heads, and without any there is none. The picture is written in `formats`, too. Raises InputError where that
-    fails."""
-    text, figure = "\n".join([*lines, ""]), draw()
-    writers: dict[str, Any] = {
-        **pictures(name, partial(_save_figure, figure), formats),
-        f"{name}.txt": lambda path: path.write_text(text, encoding="utf-8"),
-        f"{name}.json": lambda path: write_json(numbers, path),
-    }
-    if rows:
-        writers[f"{table or name}.csv"] = partial(write_rows, rows)
-    write_folder(folder, writers, stale([name], writers))
-
-
-def _save_figure(figure: Any, path: Path) -> None:
-    figure.savefig(path, dpi=150, format=path.suffix[1:])
 
 
 def precision_rows(found: Mapping[str, Any]) -> dict[str, list[Any]]:

@@ -5,10 +5,10 @@ from contextlib import closing
 from functools import partial
 from typing import Any
 
-from toolkit.judge.files import save_judgement
 from toolkit.processes.signals import finishing
 from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
+from toolkit.saving import save_judgement
 from toolkit.scene.drive import check_machine
 from toolkit.scene.scene import load_scene, read_scene
 from toolkit.scene.tables import read_table
