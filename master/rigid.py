@@ -219,14 +219,14 @@ def march_of(
         life.bends = np.union1d(life.bends, layers[layers > THIN_LAYER * life.bends])
     stretch = min(longest_stretch(contacts, motion, life), most)
     budget = ErrorBudget.divide(tolerance, life, round_off(motion, mean), stretch, mean)
-    births = Births(life, reforming, motion, contacts.waiting_time, budget.births, until)
+    births = Births(life, reforming, motion, contacts.waiting_time, budget.births, until, stretch)
     plan = edges(births, contacts.start, budget.panels)
     if plan.too_many_jumps:
         fault = "exact values break together more often on this path than can be followed"
         hint = "give them a width, as in gaussian(mean, std), or shorten the path"
         raise InputError(f"thresholds: {fault}; {hint}")
     guess = first_width(life, budget.panels)
-    return March(births, contacts.start, plan.times, budget.panels, guess, stretch)
+    return March(births, contacts.start, plan.times, budget.panels, guess)
 
 
 def check_averages(contacts: Contacts, motion: Motion, life: Life, tolerance: float) -> None:

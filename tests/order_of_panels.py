@@ -67,7 +67,7 @@ def errors(degree: int, counts: list[int]) -> list[float]:
     found = []
     for count in counts:
         edges = np.linspace(0.0, END, count + 1)
-        march = March(births, contacts.start, edges, 1e9, END, life.largest_stretch).run()
+        march = March(births, contacts.start, edges, 1e9, END).run()
         if march.solved.count != count:
             raise SystemExit(f"{march.solved.count} panels where {count} were asked for")
         at = (edges[:-1, None] + END / count * np.linspace(0.05, 0.95, 10)).ravel()

@@ -50,6 +50,8 @@ class Births:
     accuracy : of sums over births of earlier legs, a share of the contacts. It is asked of each piece of a sum, as
         ErrorBudget says, and bounds no sum of pieces: what these miss is in Past.error
     until : reading of time.monotonic() at which to stop, and after which no piece is halved
+    longest_stretch : the longest |x| on the motion, or force per contact born; at most the longest of the life. An
+        error of the number times this is one of the force
     work : of the integrals over births so far, 1 for a piece whose survival is looked up; see add_work, MOST_WORK
     """
 
@@ -59,12 +61,14 @@ class Births:
     delay: float = 0.0
     accuracy: float = 1e-15
     until: float = np.inf
+    longest_stretch: float = np.inf
     work: int = 0
 
     def __post_init__(self) -> None:
         """Averages over stretches at birth stop at `until`, too: of a life of its own, as others may share this one."""
         self.life = copy(self.life)
         self.life.until = self.until
+        self.longest_stretch = min(self.longest_stretch, self.life.largest_stretch)
 
     def add_work(self, pieces: int) -> None:
         """Add the work of so many pieces: 1 each, or pair_work at a node; WORK_OF_AVERAGE times that where contacts are

@@ -45,7 +45,7 @@ class Fitted(NamedTuple):
 
     series : Legendre coefficients of E and K, shape (2, pieces, nodes)
     left_out : about the first coefficient that is left out, shape (pieces,): the larger of that of E, and of K divided
-        by the largest stretch
+        by the longest stretch on the motion
     fall : the factor by which coefficients fall from one to the next, shape (pieces,)
     survival_error : that of E at the nodes
 
@@ -114,7 +114,7 @@ class EarlierLegs:
         series = found.both @ nodes.series
         last, fall_of_two = polynomials.last_and_fall(np.abs(series[..., -4:]))
         # the first coefficient that is left out comes one after the last, and `fall_of_two` is the ratio over two
-        fall, unit = np.sqrt(fall_of_two), np.array([[1.0], [self._life.largest_stretch]])
+        fall, unit = np.sqrt(fall_of_two), np.array([[1.0], [self._births.longest_stretch]])
         left_out = (last * fall / unit).max(axis=0)
         return Fitted(series, left_out, fall.max(axis=0), found.error)
 

@@ -8,8 +8,9 @@ that is within the accuracy of such sums, and the error is counted with theirs; 
 import numpy as np
 
 from master.numerics import polynomials
+from master.renewal.births import Births
 from master.renewal.present import TARGETS
-from master.survival.life import MARGIN, Life
+from master.survival.life import MARGIN
 from origins.thresholds.law import Array
 
 
@@ -33,9 +34,9 @@ class FewTimes:
     TO_ALL = polynomials.Points(2.0 * TARGETS[list(SUMMED)] - 1.0).at(TARGETS)
     NARROWER = 0.5
 
-    def __init__(self, life: Life) -> None:
-        """For births of this life."""
-        self._unit = life.largest_stretch
+    def __init__(self, births: Births) -> None:
+        """For these births."""
+        self._unit, life = births.longest_stretch, births.life
         # the longest travel on a panel at which it is tried (a length)
         never = life.quick or life.has_strands or life.atoms.size
         self._longest = 0.0 if never else np.inf

@@ -47,7 +47,7 @@ class March:
     tolerance : largest error of a panel, a share of the contacts: of the number of breaks, and of the force divided by
         `longest_stretch`, together; soft/moves.py, which plans a move piece by piece, sets edges and tolerance anew
     guess : the first guess of the width of a panel, a length
-    longest_stretch : the longest |x|, or force per contact born: an error of the number times this is one of the force
+    longest_stretch : that of the births
 
     solved : the panels so far
     lumps : the start first; their times are on the path
@@ -65,12 +65,11 @@ class March:
         edges: Array,
         tolerance: float,
         guess: float,
-        longest_stretch: float,
     ) -> None:
         """Begin with the start as the only lump, before the first panel."""
         self.births, self.life, self.motion = births, births.life, births.motion
         self.edges, self.tolerance = edges, tolerance
-        self.guess, self.longest_stretch = guess, longest_stretch
+        self.guess, self.longest_stretch = guess, births.longest_stretch
 
         self.solved = SolvedPanels()
         self.lumps = [Lump(0.0, 1.0, start)]
@@ -273,7 +272,7 @@ class March:
         edges before it runs. `births` are along a motion that is the same up to t, of the same life, a timeless one.
         Tests: test_soft.py."""
         start = self.lumps[0].law
-        other = March(births, start, self.edges, self.tolerance, self.guess, self.longest_stretch)
+        other = March(births, start, self.edges, self.tolerance, self.guess)
         # the contacts, and the errors with which they are known
         other.solved = self.solved.up_to(t, SAME_BEGIN * self.guess)
         # it has made the start, the first lump; those that break at t, born at once (no delay), it finds again

@@ -90,7 +90,7 @@ class Past:
         self._legs_left_out, self._holding_at_latest = set[int](), dict[int, float]()
         self._earlier_legs: EarlierLegs | None = None
         self._strands = _made_strands(births, self._left_out_below)
-        self._few = FewTimes(births.life)
+        self._few = FewTimes(births)
 
     @property
     def error(self) -> float:

@@ -279,7 +279,7 @@ class Move:
         formed = contacts.reforming
         births = Births(life, formed, motion, accuracy=OF_SUMS * tolerance, until=contacts.until)
         if march is None:
-            march = March(births, start, np.empty(0), tolerance, self._guess, life.largest_stretch)
+            march = March(births, start, np.empty(0), tolerance, self._guess)
         else:
             march = march.cut(cut_at, births)
             march.tolerance = tolerance
