@@ -210,7 +210,8 @@ def test_births_follow_from_the_breaks_one_delay_before() -> None:
 
 def test_births_never_take_back_what_a_long_step_has_told() -> None:
     """On a step longer than the delay breaks are told to come evenly; as it leads to a slip most of them come at its
-    end, as cubics say later. Births below 0 pulled the slider beyond its drive after the slip, as a slip of its own."""
+    end, as cubics say later. Births below 0 pulled the slider beyond its drive after the slip, as a slip of its own.
+    Only a slip that ends all contacts leaves as many born as cubics say."""
     contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(0.01))
     state = ContactsInSteps(contacts, ThresholdMemory(contacts, 0), 0, np.inf)
     for travel, end in ((0.2, 0.8), (0.3, 1.4), (0.35, 1.7), (0.4, 1.72)):
@@ -218,7 +219,17 @@ def test_births_never_take_back_what_a_long_step_has_told() -> None:
         state.take(trial, 1.0)
     told = trial.births
     after = state.trial(0.004, 1.72001)
-    assert after.births == told > 0.3 + state.past_breaks.births_up_to(begin=1.72, end=1.72).rest
+    by_cubics = state.past_breaks.births_up_to(begin=1.72, end=1.72).rest
+    assert after.births == told > 0.3 + by_cubics
+
+    # in a slip all break: those that were not born yet have not broken in it, and come in their time
+    state.past_breaks.begin_section()
+    state.take(state.trial(50.0, state.now, without_births=True), 0.0)
+    state.take_back_early_births()
+    assert state.holding == 0.0 and state.births == pytest.approx(by_cubics, abs=1e-12)
+    assert state.past_breaks.total == pytest.approx(1.0 + by_cubics, abs=1e-12)
+    soon = state.trial(1e-3, 1.725)
+    assert soon.births > by_cubics + 0.01 and soon.holding > 0.01
 
 
 def test_a_step_back_leads_to_the_mirror_image_of_one_forward() -> None:

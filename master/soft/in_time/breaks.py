@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from master.numerics.polynomials import polynomial_through
 from master.outcome import FaultError
 
 # Nodes of the polynomials through past breaks, of a higher order than the steps, which are of second order.
@@ -128,7 +129,8 @@ class BreaksInSteps:
             1.5                         1.25         the jump   1.25       2        0.6, some behind the slip
 
         They may be less than those told so far, where the last step was longer than the delay and led to a slip: it
-        took the rate of breaks as constant, and that rises. While contacts hold no birth is taken back.
+        took the rate of breaks as constant, and that rises. No birth is taken back, but behind a slip in which all
+        broke (ContactsInSteps.take_back_early_births).
         """
         if not self.delay:
             return BirthsUpTo(1.0, 0.0)
@@ -180,6 +182,14 @@ class BreaksInSteps:
         due_at = at + self.delay
         self._to_repeat.append(Jump(len(self._sections) - 1, at, due_at, len(self._breaks) - 1))
         self.pending[due_at] = self.pending.get(due_at, 0.0) + after - before
+
+    def take_back(self, breaks: float) -> float:
+        """Take so many out of the last section, which took no time, but no more than are in it; returns how many."""
+        before, after = self._sections[-1][0], self._sections[-1][-1]
+        taken = min(max(breaks, 0.0), after.breaks - before.breaks)
+        self._sections[-1][-1] = after._replace(breaks=after.breaks - taken)
+        self._breaks[-1] -= taken
+        return taken
 
     def check_none_is_passed(self, end: float) -> None:
         """FaultError where a step to the time `end` goes beyond one that is pending, at which its section ends: births
@@ -279,22 +289,3 @@ def _check_nodes(
             f"the cubic through past steps that is read at t = {time:.9g} misses the ends of the step there by "
             f"{off:.3g}, a fault of the program"
         )
-
-
-def polynomial_through(at: list[float], values: list[float]) -> Callable[[float], float]:
-    """The polynomial through a few points, by Newton's divided differences: scipy's are made for many points, and took
-    a quarter of the time of a soft slider with a delay."""
-    differences, nodes = values.copy(), at[:-1]
-    for order in range(1, len(at)):
-        for i in range(len(at) - 1, order - 1, -1):
-            change = differences[i] - differences[i - 1]
-            differences[i] = change / (at[i] - at[i - order])
-    highest, *lower = differences[::-1]
-
-    def value(place: float) -> float:
-        found = highest
-        for node, difference in zip(nodes[::-1], lower, strict=True):
-            found = found * (place - node) + difference
-        return found
-
-    return value

@@ -59,12 +59,10 @@ class ContactsInSteps:
     position, now, force, holding : X (a length), the time, F/(N_c <k>) (a length), the fraction that holds
     past_breaks : those at the ends of all steps, and what will be born of them
     are_new : whether all contacts stand as after a reset, so that what comes does not depend on what was
-    unit, jumps : mean threshold (a length), and whether P_c may jump
+    unit, jumps, until : mean threshold (a length), whether P_c may jump, and as given
     largest_stiffness : k_i/<k> of the stiffest contacts
     halvings : how often steps are halved; steps, cost, work : those taken so far, by OF_SLIP, and operations in them
-    until : as given
     unresolved : errors of F that finer steps may not show; those who find one note it
-    takes_no_birth_back : whether J never falls, as a slider with mass asks; see `trial`
 
     births : J up to now; _births_in_cohorts : the same by the weights of all cohorts, which are to agree
     _left_out : share of all contacts in groups that were left out while they held
@@ -76,8 +74,7 @@ class ContactsInSteps:
         self.memory, self.until = memory, until
         self.delay = contacts.waiting_time
         self.halvings, self.steps, self.cost, self.work = halvings, 0, 0.0, 0.0
-        self.position = self.now = 0.0
-        self.unresolved, self.takes_no_birth_back = Unresolved(), False
+        self.position, self.now, self.unresolved = 0.0, 0.0, Unresolved()
         self.unit = contacts.mean_threshold
         self.largest_stiffness = float(contacts.relative_stiffness(memory.largest_stretch))
         law, ends = contacts.thresholds, contacts.thresholds.breakpoints
@@ -170,14 +167,9 @@ class ContactsInSteps:
         if not (without_births or nothing_forms):
             per_break, rest = self.past_breaks.births_up_to(begin=self.now, end=end)
             # No birth is taken back, although an earlier step may have told too many (see births_up_to). J is `rest`
-            # alone where per_break = 0. Else J = p B(end) + (1 - p) B(begin) >= B(begin), as breaks never fall: that
-            # takes none back, and `rest`, a part of J, is no bound. Without a delay, say, J = B(end) and rest = 0: with
-            # J_0 in its place all births so far would be counted once more.
-            # Where none holds after a slip they are taken back all the same, until contacts form: held back, they would
-            # form at once on each short step, and the slider would go on by one threshold a step. With mass it goes on
-            # anyway, and a negative share would push it.
-            rest_is_all_births = not per_break
-            if (self.holding or self.takes_no_birth_back) and rest_is_all_births:
+            # alone where per_break = 0. Else J = p B(end) + (1 - p) B(begin) >= B(begin) takes none back, as breaks
+            # never fall, and `rest`, a part of J, is no bound: without a delay, say, it is 0.
+            if not per_break:
                 rest = max(rest, self.births)
         broken_of_new = 1.0 - survival  # of those born in this step, per contact born
         breaks = 1.0 - kept + survival * self.births + broken_of_new * rest
@@ -276,6 +268,14 @@ class ContactsInSteps:
         self.steps, self.cost, self.now = self.steps + steps, self.cost + steps, now
         self._stop_at_limits()
         self.relax()
+
+    def take_back_early_births(self) -> None:
+        """Behind a slip in which all broke: births are the breaks one delay before, of which a step may have told more
+        (see births_up_to). Held back until then, none would pull, and the slider would slip again and again."""
+        told = self.past_breaks.births_up_to(begin=self.now, end=self.now).rest
+        early = self.past_breaks.take_back(self.births - told)
+        self.births -= early
+        self._births_in_cohorts -= self._part_in_cohorts * early
 
     def _stop_at_limits(self) -> None:
         """Raise StoppedError after too many steps, or too much work in them."""

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.decohered import Decohered, SlipSoFar
+from master.soft.in_time.groups import UNACCOUNTED
 from master.soft.in_time.steps import Node, Steps
 from master.soft.in_time.unresolved import OF_BALANCE
 
@@ -48,6 +49,8 @@ def slip_without_births(contacts: ContactsInSteps, steps: Steps) -> None:
     _check_balance(contacts, steps, imbalance)
     if not (contacts.holding or contacts.delay):
         return contacts.relax()
+    if contacts.delay and contacts.holding < UNACCOUNTED:
+        contacts.take_back_early_births()
     contacts.past_breaks.repeat_jump(contacts.now)
     contacts.form_due()
 

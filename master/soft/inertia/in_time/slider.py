@@ -68,7 +68,6 @@ class HeavySlider:
         if motion is None:
             self.sections.append([self._node(0.0, 0.0)])
             return
-        contacts.takes_no_birth_back = True
         self._swings = SwingSteps(contacts, drive, motion)
         self._drifts = Drifts(self._swings.mass, drive.damping)
         self._flights = Flights(contacts, drive, motion, tolerance, survival)
