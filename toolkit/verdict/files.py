@@ -70,8 +70,8 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
 
 
 def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
-    """What the slider does under one rule, without its trace, which friction.csv has: forces with their error; `error`
-    and `heat_left_out` stay in mean thresholds."""
+    """What the slider does under one rule, without its trace, which friction.csv has: forces with their error; `error`,
+    `heat_left_out` and `heat_on_the_way` stay in mean thresholds."""
     # traces are in friction.csv, and of the sliders "finite" tells
     not_written = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders", "left")
     out = {name: value for name, value in asdict(behaviour).items() if name not in not_written}
@@ -86,7 +86,10 @@ def friction(verdict: Verdict) -> dict[str, list[Any]]:
     scale, own = verdict.own.scale, verdict.own.behaviours
     if not own:
         return {}
-    parts = [(one.rule, one.drive, one.force) for one in own]
+    parts = [
+        (one.rule + ", without heat" * bool(one.heat_on_the_way), one.drive, one.force)
+        for one in own
+    ]
     parts += [(f"{one.rule}, its first slip", one.slip_drive, one.slip_force) for one in own]
     shown = [one.sliders for one in own]  # in place of infinitely many
     few = [one for one in apart(verdict).values() if all(one is not each for each in shown)]

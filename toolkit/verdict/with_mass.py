@@ -193,7 +193,9 @@ def with_other_delay(own: Answer, budget: Budget) -> Behaviour | None:
     """What the own reading's slider with mass would do with another delay, where it was seen to slip or slide."""
     if own.machine is None or [one.rule for one in own.behaviours] != ["mass"]:
         return None
-    if own.behaviours[0].kind == "undecided" and not own.behaviours[0].slips:
+    first = own.behaviours[0]
+    # nor in heat in which nothing slips: other delays are tried without it
+    if first.heat_on_the_way == 0.0 or (first.kind == "undecided" and not first.slips):
         return None
     asked = damped(own), own.contacts, own.scale.contacts
     with suppress(InputError, TimeIsUp):

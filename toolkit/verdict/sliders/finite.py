@@ -37,6 +37,7 @@ from toolkit.verdict.sliders.ensemble import (
     sliders,
     until_settled,
 )
+from toolkit.verdict.sliders.in_heat import SMALL
 from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
@@ -51,8 +52,6 @@ UNSEEN, SWING_OF_DROP = 0.08, 0.5
 POINTS = 100
 # of BEYOND, for the scatter of the places at which sliders with mass begin to slide
 SCATTERED = 0.3
-# of a fall of the force, in mean thresholds: smaller ones are no stick-slip, as of a slider with mass
-SMALL = 0.02
 # part of BEYOND after which the force is taken as that of steady sliding
 SETTLED = 0.5
 # times the drive's way on which the spring regains what a slip took: so far several more are seen where they go on

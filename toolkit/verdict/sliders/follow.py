@@ -24,6 +24,7 @@ from toolkit.verdict.sliders.ensemble import (
     without_heat,
 )
 from toolkit.verdict.sliders.forgetting import after_forgetting, forgets_its_start
+from toolkit.verdict.sliders.in_heat import by_steady_sliding
 from toolkit.verdict.sliders.machine import (
     Behaviour,
     Machine,
@@ -117,9 +118,23 @@ def follow(
         tolerance = max(tolerance, TOLERANCE_OF_LONG_SLIPS)
         lengths = (FIRST_OF_LONG_SLIPS, *lengths[1:])
     distances = [each * loading for each in lengths]
-    found = by_distribution(machine, contacts, rule, distances, until, tolerance)
-    if found.kind != "undecided":
-        return _settled(found, machine, rigid, contacts)
+
+    def without(bare: Contacts, known: RigidSlider) -> Behaviour:
+        return follow(machine, bare, rule, known, end - time.monotonic(), rings)
+
+    # in heat steps are refused in a moment as a rule, or lead nowhere
+    parts = (FIRST_OF_STABLE, 1.0) if contacts.thermal is not None else (1.0,)
+    for part in parts:
+        late = min(until, time.monotonic() + part * wall_time)
+        found = by_distribution(machine, contacts, rule, distances, late, tolerance)
+        if found.kind != "undecided":
+            return _settled(found, machine, rigid, contacts)
+        if part < 1.0:
+            told = by_steady_sliding(machine, contacts, rule, rigid, until, without)
+            if told is not None:
+                return told
+        if found.refused or late == until:
+            break
     # Cold where heat is known to change little. Where it matters, in heat, and beside a mass alone: the forces of a
     # slip rule in heat are the master equation's.
     matters = contacts.thermal is not None and found.heat_left_out is None

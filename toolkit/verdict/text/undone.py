@@ -5,7 +5,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origins.laws.thermal import Thermal
 from toolkit.results.slips import ENOUGH
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
@@ -25,6 +24,7 @@ from toolkit.verdict.text.kinds import (
     others,
     out_of_time,
 )
+from toolkit.verdict.text.of_heat import of_heat, of_steady_sliding
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.uncertainty import range_of_force, uncertainties_of
 
@@ -139,7 +139,8 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     for why, rules in by_reason(missed).items():
         most = max(errors[rule] for rule in rules)
         yield Line(most, f"not as asked if {named(rules)}: {why}{_instead(own, rules)}")
-    yield from _of_heat(verdict)
+    yield from of_steady_sliding(verdict)
+    yield from of_heat(verdict)
     rough = [
         (_why_rough(verdict, one), one.rule)
         for one in own.behaviours
@@ -196,57 +197,6 @@ def _relative_error(verdict: Verdict, one: Behaviour) -> float:
     """The error of a behaviour's force, relative to it; TURNS where the force is not known."""
     error = one.error * verdict.own.contacts.mean_threshold
     return float(error / abs(one.before)) if np.isfinite(error) and one.before else TURNS
-
-
-def _of_heat(verdict: Verdict) -> Iterator[Line]:
-    """What heat changes in F_k, and what it may change in the force, from above, where it was left out."""
-    own, scale = verdict.own, verdict.own.scale
-    unit = own.contacts.mean_threshold * scale.force
-    kinetic, change = _by_heat(own), own.cold and abs(own.kinetic.value / own.cold.value - 1.0)
-    seen = own.behaviours[:1] and own.contacts.changing is None and own.behaviours[0]
-    if kinetic and seen and (seen.rule, seen.kind, seen.slips) == ("mass", "undecided", 0):
-        ask = "leave [contacts.thermal] out to be told what it does then"
-        kinetic += f". Without heat a slider with mass is followed in far fewer steps: {ask}"
-    cold = {one.rule: one.heat_left_out for one in own.behaviours if one.heat_left_out is not None}
-    said = ((written(most * unit, scale.force_unit, digits=2), rule) for rule, most in cold.items())
-    for most, rules in by_reason(said).items():
-        which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
-        few = any(one.rule in rules and one.kind != "unknown" for one in verdict.finite)
-        which += ", of the contacts of the area, too" * few
-        size = max(cold[rule] for rule in rules) * unit / (own.static.value * scale.force)
-        bound = f"heat is left out{which}: it would change the force by {most} at most"
-        yield Line(size, f"{bound}; {kinetic}" if kinetic else bound)
-        kinetic = ""  # is told once
-    if kinetic:
-        yield Line(change or GENERAL, kinetic)
-
-
-def _by_heat(own: Answer) -> str:
-    """By how much heat changes F_k, which is known without it, too; "" where it is not."""
-    if own.cold is None:
-        return ""
-    scale, change = own.scale, own.kinetic.value - own.cold.value
-    at = " of a rigid slider as fast as the drive" * bool(own.machine)
-    if abs(change) <= own.kinetic.error + own.cold.error:
-        return f"heat changes F_k{at} by less than its numerical error{_of_few_atoms(own)}"
-    size = written(abs(change) * scale.force, scale.force_unit, digits=2)
-    part = f"{100.0 * abs(change) / own.cold.value:.2g}%"
-    cold = written(own.cold.value * scale.force, scale.force_unit, digits=3)
-    said = f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of the {cold} without it"
-    return said + _of_few_atoms(own)
-
-
-def _of_few_atoms(own: Answer) -> str:
-    """Beside heat that breaks whole contacts of a surface: that it may do more; "" of other contacts and heat."""
-    thermal = own.contacts.thermal
-    if (
-        own.contacts.interface is None
-        or not isinstance(thermal, Thermal)
-        or thermal.law == "eyring"
-    ):
-        return ""
-    few = 'with barriers of a few atoms (law = "eyring") it may change F_k more'
-    return f", where each contact has one barrier; {few}"
 
 
 def _left_out(verdict: Verdict) -> list[tuple[str, str]]:

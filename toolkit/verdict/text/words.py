@@ -47,6 +47,7 @@ from toolkit.verdict.text.kinds import (
     others,
     without_delay,
 )
+from toolkit.verdict.text.of_heat import way_to
 from toolkit.verdict.text.table import drop_of, first_alike, in_units, speed_unit, table
 from toolkit.verdict.text.undone import followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
@@ -270,11 +271,11 @@ def _behaved(
             differs = said != span([answer.kinetic.value * scale.force], scale.force_unit)
         if bare:
             return said
-        beside = f"{of_damping(answer, last, differs)}{without_delay(answer, last)}"
-        beside += once_over(answer, last)
-        beside += swinging(answer, last)
+        beside = whom + way_to(last)
+        beside += f"{of_damping(answer, last, differs)}{without_delay(answer, last)}"
+        beside += once_over(answer, last) + swinging(answer, last)
         beside += of_fluctuations(verdict, last) * (answer is verdict.own)
-        return f"smooth at {said}{whom}{beside}{of_assumed_damping(answer, last)}"
+        return f"smooth at {said}{beside}{of_assumed_damping(answer, last)}"
     high = with_error([one.before * scale.force for one in alike])
     # an error that hides beside the force before a slip may be much of what is left after it
     own = error if error > uncertainty * min(map(abs, after)) else 0.0

@@ -1,0 +1,150 @@
+"""A slider that heat lets go on too slowly for steps is told by steady sliding: what the page says, and whether it
+holds where the slider can be followed."""
+
+import time
+from functools import reduce
+from operator import mul
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eq_model
+import master
+from master.steady.response import is_stable
+from master.steady.with_mass import decays, sliding_is_stable
+from origins import Contacts, Delay, InputError, Thermal, gaussian, identical
+from tests.test_verdict import STATED, judged
+from toolkit.results.kinds import kind_of
+from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.in_heat import by_steady_sliding
+from toolkit.verdict.sliders.machine import Behaviour, Machine, rigid_slider
+
+pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
+
+WIDE = gaussian(1.0, 0.3)
+STRONG = Contacts(WIDE, thermal=Thermal("soft", 0.4, 50.0))
+WEAK = Contacts(WIDE, thermal=Thermal("soft", 0.003, 50.0))
+HEAVY = Machine(spring=0.3, mass=0.05, damping=0.1, velocity=1.0)
+
+
+def told(machine: Machine, contacts: Contacts, rule: str = "mass") -> Behaviour | None:
+    """What steady sliding says."""
+    steady = master.steady_state(contacts, velocity=machine.velocity)
+    found = master.propensity(contacts, velocity=machine.velocity, tolerance=1e-3)
+    rigid = rigid_slider(contacts, steady, found, None)
+    return by_steady_sliding(
+        machine,
+        contacts,
+        rule,
+        rigid,
+        time.monotonic() + 1e4,
+        lambda cold, known: follow(machine, cold, rule, known, 1e4),
+    )
+
+
+def test_disturbances_decay_where_all_roots_of_a_polynomial_say_so() -> None:
+    """Of contacts that are springs and dampers in series, stiff ones that pull and some that push: numpy finds the
+    roots of D(p). With 1e-3 of noise on G, as its sums have, no drawn machine is called wrongly."""
+    rng, seen = np.random.default_rng(2), list[tuple[bool, bool | None]]()
+    for _ in range(300):
+        times = 10.0 ** rng.uniform(-2.0, 1.0, rng.integers(1, 4))
+        stiff = 10.0 ** rng.uniform(-3.0, 0.0, times.size) * rng.choice(
+            [1.0, 1.0, -1.0], times.size
+        )
+        spring, inertia = 10.0 ** rng.uniform(-5.0, 0.5), 10.0 ** rng.uniform(-4.0, 1.0)
+        inertia, drag = inertia * rng.integers(0, 2), 10.0 ** rng.uniform(-4.0, 0.0)
+        each = [np.poly1d([one, 1.0]) for one in times]
+        whole = reduce(mul, each, np.poly1d([inertia, drag, spring]))
+        for number, (one, pull) in enumerate(zip(times, stiff, strict=True)):
+            others = each[:number] + each[number + 1 :]
+            whole += reduce(mul, others, np.poly1d([pull * one, 0.0]))
+        slow = np.sqrt(spring / inertia) if inertia else np.inf
+        fast = np.sqrt((spring + 1.0) / inertia) if inertia else 0.0
+        wave = np.geomspace(min(1e-3, 0.1 * slow), max(300.0, 10.0 * fast), 120)
+        swing = 1j * wave[:, None] * times
+        answer = (stiff * swing / (1.0 + swing)).sum(axis=1)
+        answer *= 1.0 + 1e-3 * rng.standard_normal((2, wave.size)).T @ np.array([1.0, 1j])
+        found = decays(wave, answer, spring, inertia, drag)
+        seen.append((bool((whole.roots.real < 0.0).all()), found))
+    assert all(one in (truth, None) for truth, one in seen)
+    for truth in (True, False):
+        clear = [one for stable, one in seen if stable == truth]
+        assert len(clear) > 30 and clear.count(None) < 0.5 * len(clear)
+
+
+def test_a_mass_that_nothing_damps_but_contacts_is_stable_where_friction_rises() -> None:
+    """Without a mass it is what `is_stable` says; a damping below 0 that is larger than the rise of friction with the
+    speed lets swings grow, on a spring so soft that a swing passes many thresholds."""
+    assert sliding_is_stable(STRONG, 1.0, 0.3) and is_stable(STRONG, 1.0, 0.3)
+    spring, mass, near = 1e-3, 0.1, 1e-3
+    up, down = (master.steady_state(STRONG, velocity=1.0 + step).force for step in (near, -near))
+    rise = (up - down) / (2.0 * near)
+    assert rise > 0.01 and sliding_is_stable(STRONG, 1.0, spring, mass)
+    assert sliding_is_stable(STRONG, 1.0, spring, mass, -0.8 * rise)
+    assert sliding_is_stable(STRONG, 1.0, spring, mass, -1.2 * rise) is False
+
+
+@pytest.mark.parametrize(("contacts", "slips"), [(STRONG, 0), (WEAK, 1)])
+def test_finitely_many_contacts_slide_as_steady_sliding_tells(
+    contacts: Contacts, slips: int
+) -> None:
+    """By heat that lets nothing slip, and by weak heat after one slip: 2,000 contacts bear the force that is told, and
+    do not slip again."""
+    found = told(HEAVY, contacts)
+    assert found is not None and (found.kind, found.slips, found.success) == ("smooth", slips, True)
+    assert (found.heat_on_the_way or 0.0) > 0.0 if slips else found.heat_on_the_way == 0.0
+    path = np.linspace(0.0, 30.0, 121)
+    few = eq_model.simulate(
+        contacts, path, n_contacts=2000, n_replicas=4, seed=3, **HEAVY.keywords("mass")
+    )
+    late = few.forces[:, path > 18.0].mean(axis=1)
+    off = late.std(ddof=1) / np.sqrt(late.size)
+    assert abs(late.mean() - found.before) < 5.0 * off < 0.02
+    assert np.all(few.slips.drive < 8.0) and few.slips.drive.size == 4 * slips
+
+
+@pytest.mark.slow  # some 20 s; quick: the ensemble above
+def test_a_slider_that_can_be_followed_slides_as_steady_sliding_tells() -> None:
+    found = told(HEAVY, WEAK)
+    solved: Any = master.solve(WEAK, np.linspace(0.0, 14.0, 200), 1e-2, **HEAVY.keywords("mass"))
+    assert found is not None and kind_of(solved) == found.kind and solved.slips.drive.size == 1
+    assert solved.force[-1] == pytest.approx(found.before, abs=solved.force_error + 1e-6)
+
+
+def test_steady_sliding_tells_of_no_other_slider() -> None:
+    """Where heat is neither weak nor lets nothing slip; of contacts under another law; of exact thresholds; of a swing
+    that nothing damps; and of rules that renew contacts in slips."""
+    between = Contacts(WIDE, thermal=Thermal("eyring", width=0.03))
+    assert told(Machine(0.3, 0.05, 0.1, 1e-3), between) is None
+    assert told(HEAVY, STRONG.replace(delay=Delay(1.0))) is None
+    assert told(HEAVY, STRONG.replace(thresholds=identical(1.0))) is None
+    assert told(Machine(0.3, 0.05, 0.0, 1.0), STRONG) is None
+    assert told(HEAVY, WEAK, "reset") is None
+
+
+def test_the_page_tells_what_was_followed_and_what_heat_may_change(
+    capsys: Any, monkeypatch: Any
+) -> None:
+    """300 K on barriers of 1e4 k_BT, 50 N/m and 0.1 kg: 2,000 steps in heat end in the first loading."""
+    solve = master.solve
+
+    def stepped(contacts: Contacts, *arguments: Any, **named: Any) -> Any:
+        if contacts.thermal is not None:
+            raise InputError("path[-1]: takes 2001 steps")
+        return solve(contacts, *arguments, **named)
+
+    monkeypatch.setattr(master, "solve", stepped)
+    stated = STATED | {"thermal": {"law": "stiff", "temperature": {"kelvin": 300.0}}}
+    stated["thermal"]["attempt_frequency"] = 1e10
+    drive = {"spring": "50 N/m", "mass": "0.1 kg", "damping": "0.5 N s/m"}
+    drive |= {"area": 1e-6, "velocity": 1e-6}
+    status, page, found = judged(capsys, contacts=stated, drive=drive)
+    (one,) = found["readings"][0]["behaviours"]
+    assert (status, one["kind"], one["slips"]) == (0, "smooth", 1)
+    assert one["before"] == pytest.approx(found["readings"][0]["kinetic"]["value"] + 5e-7, rel=1e-9)
+    headline = page.splitlines()[2]
+    assert headline.startswith("smooth at ")
+    assert "in the end (the way there was followed without heat)" in headline
+    assert "the slips before it from contacts without heat" in page and "not decided" not in page
+    assert 0.0 < one["heat_on_the_way"] < 0.02

@@ -1,0 +1,118 @@
+"""Sliders whose contacts heat breaks, and which go on too slowly for steps in time: steady sliding tells of them.
+
+Such a slider slides smoothly in the end where steady sliding at the drive's speed v is stable, with its mass and
+damping (master/steady/with_mass.py), and where at v, at FASTER v, and at K v/(N_c<k> + K), at which a slider that
+sticks stretches its contacts, one of both holds:
+
+    nothing slips   from relaxed contacts on the force of a rigid slider rises above F_k by less than the fall that
+                    counts as a slip, SMALL <x_s>
+    heat is weak    it changes F_k and F_s by less than that fall; and the slider on contacts without it, which is
+                    followed, slides smoothly, mostly after a slip
+
+The force in the end is F_k in heat, with what the damping bears. What was not followed is told beside it: the way up to
+there, or what heat changes on it.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from origins.contacts import Contacts
+from origins.errors import InputError
+from toolkit.verdict.sliders.machine import (
+    Behaviour,
+    Machine,
+    RigidSlider,
+    not_followed,
+    rigid_slider,
+)
+from toolkit.verdict.sliders.steady import settling_distance
+
+# of a fall of the force, in mean thresholds: smaller ones are no slips, as of a slider with mass
+SMALL = 0.02
+# times the drive's speed: a mass that swings about it moves at up to twice as much
+FASTER = 3.0
+# tolerance of F_s, which is held against SMALL
+ROUGHLY = 1e-3
+# slip rules, and "mass", under which a slider whose first slips are over slides; the others renew all contacts
+SLIDES = ("mass", "instant")
+
+
+def by_steady_sliding(
+    machine: Machine,
+    contacts: Contacts,
+    rule: str,
+    rigid: RigidSlider,
+    until: float,
+    without_heat: Callable[[Contacts, RigidSlider], Behaviour],
+) -> Behaviour | None:
+    """What the slider does in the end, where steady sliding tells it by then, in s of the monotonic clock; None where
+    it does not. `without_heat` : follows the slider on these contacts, of which so much is known."""
+    from master.steady.response import has_response
+    from master.steady.with_mass import sliding_is_stable
+
+    unit, law = contacts.mean_threshold, contacts.thresholds
+    alone = has_response(contacts) and contacts.changing is None and not law.atoms[0].size
+    if not alone or not np.isfinite(settling_distance(machine, unit)):
+        return None
+    spring, speed, small = machine.spring, machine.velocity, SMALL * unit
+    try:
+        if not sliding_is_stable(contacts, speed, spring, machine.mass or 0.0, machine.damping):
+            return None
+        each = [_rigid(contacts, one, rigid.contacts, until) for one in looked_at(machine)]
+        if all(one.static - one.kinetic < small for one in each):
+            return _at_kinetic(not_followed(rule, ""), machine, rigid, unit, 0.0)
+        bare = contacts.replace(thermal=None)
+        cold = _rigid(bare, speed, rigid.contacts, until)
+        off = max(
+            max(abs(one.kinetic - cold.kinetic), abs(one.static - cold.static)) for one in each
+        )
+        if rule not in SLIDES or off > small:
+            return None
+        found = without_heat(bare, cold)
+    except InputError:
+        return None
+    sure = found.kind == "smooth" and found.success and found.contacts is None
+    return _at_kinetic(found, machine, rigid, unit, off) if sure else None
+
+
+def looked_at(machine: Machine) -> tuple[float, float, float]:
+    """Speeds at which forces are looked at: of contacts that the drive stretches on a slider that sticks, of the drive,
+    and of a mass that swings about it."""
+    speed = machine.velocity
+    return machine.spring / (1.0 + machine.spring) * speed, speed, FASTER * speed
+
+
+def _at_kinetic(
+    found: Behaviour, machine: Machine, rigid: RigidSlider, unit: float, off: float
+) -> Behaviour:
+    """This slider as it slides on in heat, at F_k and what the damping bears."""
+    force = rigid.kinetic + machine.damping * machine.velocity
+    return replace(
+        found,
+        kind="smooth",
+        before=force,
+        after=force,
+        error=rigid.kinetic_error / unit,
+        success=True,
+        # what is known of a first slip is that of contacts without heat
+        first_slip=None,
+        slip_time=None,
+        heat_on_the_way=off / unit,
+    )
+
+
+def _rigid(contacts: Contacts, velocity: float, number: float | None, until: float) -> RigidSlider:
+    """A rigid slider on relaxed contacts at this speed; `number` : of contacts on the area. Raises InputError once the
+    time is over, or where F_k and F_s are not known."""
+    import master
+
+    if time.monotonic() > until:
+        raise InputError("wall_time is used up")
+    steady = master.steady_state(contacts, velocity=velocity)
+    found = master.propensity(contacts, velocity=velocity, tolerance=ROUGHLY)
+    if not (steady.success and np.isfinite(found.static_to_kinetic)):
+        raise InputError("F_k and F_s are not known")
+    return rigid_slider(contacts, steady, found, number)

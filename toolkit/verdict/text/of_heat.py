@@ -1,0 +1,93 @@
+"""What heat changes in the forces of a verdict, and what it was left out of."""
+
+from collections.abc import Iterator
+
+from origins.laws.thermal import Thermal
+from toolkit.scene.scale import written
+from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.sliders.finite import SMALL
+from toolkit.verdict.sliders.in_heat import looked_at
+from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.text.kinds import GENERAL, Line, by_reason, named
+
+
+def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
+    """That steady sliding tells of a slider in heat, and what of its way was not followed."""
+    own, scale = verdict.own, verdict.own.scale
+    told = [one for one in own.behaviours if one.heat_on_the_way is not None]
+    if not told or own.machine is None:
+        return
+    unit = own.contacts.mean_threshold * scale.force
+    slow, fast = (
+        written(one, "m/s" if scale.length_unit == "m" else "")
+        for one in looked_at(own.machine)[::2]
+    )
+    small = f"{written(SMALL * unit, scale.force_unit, digits=2)} ({SMALL:g} <x_s>)"
+    most = max(one.heat_on_the_way or 0.0 for one in told)
+    said = "the slider in heat was not followed, as it goes on too slowly for steps in time. What is told follows from "
+    said += "steady sliding, which is stable with this spring, mass and damping"
+    if not most:
+        why = f"at {slow} to {fast} new contacts bear no peak above F_k that counts as a slip, {small} or more"
+    else:
+        why = f"and the slips before it from contacts without heat. At {slow} to {fast} heat changes F_k and F_s by "
+        why += f"{written(most * unit, scale.force_unit, digits=2)} at most, less than what counts as a slip, {small}"
+    yield Line(most * unit / (own.kinetic.value * scale.force), f"{said}; {why}")
+
+
+def way_to(slider: Behaviour) -> str:
+    """How much is known of the way up to steady sliding that tells of a slider in heat; "" where it was followed."""
+    if slider.heat_on_the_way is None:
+        return ""
+    how = "followed without heat" if slider.heat_on_the_way else "not followed"
+    return f" in the end (the way there was {how})"
+
+
+def of_heat(verdict: Verdict) -> Iterator[Line]:
+    """What heat changes in F_k, and what it may change in the force, from above, where it was left out."""
+    own, scale = verdict.own, verdict.own.scale
+    unit = own.contacts.mean_threshold * scale.force
+    kinetic, change = _by_heat(own), own.cold and abs(own.kinetic.value / own.cold.value - 1.0)
+    seen = own.behaviours[:1] and own.contacts.changing is None and own.behaviours[0]
+    if kinetic and seen and (seen.rule, seen.kind, seen.slips) == ("mass", "undecided", 0):
+        ask = "leave [contacts.thermal] out to be told what it does then"
+        kinetic += f". Without heat a slider with mass is followed in far fewer steps: {ask}"
+    cold = {one.rule: one.heat_left_out for one in own.behaviours if one.heat_left_out is not None}
+    said = ((written(most * unit, scale.force_unit, digits=2), rule) for rule, most in cold.items())
+    for most, rules in by_reason(said).items():
+        which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
+        few = any(one.rule in rules and one.kind != "unknown" for one in verdict.finite)
+        which += ", of the contacts of the area, too" * few
+        size = max(cold[rule] for rule in rules) * unit / (own.static.value * scale.force)
+        bound = f"heat is left out{which}: it would change the force by {most} at most"
+        yield Line(size, f"{bound}; {kinetic}" if kinetic else bound)
+        kinetic = ""  # is told once
+    if kinetic:
+        yield Line(change or GENERAL, kinetic)
+
+
+def _by_heat(own: Answer) -> str:
+    """By how much heat changes F_k, which is known without it, too; "" where it is not."""
+    if own.cold is None:
+        return ""
+    scale, change = own.scale, own.kinetic.value - own.cold.value
+    at = " of a rigid slider as fast as the drive" * bool(own.machine)
+    if abs(change) <= own.kinetic.error + own.cold.error:
+        return f"heat changes F_k{at} by less than its numerical error{_of_few_atoms(own)}"
+    size = written(abs(change) * scale.force, scale.force_unit, digits=2)
+    part = f"{100.0 * abs(change) / own.cold.value:.2g}%"
+    cold = written(own.cold.value * scale.force, scale.force_unit, digits=3)
+    said = f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of the {cold} without it"
+    return said + _of_few_atoms(own)
+
+
+def _of_few_atoms(own: Answer) -> str:
+    """Beside heat that breaks whole contacts of a surface: that it may do more; "" of other contacts and heat."""
+    thermal = own.contacts.thermal
+    if (
+        own.contacts.interface is None
+        or not isinstance(thermal, Thermal)
+        or thermal.law == "eyring"
+    ):
+        return ""
+    few = 'with barriers of a few atoms (law = "eyring") it may change F_k more'
+    return f", where each contact has one barrier; {few}"
