@@ -425,7 +425,7 @@ def test_heights_that_cannot_be_meant_are_refused_or_cautioned() -> None:
         shape=(64, 64), pixel_size=1e-8, hurst=0.8, rms_slope=0.2, seed=1
     )
     with pytest.raises(
-        origins.InputError, match=r"slope is 1.*nm or µm declared as m \(surface.unit"
+        origins.InputError, match=r"read as \S+ m of height on \S+ m x \S+ m: .*\(surface.unit"
     ):
         origins.spectral_moments(1e9 * heights, 1e-8)
     assert origins.spectral_moments(40.0 * heights, 1e-8).rms_slope > 5.0

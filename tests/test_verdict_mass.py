@@ -52,7 +52,7 @@ from toolkit.verdict.sliders.machine import (
     slip_duration,
 )
 from toolkit.verdict.text import kinds
-from toolkit.verdict.text.hangs_on import dependence
+from toolkit.verdict.text.hangs_on import dependence, why_above
 from toolkit.verdict.text.table import in_units, table
 from toolkit.verdict.text.words import page, sentence
 from toolkit.verdict.uncertainty import widest
@@ -550,14 +550,17 @@ def test_a_cause_is_told_only_where_it_was_followed() -> None:
     found = replace(found, **slips, error=1e-9, success=True, damping=0.02, heat_left_out=1e-4)
     told = of(found)
     warm = replace(told.own, contacts=WAITING.replace(thermal=Thermal("soft", 0.01, 0.1)))
-    lines = " ".join(dependence(replace(told, answers=(warm,))))
-    assert "as all contacts hold a slider that sticks" in lines and "as heat breaks" not in lines
+    (line,) = why_above(replace(told, answers=(warm,)))
+    assert line.startswith("the force before a slip is above F_s: ") and "heat breaks" not in line
+    assert "; all contacts hold one that sticks" in line and line in page(
+        replace(told, answers=(warm,))
+    )
     followed = replace(warm, behaviours=(replace(found, heat_left_out=None),))
-    assert "as heat breaks weak" in " ".join(dependence(replace(told, answers=(followed,))))
+    assert "; heat breaks weak" in " ".join(why_above(replace(told, answers=(followed,))))
     # 2 (K M)^(1/2) = 2e-4 is critical
-    assert sentence(told).endswith(", with 10000% of critical damping, as none is given")
+    assert sentence(told).endswith("(10000% of critical; none is given)")
     given = replace(told.own, behaviours=(replace(found, damping=None),))
-    assert "as none is given" not in sentence(replace(told, answers=(given,)))
+    assert "none is given" not in sentence(replace(told, answers=(given,)))
 
 
 def test_a_slider_that_is_not_decided_is_told_with_its_mass_at_both_extremes_of_its_delay() -> None:

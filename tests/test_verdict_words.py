@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from origins import Contacts, Delay, Thermal, gaussian
+from origins import Contacts, Delay, Thermal, gaussian, strengthening
 from tests.scenes import ROUGH, said, write
 from toolkit.running.progress import Progress
 from toolkit.scene.scale import Scale, scale_of
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers
 from toolkit.verdict.picture import draw_verdict
-from toolkit.verdict.sliders.budget import at_most
+from toolkit.verdict.sliders.budget import at_most, without_useless_damping
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
 from toolkit.verdict.text.k_star import of_critical_spring
@@ -271,7 +271,7 @@ def test_a_verdict_in_units_of_the_own_contacts_stiffness_has_that_of_one_readin
 
 
 def test_progress_says_how_long_a_verdict_takes_at_most(capsys: Any) -> None:
-    for given, says in ((90.0, "(wall_time 0:01:30)"), (None, "(in all some 0:01:00 of work")):
+    for given, says in ((90.0, "(wall_time 0:01:30)"), (None, "(some 60 s of work in all")):
         bar = Progress("verdict", most=at_most(given))
         bar.doing("reading 1 of 1")
         bar.close()
@@ -312,6 +312,9 @@ def test_the_title_of_a_picture_ends_before_a_reason_that_is_cut() -> None:
         "mass", kind="undecided", slips=0, message="takes 9 steps; give a damping (5 of it)"
     )
     figure = draw_verdict(told(why, machine=HEAVY))
+    assert figure.get_suptitle().splitlines()[1] == "not decided (takes 9 steps)"
+    why = replace(why, message="takes 9 (5; of it) steps")
+    figure = draw_verdict(told(why, machine=HEAVY))
     assert figure.get_suptitle().splitlines()[1] == "not decided"
 
 
@@ -322,3 +325,36 @@ def test_forces_with_another_delay_say_that_they_are_without_heat() -> None:
     assert re.search(r"make it stick-slip: 0\.9\S* .* length, without heat$", page(warm)[3])
     cold = replace(told(slides, machine=HEAVY), turned=slips("mass", before=0.9))
     assert "make it stick-slip" in page(cold)[3] and "heat" not in page(cold)[3]
+
+
+def test_what_a_solver_tells_in_mean_thresholds_is_told_in_newtons_and_metres() -> None:
+    """A mean threshold of 4 nm and 2.5e6 N/m in all: 10 mN of force. Bare numbers stay where there are no metres."""
+    newtons = Scale(2.5e6, "N", length_unit="m", time_unit="s", spring_unit="N/m")
+    note = "heat is left out: it may change the force by up to 1.3e-02 mean thresholds"
+    assert in_units(note, newtons, 4e-9) == note.replace("1.3e-02 mean thresholds", "130 µN")
+    slip = "its slip from F_s goes on for 1.2e+06 mean thresholds, after which"
+    assert "goes on for 4.8 mm, after" in in_units(slip, newtons, 4e-9)
+    missed = "error estimate 5.3e-03 is above the tolerance 1.0e-03, most of it"
+    told = in_units(missed, newtons, 4e-9)
+    assert told == "error estimate 53 µN is above the tolerance 10 µN, most of it"
+    for one in (note, slip, missed):
+        assert in_units(one, Scale(), 4e-9) == in_units(one, newtons) == one
+
+
+def test_no_damping_is_asked_for_that_no_machine_has() -> None:
+    """A hundredth of the critical damping of a slider that sticks, 1e-4 N_c<k>, may be far above that of mass and
+    spring, 2 (K M)^(1/2) = 2e-3."""
+    for asked, kept in ((1e-3, True), (0.1, False)):
+        hint = f"; give a larger damping (a hundredth of the critical one of a slider that sticks is {asked})"
+        why = f"takes 2001 steps, and no more are taken on{hint}"
+        found = without_useless_damping(why, HEAVY)
+        assert found == (why if kept else why.replace(hint, ""))
+
+
+def test_contacts_that_strengthen_have_another_spring_below_which_they_slip_on() -> None:
+    """K* is of new contacts; the page says which command tells of those that have grown."""
+    asked = "`mesofriction rate-state` tells (the critical spring)"
+    waiting = told(slips("mass"), machine=HEAVY, delay=Delay(1.0))
+    growing = Contacts(strengthening(gaussian(1.0, 0.3), beta=0.03, time=1e-4))
+    grown = replace(waiting, answers=(replace(waiting.own, contacts=growing),))
+    assert asked in page(grown)[-3] and asked not in "".join(page(waiting))

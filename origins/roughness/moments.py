@@ -156,7 +156,7 @@ def spectral_moments(
     m4 = ((curvatures**2).mean(axis=1) / np.square(apart) ** 2).tolist()
     m0, slope = float(np.nanmean(h**2)), math.sqrt(sum(m2))
     if slope > _STEEPEST:
-        hint = _why_so_steep(surface.heights)
+        hint = _why_so_steep(surface.heights, size)
         raise InputError(
             f"heights: their rms slope is {slope:.3g}, that of surfaces below 1: {hint}"
         )
@@ -166,8 +166,9 @@ def spectral_moments(
     )
 
 
-def _why_so_steep(heights: npt.NDArray[np.float64]) -> str:
-    """The likely reason of slopes that no surface has: a value that fills gaps, or the unit."""
+def _why_so_steep(heights: npt.NDArray[np.float64], size: tuple[float, float]) -> str:
+    """The likely reason of slopes that no surface has: a value that fills gaps, or the unit of heights, or of the
+    scan's size (m), which are told as they were read."""
     measured = heights[np.isfinite(heights)]
     for end in (measured.min(), measured.max()):
         rest = measured[measured != end]
@@ -176,7 +177,8 @@ def _why_so_steep(heights: npt.NDArray[np.float64]) -> str:
             many = measured.size - rest.size
             hint = "give missing points as NaN, and sizes in the unit of heights"
             return f"{many} heights of {end:.6g} may be a fill value; {hint}"
-    return "are heights and pixel size both in metres, or heights in nm or µm declared as m (surface.unit)?"
+    read = f"read as {np.ptp(measured):.3g} m of height on {size[0]:.3g} m x {size[1]:.3g} m"
+    return f"{read}: are heights and sizes in one unit, and is it the one declared (surface.unit)?"
 
 
 def _filled_zeros(heights: npt.NDArray[np.float64]) -> float:

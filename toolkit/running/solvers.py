@@ -125,16 +125,17 @@ def solve_master(
     except InputError as error:
         alone = scene.eq is not None and contacts.each_by_itself() is contacts
         other = "; without [master] the scene's [eq] runs alone" * alone
-        said = f"{with_units_of(scene.scale, str(error))}{other}"
+        said = f"{with_units_of(scene.scale, str(error), contacts.mean_threshold)}{other}"
         if said == str(error):
             raise
         raise InputError(said) from error
     found = record_of(solved)
     if found.regime is not None:
-        reason = with_units_of(scene.scale, with_units(scene, found.regime))
+        mean = contacts.mean_threshold
+        reason = with_units_of(scene.scale, with_units(scene, found.regime), mean)
         found = replace(found, regime=replace(found.regime, reason=reason))
         note, message = (
-            with_units_of(scene.scale, said or "") for said in (found.note, found.message)
+            with_units_of(scene.scale, said or "", mean) for said in (found.note, found.message)
         )
         found = replace(found, note=note, message=message)
     # without a tolerance an error that is hardly visible in a picture will do

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from origins.errors import InputError, must_be, positive, refuse
 from origins.roughness.stated import BOLTZMANN
-from toolkit.scene.tables import GROWTHS, did_you_mean, what_is_meant
+from toolkit.scene.tables import CELSIUS, GROWTHS, did_you_mean, what_is_meant
 
 
 def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
@@ -228,7 +228,7 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
     given, where = table.get("temperature"), f"{where}.temperature"
     degrees = given.get("kelvin") if isinstance(given, Mapping) else given
     if isinstance(degrees, int | float) and degrees <= 0.0:
-        hint = "must be above zero; for T = 0 leave [contacts.thermal] out"
+        hint = f"must be above zero; for T = 0 leave [contacts.thermal] out; {CELSIUS}"
         refuse(f"{where}{'.kelvin' * isinstance(given, Mapping)}", degrees, hint)
     if isinstance(given, int | float) and surface is not None:  # whole numbers of TOML, too
         joules, kelvin = given / BOLTZMANN, given / surface.temperature(kelvin=1.0)
@@ -245,7 +245,7 @@ def without_kelvin(table: Mapping[str, Any], where: str, surface: Any) -> Mappin
     if not isinstance(given, Mapping):
         return table
     if set(given) != {"kelvin"}:
-        refuse(where, dict(given), "must be a number, k_BT/<k>, or { kelvin = 300.0 }")
+        refuse(where, dict(given), f"must be k_BT/<k>, or {{ kelvin = 300.0 }}; {CELSIUS}")
     if surface is None:
         refuse(
             f"{where}.kelvin",

@@ -16,6 +16,8 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 PREFIXED = ("N", "N/m", "N/m³", "m", "s", "Pa", "m/s")
 # of the largest of some forces: a smaller one of them is round-off, and none
 ROUNDING = 1e-12
+# first digits of an uncertainty below which a value has one digit more
+FINER = 3.55
 # of a value: a smaller error has a prefix of its own
 _BESIDE = 1e-4
 SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be
@@ -219,11 +221,13 @@ def _power_of(value: float, unit: str) -> int:
 
 
 def guarded(value: float, unit: str, uncertainty: float, vague: bool = False) -> str:
-    """As `written`, of a value whose uncertainty is told elsewhere, with one digit more than that leaves, 3 or 4 of
-    them: with two digits two values that are nearly alike may seem 4 % apart. Those that are `vague` have two."""
+    """As `written`, of a value whose uncertainty is told elsewhere, 3 or 4 digits: to that of the uncertainty, and one
+    more where this begins with 1, 2 or 3. With two digits two values that are nearly alike may seem 4 % apart. Those
+    that are `vague` have two."""
     if not (value and 0.0 < uncertainty < np.inf):
         return written(value, unit)
-    digits = int(np.clip(_significant_digits(value, uncertainty) + 1, 3, 4))
+    more = uncertainty < FINER * 10.0 ** np.floor(np.log10(uncertainty))
+    digits = int(np.clip(_significant_digits(value, uncertainty) + more, 3, 4))
     return written(value, unit, digits=2 if vague else digits)
 
 

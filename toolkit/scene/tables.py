@@ -140,6 +140,8 @@ _COUNTS = ("points", "contacts", "replicas", "seed", "samples", "threads")
 _PASCALS = "pressure contact_modulus shear_modulus hardness shear_strength force_coefficient"
 FIXED_UNITS = dict.fromkeys(_PASCALS.split(), "Pa") | {"kelvin": "K", "wall_time": "s"}
 FIXED_UNITS |= {"area": "m²", "patch_area": "m²"}
+# where a temperature is no number of kelvins above zero
+CELSIUS = "0 °C is kelvin = 273.15"
 FIXED_UNITS |= {"mean_stiffness": "N/m", "contact_density": "1/m²"}
 _OF_LENGTH = "to from mean std value lower upper scale centre lattice_constant"
 LENGTHS = _OF_LENGTH.split()
@@ -228,6 +230,7 @@ def _counted(value: Any, where: str = "") -> Any:
     key = where.rpartition(".")[2]
     if key in _UNITS and isinstance(value, str) and re.search(r"\d", value):
         hint = "only drive.spring, mass and damping take text with a unit"
+        hint = CELSIUS if key == "kelvin" else hint
         hint = with_point(value) or hint
         refuse(where, value, f"must be a number alone, in {_UNITS[key]}; {hint}")
     whole = key in _COUNTS and isinstance(value, float) and value.is_integer()

@@ -179,7 +179,7 @@ def finite_sliders(
                 continue
             same = told_by_another_rule(one, zip(each, found, strict=False), contacts)
             if same is None:
-                progress(f"sliders of {of_contacts(number)}, slip rule {one.rule}")
+                progress(f"sliders of {of_contacts(number)} ({one.rule})")
                 static, remaining = own.static.value, part.remaining()
                 same = follow_finite(own.machine, contacts, number, one, static, remaining)
             found.append(same)

@@ -155,17 +155,15 @@ def numerical_errors(verdict: Verdict) -> list[str]:
         relative_error = one.error * mean / abs(one.before or np.nan)
         # what still swings is told, and no error; of a slider that is not decided there is no force
         seen = one.swings is None and (one.kind != "undecided" or one.slips)
-        if 0.0 < relative_error < np.inf and seen:
+        # where steady sliding tells of it its force is F_k
+        if 0.0 < relative_error < np.inf and seen and one.heat_on_the_way is None:
             beyond = ", more than the force" if relative_error > 1.0 else ""
             each = f"at most {relative_error:.0e}{beyond}"
             if one.contacts is not None:  # that of the ensemble is no bound
                 each = f"a standard error of {relative_error:.0e}, between sliders"
                 each += ", with what heat that is left out may change" * bool(one.heat_left_out)
             groups.setdefault(each, []).append(one.rule)
-    said += [
-        f"forces of the slider under {' and '.join(rules)}: {each}"
-        for each, rules in groups.items()
-    ]
+    said += [f"forces of the slider ({', '.join(rules)}): {each}" for each, rules in groups.items()]
     said += _less_certain(verdict, max(most, SEEN))
     return [
         "Numerical errors, relative to each number (all are in verdict.json)",
@@ -229,8 +227,9 @@ def of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:
     """That a damping was taken where none is given, as the slider rings for too long without one."""
     if behaviour.damping is None or answer.machine is None:
         return ""
-    part = behaviour.damping / critical_damping(answer.machine)
-    return f", with {part:.0%} of critical damping, as none is given"
+    part, scale = behaviour.damping / critical_damping(answer.machine), answer.scale
+    taken = written(behaviour.damping * scale.spring, scale.damping_unit)
+    return f", with an assumed damping of {taken} ({part:.0%} of critical; none is given)"
 
 
 def with_sampling(

@@ -51,6 +51,8 @@ LONG_DELAY, SOFT = 3.0, 0.1
 NO_DAMPING = "no damping is given"
 # what a solver says of a slider that swings on, as its damping is small, and of the damping that ends it
 _SWINGS = re.compile(r"; sliding swings.*?; give one above [^ ,;]+")
+# the same, of one that rings while it sticks
+_LARGER = re.compile(r"[;,] (?:or )?give a larger damping \(.*? is ([^ )]+)\)")
 # parts of the time for the contacts of the area, see `part_of_sliders`
 NEARLY_ALL, OF_SLIDERS, LESS = 0.9, 0.5, 0.3
 # s by which the pace is smoothed, as that of the first moments says little
@@ -128,7 +130,7 @@ def at_most(wall_time: float | None) -> str:
     """How long a verdict takes at most, for its progress: the time that is given, or some time of work, which takes
     longer on a busy machine."""
     if wall_time is None:
-        return f" (in all some {clock(WALL_TIME)} of work, longer on a busy machine)"
+        return f" (some {WALL_TIME:.0f} s of work in all, longer on a busy machine)"
     return f" (wall_time {clock(wall_time)})"
 
 
@@ -138,6 +140,15 @@ def late(message: str) -> str:
     return (
         f"neither force nor slips are known in time: {MORE_TIME}{''.join(_SWINGS.findall(message))}"
     )
+
+
+def without_useless_damping(message: str, machine: Machine) -> str:
+    """A solver's message without its advice on a damping that would be above the critical one of mass and spring: no
+    machine has it, and the slider is another one."""
+    advice = _LARGER.search(message)
+    if advice and float(advice[1]) > critical_damping(machine):
+        return message.replace(advice[0], "")
+    return message
 
 
 def too_long(needed: float, remaining: float) -> str:

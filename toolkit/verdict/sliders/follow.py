@@ -16,6 +16,7 @@ from toolkit.verdict.sliders.budget import (
     lacks_damping,
     loading_of,
     may_follow,
+    without_useless_damping,
 )
 from toolkit.verdict.sliders.ensemble import (
     LOADINGS_IN_PLACE,
@@ -235,7 +236,7 @@ def by_distribution(
             # without the key and its value, which is in the solver's units, not in the user's
             key, _, why = str(error).partition(": ")
             # nor what path to give instead: it is the verdict's own
-            why = why.replace("end the path sooner, or ", "")
+            why = without_useless_damping(why.replace("end the path sooner, or ", ""), machine)
             of_path = key.startswith("path") or "end the path" in why
             if of_path and "give a larger damping" not in why:
                 why = why.partition("; ")[0]

@@ -75,41 +75,57 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
 
 
 def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
-    """Why the table's forces are not those of the slips, and why some of these begin above F_s."""
+    """Why the table's forces are not those of the slips."""
     own = verdict.own
-    if own.machine is None:
+    if own.machine is None or not own.contacts.in_time:
         return
     static, slipping = own.static.value, [one for one in own.behaviours if one.slips]
-    above = max((abs(one.before) for one in slipping), default=0.0) > (1.0 + ABOVE_STATIC) * static
+    apart = max((abs(abs(one.before) - static) for one in slipping), default=0.0) / static
+    yield Line(
+        UNSIZED if own.static.unknown else apart,
+        "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
+        "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
+        f"before a slip{_of_waiting(own)}",
+    )
+    if own.contacts.changing is not None:
+        yield Line(
+            GENERAL,
+            "K* is where the force of new contacts falls most steeply. On which springs steady sliding of contacts "
+            "that have grown stronger is unstable, `mesofriction rate-state` tells (the critical spring)",
+        )
+
+
+def why_above(verdict: Verdict) -> list[str]:
+    """Why slips begin above F_s, in a sentence that stands below the table, beside both; none where they do not."""
+    own = verdict.own
+    slipping = [one for one in own.behaviours if one.slips and one.kind != "smooth"]
+    highest = max((abs(one.before) for one in slipping), default=0.0)
+    if own.machine is None or not highest > (1.0 + ABOVE_STATIC) * own.static.value:
+        return []
     followed = own.contacts
     if all(_without_heat(one) for one in slipping):
         followed = followed.replace(thermal=None)  # heat is no cause of what was found without it
     if own.contacts.in_time:
-        apart = max((abs(abs(one.before) - static) for one in slipping), default=0.0) / static
-        yield Line(
-            UNSIZED if own.static.unknown else apart,
-            "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
-            "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
-            f"before a slip{_why_above(followed) * above}{_of_waiting(own)}",
-        )
-    elif above and not own.contacts.start.is_single:
-        yield Line(
-            GENERAL,
-            "slips begin above F_s, which is of contacts as they start, with different stretches: after a slip all "
-            "start again at x = 0, and break more nearly together",
-        )
+        whose = "F_s is that of a rigid slider as fast as the drive"
+        return [f"the force before a slip is above F_s: {whose}; {_why_above(followed)}"]
+    if own.contacts.start.is_single:
+        return []
+    return [
+        "slips begin above F_s, which is of contacts as they start, with different stretches: after a slip all start "
+        "again at x = 0, and break more nearly together"
+    ]
 
 
 def _why_above(contacts: Contacts) -> str:
     """Why contacts on which time acts hold a slider that sticks to more than F_s."""
     if set(contacts.held_in_time) - {"thermal"}:
-        return ", which is above F_s as contacts grow stronger while it sticks"
+        return "contacts grow stronger while one sticks"
     if contacts.thermal is not None:
         return (
-            ", which is above F_s as heat breaks weak contacts while it sticks, and those that hold until the slip are "
+            "heat breaks weak contacts while one sticks, and those that hold until the slip are "
             "mostly strong"
         )
-    return ", which is above F_s as all contacts hold a slider that sticks, and some wait where it slides"
+    return "all contacts hold one that sticks, and some wait where it slides"
 
 
 def _of_waiting(own: Answer) -> str:
@@ -190,7 +206,8 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
     own = verdict.own
     number, machine = own.scale.contacts, own.machine
     late = own.critical_spring.unknown or own.critical_spring.lost
-    if number is not None and machine is not None and not (late or own.softer):
+    nothing_slips = any(one.heat_on_the_way is not None for one in own.behaviours)
+    if not (number is None or machine is None or late or own.softer or nothing_slips):
         crowd = number * machine.spring**3
         yield Line(
             UNSIZED if crowd < SMOOTH_ABOVE else GENERAL,

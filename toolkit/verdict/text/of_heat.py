@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from origins.laws.thermal import Thermal
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
@@ -9,6 +11,9 @@ from toolkit.verdict.sliders.finite import SMALL
 from toolkit.verdict.sliders.in_heat import looked_at
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.text.kinds import GENERAL, Line, by_reason, named
+
+# part of F_k that heat takes where hardly any of it is left
+MOST = 0.9
 
 
 def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
@@ -31,6 +36,10 @@ def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
     else:
         why = f"and the slips before it from contacts without heat. At {slow} to {fast} heat changes F_k and F_s by "
         why += f"{written(most * unit, scale.force_unit, digits=2)} at most, less than what counts as a slip, {small}"
+    swing = own.machine.velocity * np.sqrt(own.machine.spring * (own.machine.mass or 0.0))
+    if swing > own.kinetic.value and not most:
+        swung = written(swing * scale.force, scale.force_unit, digits=2)
+        why += f". As the drive begins the mass swings by up to {swung} of the spring's force, until that dies away"
     yield Line(most * unit / (own.kinetic.value * scale.force), f"{said}; {why}")
 
 
@@ -76,6 +85,9 @@ def _by_heat(own: Answer) -> str:
     size = written(abs(change) * scale.force, scale.force_unit, digits=2)
     part = f"{100.0 * abs(change) / own.cold.value:.2g}%"
     cold = written(own.cold.value * scale.force, scale.force_unit, digits=3)
+    if -change > MOST * own.cold.value:
+        to = written(own.kinetic.value * scale.force, scale.force_unit, digits=3)
+        return f"heat lowers F_k{at} from {cold} to {to}: contacts hardly hold, and what is left hangs on the speed"
     said = f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of the {cold} without it"
     return said + _of_few_atoms(own)
 

@@ -20,8 +20,9 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             part = behaviour.damping / critical_damping(own.machine)
             yield Line(
                 UNSIZED,
-                f"the damping: none is given, and without one the slider rings for too long; all is told of one of "
-                f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping",
+                f"the damping: none is given, and without one the slider rings for too long; it is assumed to be "
+                f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping. With "
+                f"less the force falls farther in a slip, and the slider rings longer; F_k and F_s are the same",
             )
         yield from _of_a_swing(own, behaviour)
         if behaviour.kind == EVER_RARER and own.machine is not None:

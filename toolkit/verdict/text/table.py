@@ -7,7 +7,7 @@ from itertools import zip_longest
 import numpy as np
 
 from toolkit.scene.messages import with_units_of
-from toolkit.scene.scale import Scale, guarded, with_scatter, written
+from toolkit.scene.scale import PREFIXED, Scale, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.of_area import apart, rows_of
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
@@ -33,6 +33,8 @@ HOLDING = 0.9
 _RUNG = 0.05
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
 WAITING = 0.02
+# errors of the force in a solver's message, in mean thresholds
+_ERRORS = re.compile(r"(error estimate |(?:above|within) the tolerance )(\d\S*\d)")
 # what a solver advises where its error is above the tolerance
 _ADVICE = re.compile(
     r"; (?:tighten it|(?:shorten the path or )?loosen the tolerance|(?:end the path sooner, or )?(leave out the heat)"
@@ -268,12 +270,19 @@ def speed_unit(verdict: Verdict) -> str:
     return "m/s" if verdict.own.scale.length_unit == "m" else ""
 
 
-def in_units(message: str, scale: Scale) -> str:
+def in_units(message: str, scale: Scale, mean: float | None = None) -> str:
     """A solver's message with the positions of the drive, and how long a slip lasts, in the units of the verdict, and
-    without its advice on the path and the tolerance, which are the verdict's own: heat may be left out."""
+    errors of the force and its tolerance, if `mean`, the mean threshold, is given; without its advice on the path and
+    the tolerance, which are the verdict's own: heat may be left out."""
     message = _ADVICE.sub(lambda found: f"; {found[1]}" if found[1] else "", message)
     if "heat is left out beside a mass" in message:
         message += (
             "; leave the temperature out where a sweep over kelvin says that F_k hardly changes"
         )
-    return with_units_of(scale, message)
+    if mean is not None and scale.force_unit in PREFIXED:
+        unit = mean * scale.force
+        message = _ERRORS.sub(
+            lambda found: found[1] + written(float(found[2]) * unit, scale.force_unit, digits=2),
+            message,
+        )
+    return with_units_of(scale, message, mean)

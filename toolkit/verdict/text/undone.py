@@ -86,7 +86,17 @@ def _why(answer: Answer) -> str:
     """Why a reading is not decided."""
     if out_of_time(answer):
         return f"out of time: {MORE_TIME}, or give fewer verdict.readings"
-    return in_units(answer.behaviours[0].message, answer.scale)
+    return _whole_cause(answer)
+
+
+def cause(answer: Answer) -> str:
+    """Why the slider is not decided under the first rule, without what to do about it, which stands below."""
+    return re.split(r"; (?![^(]*\))", _whole_cause(answer))[0]
+
+
+def _whole_cause(answer: Answer) -> str:
+    """What the solver says of the slider under the first rule."""
+    return in_units(answer.behaviours[0].message, answer.scale, answer.contacts.mean_threshold)
 
 
 def undecided_readings(verdict: Verdict) -> list[str]:
@@ -135,7 +145,8 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         )
         said += f", their forces known to some {error_text} (one standard error{more}){which}"
         yield Line(max(errors[rule] for rule in rules), f"{said}: {_not_solved(verdict)}")
-    missed = [(in_units(one.message, scale), one.rule) for one in own.behaviours if not one.success]
+    mean, missing = own.contacts.mean_threshold, [one for one in own.behaviours if not one.success]
+    missed = [(in_units(one.message, scale, mean), one.rule) for one in missing]
     for why, rules in by_reason(missed).items():
         most = max(errors[rule] for rule in rules)
         yield Line(most, f"not as asked if {named(rules)}: {why}{_instead(own, rules)}")
@@ -149,15 +160,15 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     ]
     for why, rules in by_reason(rough).items():
         most = max(errors[rule] for rule in rules)
-        yield Line(most, f"the force is known roughly if {named(rules)}: {why}")
+        yield Line(most, f"the force is known less well than others if {named(rules)}: {why}")
 
 
 def _why_rough(verdict: Verdict, one: Behaviour) -> str:
-    """Why the force of a decided slider is known roughly; where the solver met its tolerance its message tells why the
-    slider slips or slides, and not that."""
+    """Why the force of a decided slider is known less well; where the solver met its tolerance its message tells why
+    the slider slips or slides, and not that."""
     scale = verdict.own.scale
     if "error estimate" in one.message:
-        return in_units(one.message, scale)
+        return in_units(one.message, scale, verdict.own.contacts.mean_threshold)
     error = one.error * verdict.own.contacts.mean_threshold * scale.force
     differs = (
         "still changes where the path ends" if one.kind == "smooth" else "differs between slips"

@@ -34,7 +34,7 @@ from toolkit.verdict.slips_in_words import (
     swinging,
 )
 from toolkit.verdict.text.border import on_the_border
-from toolkit.verdict.text.hangs_on import dependence, why_smooth
+from toolkit.verdict.text.hangs_on import dependence, why_above, why_smooth
 from toolkit.verdict.text.k_star import without_spring
 from toolkit.verdict.text.kinds import (
     a_slip,
@@ -48,8 +48,8 @@ from toolkit.verdict.text.kinds import (
     without_delay,
 )
 from toolkit.verdict.text.of_heat import way_to
-from toolkit.verdict.text.table import drop_of, first_alike, in_units, speed_unit, table
-from toolkit.verdict.text.undone import followed_instead, undecided_readings
+from toolkit.verdict.text.table import drop_of, first_alike, speed_unit, table
+from toolkit.verdict.text.undone import cause, followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
     error_beside,
     is_vague,
@@ -69,9 +69,9 @@ def page(verdict: Verdict) -> list[str]:
     """The verdict on one page: title, doubts about the input, sentence, numbers, table, what it hangs on, run time."""
     early = ["interrupted; this is what was known by then"] * (verdict.stopped is not None)
     lines = [verdict.title, "", *early, *warnings(verdict), sentence(verdict)]
-    lines += [f"  {line}" for line in turned(verdict)]
-    lines += [*(f"  {line}" for line in details(verdict)), ""]
-    lines += [*table(verdict), *other_samples(verdict), *why_smooth(verdict), ""]
+    lines += [*(f"  {line}" for line in (*turned(verdict), *details(verdict))), ""]
+    lines += [*table(verdict), *other_samples(verdict), *why_above(verdict)]
+    lines += [*why_smooth(verdict), ""]
     lines += [*numerical_errors(verdict), "", "What it hangs on"]
     lines += [f"  {line}" for line in dependence(verdict)]
     return [*lines, "", f"run time {verdict.run_time:.1f} s"]
@@ -249,8 +249,7 @@ def _behaved(
 
     if kind == "undecided" and not last.slips:
         first = answer.behaviours[0]
-        why = f" ({in_units(last.message, scale)})" * (last.message == first.message)
-        return f"not decided{why}"
+        return f"not decided{f' ({cause(answer)})' * (last.message == first.message)}"
     shown_error = max(error_beside(verdict, answer, one) for one in alike) * scale.force
 
     def with_error(values: Sequence[float]) -> str:
