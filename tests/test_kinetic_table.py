@@ -6,6 +6,7 @@ from conftest import slow
 from scipy import stats
 
 import origins
+from master.steady import kinetic_table
 from master.steady.kinetic import kinetic_curve
 from master.steady.kinetic_table import tabulated
 from origins import Contacts, Thermal
@@ -55,3 +56,22 @@ def test_there_is_none_at_speeds_of_a_slider_that_moves_on_in_the_last_digit_of_
     assert tabulated(warm, np.log([0.1, 1.0]), 1e-3) is not None
     for ends in ([1.0, 1e292], [1e-292, 1.0]):
         assert tabulated(warm, np.log(ends), 1e-3) is None
+
+
+def test_a_force_that_no_speed_between_the_ends_has_asks_for_two_speeds_alone(monkeypatch) -> None:
+    """A slider that slips asked for whole tables at each look, of contacts that grow in heat for a minute."""
+    asked = list[int]()
+
+    def counted(contacts, speeds):
+        asked.append(speeds.size)
+        return kinetic_curve(contacts, speeds)
+
+    monkeypatch.setattr(kinetic_table, "kinetic_curve", counted)
+    warm = Contacts(origins.gaussian(1.0, 0.2), thermal=Thermal("soft", 0.05, 0.1))
+    ends = np.log([1e-4, 1.0])
+    low, high = kinetic_curve(warm, np.exp(ends)).force
+    for held in (low - 1e-3, high + 1e-3):
+        assert tabulated(warm, ends, 1e-4, held=held) is None
+    assert asked == [2, 2]
+    table = tabulated(warm, ends, 1e-4, held=0.5 * (low + high))
+    assert table is not None and np.isfinite(table.log_speed(0.5 * (low + high)))

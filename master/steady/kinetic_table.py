@@ -50,13 +50,22 @@ class KineticTable(NamedTuple):
 
 
 def tabulated(
-    contacts: Contacts, ends: Array, most_error: float, until: float = np.inf
+    contacts: Contacts,
+    ends: Array,
+    most_error: float,
+    until: float = np.inf,
+    held: float | None = None,
 ) -> KineticTable | None:
     """The table between these ends (2,) of ln V; None where its error would be above the most (a length), as F_k is not
     smooth in ln V, and at speeds beyond all, as of a slider that moves on in the last digit of the time. `until`:
-    reading of time.monotonic() after which StoppedError comes."""
+    reading of time.monotonic() after which StoppedError comes. `held`: a force (a length); None where it does not lie
+    between those at the ends, which takes two speeds in place of a table of dozens."""
     if np.abs(ends).max() > FARTHEST:
         return None
+    if held is not None:
+        at_ends, missed = _forces(contacts, np.exp(ends), most_error, until)
+        if at_ends.max() + missed < held or held < at_ends.min() - missed:
+            return None
     forces, off = np.empty(0), 0.0
     for degree in DEGREES if contacts.changing is None else DEGREES_OF_CHANGING:
         # places where the polynomial of this degree is 1 or -1: each second one stands in the list before

@@ -239,7 +239,7 @@ class Creep:
         for factor in CREEP.speed_ranges:
             wider = ends + np.log(factor) * np.array([-1.0, 1.0])
             error = CREEP.of_change if self._contacts.changing else CREEP.table_error
-            table = tabulated(self._contacts, wider, error * self._tolerance, self._until)
+            table = tabulated(self._contacts, wider, error * self._tolerance, self._until, force)
             if table is not None and not np.isnan(table.log_speed(force)):
                 self._table = table
                 return table
