@@ -92,7 +92,7 @@ def answer(
     """The answer at times (n,) of the last three sliders; of fewer the last one's own, with an infinite error."""
     last, unit = sliders[-1], contacts.mean_threshold
     times = np.append(asked, np.linspace(0.0, asked.max(initial=0.0), INSTANTS))
-    rows, clocks = [_rows(one) for one in sliders], Clocks(sliders, times)
+    rows, clocks = _rows_of_ended(sliders), Clocks(sliders, times)
     same = len(sliders) == COMPARED and len({one.drive.size for one in rows}) == 1
     begun = {len(one.falls.begins) for one in sliders}
     if same and len(begun) == 1 and all(one.passes_slips for one in sliders):
@@ -220,6 +220,15 @@ def _of_durations(slips: SlipRows, error: float, slider: HeavySlider, drive: Dri
     return float(part.max(initial=0.0))
 
 
+def _rows_of_ended(sliders: list[HeavySlider]) -> list[SlipRows]:
+    """The slips of each; where all have begun as many, without a last one that ended before the path on some alone."""
+    rows = [_rows(one) for one in sliders]
+    if len({len(one.falls.begins) for one in sliders}) > 1:
+        return rows
+    ended = min(one.drive.size for one in rows)
+    return [SlipRows(*(of[:ended] for of in one)) for one in rows]
+
+
 def _rows(slider: HeavySlider) -> SlipRows:
     """The slips of a slider."""
     found = slider.falls.slips
@@ -282,7 +291,7 @@ def spacing_error(sliders: list[HeavySlider], contacts: Contacts, drive: Drive) 
     as inertia that rest leaves out, makes all slips late, or all early, and counts once; on a drive that turns back,
     twice, as late is further on one leg and less far on the next."""
     last = sliders[-1]
-    places = [np.array([slip.begin.drive for slip in one.falls.slips]) for one in sliders]
+    places = [one.drive for one in _rows_of_ended(sliders)]
     if len(sliders) < COMPARED or len({one.size for one in places}) > 1:
         return np.inf
     safety = max(last.contacts.memory.safety, SAFETY)
