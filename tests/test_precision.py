@@ -369,7 +369,38 @@ def test_the_front_of_a_method_its_slope_and_the_crossings() -> None:
     assert first["above"] == second["below"] == pytest.approx(0.1, rel=0.15)
     assert second["above"] == pytest.approx(1e-12)
     words = frontier.as_words({"slow": -0.5, "flat": None}, [first, second])
-    assert words[0] == "error falls: slow as time^-0.5" and "flat below 1e-01" in words[1]
+    assert words[0] == "error falls: slow as time^-0.5" and "flat below 1e-01;" in words[1]
+    # 100 times as fast at an error of 1, and at 0.01; beyond, no other gets
+    assert first["faster"] == pytest.approx(100.0) and second["faster"] is None
+
+
+@pytest.mark.parametrize(("other", "chance"), [(0.9, True), (0.6, False)])
+def test_a_crossing_that_run_times_hardly_tell_is_said_to_be(other: float, chance: bool) -> None:
+    """Two methods at one error, whose times differ by a ninth, or by two thirds."""
+    both = {"one": [1.0, 10.0], "other": [2.0, 10.0 * other]}
+    points = [
+        {"method": name, "run_time": t, "error": e}
+        for name, times in both.items()
+        for t, e in zip(times, (1e-2, 1e-4), strict=True)
+    ]
+    first, second = frontier.cheapest(points, 1e-12)
+    assert (first["method"], second["method"]) == ("one", "other")
+    assert first["faster"] == pytest.approx(2.0) and second["faster"] == pytest.approx(1.0 / other)
+    (line,) = frontier.as_words({}, [first, second])
+    assert ("(by a factor of 1.1, which may be chance)" in line) is chance
+    assert line.count("chance") == chance
+
+
+def test_claims_are_counted_where_the_reference_tells() -> None:
+    """Of five runs two are nearer to the reference than it is good, one is the reference, and one claims too little."""
+    runs = [(1e-3, 2e-3), (1e-4, 5e-5), (1e-9, 1e-6), (2e-9, 1e-7), (None, 1e-8)]
+    points = [{"method": "master", "error": off, "claimed_error": own} for off, own in runs]
+    said_of_all = "in 1 of 2 runs; 2 are nearer to the reference than its own error"
+    (line,) = frontier.of_claims(points, 1e-8)
+    assert line == f"master: its claim bounds the true error {said_of_all}"
+    (line,) = frontier.of_claims(points, 1.0)
+    assert line == "master: 4 are nearer to the reference than its own error"
+    assert frontier.of_claims(points[4:], 1e-8) == []
 
 
 def test_cost_tells_what_a_scene_imports_and_leaves_out() -> None:

@@ -12,6 +12,9 @@ from toolkit.pictures.axes import DASHES, INK, MARKERS, OKABE_ITO, legend_above
 _INKS = {"master": INK["master"], "explicit": OKABE_ITO[5], "ensemble": INK["eq"]}
 _INKS |= {"closest": OKABE_ITO[3]}
 _STEPS = 20  # for each decade of the error, of the places where methods are compared
+# Ratio of two run times below which another measurement may turn them round: on a machine that does other work, medians
+# of the same call differ by up to as much.
+_ALIKE = 1.5
 
 
 class Front(NamedTuple):
@@ -49,7 +52,8 @@ def slope(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> flo
 
 def cheapest(points: Sequence[Mapping[str, Any]], floor: float) -> list[dict[str, Any]]:
     """Which method reaches an error in the shortest time, between its runs by straight lines on logarithmic axes: spans
-    of errors from the largest to the smallest, each with `method`, `above` and `below` (None: any larger error)."""
+    of errors from the largest to the smallest, each with `method`, `above`, `below` (None: any larger error), and
+    `faster`, by how many times, at most, than the next one there (None: no other gets there)."""
     fronts = {name: front(points, name, floor) for name in {p["method"]: None for p in points}}
     fronts = {name: found for name, found in fronts.items() if found.error.size}
     if not fronts:
@@ -65,11 +69,16 @@ def cheapest(points: Sequence[Mapping[str, Any]], floor: float) -> list[dict[str
         return np.interp(np.log(errors), logs, times, left=np.inf, right=times[-1])
 
     names = list(fronts)
-    best = np.argmin([cost(found) for found in fronts.values()], axis=0)
+    costs = np.array([cost(found) for found in fronts.values()])
+    best = np.argmin(costs, axis=0)
+    ordered = np.sort(np.append(costs, np.full((1, errors.size), np.inf), axis=0), axis=0)
+    ahead = ordered[1] - ordered[0]
     spans, below = list[dict[str, Any]](), None
     for which, group in groupby(range(errors.size), key=lambda place: int(best[place])):
-        above = float(errors[list(group)[-1]])
-        spans.append({"method": names[which], "above": above, "below": below})
+        own = list(group)
+        above, most = float(errors[own[-1]]), float(ahead[own].max())
+        faster = float(np.exp(most)) if most < np.inf else None
+        spans.append({"method": names[which], "above": above, "below": below, "faster": faster})
         below = above
     return spans
 
@@ -91,11 +100,26 @@ def as_words(
             where = (
                 ("at every error" if last else f"above {low}") if span["below"] is None else where
             )
-            cheapest_ones.append(f"{span['method']} {where}")
+            faster = span["faster"] or np.inf
+            chance = f" (by a factor of {faster:.2g}, which may be chance)"
+            hardly = chance if faster < _ALIKE else ""
+            cheapest_ones.append(f"{span['method']} {where}{hardly}")
         smallest = f"; no run was below {spans[-1]['above']:.0e}"
         smallest += f" {unit}" * (unit != "<x_s>")
         lines.append(f"cheapest: {', '.join(cheapest_ones)}{smallest}")
     return lines
+
+
+def of_claims(points: Sequence[Mapping[str, Any]], floor: float) -> list[str]:
+    """In how many runs the master equation's claim bounds the true error, in words; runs whose error is below the
+    `floor`, which the reference cannot tell, are counted apart."""
+    own = [p for p in points if p["method"] == "master" and p["error"] is not None]
+    told = [p for p in own if p["error"] >= floor]
+    bounded = sum(p["error"] <= p["claimed_error"] + floor for p in told)
+    below = f"{len(own) - len(told)} are nearer to the reference than its own error"
+    words = [f"its claim bounds the true error in {bounded} of {len(told)} runs"] if told else []
+    words += [below] if len(told) < len(own) else []
+    return [f"master: {'; '.join(words)}"] if own else []
 
 
 def of_threads(found: list[dict[str, Any]]) -> list[str]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.judge.frontier import as_words, cheapest, of_threads, slope
+from toolkit.judge.frontier import as_words, cheapest, of_claims, of_threads, slope
 from toolkit.judge.reference import (
     Answer,
     Reference,
@@ -111,8 +111,6 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     witness = None
     if exact is None and solved and sampled and not reference.soft:
         witness = witness_of(sampled[-1], solved, mean, unit.size)
-    own = [p for p in points if p["method"] == "master" and p["error"] is not None]
-    bounded = sum(point["error"] <= point["claimed_error"] + reference.error for point in own)
     measured = {point["method"] for point in points}
     said = [
         f"true error: largest over {reference.counted.sum()} positions, in {unit.name}, from {reference.words}, "
@@ -122,9 +120,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
         "run time: CPU time of one thread, median of the warm runs; imports and compilation are told apart: "
         + ", ".join(f"{method} {seconds:.2g} s" for method, seconds in warm_up.items()),
     ]
-    if own:
-        some = f"{bounded} of {len(own)} runs that differ from the reference"
-        said.append(f"master: its claim bounds the true error in {some}")
+    said += of_claims(points, reference.error)
     remarks = _REMARKS | ({"ensemble": REMARK} if reference.soft else {})
     said += [words for method, words in remarks.items() if method in measured]
     slopes = {method: slope(points, method, reference.error) for method in RUNGS}
