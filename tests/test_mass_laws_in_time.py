@@ -339,7 +339,7 @@ def test_no_birth_is_taken_back_where_none_holds() -> None:
 @pytest.mark.slow
 def test_a_path_that_ends_as_a_slip_does_is_no_finer_than_one_that_ends_in_it() -> None:
     """On the coarsest of three halvings the slip has ended, on the others not: as the slip was thought to be missing,
-    the error was its whole fall, and steps were halved again until all agreed, 9 times as many."""
+    the error was its whole fall, and steps were halved again until all agreed, twice as many in all."""
     drive = {"spring": 0.1, "mass": 0.3, "damping": 0.05, "velocity": 0.5}
     path = np.linspace(0.0, 11.2055, 9)[1:]
     found = master.solve(HOT, path, 3e-3, **drive)
