@@ -1,7 +1,9 @@
 """A slider that heat lets go on too slowly for steps is told by steady sliding: what the page says, and whether it
 holds where the slider can be followed."""
 
+import re
 import time
+from dataclasses import replace
 from functools import reduce
 from operator import mul
 from typing import Any
@@ -12,13 +14,17 @@ import pytest
 import eq_model
 import master
 from master.steady.response import is_stable
-from master.steady.with_mass import decays, sliding_is_stable
-from origins import Contacts, Delay, InputError, Thermal, gaussian, identical
+from master.steady.with_mass import decays, sliding_is_stable, unstable_below
+from origins import Contacts, Delay, InputError, Thermal, gaussian, identical, strengthening
+from tests.test_creep import CatchBonds
 from tests.test_verdict import STATED, judged
 from toolkit.results.kinds import kind_of
+from toolkit.scene.scale import scale_of
+from toolkit.verdict import answers
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.in_heat import by_steady_sliding
-from toolkit.verdict.sliders.machine import Behaviour, Machine, rigid_slider
+from toolkit.verdict.sliders.in_heat import by_steady_sliding, with_stability
+from toolkit.verdict.sliders.machine import Behaviour, Machine, not_followed, rigid_slider
+from toolkit.verdict.text.words import sentence
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
@@ -83,6 +89,40 @@ def test_a_mass_that_nothing_damps_but_contacts_is_stable_where_friction_rises()
     assert rise > 0.01 and sliding_is_stable(STRONG, 1.0, spring, mass)
     assert sliding_is_stable(STRONG, 1.0, spring, mass, -0.8 * rise)
     assert sliding_is_stable(STRONG, 1.0, spring, mass, -1.2 * rise) is False
+
+
+def test_sliding_is_unstable_below_the_spring_that_the_answer_of_the_force_tells() -> None:
+    """Growing contacts in heat: by steps of the speed `rate-state` solves 0.0201 ± 0.0029. Of contacts that break less
+    the more they are stretched G swings on to the fastest disturbances, and nothing is told."""
+    assert np.isnan(unstable_below(Contacts(WIDE, thermal=CatchBonds()), 0.1, 1e-2))
+    assert unstable_below(STRONG, 1.0, 1e-3) == 0.0
+    heat = Thermal("eyring", width=0.03, attempt_frequency=1e4)
+    growing = Contacts(strengthening(WIDE, beta=0.1, time=0.1), thermal=heat)
+    assert abs(unstable_below(growing, 1e-2, 1e-4) - 0.0201) < 0.0029
+    # a mass without damping that swings on such a spring is no more stable, and with far more damping it is
+    assert unstable_below(growing, 1e-2, 1e-3, 0.1) > 0.015
+    assert unstable_below(growing, 1e-2, 1e-3, 0.1, 10.0) == 0.0
+
+
+def test_a_slider_that_is_not_decided_says_whether_steady_sliding_is_stable() -> None:
+    """In the bracket of the reason, once; nothing where it is not known."""
+    heat = Thermal("eyring", width=0.03, attempt_frequency=1e4)
+    growing = Contacts(strengthening(WIDE, beta=0.1, time=0.1), thermal=heat)
+    late, machine = not_followed("mass", "takes 9 steps; loosen it"), Machine(1e-3, 0.1, 0.0, 1e-2)
+    found = with_stability(late, machine, growing)
+    number = answers.Quantity(0.5, 1e-9)
+    own = answers.Answer(
+        *("own", growing, scale_of(growing, None), number, number, number, machine), (found,)
+    )
+    said = sentence(answers.Verdict("a", "a", 1e-2, (own,), (), {}, 1.0))
+    told = r"not decided \(takes 9 steps; steady sliding is unstable on springs below 0.0\d+ N_c<k>, so that it "
+    told += r"swings or slips on\)"
+    assert re.fullmatch(told, said)
+    for below, words in ((0.0, "is stable on this machine, and whether"), (np.nan, "9 steps)")):
+        each = replace(own, behaviours=(replace(found, unstable_below=below),))
+        assert words in sentence(answers.Verdict("a", "a", 1e-2, (each,), (), {}, 1.0))
+    assert with_stability(late, machine, Contacts(WIDE)) is late
+    assert with_stability(replace(late, slips=2), machine, growing).unstable_below is None
 
 
 @pytest.mark.parametrize(("contacts", "slips"), [(STRONG, 0), (WEAK, 1)])

@@ -27,10 +27,16 @@ _LEAST, _MOST, _PER_DECADE = 1e-3, 300.0, 12
 _SLOW = 1e-2
 # Parts of the wave number of mass and spring, and times that of mass and contacts which only stretch, that are in it.
 _BELOW, _ABOVE = 0.1, 10.0
+# Wave number per inverse mean threshold up to which half a one is looked at: G swings once in 2 pi, narrow laws longer.
+_SWINGS = 40.0
+# Part of G by which a curve through every other wave number may be off the others: through all it is so by a tenth.
+_HALF = 0.2
 # Part of G by which D may be off: sums are off by some 1e-3 of it, as measured, and a curve through them by as much.
 _OFF = 0.02
 # Points of the curve between two neighbours.
 _FINER = 40
+# Stiffest spring that is looked at, in N_c<k>, how many up to there, and halvings between two of them.
+STIFFEST, SPRINGS, HALVINGS = 10.0, 60, 6
 
 
 def sliding_is_stable(
@@ -38,17 +44,49 @@ def sliding_is_stable(
 ) -> bool | None:
     """Whether small disturbances of steady sliding at this speed decay, of contacts that `has_response` takes; None
     where that is not clear. Spring, mass and damping per N_c<k>."""
-    unit, inertia = contacts.mean_threshold, mass * velocity**2
+    inertia = mass * velocity**2
+    wave, answer = _answer(contacts, velocity, np.array([spring, spring]), inertia)
+    return decays(wave, answer, spring, inertia, damping * velocity)
+
+
+def unstable_below(
+    contacts: Contacts, velocity: float, spring: float, mass: float = 0.0, damping: float = 0.0
+) -> float:
+    """The spring, per N_c<k>, below which steady sliding is unstable on those as stiff as `spring` or stiffer: 0 where
+    it is stable on that one, nan where that is not clear. The others as in `sliding_is_stable`."""
+    inertia, springs = mass * velocity**2, np.geomspace(spring, max(STIFFEST, spring), SPRINGS)
+    wave, answer = _answer(contacts, velocity, springs[[0, -1]], inertia)
+
+    def stable(one: float) -> bool | None:
+        return decays(wave, answer, one, inertia, damping * velocity)
+
+    if (first := stable(spring)) is not False:
+        return 0.0 if first else float("nan")
+    clear = next((k for k, one in enumerate(springs) if stable(float(one)) is not False), SPRINGS)
+    if clear == SPRINGS:
+        return float(springs[-1])
+    low, high = np.log(springs[clear - 1 : clear + 1]).tolist()
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stable(float(np.exp(middle))) is False else (low, middle)
+    return float(np.exp(low))
+
+
+def _answer(
+    contacts: Contacts, velocity: float, springs: Array, inertia: float
+) -> tuple[Array, Array]:
+    """Wave numbers for springs from the softest to the stiffest of these two, and G there."""
+    unit = contacts.mean_threshold
     waves = np.array([_LEAST, _MOST]) / unit
-    if mass:
-        waves[0] = min(waves[0], _BELOW * np.sqrt(spring / inertia))
-        waves[1] = max(waves[1], _ABOVE * np.sqrt((spring + 1.0) / inertia))
+    if inertia:
+        waves[0] = min(waves[0], _BELOW * np.sqrt(springs[0] / inertia))
+        waves[1] = max(waves[1], _ABOVE * np.sqrt((springs[1] + 1.0) / inertia))
     decades = float(np.log10(waves[1] / waves[0]))
     wave = np.geomspace(waves[0], waves[1], round(_PER_DECADE * decades) + 1)
+    wave = np.union1d(wave, np.arange(1.0, _SWINGS, 0.5) / unit)
     summed = np.maximum(wave, _SLOW / unit)
     slower, answer = wave / summed, response(contacts, velocity, summed)
-    answer = answer.real * slower**2 + 1j * answer.imag * slower
-    return decays(wave, answer, spring, inertia, damping * velocity)
+    return wave, answer.real * slower**2 + 1j * answer.imag * slower
 
 
 def decays(wave: Array, answer: Array, spring: float, inertia: float, drag: float) -> bool | None:
@@ -56,13 +94,16 @@ def decays(wave: Array, answer: Array, spring: float, inertia: float, drag: floa
     None where that is not clear. `inertia`, `drag` : M v^2 and γ v."""
     if not np.isfinite(answer).all():
         return None
+    rest = spring - inertia * wave**2 + 1j * drag * wave
+    matters = np.abs(rest) < 2.0 * np.abs(answer)
+    off = np.abs(_curve(wave[::2], answer[::2], np.log(wave[1::2])) - answer[1::2])
+    seen = (off < _HALF * np.abs(answer[1::2])) | ~matters[1::2]
+    if not seen.all():
+        return None
     finer = np.interp(
         np.arange((wave.size - 1) * _FINER + 1) / _FINER, np.arange(wave.size), np.log(wave)
     )
-    curve = make_interp_spline(np.log(wave), np.stack([answer.real, answer.imag], axis=1), k=3)(
-        finer
-    )
-    q, g = np.exp(finer), curve[:, 0] + 1j * curve[:, 1]
+    q, g = np.exp(finer), _curve(wave, answer, finer)
     d = spring - inertia * q**2 + 1j * drag * q + g
     ahead = np.sign(d.real)
     at = np.flatnonzero(ahead[1:] != ahead[:-1])
@@ -75,3 +116,10 @@ def decays(wave: Array, answer: Array, spring: float, inertia: float, drag: floa
         return None
     half_turns = (np.sign(on_axis) * ahead[at]).sum()
     return bool(half_turns == bool(inertia))
+
+
+def _curve(wave: Array, answer: Array, log_wave: Array) -> Array:
+    """G at these ln q, between those at which it is known."""
+    parts = np.stack([answer.real, answer.imag], axis=1)
+    curve = make_interp_spline(np.log(wave), parts, k=3)(log_wave)
+    return np.asarray(curve[:, 0] + 1j * curve[:, 1])

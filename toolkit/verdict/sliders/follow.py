@@ -25,7 +25,7 @@ from toolkit.verdict.sliders.ensemble import (
     without_heat,
 )
 from toolkit.verdict.sliders.forgetting import after_forgetting, forgets_its_start
-from toolkit.verdict.sliders.in_heat import by_steady_sliding
+from toolkit.verdict.sliders.in_heat import by_steady_sliding, with_stability
 from toolkit.verdict.sliders.machine import (
     Behaviour,
     Machine,
@@ -136,6 +136,7 @@ def follow(
                 return told
         if found.refused or late == until:
             break
+    found = with_stability(found, machine, contacts)
     # Cold where heat is known to change little. Where it matters, in heat, and beside a mass alone: the forces of a
     # slip rule in heat are the master equation's.
     matters = contacts.thermal is not None and found.heat_left_out is None

@@ -78,6 +78,21 @@ def by_steady_sliding(
     return _at_kinetic(found, machine, rigid, unit, off) if sure else None
 
 
+def with_stability(found: Behaviour, machine: Machine, contacts: Contacts) -> Behaviour:
+    """This slider, which is not decided and was not seen to slip, with the springs below which steady sliding is
+    unstable, where that is known."""
+    from master.steady.response import has_response
+    from master.steady.with_mass import unstable_below
+
+    exact = bool(contacts.thresholds.atoms[0].size)
+    if found.kind != "undecided" or found.slips or exact or not has_response(contacts):
+        return found
+    below = unstable_below(
+        *(contacts, machine.velocity, machine.spring), machine.mass or 0.0, machine.damping
+    )
+    return replace(found, unstable_below=below)
+
+
 def looked_at(machine: Machine) -> tuple[float, float, float]:
     """Speeds at which forces are looked at: of contacts that the drive stretches on a slider that sticks, of the drive,
     and of a mass that swings about it."""

@@ -51,6 +51,17 @@ def way_to(slider: Behaviour) -> str:
     return f" in the end (the way there was {how})"
 
 
+def stability(answer: Answer, slider: Behaviour) -> str:
+    """Whether steady sliding is stable, of a slider in heat that is not decided; "" where that is not known."""
+    below = slider.unstable_below
+    if below is None or np.isnan(below):
+        return ""
+    if not below:
+        return "; steady sliding is stable on this machine, and whether the slider comes to it is not known"
+    spring = written(below * answer.scale.spring, answer.scale.spring_unit, digits=2)
+    return f"; steady sliding is unstable on springs below {spring}, so that it swings or slips on"
+
+
 def of_heat(verdict: Verdict) -> Iterator[Line]:
     """What heat changes in F_k, and what it may change in the force, from above, where it was left out."""
     own, scale = verdict.own, verdict.own.scale

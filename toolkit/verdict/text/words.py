@@ -47,7 +47,7 @@ from toolkit.verdict.text.kinds import (
     others,
     without_delay,
 )
-from toolkit.verdict.text.of_heat import way_to
+from toolkit.verdict.text.of_heat import stability, way_to
 from toolkit.verdict.text.table import drop_of, first_alike, speed_unit, table
 from toolkit.verdict.text.undone import cause, followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
@@ -249,7 +249,8 @@ def _behaved(
 
     if kind == "undecided" and not last.slips:
         first = answer.behaviours[0]
-        return f"not decided{f' ({cause(answer)})' * (last.message == first.message)}"
+        why = f" ({cause(answer)}{stability(answer, last)})" * (last.message == first.message)
+        return f"not decided{why}"
     shown_error = max(error_beside(verdict, answer, one) for one in alike) * scale.force
 
     def with_error(values: Sequence[float]) -> str:
