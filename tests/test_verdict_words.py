@@ -21,6 +21,7 @@ from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
 from toolkit.verdict.text.k_star import of_critical_spring
 from toolkit.verdict.text.table import in_units
+from toolkit.verdict.text.undone import with_rules
 from toolkit.verdict.text.words import page
 from toolkit.verdict.trace import last_cycles
 from toolkit.verdict.uncertainty import range_of_force
@@ -358,3 +359,15 @@ def test_contacts_that_strengthen_have_another_spring_below_which_they_slip_on()
     growing = Contacts(strengthening(gaussian(1.0, 0.3), beta=0.03, time=1e-4))
     grown = replace(waiting, answers=(replace(waiting.own, contacts=growing),))
     assert asked in page(grown)[-3] and asked not in "".join(page(waiting))
+
+
+def test_beside_a_mass_no_sentence_names_a_slip_rule() -> None:
+    """Where the mass alone decides there is no other; where slip rules are told beside it each has its own."""
+    late = not_followed("mass", "takes 9 steps")
+    alone, beside = told(late, machine=HEAVY), told(late, slips("reset"), machine=HEAVY)
+    assert "not as asked: takes 9 steps" in "\n".join(page(alone))
+    line = "not as asked if mass, damping and delay decide: takes 9 steps"
+    assert line in "\n".join(page(beside))
+    said = "what 9 contacts do if <rule> is not known"
+    assert with_rules(said, ["mass"], alone.own) == "what 9 contacts do is not known"
+    assert "if a slip renews all contacts is" in with_rules(said, ["reset"], beside.own)

@@ -28,10 +28,9 @@ from toolkit.verdict.text.kinds import (
 )
 from toolkit.verdict.text.of_mass import of_a_mass
 from toolkit.verdict.text.table import HOLDING, speed_unit
-from toolkit.verdict.text.undone import of_errors, of_readings, unanswered
+from toolkit.verdict.text.undone import RULE, of_errors, of_readings, unanswered, with_rules
 from toolkit.verdict.uncertainty import uncertainties_of
 
-RULE = "<rule>"
 # of F_s: by more than that a slip begins above it, and not by rounding or an error
 ABOVE_STATIC = 1e-3
 # N K³, K in N_c<k>, above which sliding on springs stiffer than K* is smooth (docs/sliders.md)
@@ -224,11 +223,11 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
     followed = [finite for finite in followed if not any(finite is one for one in alone)]
     for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in followed).items():
         change = max(_change_by(verdict, one) for one in followed if one.rule in rules)
-        yield Line(change, said.replace(RULE, named(rules)))
+        yield Line(change, with_rules(said, rules, verdict.own))
     unknown = [finite for finite in verdict.finite if finite.kind == "unknown"]
     for why, rules in by_reason(_unknown(verdict, one) for one in unknown).items():
         size = max(_not_followed(verdict, one) for one in unknown if one.rule in rules)
-        yield Line(size, why.replace(RULE, named(rules)))
+        yield Line(size, with_rules(why, rules, verdict.own))
 
 
 def _unknown(verdict: Verdict, finite: Finite) -> tuple[str, str]:

@@ -28,6 +28,9 @@ from toolkit.verdict.text.of_heat import of_heat, of_steady_sliding
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.uncertainty import range_of_force, uncertainties_of
 
+# stands for the slip rules under which a sentence holds
+RULE = "<rule>"
+
 
 def unanswered(verdict: Verdict) -> Iterator[Line]:
     """What of the own reading was too late, and readings without an answer."""
@@ -149,7 +152,10 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     missed = [(in_units(one.message, scale, mean), one.rule) for one in missing]
     for why, rules in by_reason(missed).items():
         most = max(errors[rule] for rule in rules)
-        yield Line(most, f"not as asked if {named(rules)}: {why}{_instead(own, rules)}")
+        yield Line(
+            most,
+            f"{with_rules(f'not as asked if {RULE}', rules, own)}: {why}{_instead(own, rules)}",
+        )
     yield from of_steady_sliding(verdict)
     yield from of_heat(verdict)
     rough = [
@@ -160,7 +166,15 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     ]
     for why, rules in by_reason(rough).items():
         most = max(errors[rule] for rule in rules)
-        yield Line(most, f"the force is known less well than others if {named(rules)}: {why}")
+        known = with_rules(f"the force is known less well than others if {RULE}", rules, own)
+        yield Line(most, f"{known}: {why}")
+
+
+def with_rules(said: str, rules: list[str], own: Answer) -> str:
+    """A sentence with its slip rules in words where RULE stands; without, where mass alone decides."""
+    if [one.rule for one in own.behaviours] == ["mass"]:
+        return said.replace(f", if {RULE}", "").replace(f" if {RULE}", "")
+    return said.replace(RULE, named(rules))
 
 
 def _why_rough(verdict: Verdict, one: Behaviour) -> str:
