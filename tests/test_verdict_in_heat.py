@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import eq_model
 import master
@@ -22,7 +23,7 @@ from toolkit.results.kinds import kind_of
 from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.in_heat import by_steady_sliding, with_stability
+from toolkit.verdict.sliders.in_heat import SMALL, by_steady_sliding, looked_at, with_stability
 from toolkit.verdict.sliders.machine import Behaviour, Machine, not_followed, rigid_slider
 from toolkit.verdict.text.words import sentence
 
@@ -142,6 +143,29 @@ def test_finitely_many_contacts_slide_as_steady_sliding_tells(
     off = late.std(ddof=1) / np.sqrt(late.size)
     assert abs(late.mean() - found.before) < 5.0 * off < 0.02
     assert np.all(few.slips.drive < 8.0) and few.slips.drive.size == 4 * slips
+
+
+def test_stable_sliding_tells_nothing_where_slower_sliding_bears_more() -> None:
+    """Heat leaves the contacts of high thresholds to a slow slider, which slides at 3.5 <x_s> where a fast one does at
+    3.0: from the relaxed start it slips on, as 2,000 contacts do, beside steady sliding that is stable."""
+    broad = Contacts(stats.expon(), thermal=Thermal("stiff", 0.05, 1.0), stiffness="linked")
+    machine = Machine(spring=0.003, mass=0.1, damping=0.0006, velocity=10.0)
+    assert sliding_is_stable(broad, 10.0, 0.003, 0.1, 0.0006)
+    assert told(machine, broad) is None
+    slow, fast = (
+        master.steady_state(broad, velocity=one).force for one in (looked_at(machine)[0], 10.0)
+    )
+    assert slow - fast > 20.0 * SMALL
+
+
+@pytest.mark.slow  # some 40 s; quick: the forces above
+def test_a_slider_slips_on_beside_stable_sliding_where_slower_sliding_bears_more() -> None:
+    broad = Contacts(stats.expon(), thermal=Thermal("stiff", 0.05, 1.0), stiffness="linked")
+    machine = Machine(spring=0.003, mass=0.1, damping=0.0006, velocity=10.0)
+    few = eq_model.simulate(
+        broad, np.linspace(0.0, 3000.0, 601), n_contacts=2000, seed=1, **machine.keywords("mass")
+    )
+    assert few.slips.drive.size >= 3 and few.slips.drop.min() > 20.0 * SMALL
 
 
 @pytest.mark.slow  # some 20 s; quick: the ensemble above

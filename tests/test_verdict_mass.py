@@ -25,6 +25,7 @@ from toolkit.verdict.judge import verdict
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.readings import Reading
+from toolkit.verdict.sliders import ensemble
 from toolkit.verdict.sliders.budget import (
     NO_TIME,
     Budget,
@@ -61,6 +62,8 @@ from toolkit.verdict.with_mass import closely, follow_extremes, in_its_own_time
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
 WAITING = Contacts(gaussian(1.0, 0.3), delay=Delay(30.0))
+# slips after 800 mean thresholds of its drive, and then after 650 each
+HEAVY_ON_SOFT = Machine(1e-3, 1e-3, 6e-4, 1.0)
 
 
 def of_a_mass(kind: str, before: float, **named: Any) -> Behaviour:
@@ -442,6 +445,45 @@ def test_a_trace_has_several_points_of_each_swing() -> None:
     assert abs(crossings - 2.0 * 29.0 / swing) <= 1.0
     assert machine.points(1000.0 * swing) == 16_000 and machine.points(1e9) == 600
     assert replace(machine, mass=None).points(1e9) == 600
+
+
+def test_sliders_that_stick_after_one_slip_where_their_path_ends_do_not_slide(
+    monkeypatch: Any,
+) -> None:
+    """Their force rises by less than 0.3 <x_s> in the last tenth of such a path, as that of sliders that swing may."""
+    monkeypatch.setattr(ensemble, "LOADINGS_IN_PLACE", 1.6)
+    contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(30.0))
+    known = RigidSlider(0.69, 0.52, 1e-9, 1.0, 4.0, 2000.0)
+    kinds = []
+    for seconds in (0.0, 1e4):
+        asked = HEAVY_ON_SOFT, contacts, "mass", 700.0, time.monotonic() + seconds, known
+        found = follow_by_contacts(*asked)
+        kinds.append(found.kind)
+        assert seconds or found.message == ensemble.ONCE
+    assert kinds == ["undecided", "stick-slip"]
+
+
+@pytest.mark.parametrize("followed", [1, 3, 4])
+def test_sliders_of_which_some_were_given_up_for_want_of_time_are_none(followed: int) -> None:
+    """Three of four sliders were taken for four of fewer contacts, of which one had not slipped: sliding was smooth."""
+
+    class GivenUp(eq_model.Ensemble):
+        """Out of time after so many sliders."""
+
+        @property
+        def interrupted(self) -> Any:
+            return lambda: self.state.contacts >= followed * 100
+
+        @interrupted.setter
+        def interrupted(self, value: Any) -> None:
+            pass
+
+    contacts, path = Contacts(gaussian(1.0, 0.2), delay=Delay(30.0)), np.linspace(0.0, 900.0, 9)
+    asked = HEAVY_ON_SOFT.keywords("mass")
+    following = GivenUp(contacts, path, n_contacts=100, n_replicas=4, seed=1, threads=1, **asked)
+    found = ensemble.in_time(following, 1e4)
+    assert (found is None) == (followed < 4)
+    assert following.state.contacts == followed * 100
 
 
 @pytest.mark.slow  # quick: how late few contacts slip, above

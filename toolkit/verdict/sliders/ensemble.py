@@ -64,6 +64,7 @@ SURE = 2.0
 # as its share of a way the next may take.
 ROUNDS, AS_FAR, LONGER = (5, 3), (2, 4), 1.25
 NOT_SLID = "their path ended before they slid or slipped"
+ONCE = f"their path ended before they slid after a slip or all slipped again: {MORE_TIME}"
 
 
 def sliders(
@@ -132,7 +133,8 @@ def in_time(following: Any, seconds: float) -> Any:
     following.interrupted = lambda: (
         min(time.monotonic() - clock, time.process_time() - work) > seconds
     )
-    return following.result() if sum(1 for _ in following) == SLIDERS else None
+    *_, (done, total) = following  # the last one tells whether any were given up
+    return following.result() if done == total else None
 
 
 def until_settled(
@@ -199,7 +201,10 @@ def follow_by_contacts(
     smaller = all_slips - found.slips.drive.size
     slips, unit, number = found.slips, contacts.mean_threshold, found.contacts // SLIDERS
     common = int(np.bincount(slips.replica, minlength=SLIDERS).min())
-    slipped = common > 1 and may_slip_again(found, machine, contacts, waits)
+    goes_on = may_slip_again(found, machine, contacts, waits)
+    if goes_on and common < 2:
+        return not_followed(rule, ONCE)
+    slipped = common > 1 and goes_on
     kind, many, too_early, swings = "stick-slip" if slipped else "smooth", None, 0.0, None
     if slipped:
         many = Finite(rule, number, kind, drive=drive, force=force, smaller=smaller)

@@ -1,11 +1,13 @@
 """Sliders whose contacts heat breaks, and which go on too slowly for steps in time: steady sliding tells of them.
 
 Such a slider slides smoothly in the end where steady sliding at the drive's speed v is stable, with its mass and
-damping (master/steady/with_mass.py), and where at v, at FASTER v, and at K v/(N_c<k> + K), at which a slider that
-sticks stretches its contacts, one of both holds:
+damping (master/steady/with_mass.py), and where at speeds from K v/(N_c<k> + K), at which a slider that sticks stretches
+its contacts, to FASTER v one of both holds:
 
-    nothing slips   from relaxed contacts on the force of a rigid slider rises above F_k by less than the fall that
-                    counts as a slip, SMALL <x_s>
+    nothing slips   the force that a rigid slider reaches from relaxed contacts on, F_s, is above F_k at its own and at
+                    each higher speed by less than the fall that counts as a slip, SMALL <x_s>. F_s at its own speed
+                    alone does not tell: where F_k falls with the speed, as contacts that break late are left at low
+                    ones, a slow slider that slides steadily bears more than a fast one, and slips
     heat is weak    it changes F_k and F_s by less than that fall; and the slider on contacts without it, which is
                     followed, slides smoothly, mostly after a slip
 
@@ -62,7 +64,8 @@ def by_steady_sliding(
         if not sliding_is_stable(contacts, speed, spring, machine.mass or 0.0, machine.damping):
             return None
         each = [_rigid(contacts, one, rigid.contacts, until) for one in looked_at(machine)]
-        if all(one.static - one.kinetic < small for one in each):
+        reached = np.maximum.accumulate([one.static for one in each])
+        if (reached - [one.kinetic for one in each]).max() < small:
             return _at_kinetic(not_followed(rule, ""), machine, rigid, unit, 0.0)
         bare = contacts.replace(thermal=None)
         cold = _rigid(bare, speed, rigid.contacts, until)
@@ -93,11 +96,12 @@ def with_stability(found: Behaviour, machine: Machine, contacts: Contacts) -> Be
     return replace(found, unstable_below=below)
 
 
-def looked_at(machine: Machine) -> tuple[float, float, float]:
-    """Speeds at which forces are looked at: of contacts that the drive stretches on a slider that sticks, of the drive,
-    and of a mass that swings about it."""
-    speed = machine.velocity
-    return machine.spring / (1.0 + machine.spring) * speed, speed, FASTER * speed
+def looked_at(machine: Machine) -> list[float]:
+    """Speeds at which forces are looked at, one a decade, upwards: from that of contacts which the drive stretches on a
+    slider that sticks, to beyond that of a mass that swings about the drive's."""
+    slowest, speed = machine.spring / (1.0 + machine.spring) * machine.velocity, machine.velocity
+    decades = np.arange(int(np.ceil(np.log10(speed / slowest))))
+    return [*(slowest * 10.0**decades), speed, FASTER * speed]
 
 
 def _at_kinetic(

@@ -25,14 +25,14 @@ def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
     unit = own.contacts.mean_threshold * scale.force
     slow, fast = (
         written(one, "m/s" if scale.length_unit == "m" else "")
-        for one in looked_at(own.machine)[::2]
+        for one in (looked_at(own.machine)[0], looked_at(own.machine)[-1])
     )
     small = f"{written(SMALL * unit, scale.force_unit, digits=2)} ({SMALL:g} <x_s>)"
     most = max(one.heat_on_the_way or 0.0 for one in told)
     said = "the slider in heat was not followed, as it goes on too slowly for steps in time. What is told follows from "
     said += "steady sliding, which is stable with this spring, mass and damping"
     if not most:
-        why = f"at {slow} to {fast} new contacts bear no peak above F_k that counts as a slip, {small} or more"
+        why = f"at {slow} to {fast} no force is above that of faster sliding by what counts as a slip, {small} or more"
     else:
         why = f"and the slips before it from contacts without heat. At {slow} to {fast} heat changes F_k and F_s by "
         why += f"{written(most * unit, scale.force_unit, digits=2)} at most, less than what counts as a slip, {small}"
