@@ -409,18 +409,23 @@ def test_heat_tells_what_it_changes_in_the_kinetic_force(law: str) -> None:
     )
     (line,) = (one for one in dependence(verdict(scene)) if one.startswith("heat "))
     change = (warm - cold) / cold
-    told = r"F_k by (\S+) N_c<k> length, (\S+)% of the (\S+) N_c<k> length without it"
+    told = r"F_k by (\S+) N_c<k> length, ([^\s%]+)(%?) of the (\S+) N_c<k> length without it"
     said = re.fullmatch(rf"heat (raises|lowers) {told}", line)
     assert said is not None and (said[1] == "raises") is (change > 0.0)
     assert float(said[2]) == pytest.approx(abs(warm - cold), rel=0.05)
-    assert float(said[3]) == pytest.approx(100.0 * abs(change), rel=0.05)
-    assert float(said[4]) == pytest.approx(cold, rel=0.005)
+    in_units = 100.0 if said[4] else 1.0
+    assert float(said[3]) == pytest.approx(in_units * abs(change), rel=0.05)
+    assert float(said[5]) == pytest.approx(cold, rel=0.005)
     left_out = of_a_mass("smooth", 0.8, heat_left_out=0.1)
     found = of(left_out)
     own = replace(found.own, cold=answers.Quantity(0.8 - 1e-3, 0.0))
     (line,) = (one for one in dependence(replace(found, answers=(own,))) if "left out" in one)
     raised = "heat raises F_k of a rigid slider as fast as the drive by 0.0010 N_c<k> length"
     assert "by 0.10 N_c<k> length at most; " + raised in line
+    # of the barriers of a scan, 4e-06%
+    own = replace(own, kinetic=answers.Quantity(0.8, 0.0), cold=answers.Quantity(0.8 - 3e-8, 0.0))
+    (line,) = (one for one in dependence(replace(found, answers=(own,))) if "left out" in one)
+    assert "by 3.0e-08 N_c<k> length, 3.8e-08 of the 0.8" in line
 
 
 def test_one_other_reading_is_no_plural() -> None:

@@ -91,7 +91,7 @@ def widest(verdict: Verdict) -> list[str]:
         slips = any(one.kind == "stick-slip" for one in own.behaviours)
         told = own.static if slips and own.static.sampling else own.kinetic
         error = written((told.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
-        force = "F_k" if told is own.kinetic else "F_s, near which slips begin,"
+        force = "F_k" if told is own.kinetic else "F_s"
         whose = " of a rigid slider" * bool(own.contacts.in_time and own.machine)
         return [f"other samples would change {force}{whose} by ± {error}"]
     return [range_of_force(verdict, f" of the {len(verdict.answers)} readings")]

@@ -94,7 +94,8 @@ def _by_heat(own: Answer) -> str:
     if abs(change) <= own.kinetic.error + own.cold.error:
         return f"heat changes F_k{at} by less than its numerical error{_of_few_atoms(own)}"
     size = written(abs(change) * scale.force, scale.force_unit, digits=2)
-    part = f"{100.0 * abs(change) / own.cold.value:.2g}%"
+    share = abs(change) / own.cold.value
+    part = f"{100.0 * share:.2g}%" if share >= 1e-5 else f"{share:.2g}"
     cold = written(own.cold.value * scale.force, scale.force_unit, digits=3)
     if -change > MOST * own.cold.value:
         to = written(own.kinetic.value * scale.force, scale.force_unit, digits=3)
