@@ -25,6 +25,7 @@ from toolkit.verdict import answers
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.in_heat import SMALL, by_steady_sliding, looked_at, with_stability
 from toolkit.verdict.sliders.machine import Behaviour, Machine, not_followed, rigid_slider
+from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.words import sentence
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
@@ -187,6 +188,23 @@ def test_steady_sliding_tells_of_no_other_slider() -> None:
     assert told(HEAVY, WEAK, "reset") is None
 
 
+@pytest.mark.parametrize(("off", "how"), [(0.01, "followed without heat"), (0.0, "not followed")])
+def test_the_sentence_tells_how_the_way_to_steady_sliding_was_followed(
+    off: float, how: str
+) -> None:
+    """Beside what was looked at, which the page tells below."""
+    slides = replace(not_followed("mass", ""), kind="smooth", success=True, before=0.26, after=0.26)
+    number = answers.Quantity(0.26, 1e-9)
+    given = "own", STRONG, scale_of(STRONG, None), number, number, number, HEAVY
+    one = answers.Answer(*given, (replace(slides, error=1e-9, heat_on_the_way=off),))
+    told = answers.Verdict("a", "a", 1.0, (one,), (), {}, 1.0)
+    assert re.match(rf"smooth at \S+ .*in the end \(the way there was {how}\)", sentence(told))
+    (line,) = (each for each in dependence(told) if "was not followed, as it goes on" in each)
+    changed = "heat changes F_k and F_s by 0.010 N_c<k> length at most" in line
+    assert changed == bool(off) and ("no force is above that of faster sliding" in line) != changed
+
+
+@pytest.mark.slow  # 4 s; quick: the sentence, above
 def test_the_page_tells_what_was_followed_and_what_heat_may_change(
     capsys: Any, monkeypatch: Any
 ) -> None:
