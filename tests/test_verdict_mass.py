@@ -459,13 +459,12 @@ def test_sliders_that_stick_after_one_slip_where_their_path_ends_do_not_slide(
     monkeypatch.setattr(ensemble, "LOADINGS_IN_PLACE", 1.6)
     contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(30.0))
     known = RigidSlider(0.69, 0.52, 1e-9, 1.0, 4.0, 2000.0)
-    kinds = []
-    for seconds in (0.0, 1e4):
-        asked = HEAVY_ON_SOFT, contacts, "mass", 700.0, time.monotonic() + seconds, known
-        found = follow_by_contacts(*asked)
-        kinds.append(found.kind)
-        assert seconds or found.message == ensemble.ONCE
-    assert kinds == ["undecided", "stick-slip"]
+    asked = HEAVY_ON_SOFT, contacts, "mass", 700.0, time.monotonic() + 1e4, known
+    assert follow_by_contacts(*asked).kind == "stick-slip"
+    # as if there were no time to pull them further
+    monkeypatch.setattr(ensemble, "until_settled", lambda found, *_: found)
+    late = follow_by_contacts(*asked)
+    assert (late.kind, late.message) == ("undecided", ensemble.ONCE)
 
 
 @pytest.mark.parametrize("followed", [1, 3, 4])

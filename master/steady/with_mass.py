@@ -8,7 +8,8 @@ G being the answer of the contacts' force (master/steady/response.py), which has
 part. As q goes from 0 to infinity D(iq) goes from K to -M v^2 q^2. No zero has a positive real part if its argument
 rises by π on the way, and without a mass, where it ends at K + G(∞), if it comes back to 0 (the argument principle):
 with each passing of the imaginary axis it changes by π, forth or back. A passing is clear where D is farther from 0
-than G may be off.
+than G may be off. `is_stable` of response.py, for creep without a mass, asks less: that D keeps off the negative real
+axis, which is enough for stability, and tells no instability.
 
 An example: G = 0, as of contacts at T = 0, K = 1, M v^2 = 1, γ v = 0.1. D passes the axis once, at q = 1, upwards at
 0.1 i: half a turn, stable. With γ v = -0.1 it passes at -0.1 i, half a turn back, and the swing grows by e^(0.05 X).
@@ -21,21 +22,27 @@ from master.steady.response import response
 from origins import Contacts
 from origins.thresholds.law import Array
 
-# Wave numbers per inverse mean threshold at which G is found where nothing asks for more, and so many in each decade.
+# Least and largest wave number, per inverse mean threshold, at which G is found where nothing asks for more, and how
+# many there are in each decade.
 _LEAST, _MOST, _PER_DECADE = 1e-3, 300.0, 12
-# Wave number below which G is a i q + c q^2 to a thousandth, a and c being those at it: the sums there cancel out.
+# Below this wave number, in the same unit, G is taken as a i q + c q^2, with a and c from G at it: that is so to a
+# thousandth, and the sums of G there are differences of nearly equal numbers.
 _SLOW = 1e-2
-# Parts of the wave number of mass and spring, and times that of mass and contacts which only stretch, that are in it.
+# The wave numbers reach from this part of that at which the mass swings on the spring alone, to so many times that at
+# which it swings on spring and contacts that stretch and do not break.
 _BELOW, _ABOVE = 0.1, 10.0
-# Wave number per inverse mean threshold up to which half a one is looked at: G swings once in 2 pi, narrow laws longer.
+# Up to this wave number, in the same unit, G is found at each half of one, too: it swings once in 2 pi of them, the
+# farther the narrower the law of thresholds is.
 _SWINGS = 40.0
-# Part of G by which a curve through every other wave number may be off the others: through all it is so by a tenth.
+# Part of G by which a curve through every other wave number may miss G at those left out: the curve through all of them
+# is then off by about a tenth as much.
 _HALF = 0.2
 # Part of G by which D may be off: sums are off by some 1e-3 of it, as measured, and a curve through them by as much.
 _OFF = 0.02
 # Points of the curve between two neighbours.
 _FINER = 40
-# Stiffest spring that is looked at, in N_c<k>, how many up to there, and halvings between two of them.
+# The stiffest spring that is looked at, in N_c<k>; how many springs are, evenly in ln K; and how often the distance of
+# the last unstable one to the next is halved.
 STIFFEST, SPRINGS, HALVINGS = 10.0, 60, 6
 
 
@@ -95,6 +102,7 @@ def decays(wave: Array, answer: Array, spring: float, inertia: float, drag: floa
     if not np.isfinite(answer).all():
         return None
     rest = spring - inertia * wave**2 + 1j * drag * wave
+    # where the rest is larger than this, D is off 0 whatever G is
     matters = np.abs(rest) < 2.0 * np.abs(answer)
     off = np.abs(_curve(wave[::2], answer[::2], np.log(wave[1::2])) - answer[1::2])
     seen = (off < _HALF * np.abs(answer[1::2])) | ~matters[1::2]

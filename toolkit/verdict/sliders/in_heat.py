@@ -90,9 +90,8 @@ def with_stability(found: Behaviour, machine: Machine, contacts: Contacts) -> Be
     exact = bool(contacts.thresholds.atoms[0].size)
     if found.kind != "undecided" or found.slips or exact or not has_response(contacts):
         return found
-    below = unstable_below(
-        *(contacts, machine.velocity, machine.spring), machine.mass or 0.0, machine.damping
-    )
+    speed, mass = machine.velocity, machine.mass or 0.0
+    below = unstable_below(contacts, speed, machine.spring, mass, machine.damping)
     return replace(found, unstable_below=below)
 
 
