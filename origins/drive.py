@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -88,6 +88,17 @@ class Drive:
                 "mass, damping and the contacts' delay decide; leave it out beside mass",
             )
         return None
+
+    def keywords(self) -> dict[str, Any]:
+        """What a solver is given of this drive beside its path, by the names of its keywords."""
+        return {
+            "velocity": self.velocity,
+            "time": self.time,
+            "spring": self.spring,
+            "slip": self.slip,
+            "mass": self.mass,
+            "damping": self.damping,
+        }
 
     def arrival_times(self, begin: float = 0.0) -> Array:
         """When the points are reached, shape (n,), from the position `begin` at t = 0 on."""

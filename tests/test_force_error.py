@@ -145,6 +145,20 @@ def test_far_corners_keep_it_where_they_are_answered() -> None:
     assert not found.overruns, as_lines(rows)
 
 
+class Weakening(origins.OrderedThresholds):
+    """x_s(t) = x_s0 e^-t, a law that neither road to the truth knows."""
+
+    law = "weakening"
+
+    def __init__(self, fresh: object) -> None:
+        """`fresh`: thresholds at birth."""
+        self.at_start = fresh
+
+    def birth_threshold(self, x: Any, age: Any, travelled: Any) -> Any:
+        """x_s0 of the contact that breaks here."""
+        return x * np.exp(np.minimum(age, 600.0))
+
+
 def test_cohorts_agree_with_closed_forms_and_the_renewal_equation() -> None:
     """Within the error that they claim: from a start with a width, with a delay, one shorter than a third of the way
     between two points, too, and with heat."""
@@ -163,6 +177,11 @@ def test_cohorts_agree_with_closed_forms_and_the_renewal_equation() -> None:
         by_cohorts(origins.Contacts(origins.gaussian(1.0, 0.1), stiffness="linked"), path)
     with pytest.raises(origins.InputError, match="a step would be longer"):
         by_cohorts(origins.Contacts(origins.gaussian(1.0, 0.1), delay=origins.Delay(1e-3)), path)
+    weakening = origins.Contacts(Weakening(origins.gaussian(1.0, 0.1)))
+    with pytest.raises(origins.InputError, match="their thresholds stay as drawn, or grow"):
+        by_cohorts(weakening, path)
+    with pytest.raises(origins.InputError, match="only with a delay, heat, linked stiffness or ag"):
+        by_renewal(weakening, path)
 
 
 @pytest.mark.parametrize(
@@ -217,6 +236,8 @@ def test_finite_volumes_meet_the_first_passage_of_thresholds_that_diffuse_freely
     spread = origins.Contacts(old, origins.gaussian_start(0.1, 0.01))
     with pytest.raises(origins.InputError, match="start"):
         by_renewal(spread, path)
+    with pytest.raises(origins.InputError, match="only with a delay, heat, linked stiffness or ag"):
+        by_renewal(contacts.replace(reforming=origins.boltzmann_reforming(1e-3)), path)
 
 
 @pytest.mark.parametrize(

@@ -31,8 +31,7 @@ def beside_other_rules(scene: Scene, solved: SolvedRecord, deadline: float | Non
         seconds = SECONDS if deadline is None else min(SECONDS, deadline - time.monotonic())
         if seconds <= 0.0:
             break
-        asked: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time, "slip": rule}
-        asked |= {"spring": drive.spring, "wall_time": seconds}
+        asked = drive.keywords() | {"slip": rule, "wall_time": seconds}
         try:
             answers[rule] = master.solve(contacts, scene.path, _TOLERANCE, **asked)
         except InputError:

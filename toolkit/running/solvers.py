@@ -112,11 +112,9 @@ def solve_master(
     import master
 
     drive, contacts = scene.drive, scene.contacts
-    asked: dict[str, Any] = {"velocity": drive.velocity, "time": drive.time}
+    asked = drive.keywords()
     asked |= {} if wall_time is None else {"wall_time": wall_time}
     asked |= {"progress": refined} if refined is not None else {}
-    if drive.spring is not None:
-        asked |= {name: getattr(drive, name) for name in ("spring", "slip", "mass", "damping")}
     try:
         with laws.inside("master", {"tolerance": "tolerance"}):
             solved: Any = master.solve(contacts, scene.path, tolerance, **asked)
@@ -159,8 +157,7 @@ def make_ensemble(scene: Scene, asked: EqTable, comm: Any, **other: Any) -> Any:
     arguments: dict[str, Any] = {name: getattr(asked, key) for name, key in EQ_KEYS.items()}
     arguments |= {"comm": comm, "threads": asked.threads or cores_of(comm)}
     arguments |= {"histograms": scene.histogram_points()}
-    motion = ("velocity", "time", "spring", "slip", "mass", "damping")
-    arguments |= {name: getattr(drive, name) for name in motion}
+    arguments |= drive.keywords()
     with laws.inside("eq", EQ_KEYS):
         return eq_model.Ensemble(contacts, scene.path, **(arguments | other))
 

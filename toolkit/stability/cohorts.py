@@ -35,6 +35,8 @@ def by_cohorts(contacts: Contacts, path: Array, time: Array | None = None) -> Tr
     supported = contacts.ageing is None and isinstance(contacts.thermal, Thermal | None)
     if not supported or contacts.stiffness == "linked" or contacts.each_by_itself() is not contacts:
         raise InputError("contacts: by cohorts they neither age nor differ in stiffness")
+    if contacts.changing is not None and contacts.growing is None:
+        raise InputError("contacts: by cohorts their thresholds stay as drawn, or grow")
     if contacts.thresholds.atoms[0].size:
         raise InputError("contacts: their F jumps at exact thresholds, which no steps resolve")
     clock = path - path[0] if time is None else time

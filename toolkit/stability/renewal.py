@@ -31,8 +31,11 @@ def by_renewal(contacts: Contacts, path: Array, velocity: float = 1.0) -> Truth:
         b(X) = b_0(X) + ∫ p(s) b(X - w - s) ds,    F(X) = M_0(X) + ∫ x E(s) b(X - w - s) ds.
 
     The error is bounded by the last step of an extrapolation that assumes less than the values do. Raises InputError
-    for a spread start, and for one below 0.
+    for a spread start, for one below 0, and for other laws.
     """
+    others = contacts.changing is not None and contacts.ageing is None
+    if others or contacts.reforming is not None or not isinstance(contacts.thermal, Thermal | None):
+        raise InputError("contacts: here only with a delay, heat, linked stiffness or ageing")
     if not contacts.start.is_single or contacts.start.mean() < 0.0:
         raise InputError("start: here only of one stretch, which is 0 or more")
     every = COARSEST // (path.size - 1)

@@ -152,14 +152,10 @@ def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Ca
     path = np.interp(
         np.linspace(0.0, 1.0, _POINTS), np.linspace(0.0, 1.0, drive.path.size), drive.path
     )
-    keywords: dict[str, Any] = {"velocity": drive.velocity}
+    keywords = {name: value for name, value in drive.keywords().items() if value is not None}
     if drive.time is not None or not drive.forward:  # the turns and rests are points of the path
         path = drive.path
-    if drive.time is not None:
-        keywords["time"] = drive.time
     if drive.spring is not None:
-        names = ("spring", "slip", "mass", "damping")
-        keywords |= {one: getattr(drive, one) for one in names if getattr(drive, one) is not None}
         slip = first_slip(other, path, keywords)
         before = np.logical_and.accumulate(path <= _BEFORE * slip)
         before[0] = True
@@ -178,6 +174,7 @@ def _case(scene: Scene, group: str, name: str, changes: Mapping[str, Any]) -> Ca
         name,
         lambda: other.contacts,
         path / unit,
+        # no exact value: the other solver is the reference
         None,
         keywords,
         tolerance,
