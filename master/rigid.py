@@ -44,13 +44,15 @@ BEYOND_END = 1e-9
 # Instants at which contacts at rest are looked at, a decade apart, in units of the rate law's time; and the shortest
 # time beside the delay for which half of them must hold: less is lost in the rounding of the times of re-forming.
 LOOKED_AT, SHORTEST_BESIDE_DELAY = np.geomspace(1e-3, 1e50, 54), 1e-12
-# CPU seconds of averages over one piece of the start, of sums over one of the thresholds, along the longest stretch, to
-# 1e-3; a factor for each decade less, of at most so many; pieces of the start beside its bins and the thresholds'
-# jumps, and of the thresholds beside these (see Life._averaged, panel_edges); and the most seconds where no wall_time
-# is given. Measured in nine cases of 10 to 200 bins: 12 to 74 s to 1e-3 to 1e-6, within a factor 2.2 of this; K* of 10
-# bins each 21 s.
-OF_PIECE, FOR_DECADE, MOST_DECADES = 5e-3, 1.15, 6.0
-PIECES_OF_START, PIECES_OF_LAW, MOST_SECONDS = 13, 6, 100.0
+# How long a start of bins takes; in nine cases of 10 to 200 bins, 12 to 74 s, within a factor 2.2 of what was measured.
+# CPU seconds to 1e-3 of averages over a piece of the start, of sums over one of the thresholds, along a whole stretch.
+OF_PIECE = 5e-3
+# Times as long for each decade below 1e-3, of which at most so many count.
+FOR_DECADE, MOST_DECADES = 1.15, 6.0
+# Pieces beside the bins and the thresholds' jumps (see Life._averaged, panel_edges).
+PIECES_OF_START, PIECES_OF_LAW = 13, 6
+# Most seconds where no wall_time is given.
+MOST_SECONDS = 100.0
 # Round-off of the force per mean threshold travelled, in mean thresholds.
 ROUND_OFF = 1e-14
 # Tightest tolerance, in changes of a survival over the last place of a position: rounding moves it by half of that, and
@@ -140,12 +142,12 @@ def why_above(march: March, error: float, tolerance: float, rounding: float) -> 
     return f"{above}, most of it that of {most}; loosen the tolerance"
 
 
-def _of_jumps(march: March, largest: Jump) -> str:
-    """In words, where the number jumps most, and first, and what may be wrong there."""
+def _of_jumps(march: March, worst: Jump) -> str:
+    """In words, where the number of contacts jumps most, and first, and what may be wrong there."""
     clock = "a travel of " if march.life.timeless and not march.births.delay else "t = "
-    said = f"the number jumps by {largest.size:.1e} at {clock}{largest.time:.6g}, on leg {largest.leg} (from 0)"
+    said = f"the number of contacts jumps by {worst.size:.1e} at {clock}{worst.time:.6g}, on leg {worst.leg} (from 0)"
     first = march.jumps[0]
-    if first.time < largest.time:
+    if first.time < worst.time:
         said += f", and first at {clock}{first.time:.6g}, on leg {first.leg}"
     if first.behind_edge:
         return f"{said}, right behind an edge: a sum over births is wrong there, or before"

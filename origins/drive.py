@@ -14,11 +14,13 @@ SlipRule = Literal["reset", "reform-after", "instant"]
 
 # A slip of a slider with mass is a swing down of the spring's force that ends a stick, from a maximum to a minimum
 # between which it does not rise by RISE, or by what chance does to few contacts (`eq_model.coupled.mass.chance`). The
-# slider sticks where the force rises by RISE while it stays within ROOM, RISE of all contacts at least hold it, which
-# is what that force takes, and SLIP_FRACTION of these break at most. From where it last stuck to the end of the swing
-# SLIP_FRACTION of those break at least, and of those that hold in steady sliding at the drive's speed, and the slider
-# gets FASTER times as fast as the drive. The master equation has no chance: its swings end at the first minimum, and
-# its contacts that hold or break are shares of all. RISE is in mean thresholds.
+# slider sticks where the force rises by RISE while it stays within ROOM, enough contacts hold it, and at most
+# SLIP_FRACTION of these break. From where it last stuck to the end of the swing at least SLIP_FRACTION of those break,
+# and of those that hold in steady sliding at the drive's speed, and the slider gets FASTER times as fast as the drive.
+# Enough are in the ensemble RISE of all contacts, as fewer cannot raise the force by as much (each holds a mean
+# threshold). The master equation has no chance: its swings end at the first minimum, enough are SLIP_FRACTION of all
+# contacts, and so many of all have to break, too.
+# Of the force, in mean thresholds; and the least share of the contacts that can raise it by as much.
 RISE = 0.02
 # In mean thresholds: contacts that hold are stretched from -1 to 1 of them at most.
 ROOM = 2.0

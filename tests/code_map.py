@@ -106,9 +106,15 @@ QUESTIONS = {
         "master:LongSlips",
         "master/soft/inertia/in_time/answer.py:answer",
     ),
-    "a slip's begin: T = 0, in time": (
+    "a slip's begin: T = 0, in time; with mass a slip's begin and end, and what counts as one": (
         "master:LoadCurve.slip_begins",
         "master:SlipBegins.up_to_slip",
+        "master:Record.watch",
+    ),
+    "whether steady sliding is stable: with mass in heat; with mass and a delay; creep": (
+        "master:sliding_is_stable",
+        "toolkit:slides_on",
+        "master:is_stable",
     ),
     "a delay: its law": ("origins:Delay",),
     "a delay on a rigid slider: the solver; births one delay after breaks; who is out": (

@@ -42,7 +42,7 @@ def test_a_jump_where_no_edge_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rigid, "edges", without_the_break)
     found = master.solve(contacts, path, tolerance=1e-10)
     said = found.message
-    assert not found.success and "of a panel near X = 1: the number jumps by " in said
+    assert not found.success and "of a panel near X = 1: the number of contacts jumps by " in said
     assert (
         "at a travel of 1, on leg 0 (from 0), where no edge is, or a sum over births is wrong"
         in said
@@ -87,7 +87,7 @@ def test_of_two_jumps_where_no_edges_are_the_larger_is_told(
     for shares, larger in (([1e-4, 0.01, 0.9899], r"1\.3"), ([0.01, 1e-4, 0.9899], r"1(\.0)?")):
         parts = [origins.identical(1.0), origins.identical(1.3), origins.gaussian(2.0, 0.1)]
         found = master.solve(Contacts(origins.mixture(parts, shares)), [0.4, 1.5], tolerance=1e-6)
-        told = rf"of a panel near X = {larger}\d*: the number jumps by "
+        told = rf"of a panel near X = {larger}\d*: the number of contacts jumps by "
         assert not found.success and re.search(told, found.message)
 
 

@@ -860,7 +860,7 @@ def test_a_life_that_leaves_out_contacts_tells_where_the_number_jumps(page, monk
     )
     found = master.solve(contacts, page["path"], 1e-4, time=page["clock"], wall_time=60.0)
     assert not found.success and found.force.size == len(page["path"])
-    assert "the number jumps by " in found.message
+    assert "the number of contacts jumps by " in found.message
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ from origins.thresholds.numerical import clipped
 # The smallest normal number: it keeps quotients by widths that are 0 by rounding finite.
 TINY = float(np.finfo(float).tiny)
 # Survivals jump at exact thresholds: a time at the end of a panel is moved into it by this part of its width.
-INSIDE = 1e-9
+OFF_PANEL_END = 1e-9
 # Work (see Births.work) after which nothing is halved any more: some 30 s, two minutes with heat on hundreds of legs.
 MOST_WORK = 25_000_000
 # Work of a survival averaged over many stretches at birth, in that at one: a rough figure, for MOST_WORK alone.

@@ -31,7 +31,7 @@ class ErrorBudget:
     | round-off | `round_off` in `master/rigid.py`, from the path | taken off first | one for all |
     | survivals | each query of a life (`Survivors.error`) | what is known beforehand is taken off, too | the largest |
     | panels | residuals between the nodes (`Batch.error`) | the rest, 0.4 of all or more (sums: 0.32) | the largest |
-    | births | coefficients left out (`Past.worst_sum`) | 0.003 of a panel's for each piece, on top | the largest |
+    | births | what sums leave out (`Past.worst_sum_error`) | 0.003 of a panel's for each piece, on top | the largest |
     | left out | contacts of earlier legs (`Past.left_out`) | 3e-6 of a panel's for each leg, on top | adds up |
 
     All but round-off are shares of the contacts, and that is in mean thresholds: an error of the number of contacts

@@ -37,7 +37,7 @@ SEEN_WITHIN, MOST_CUTS = 4.0, 50
 ROUNDED_TIME = 1e-14
 # Births that stand for all on a piece, as parts of it: those inside tell of a piece on which all hold, or none, whether
 # that is so; the ends and the middle leave none out where some hold.
-INSIDE, ENDS_AND_MIDDLE = np.array([0.02, 0.5, 0.98]), np.array([0.0, 0.5, 1.0])
+NEAR_ENDS_AND_MIDDLE, ENDS_AND_MIDDLE = np.array([0.02, 0.5, 0.98]), np.array([0.0, 0.5, 1.0])
 
 
 class Fitted(NamedTuple):
@@ -173,7 +173,7 @@ class EarlierLegs:
         With one stretch at birth pieces end where contacts have met the end of P_c, so that all on a piece hold, or
         none. FaultError where some do: a bend is missing, and births that hold would be left out unseen."""
         law, width = self._births.law, pieces.high - pieces.low
-        places = INSIDE if law.is_single else ENDS_AND_MIDDLE
+        places = NEAR_ENDS_AND_MIDDLE if law.is_single else ENDS_AND_MIDDLE
         birth_leg = pieces.low[:, None] + width[:, None] * places
         if not law.is_single:
             moves = self._motion_leg.history(t_leg[pieces.owner, None], birth_leg)

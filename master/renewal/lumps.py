@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from master.motion import Motion, middle_of
-from master.renewal.births import INSIDE, Births, Lump, Sums
+from master.renewal.births import OFF_PANEL_END, Births, Lump, Sums
 from origins.thresholds.law import Array
 
 
@@ -32,12 +32,12 @@ def sums_of_lumps(
     - amid the panel: out at times before the birth, E and K at those after. Edges lie at the births of large lumps
       only, so that the panel's error shows the kink of a small one.
 
-    Mostly a birth lies on an edge, where rounding tells no side. One that is nearer to a panel's end than INSIDE of the
-    width is not amid: whether it is before or after is told by the middle of the panel.
+    Mostly a birth lies on an edge, where rounding tells no side. One that is nearer to a panel's end than OFF_PANEL_END
+    of the width is not amid: whether it is before or after is told by the middle of the panel.
     """
     both, survival_error = np.zeros((2, *grid_leg.shape)), 0.0
     earliest, middle = grid_leg.min(keepdims=True), middle_of(grid_leg)[:, 0]
-    inside = INSIDE * np.ptp(grid_leg, axis=1)
+    inside = OFF_PANEL_END * np.ptp(grid_leg, axis=1)
     panel_begin, panel_end = grid_leg.min(axis=1) + inside, grid_leg.max(axis=1) - inside
     for law in dict.fromkeys(lump.law for lump in lumps):
         of_law = [lump for lump in lumps if lump.law is law]

@@ -36,7 +36,7 @@ import numpy as np
 import numpy.typing as npt
 
 from master.outcome import FaultError
-from master.renewal.births import INSIDE, TINY, Births, Lump, Sums
+from master.renewal.births import OFF_PANEL_END, TINY, Births, Lump, Sums
 from master.renewal.earlier_legs import EarlierLegs
 from master.renewal.few_times import FewTimes
 from master.renewal.lumps import sums_of_lumps
@@ -61,7 +61,7 @@ class Past:
 
     leg : the present leg; -1 before the first
     first_panel : the first panel whose births are on it
-    worst_sum : estimate from above of the error of the number by the sums over births, the largest so far
+    worst_sum_error : estimate from above of the error of the number by the sums over births, the largest so far
     left_out : share of all contacts that held when their leg was left out, the sum over all legs so far
     survival_error : the largest error of a survival so far, as the life returned it
 
@@ -85,7 +85,7 @@ class Past:
         self._accuracy = births.accuracy * (1.0 if closed else COARSER)
         self._left_out_below = max(LEFT_OUT * self._accuracy, LEAST_LEFT_OUT)
         self.leg, self.first_panel = -1, 0
-        self.left_out = self.worst_sum = 0.0
+        self.left_out = self.worst_sum_error = 0.0
         self.survival_error = births.life.error
         self._legs_left_out, self._holding_at_latest = set[int](), dict[int, float]()
         self._earlier_legs: EarlierLegs | None = None
@@ -96,11 +96,11 @@ class Past:
     def error(self) -> float:
         """Error of the number, a share of the contacts. Sums are taken anew on each panel, so that their errors do not
         add up; contacts that are left out never come back, so that each leg adds its own."""
-        return self.worst_sum + self.left_out
+        return self.worst_sum_error + self.left_out
 
     def count_errors_of(self, other: "Past") -> None:
         """Go on from what another past has missed so far."""
-        self.survival_error, self.worst_sum = other.survival_error, other.worst_sum
+        self.survival_error, self.worst_sum_error = other.survival_error, other.worst_sum_error
         self.left_out = other.left_out
 
     def enter(self, leg: int, solved: SolvedPanels) -> None:
@@ -139,7 +139,7 @@ class Past:
         found = self._from_few_times(grid_leg, lumps)
         if found is None:
             found = self._summed(grid_leg, lumps)
-        self.worst_sum = max(self.worst_sum, found.error)
+        self.worst_sum_error = max(self.worst_sum_error, found.error)
         self.survival_error = max(self.survival_error, found.survival_error)
         self._holding_at_latest = found.holding_by_leg or {}
         return found.both
@@ -251,7 +251,7 @@ class Past:
         hold may meet an exact threshold as a panel ends, all at once, they lie a little inside it."""
         if self._births.life.atoms.size and not self._motion_leg.speeds[: self.leg].all():
             first, last = grid_leg.min(axis=1, keepdims=True), grid_leg.max(axis=1, keepdims=True)
-            inside = INSIDE * (last - first)
+            inside = OFF_PANEL_END * (last - first)
             grid_leg = np.clip(grid_leg, first + inside, last - inside)
         return np.maximum(grid_leg, TINY)
 

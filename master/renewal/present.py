@@ -23,8 +23,8 @@ TOGETHER_PIECES = 100_000
 # Smallest accuracy of a table, a fraction of the contacts: a finer one would follow the rounding of a survival. And the
 # accuracy of a table in that of the births, so that its error is small in theirs.
 FINEST_TABLE, FOR_TABLE = 1e-13, 0.1
-# Factor on the largest residual of conservation, and of the force, at a few points: it is at least half of the true one
-# (measured).
+# Factor on the largest residual of conservation, and of the force, at the check points: the largest one anywhere on the
+# panel is at most twice that (measured).
 BETWEEN_CHECKS = 2.0
 
 

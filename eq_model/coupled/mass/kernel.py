@@ -201,7 +201,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             stiffness = pull.spring + s.stiffness * each
             pulled = spring_force(s, pull)
             net = pulled - contact_force(s, pull)
-            if not s.falling and not s.grown:
+            if not s.falling and not s.nothing_broke:
                 watch(s, pull, pulled)
             s.seen = s.breaks
             if known if s.speed >= 0.0 else known_behind:
@@ -214,7 +214,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                 motion = motion_of(s, pull, net, stiffness)
                 t, side = first_passage(motion, ahead, behind, most)
                 if not s.falling and s.loose != s.tried and has_loosened(s, pull):
-                    # contacts broke before the slider was as fast as the drive: its next fall is the slip
+                    # Contacts broke before the slider was as fast as the drive. So stop where it is fastest, for
+                    # begin_if_fast to see a fall that would begin and end between two events.
                     early, top = first_top(motion)
                     limit = speed_limit(pull.speeds[unsigned(s.leg)])
                     if early < t and top > FASTER * limit:
@@ -236,8 +237,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             elif proposed:
                 s.now = time_now(s, pull)
                 breaks = propose(contacts.ages.heat, s, contacts)
-            s.grown = breaks < 0 and (side != 0 or proposed)
-            if not s.grown:
+            s.nothing_broke = breaks < 0 and (side != 0 or proposed)
+            if not s.nothing_broke:
                 slipped = begin_if_fast(s, pull)
             if breaks >= 0:
                 forms = _break(s, contacts, breaks, pull)
@@ -245,7 +246,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                     return TOO_MANY
             elif due:
                 forms = _return(s, contacts, pull)
-            elif not s.grown and remaining <= most:
+            elif not s.nothing_broke and remaining <= most:
                 slipped = _end_leg(s, pull) or slipped
         if forms >= 0:
             _form(s, contacts, forms, supply, pull, 0.0)

@@ -37,7 +37,7 @@ class Motion(NamedTuple):
     rings: bool  # b < s
 
 
-class Place(NamedTuple):
+class Moment(NamedTuple):
     """Where the slider is at some time: its way since the last event, u - u(0), u, u' and its speed."""
 
     travel: float
@@ -55,8 +55,8 @@ def make_motion(drift, u, speed, decay, own):  # type: ignore[no-untyped-def]
 
 
 @bare
-def place_at(m, t):  # type: ignore[no-untyped-def]
-    """The Place at time t >= 0."""
+def moment_at(m, t):  # type: ignore[no-untyped-def]
+    """The Moment at time t >= 0."""
     if m.rings:
         fading, angle = np.exp(-m.decay * t), m.beat * t
         sine, cosine, half = np.sin(angle), np.cos(angle), np.sin(0.5 * angle)
@@ -72,7 +72,7 @@ def place_at(m, t):  # type: ignore[no-untyped-def]
         slope = decay * fast + slow * d
     gone = m.u * c + m.speed * d
     change = m.speed * slope - m.own * (m.own * m.u) * d
-    return Place(m.drift * t + gone, gone, m.u + gone, change, m.drift + change)
+    return Moment(m.drift * t + gone, gone, m.u + gone, change, m.drift + change)
 
 
 @inlined
@@ -83,7 +83,7 @@ def acceleration(m, u, change):  # type: ignore[no-untyped-def]
 
 @bare
 def next_extreme(m, t, u, change):  # type: ignore[no-untyped-def]
-    """Time from a place at t, with these u and u', until the speed has its next extreme; inf if it has none."""
+    """Time from the moment t, with these u and u', until the speed has its next extreme; inf if it has none."""
     near = NEAR + NEAR_FRACTION * m.own * t
     # u'' = a and its derivative j; u'' is proportional to a C(t) + j D(t), too
     a = acceleration(m, u, change)
@@ -100,8 +100,8 @@ def next_extreme(m, t, u, change):  # type: ignore[no-untyped-def]
 
 @inlined
 def begin_of(m):  # type: ignore[no-untyped-def]
-    """The Place at t = 0."""
-    return Place(0.0, 0.0, m.u, m.speed, m.drift + m.speed)
+    """The Moment at t = 0."""
+    return Moment(0.0, 0.0, m.u, m.speed, m.drift + m.speed)
 
 
 @bare
@@ -113,7 +113,7 @@ def meets(m, is_speed, rises, level, low, high, guess):  # type: ignore[no-untyp
     """
     t = guess if low < guess < high else 0.5 * (low + high)
     for _ in range(200):
-        here = place_at(m, t)
+        here = moment_at(m, t)
         value, slope = here.travel - level, here.speed
         if is_speed:
             value, slope = here.speed - level, acceleration(m, here.u, here.change)
@@ -180,15 +180,15 @@ def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
     while t < most:
         safe = min(_safe_until(m, t, here, ahead, behind), most)
         if safe > t:
-            t, here = safe, place_at(m, safe)
+            t, here = safe, moment_at(m, safe)
             if t == most:
                 break
         end = min(t + next_extreme(m, t, here.u, here.change), most)
-        there = place_at(m, end)
+        there = moment_at(m, end)
         turn, middle = end, there.travel
         if here.speed * there.speed < 0.0:
             turn = meets(m, True, there.speed > 0.0, 0.0, t, end, t)
-            middle = place_at(m, turn).travel
+            middle = moment_at(m, turn).travel
         if middle >= ahead:
             guess = t + (ahead - here.travel) / here.speed
             return meets(m, False, True, ahead, t, turn, guess), 1
@@ -212,7 +212,7 @@ def first_top(m):  # type: ignore[no-untyped-def]
         t += next_extreme(m, t, here.u, here.change)
         if not t < np.inf:
             break
-        here = place_at(m, t)
+        here = moment_at(m, t)
         if rises:
             return t, here.speed
     return np.inf, here.speed
@@ -231,7 +231,7 @@ def first_slower(m, speed, most, top):  # type: ignore[no-untyped-def]
     comes_close = not m.rings and m.drift >= (1.0 - 1e-12) * speed
     while t < most:
         end = min(t + next_extreme(m, t, here.u, here.change), most)
-        there = place_at(m, end)
+        there = moment_at(m, end)
         top = max(top, there.speed)
         level = speed + (SLOW * (top - speed) if comes_close else 0.0)
         if here.speed <= level:
@@ -246,7 +246,7 @@ def first_slower(m, speed, most, top):  # type: ignore[no-untyped-def]
 def last_faster(m, speed, end):  # type: ignore[no-untyped-def]
     """When a slider that is faster than `speed` at `end` (and the drift not) became so, from 0 on, and its top speed
     since."""
-    here = place_at(m, end)
+    here = moment_at(m, end)
     top = here.speed
     extreme = before = -1.0  # when the speed had its last two extremes
     if m.rings:
@@ -258,7 +258,7 @@ def last_faster(m, speed, end):  # type: ignore[no-untyped-def]
         extreme = extreme if extreme < end else -1.0
     for k in range(2):
         begin = max(before if k else extreme, 0.0)
-        there = place_at(m, begin)
+        there = moment_at(m, begin)
         if there.speed <= speed:
             return meets(m, True, True, speed, begin, end, begin), top
         top, end = max(top, there.speed), begin

@@ -12,7 +12,7 @@ from eq_model.coupled.mass.motion import (
     first_slower,
     last_faster,
     make_motion,
-    place_at,
+    moment_at,
     speed_at_break,
 )
 from eq_model.coupled.mass.state import pass_time, speed_limit
@@ -165,7 +165,7 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
 @inlined
 def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
     """Move for a time t in closed form, then a break (side 1 or -1) at `travel`."""
-    there, drive = place_at(motion, t), pull.speeds[unsigned(s.leg)]
+    there, drive = moment_at(motion, t), pull.speeds[unsigned(s.leg)]
     speed = there.speed
     if side == 0:
         travel = there.travel
@@ -177,7 +177,7 @@ def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
         slower, s.top = first_slower(motion, limit, t, s.top)
     pass_time(s, pull, t, travel, speed, integral, squares)
     if s.falling and slower < t:
-        end_fall(s, pull, t - slower, travel - place_at(motion, slower).travel)
+        end_fall(s, pull, t - slower, travel - moment_at(motion, slower).travel)
     was_fast, s.fast = s.fast, not s.falling and speed > limit
     if s.fast:
         faster, top = last_faster(motion, limit, t)
@@ -188,6 +188,6 @@ def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
         else:
             s.fast_for, s.fast_way, s.top = (
                 t - faster,
-                travel - place_at(motion, faster).travel,
+                travel - moment_at(motion, faster).travel,
                 top,
             )

@@ -40,7 +40,7 @@ SLIDER = np.dtype(
         ("force_before", np.float64),  # of the spring where it began
         ("top", np.float64),  # largest speed of the slider since then
         # a swing down, of one fall or several: begins where the spring's force is largest
-        ("low", np.bool_),  # whether the force is in one, which no rise has ended yet
+        ("in_swing", np.bool_),  # whether the force is in one, which no rise has ended yet
         ("clock", np.float64),  # time since it began
         ("lead", np.float64),  # largest K (FASTER X_T - X) since it began
         # whether the slider has been FASTER times as fast as the drive since, by more than chance
@@ -64,7 +64,7 @@ SLIDER = np.dtype(
         ("fast_for", np.float64),  # since when
         ("fast_way", np.float64),  # how far it has moved since
         # whether the last event was no break, as the contact had grown, or has another window in heat
-        ("grown", np.bool_),
+        ("nothing_broke", np.bool_),
         # with heat: the time now, the sum of all levels, its integral until the next proposal, and the number of draws
         ("now", np.float64),
         ("total", np.float64),

@@ -54,7 +54,7 @@ def watch(s, pull, force):  # type: ignore[no-untyped-def]
         _rest_at(s, x, force)
     elif force - s.rest_force >= pull.rise:
         few = s.seen - s.rest_breaks < pull.slip_fraction * s.n_holding
-        if few and (s.low or force >= pull.swing[F_BEFORE]):
+        if few and (s.in_swing or force >= pull.swing[F_BEFORE]):
             s.stuck, s.stuck_at, s.held, s.loose = True, x, s.n_holding, s.breaks - s.seen
         _rest_at(s, x, force)
 
@@ -77,11 +77,11 @@ def begin_fall(s, pull, before, travel_before, top):  # type: ignore[no-untyped-
     force = pull.spring * (drive - x)
     s.falling, s.broken, s.force_before, s.top = True, 0, force, top
     lead, ended = force + (FASTER - 1.0) * pull.spring * drive, False
-    if s.low and force - swing[F_AFTER] >= _level(s, pull):
+    if s.in_swing and force - swing[F_AFTER] >= _level(s, pull):
         ended = take_slip(s, pull)
-        s.low = False
+        s.in_swing = False
         swing[F_BEFORE] = -np.inf
-    if not s.low and force >= swing[F_BEFORE]:
+    if not s.in_swing and force >= swing[F_BEFORE]:
         swing[DRIVE], swing[X_BEFORE], swing[F_BEFORE], swing[TOP_SPEED] = drive, x, force, 0.0
         s.clock, s.lead, s.rushed = before, lead, False
     s.lead = max(s.lead, lead)
@@ -122,10 +122,10 @@ def end_fall(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
     # in several falls: beside a drive FASTER times as fast the force would have fallen, too
     if s.lead - (force + (FASTER - 1.0) * pull.spring * drive) >= chance:
         s.rushed = True
-    if not s.low and swing[F_BEFORE] - force >= _level(s, pull):
-        s.low = True
+    if not s.in_swing and swing[F_BEFORE] - force >= _level(s, pull):
+        s.in_swing = True
         swing[F_AFTER] = np.inf
-    if s.low:
+    if s.in_swing:
         lower = swing[F_AFTER] - force > LOWER * (swing[F_BEFORE] - force)
         begins = not s.slipping and s.rushed and has_loosened(s, pull)
         if begins:

@@ -121,10 +121,10 @@ class Record:
         """Begin and end falls of the spring's force, and see whether the slider sticks outside of them."""
         limit = max(seen.drive_speed, 0.0)
         if (seen.speeds[0] > limit) != (self._fall is not None):  # the drive's speed has changed
-            self._turn(seen.at(float(seen.times[0])), limit, seen.drive_direction)
+            self._begin_or_end_fall(seen.at(float(seen.times[0])), limit, seen.drive_direction)
         for k, t in enumerate(seen.times.tolist()):
             if k and (seen.speeds[k] > limit) != (seen.speeds[k - 1] > limit):
-                self._turn(seen.at(seen.when(k - 1)), limit, seen.drive_direction)
+                self._begin_or_end_fall(seen.at(seen.when(k - 1)), limit, seen.drive_direction)
             if self._fall is None:
                 self._see_stick(k, t, seen)
             else:
@@ -153,7 +153,7 @@ class Record:
             if here.breaks - rest.breaks < SLIP_FRACTION:
                 self._stuck, self._broken_before = True, here.breaks
 
-    def _turn(self, at: Instant, limit: float, drive_direction: int) -> None:
+    def _begin_or_end_fall(self, at: Instant, limit: float, drive_direction: int) -> None:
         """The spring's force begins to fall, or a fall ends, which was a slip if it ended a stick."""
         begin, self._fall = self._fall, None
         if begin is None:
