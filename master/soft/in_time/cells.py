@@ -53,6 +53,9 @@ class CellControl(NamedTuple):
         after a birth it is thinner
     least_first, most_first : that width is between these, in narrowest widths of the laws. With first cells of 0.1
         widths 1e-3 of the contacts were missed; a layer far thinner than the least contains too few to matter
+    thinnest, thinner : thickness of the layer, in narrowest widths of the laws on the cells of the resolution -1, and
+        by how many times it is less on each finer one: in thinner ones, as of contacts that hardly age or of fast
+        sliders, errors grow as |x| rises, on these coarsest cells below some 30 first cells, on the next below 3
     growth : of the width of cells with the distance from y = 0
     widest : cell up to where the bulk of the thresholds ends, in narrowest widths; errors in space then equal those in
         time for steps of a quarter of such a width
@@ -67,6 +70,8 @@ class CellControl(NamedTuple):
     of_layer: float = 0.05
     least_first: float = 2e-6
     most_first: float = 2e-5
+    thinnest: float = 1e-3
+    thinner: float = 8.0
     growth: float = 0.3
     widest: float = 0.4
     beyond_bulk: float = 1e-4
@@ -115,6 +120,7 @@ class Cells:
         layer = CELLS.of_layer * ageing.rate / fastest if fastest > 0.0 else np.inf
         least, most = CELLS.least_first * self.width, CELLS.most_first * self.width
         first_cell = float(np.clip(layer, least, most))
+        self._thinnest = CELLS.thinnest * self.width * CELLS.thinner ** (-resolution - 1)
         far, bulk = (
             highest(law, ageing.final, fraction) for fraction in (CELLS.far, CELLS.beyond_bulk)
         )
@@ -170,8 +176,10 @@ class Cells:
         flow *= times[:, None]
         flow += rise
         # so large that the layer at |x|, as thick as spread/rise, is at least as wide as the first cell, which ends at
-        # edges[1]: a thinner one need not be resolved
-        spread = np.maximum(self._diffusion * times, self.edges[1] * np.abs(rise))
+        # edges[1], and as the thinnest in which weights do not grow: a thinner one need not be resolved
+        spread = np.maximum(
+            self._diffusion * times, max(self.edges[1], self._thinnest) * np.abs(rise)
+        )
         # Fluxes per density at a lower face: what leaves the cell enters the cell below. With heat the tilt of each
         # cell (see `_early`) is counted with the flux that leaves it, and with that which enters it from above.
         leaving = entering = flow

@@ -24,7 +24,7 @@ from master.soft.inertia.in_time.ringing import Ringing
 from master.soft.inertia.in_time.slider import HeavySlider
 from master.soft.inertia.in_time.steady_sliding import sliding_of
 from master.soft.inertia.run import SlipsInTime
-from origins import Contacts, Drive
+from origins import Contacts, Drive, ProportionalGrowth
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
@@ -69,7 +69,7 @@ def follow_in_steps(
         try:
             slider.run()
         except StoppedError as why:
-            stopped = _why(why, slider, drive)
+            stopped = _why(why, slider, contacts, drive)
             if best is None:
                 if time.monotonic() <= until and not isinstance(why, FaultError):
                     refuse("path[-1]", drive.path[-1], stopped)
@@ -131,24 +131,29 @@ def _largest(found: HeavyAnswer) -> float:
     return max(found.error_of_force_and_load, found.of_holding.size)
 
 
-def _why(why: StoppedError, slider: HeavySlider, drive: Drive) -> str:
+def _ensemble_takes(contacts: Contacts) -> bool:
+    """Whether eq_model.simulate takes a slider with mass on these contacts."""
+    stays = contacts.changing is None or isinstance(contacts.changing, ProportionalGrowth)
+    return stays and contacts.reforming is None
+
+
+def _why(why: StoppedError, slider: HeavySlider, contacts: Contacts, drive: Drive) -> str:
     """Why a slider was stopped, and where steps were too many what to do."""
-    contacts = slider.contacts
-    work = MOST_WORK * (contacts.most_steps / MOST_STEPS) ** 2
-    if contacts.cost <= contacts.most_steps and contacts.work <= work:
+    taken = slider.contacts
+    work = MOST_WORK * (taken.most_steps / MOST_STEPS) ** 2
+    if taken.cost <= taken.most_steps and taken.work <= work:
         return str(why)
-    fault = (
-        f"a slider with mass takes {contacts.steps} steps, {contacts.work:.1e} operations in all,"
-    )
+    fault = f"a slider with mass takes {taken.steps} steps, {taken.work:.1e} operations in all,"
     end, hint = "end the path sooner", f"or give a larger damping ({enough_damping(drive)})"
     if slider.falls.begins and slider.motion is not None:
         begins = float(slider.motion.at(np.array(slider.falls.begins[-1])))
         end = f"end the path before the slip at X_T = {begins:.6g}"
     if len(slider.falls.begins) > len(slider.falls.slips):
-        hint = "or take a slip rule, or eq_model.simulate: the slip itself takes so many"
+        others = ", or eq_model.simulate" if _ensemble_takes(contacts) else ""
+        hint = f"or take a slip rule{others}: the slip itself takes so many"
     if slider.may_fly_at_one_speed:
         hint = "or drive at one speed all along, on which slips of contacts that wait so long take no steps"
-    return f"{fault} to t = {contacts.now:.4g}, and no more are taken on; {end}, {hint}"
+    return f"{fault} to t = {taken.now:.4g}, and no more are taken on; {end}, {hint}"
 
 
 def _found(
