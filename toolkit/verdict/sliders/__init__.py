@@ -2,7 +2,8 @@
 
 In reading order: `machine.py`, a slider's machine and what one does (`Behaviour`, `Finite`); `follow.py`, infinitely
 many contacts by the master equation, driven until their slips tell what follows, mostly five; `steady.py` and
-`forgetting.py`, when sliding is steady and what a slip leaves of the past; `ensemble.py`, sliders of some contacts,
+`forgetting.py`, when sliding is steady and what a slip leaves of the past; `in_heat.py` and `weak_heat.py`, sliders in
+heat for which there are no steps in time; `ensemble.py`, sliders of some contacts,
 whose number the time decides, beginning with a pilot of a thousand; `late.py`, their late slips; `plans.py`, how far
 the drive of finitely many contacts goes and how often they break on the way; `finite.py`, how many of those of the area
 four sliders have, and what these do; `islands.py`, the numbers to begin with for islands; and `budget.py`, times and

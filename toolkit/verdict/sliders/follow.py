@@ -25,7 +25,7 @@ from toolkit.verdict.sliders.ensemble import (
     without_heat,
 )
 from toolkit.verdict.sliders.forgetting import after_forgetting, forgets_its_start
-from toolkit.verdict.sliders.in_heat import by_steady_sliding, with_stability
+from toolkit.verdict.sliders.in_heat import SLIDES, by_steady_sliding, with_stability
 from toolkit.verdict.sliders.machine import (
     Behaviour,
     Machine,
@@ -35,6 +35,7 @@ from toolkit.verdict.sliders.machine import (
 )
 from toolkit.verdict.sliders.steady import settling_distance, slides_on
 from toolkit.verdict.sliders.told import PRECISE_ENOUGH, behaviour_of, error_of, is_known
+from toolkit.verdict.sliders.weak_heat import by_contacts_without_heat
 
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
 TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
@@ -131,9 +132,11 @@ def follow(
         if found.kind != "undecided":
             return _settled(found, machine, rigid, contacts)
         if part < 1.0:
-            told = by_steady_sliding(machine, contacts, rule, rigid, until, without)
-            if told is not None:
-                return told
+            roads = by_steady_sliding, by_contacts_without_heat
+            for road in roads if rule in SLIDES else reversed(roads):
+                told = road(machine, contacts, rule, rigid, until, without)
+                if told is not None:
+                    return told
         if found.refused or late == until:
             break
     found = with_stability(found, machine, contacts)

@@ -63,12 +63,12 @@ def by_steady_sliding(
     try:
         if not sliding_is_stable(contacts, speed, spring, machine.mass or 0.0, machine.damping):
             return None
-        each = [_rigid(contacts, one, rigid.contacts, until) for one in looked_at(machine)]
+        each = [rigid_at(contacts, one, rigid.contacts, until) for one in looked_at(machine)]
         reached = np.maximum.accumulate([one.static for one in each])
         if (reached - [one.kinetic for one in each]).max() < small:
             return _at_kinetic(not_followed(rule, ""), machine, rigid, unit, 0.0)
         bare = contacts.replace(thermal=None)
-        cold = _rigid(bare, speed, rigid.contacts, until)
+        cold = rigid_at(bare, speed, rigid.contacts, until)
         off = max(
             max(abs(one.kinetic - cold.kinetic), abs(one.static - cold.static)) for one in each
         )
@@ -122,7 +122,9 @@ def _at_kinetic(
     )
 
 
-def _rigid(contacts: Contacts, velocity: float, number: float | None, until: float) -> RigidSlider:
+def rigid_at(
+    contacts: Contacts, velocity: float, number: float | None, until: float
+) -> RigidSlider:
     """A rigid slider on relaxed contacts at this speed; `number` : of contacts on the area. Raises InputError once the
     time is over, or where F_k and F_s are not known."""
     import master
