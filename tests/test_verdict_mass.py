@@ -54,9 +54,9 @@ from toolkit.verdict.sliders.machine import (
 )
 from toolkit.verdict.text import kinds
 from toolkit.verdict.text.hangs_on import dependence, why_above
+from toolkit.verdict.text.spread import widest
 from toolkit.verdict.text.table import in_units, table
 from toolkit.verdict.text.words import page, sentence
-from toolkit.verdict.uncertainty import widest
 from toolkit.verdict.with_mass import closely, follow_extremes, in_its_own_time
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")

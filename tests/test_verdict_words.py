@@ -4,13 +4,23 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from origins import Contacts, Delay, Thermal, gaussian, strengthening
+from origins import (
+    Contacts,
+    Delay,
+    Material,
+    Thermal,
+    from_topography,
+    gaussian,
+    strengthening,
+)
 from tests.scenes import ROUGH, said, write
+from toolkit.results.slips import still_changing
 from toolkit.running.progress import Progress
 from toolkit.scene.scale import Scale, scale_of
 from toolkit.scene.scene import load_scene
@@ -20,11 +30,11 @@ from toolkit.verdict.sliders.budget import at_most, without_useless_damping
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
 from toolkit.verdict.text.k_star import of_critical_spring
+from toolkit.verdict.text.spread import other_samples, range_of_force
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.undone import with_rules
 from toolkit.verdict.text.words import page
 from toolkit.verdict.trace import last_cycles
-from toolkit.verdict.uncertainty import range_of_force
 from toolkit.verdict.with_mass import closely, rests_after
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
@@ -80,14 +90,23 @@ def test_numbers_have_two_digits_where_other_samples_change_them_by_more_than_a_
 
 
 def test_a_range_of_forces_has_the_digits_of_their_errors() -> None:
-    """Forces before slips of contacts that wait, each known to a tenth, and F_k of a rigid slider to 1e-9."""
+    """Forces before slips of contacts that wait, each known to a tenth, and F_k of a rigid slider to 1e-9; the error of
+    one between both ends is told, too, as it may be beyond them."""
     own = told(slips("mass", before=2.99, error=0.3), delay=Delay(5.0)).own
     other = replace(own, name="b", behaviours=(slips("mass", before=3.13, error=0.3),))
     verdict = replace(told(), answers=(own, other))
-    assert range_of_force(verdict).endswith("is 3.0 N_c<k> length to 3.1 N_c<k> length")
+    assert range_of_force(verdict).endswith(
+        "is 3.0 N_c<k> length to 3.1 N_c<k> length, each known to ± 0.30 N_c<k> length or better"
+    )
     sharp = (slips("mass", before=3.13, error=1e-5),)
     verdict = replace(told(), answers=(own, replace(other, behaviours=sharp)))
-    assert range_of_force(verdict).endswith("is 3.0 N_c<k> length to 3.130 N_c<k> length")
+    assert "is 3.0 N_c<k> length to 3.130 N_c<k> length, each" in range_of_force(verdict)
+    between = replace(other, name="c", behaviours=(slips("mass", before=3.05, error=0.3),))
+    own, other = (replace(one, behaviours=sharp) for one in (own, other))
+    own = replace(own, behaviours=(replace(sharp[0], before=2.99),))
+    for given, told_too in (((own, other), False), ((own, other, between), True)):
+        said = range_of_force(replace(verdict, answers=given))
+        assert "is 2.990 N_c<k> length to 3.130" in said and ("each known to" in said) == told_too
 
 
 def test_rules_with_errors_of_their_own_stand_apart_in_the_headline() -> None:
@@ -371,3 +390,44 @@ def test_beside_a_mass_no_sentence_names_a_slip_rule() -> None:
     said = "what 9 contacts do if <rule> is not known"
     assert with_rules(said, ["mass"], alone.own) == "what 9 contacts do is not known"
     assert "if a slip renews all contacts is" in with_rules(said, ["reset"], beside.own)
+
+
+def test_the_factor_between_readings_has_the_digits_that_their_errors_leave() -> None:
+    """558 of two K* that are exact is some 560, and of one that is known to a half some 600."""
+    own = told(slips("reset"), kinetic=replace(NUMBER, value=0.5)).own
+    for error, factor in ((1e-3, "some 560"), (0.6, "some 600")):
+        critical = answers.Quantity(0.44 * 558.0, error * 0.44 * 558.0)
+        other = replace(own, name="b", critical_spring=critical)
+        lines = "\n".join(page(replace(told(), answers=(own, other))))
+        assert f"K* differs by a factor of {factor} over 2 readings" in lines
+
+
+def test_slips_that_still_grow_say_so() -> None:
+    """Of four sliders with three slips each, in the headline and the table; not where it may be chance."""
+    number, replica = np.tile(np.arange(3), 4), np.repeat(np.arange(4), 3)
+    noise = np.random.default_rng(1).normal(0.0, 1.0, 12)
+    for scatter, told_so in ((1e-3, True), (0.05, False)):
+        befores = np.array([0.21, 0.23, 0.24])[number] + scatter * noise
+        each = SimpleNamespace(force_before=befores, replica=replica, number=number)
+        assert bool(still_changing(each, 4)) == told_so
+    few = Finite("mass", 1000, "stick-slip", before=0.24, still_changing=(0.21, 0.23, 0.24))
+    said = page(told(slips("mass", slips=3, contacts=1000, sliders=few)))
+    assert ", still growing: 0.21" in said[2]
+    (row,) = (one for one in said if one.startswith("slips seen (mass)"))
+    assert "3 slips of each of 4 sliders, still growing: 0.210" in row
+
+
+def test_a_scan_tells_how_few_contacts_it_would_hold_itself() -> None:
+    """A density of contacts times its own size, from the least to the largest over the readings."""
+    heights = 1e-9 * np.random.default_rng(3).standard_normal((64, 48))
+    material = Material(contact_modulus=1e9, shear_modulus=1e9, local_friction=0.3)
+    laws = [
+        from_topography(heights, 1e-8, model="gw", law="amontons", pressure=p, material=material)
+        for p in (1e5, 6e5)
+    ]
+    each = [replace(told(slips("reset")).own, contacts=Contacts(law)) for law in laws]
+    (line,) = other_samples(replace(told(), answers=tuple(each)))
+    few, many = (law.interface.contact_density * 64e-8 * 48e-8 for law in laws)
+    assert 1.0 < 2.0 * few < many < 100.0
+    assert f"would hold some {few:.2g} to {many:.2g} contacts" in line
+    assert f"its size holds {100.0 * few**-0.5:.2g}% more or fewer" in line

@@ -153,6 +153,19 @@ def late_slips(slips: Any, sliders: int) -> LateSlips:
     return those(late, those(late & ~later), those(later))
 
 
+def still_changing(slips: Any, sliders: int) -> tuple[float, ...]:
+    """The force before a slip, in order, its mean over so many sliders, where these have had fewer than ENOUGH slips
+    and the last ones grow, or shrink, from slip to slip by more than chance; else none."""
+    if not 2 < (common := int(np.bincount(slips.replica, minlength=sliders).min())) < ENOUGH:
+        return ()
+    each = np.array([slips.force_before[slips.replica == one][:common] for one in range(sliders)])
+    steps = np.diff(each)[:, -2:]
+    means, off = steps.mean(axis=0), steps.std(axis=0, ddof=1) / sliders**0.5
+    clear = np.abs(means) > np.maximum(AGREE * off, STILL * np.abs(each[:, -1].mean()))
+    on = bool(clear.all()) and means[0] * means[1] > 0.0
+    return tuple(each.mean(axis=0).tolist()) if on else ()
+
+
 def are_fading(slips: Any) -> bool:
     """Whether the slips of sliders shrink along their way: the mean drop of each slider's last third is below that of
     the third before it by FADED of it, and by FADING standard errors. Of fewer than three a third nobody knows."""

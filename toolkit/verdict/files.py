@@ -66,7 +66,8 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
     forces = ("before", "before_error", "after", "after_error", "late", "late_error", "fluctuation")
     spreads = {name: getattr(finite, name) for name in ("befores", "drops")}
     out |= {name: one and asdict(one.times(force)) for name, one in spreads.items()}
-    return out | {name: out[name] * force for name in forces}
+    out |= {name: out[name] * force for name in forces}
+    return out | {"still_changing": [one * force for one in finite.still_changing]}
 
 
 def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:

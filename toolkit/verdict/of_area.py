@@ -25,6 +25,7 @@ from toolkit.verdict.slips_in_words import (
     scatters,
     sliding_force,
     spacings,
+    still_changing,
 )
 from toolkit.verdict.uncertainty import SEEN
 
@@ -174,7 +175,7 @@ def rows_of(verdict: Verdict, finite: Finite) -> dict[str, str]:
         few = (
             f"{finite.slips:.3g} of each of {SLIDERS} sliders, few: their scatter is in the errors"
         )
-        rows[f"slips seen of {whose}"] = few
+        rows[f"slips seen of {whose}"] = few + still_changing(finite, scale)
     if finite.kind == "stick-slip" and finite.period is not None:
         rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, finite))
     if (mean_force := mean_over_slips(finite)) is not None:

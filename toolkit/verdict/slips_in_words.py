@@ -74,6 +74,16 @@ def left_out(each: Finite | Behaviour) -> str:
     return f", without {each.smaller:,} of {slips:,} slips, below a fifth of the largest"
 
 
+def still_changing(finite: Finite | None, scale: Scale) -> str:
+    """That few slips still grow, or shrink, from one to the next, with the forces before them in order; "" where they
+    do not, or where that is not clear."""
+    each = finite.still_changing if finite is not None else ()
+    if not each:
+        return ""
+    what, unit = "growing" if each[-1] > each[0] else "shrinking", scale.force_unit
+    return f", still {what}: {', '.join(written(one * scale.force, unit) for one in each)}"
+
+
 def mean_over_slips(one: Behaviour | Finite) -> float | None:
     """The mean force over the last periods of stick-slip, F/(N_c <k>) (a length), of one slider where so many contacts
     are told of; None where none is seen."""

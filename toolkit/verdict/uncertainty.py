@@ -9,14 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from origins.contacts import Contacts
-from origins.roughness.interface import Interface
-from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from toolkit.running.resampled import like, of_resampled
 from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
-from toolkit.verdict.sliders.budget import LONGER, Budget
+from toolkit.verdict.sliders.budget import Budget
 from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Behaviour, critical_damping
 
@@ -79,64 +77,6 @@ def sliding_force_of(verdict: Verdict, answer: Answer, one: Behaviour) -> float:
         error if np.isfinite(error) else 0.0, NO_NEWS * widest_uncertainty(verdict) * kinetic
     )
     return kinetic if abs(one.after - kinetic) <= known else one.after
-
-
-def widest(verdict: Verdict) -> list[str]:
-    """The widest uncertainty of the forces in words, where it is not the numerical error, which stands beside them."""
-    uncertainties, own = uncertainties_of(verdict), verdict.own
-    scale, widest_one = own.scale, max(uncertainties)
-    if widest_one < WORTH_TELLING or widest_one == uncertainties.numerical:
-        return []
-    if uncertainties.sampling > uncertainties.readings:
-        slips = any(one.kind == "stick-slip" for one in own.behaviours)
-        told = own.static if slips and own.static.sampling else own.kinetic
-        error = written((told.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
-        force = "F_k" if told is own.kinetic else "F_s"
-        whose = " of a rigid slider" * bool(own.contacts.in_time and own.machine)
-        return [f"other samples would change {force}{whose} by ± {error}"]
-    return [range_of_force(verdict, f" of the {len(verdict.answers)} readings")]
-
-
-def range_of_force(verdict: Verdict, whose: str = "") -> str:
-    """F_k over all readings, whose they are, from the least to the largest; where contacts depend on time, and stick
-    and slip, the force before a slip of readings that do under a rule that decides the own one, if there are several,
-    as F_k is that of a rigid slider as fast as the drive."""
-    scale, uncertainty, answers = verdict.own.scale, widest_uncertainty(verdict), verdict.answers
-    forces = [(one.kinetic.value * one.scale.force, 0.0) for one in answers]
-    what, befores = f"F_k{whose}", list[list[tuple[float, float]]]()
-    rules = {each.rule for each in verdict.own.behaviours if each.kind != "undecided"}
-    for one in answers:
-        unit = one.scale.force
-        slips = [each for each in one.behaviours if each.kind == "stick-slip"]
-        slipping = [each for each in slips if each.rule in rules]
-        errors = (error_beside(verdict, one, each) * unit for each in slipping)
-        befores.append(
-            list(zip((abs(each.before) * unit for each in slipping), errors, strict=True))
-        )
-    slip = sum(map(bool, befores))
-    if verdict.own.contacts.in_time and befores[0] and slip > 1:
-        forces = [one for each in befores for one in each]
-        what = f"the force before a slip by the {slip} of {len(answers)} readings that slip"
-    # each to the digit of its own error, where that is the wider one
-    ends = (
-        to_digits(force, scale.force_unit, uncertainty * force, error, is_vague(verdict))
-        for force, error in (min(forces), max(forces))
-    )
-    return f"{what} is {' to '.join(dict.fromkeys(ends))}"
-
-
-def other_samples(verdict: Verdict) -> list[str]:
-    """What the column of other samples holds, and where nothing is known of them, why; none of a law that is given."""
-    law = verdict.own.contacts.thresholds
-    if drawn := sum(part.n_samples for part in sampled_parts(law)):
-        if verdict.own.kinetic.sampling:
-            return [f"other samples: one standard error, by resampling the {drawn:,} thresholds"]
-        if verdict.stopped is not None:
-            return [f"other samples: interrupted before the {drawn:,} thresholds were resampled"]
-        return [f"other samples: no time was left to resample the {drawn:,} thresholds; {LONGER}"]
-    if isinstance(law.interface, Interface):
-        return ["other samples: one surface is one sample (n = 1), which tells nothing of others"]
-    return []
 
 
 def numerical_errors(verdict: Verdict) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 from origins.contacts import Contacts
 from toolkit.results.mean_of_pairs import ONE_SIGMA
 from toolkit.results.rarer import rarer
-from toolkit.results.slips import late_slips, may_go_on, shrinks_by, spread_of
+from toolkit.results.slips import late_slips, may_go_on, shrinks_by, spread_of, still_changing
 from toolkit.verdict.sliders.budget import MORE_TIME
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 from toolkit.verdict.sliders.steady import slides_on
@@ -48,6 +48,7 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
         drops=drops,
         periods=periods,
         shrinks_by=shrinks_by(slips, SLIDERS),
+        still_changing=still_changing(slips, SLIDERS),
     )
 
 

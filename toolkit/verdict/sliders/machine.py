@@ -162,6 +162,7 @@ class Finite:
     smaller : how many slips were left out beside main ones, of all sliders, see `main_slips`
     shrinks_by : part of itself by which a drop is smaller than the one before it, see `shrinks_by`; 0 where it is not
     rarer : how slips get rarer along the way; None where they do not
+    still_changing : forces before slips in order, F/(N_c <k>) (lengths), where few slips still grow, or shrink
     """
 
     rule: str
@@ -187,6 +188,7 @@ class Finite:
     smaller: int = 0
     shrinks_by: float = 0.0
     rarer: Rarer | None = None
+    still_changing: tuple[float, ...] = ()
 
     @property
     def force_error(self) -> float:

@@ -94,10 +94,11 @@ def long_delay_of(own: Answer) -> float:
 
 
 def without_delay(answer: Answer, slider: Behaviour) -> str:
-    """What a smooth slider with mass on a spring below K* hangs on, where no delay is given; "" for others."""
+    """What a smooth slider with mass on a spring below K* hangs on, where no delay is given, to be told first; "" for
+    others."""
     if slider.rule != "mass" or answer.contacts.waiting_time or not answer.softer:
         return ""
-    return " if contacts re-form at once (no delay is given)"
+    return "if contacts form again at once, as no delay is given: "
 
 
 def of_damping(answer: Answer, slider: Behaviour, differs: bool) -> str:

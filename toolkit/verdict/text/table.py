@@ -13,15 +13,20 @@ from toolkit.verdict.of_area import apart, rows_of
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour
-from toolkit.verdict.slips_in_words import mean_over_slips, period_of, with_period_error
+from toolkit.verdict.slips_in_words import (
+    mean_over_slips,
+    period_of,
+    still_changing,
+    with_period_error,
+)
 from toolkit.verdict.text.k_star import of_critical_spring
+from toolkit.verdict.text.spread import other_samples
 from toolkit.verdict.uncertainty import (
     PRECISE,
     VAGUE,
     WORTH_TELLING,
     error_beside,
     is_vague,
-    other_samples,
     spring_to_digits,
     to_digits,
     widest_uncertainty,
@@ -146,7 +151,8 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
     infinitely many; rules that give the same numbers share a row."""
     scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
     force, load, few = scale.force_unit, scale.load, apart(verdict)
-    vague = is_vague(verdict)
+    vague, machine = is_vague(verdict), verdict.own.machine
+    machine_spring = machine.spring if machine is not None else 0.0
     for rule, many in few.items():
         for row in rows_of(verdict, many).items():
             rows.setdefault(row, []).append(rule)
@@ -172,18 +178,22 @@ def _of_slips(verdict: Verdict) -> Iterator[list[str]]:
         values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error, vague)
         if (regained := regained_by(verdict, behaviour)) is not None:
             back = regained * scale.force
-            told = to_digits(back, force, uncertainty * back, error, vague)
+            of_period = machine_spring * behaviour.period_error * scale.force
+            told = _with_error(
+                back, force, uncertainty * back, max(error, of_period) * shown, vague
+            )
             values["of it regained over a period"] = told
         if (mean_force := mean_over_slips(behaviour)) is not None:
             mean_force *= scale.force
-            told = to_digits(mean_force, force, uncertainty * mean_force, error, vague)
+            told = _with_error(mean_force, force, uncertainty * mean_force, error, vague)
             told += _of_load(mean_force, uncertainty, error, load, vague)
             values["mean force of stick-slip"] = told
         if behaviour.period is not None:
             beside_forces = period_of(verdict, behaviour.period, uncertainty, bool(error))
             values["period"] = ", ".join(with_period_error(verdict, behaviour) or beside_forces)
         if behaviour.kind == "stick-slip" and behaviour.slips < ENOUGH_SLIPS:
-            values["slips seen"] = _of_few_slips(behaviour)
+            told = _of_few_slips(behaviour) + still_changing(behaviour.sliders, scale)
+            values["slips seen"] = told
         if behaviour.slip_time is not None:
             values["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         whose = ", infinitely many contacts" * (behaviour.rule in few)

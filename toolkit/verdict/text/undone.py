@@ -25,9 +25,12 @@ from toolkit.verdict.text.kinds import (
     out_of_time,
 )
 from toolkit.verdict.text.of_heat import of_heat, of_steady_sliding
+from toolkit.verdict.text.spread import range_of_force
 from toolkit.verdict.text.table import in_units
-from toolkit.verdict.uncertainty import range_of_force, uncertainties_of
+from toolkit.verdict.uncertainty import uncertainties_of
 
+# relative error of a factor above which it has one digit
+ONE_DIGIT = 0.1
 # stands for the slip rules under which a sentence holds
 RULE = "<rule>"
 
@@ -51,14 +54,11 @@ def of_readings(verdict: Verdict) -> Iterator[Line]:
         return
     differ = others(verdict)
     size = TURNS if differ else uncertainties_of(verdict).readings
-    springs = [
-        one.critical_spring.value * one.scale.spring
-        for one in answers
-        if not (one.critical_spring.unknown or one.critical_spring.lost)
+    known = [
+        one for one in answers if not (one.critical_spring.unknown or one.critical_spring.lost)
     ]
-    if len(springs) > 1:
-        factor = max(springs) / min(springs) if min(springs) > 0.0 else np.inf
-        said = f"K* differs by a factor of {factor:.3g} over {len(springs)} readings"
+    if len(known) > 1:
+        said = f"K* differs by a factor of {_factor_of_springs(known)} over {len(known)} readings"
         said += f", and {range_of_force(verdict)}"
         yield Line(size, f"threshold law, contact model and resolution: {said}")
     for kind, names in differ.items():
@@ -83,6 +83,18 @@ def of_readings(verdict: Verdict) -> Iterator[Line]:
         all_say = "the other one says" if len(decided) == 1 else all_say
         said = f"{all_say} what {verdict.own.name} says"
         yield Line(NOTHING, f"not the reading: {said}")
+
+
+def _factor_of_springs(answers: list[Answer]) -> str:
+    """The largest K* over the smallest, to the digits that the errors of both leave, two at most: it is a factor
+    between readings, of which others would give another one."""
+    low, *_, high = sorted(answers, key=lambda one: one.critical_spring.value * one.scale.spring)
+    small, large = low.critical_spring, high.critical_spring
+    if not small.value > 0.0 or not np.isfinite(large.value):
+        return "inf"
+    factor = large.value * high.scale.spring / (small.value * low.scale.spring)
+    off = np.hypot(small.error / small.value, large.error / large.value)
+    return f"some {float(f'{factor:.{0 if off > ONE_DIGIT else 1}e}'):,.6g}"
 
 
 def _why(answer: Answer) -> str:

@@ -31,6 +31,7 @@ from toolkit.verdict.slips_in_words import (
     of_fluctuations,
     periods,
     plain_fall,
+    still_changing,
     swinging,
 )
 from toolkit.verdict.text.border import on_the_border
@@ -48,6 +49,7 @@ from toolkit.verdict.text.kinds import (
     without_delay,
 )
 from toolkit.verdict.text.of_heat import stability, way_to
+from toolkit.verdict.text.spread import other_samples, widest
 from toolkit.verdict.text.table import drop_of, first_alike, speed_unit, table
 from toolkit.verdict.text.undone import cause, followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
@@ -56,11 +58,9 @@ from toolkit.verdict.uncertainty import (
     numerical_errors,
     of_assumed_damping,
     once_over,
-    other_samples,
     sliding_force_of,
     to_digits,
     unsure_of_springs,
-    widest,
     widest_uncertainty,
 )
 
@@ -271,11 +271,11 @@ def _behaved(
             differs = said != span([answer.kinetic.value * scale.force], scale.force_unit)
         if bare:
             return said
-        beside = whom + way_to(last)
-        beside += f"{of_damping(answer, last, differs)}{without_delay(answer, last)}"
+        beside = whom + way_to(last) + of_damping(answer, last, differs)
         beside += once_over(answer, last) + swinging(answer, last)
         beside += of_fluctuations(verdict, last) * (answer is verdict.own)
-        return f"smooth at {said}{beside}{of_assumed_damping(answer, last)}"
+        said = f"smooth at {said}{beside}{of_assumed_damping(answer, last)}"
+        return without_delay(answer, last) + said
     high = with_error([one.before * scale.force for one in alike])
     # an error that hides beside the force before a slip may be much of what is left after it
     own = error if error > uncertainty * min(map(abs, after)) else 0.0
@@ -296,5 +296,5 @@ def _behaved(
         said += f" every {every} at {written(verdict.velocity, speed_unit(verdict))}"
     if last.sliders is not None and (shrinks := shrinking(last.sliders)):
         said += f"{shrinks}, so that they may die out"
-    said += left_out(last.sliders or last)
+    said += left_out(last.sliders or last) + still_changing(last.sliders, scale)
     return said + of_assumed_damping(answer, last)

@@ -1,0 +1,97 @@
+"""What stands beside the answer: how far its forces reach over the readings, and what other samples would change."""
+
+from origins.roughness.interface import Interface
+from origins.samples.from_samples import sampled_parts
+from toolkit.scene.scale import written
+from toolkit.verdict.answers import Verdict
+from toolkit.verdict.sliders.budget import LONGER
+from toolkit.verdict.uncertainty import (
+    WORTH_TELLING,
+    is_vague,
+    to_digits,
+    uncertainties_of,
+    widest_uncertainty,
+)
+
+
+def widest(verdict: Verdict) -> list[str]:
+    """The widest uncertainty of the forces in words, where it is not the numerical error, which stands beside them."""
+    uncertainties, own = uncertainties_of(verdict), verdict.own
+    scale, widest_one = own.scale, max(uncertainties)
+    if widest_one < WORTH_TELLING or widest_one == uncertainties.numerical:
+        return []
+    if uncertainties.sampling > uncertainties.readings:
+        slips = any(one.kind == "stick-slip" for one in own.behaviours)
+        told = own.static if slips and own.static.sampling else own.kinetic
+        error = written((told.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
+        force = "F_k" if told is own.kinetic else "F_s"
+        whose = " of a rigid slider" * bool(own.contacts.in_time and own.machine)
+        return [f"other samples would change {force}{whose} by ± {error}"]
+    return [range_of_force(verdict, f" of the {len(verdict.answers)} readings")]
+
+
+def range_of_force(verdict: Verdict, whose: str = "") -> str:
+    """F_k over all readings, whose they are, from the least to the largest; where contacts depend on time, and stick
+    and slip, the force before a slip of readings that do under a rule that decides the own one, if there are several,
+    as F_k is that of a rigid slider as fast as the drive."""
+    scale, uncertainty, answers = verdict.own.scale, widest_uncertainty(verdict), verdict.answers
+    forces = [(one.kinetic.value * one.scale.force, 0.0) for one in answers]
+    what, befores = f"F_k{whose}", list[list[tuple[float, float]]]()
+    rules = {each.rule for each in verdict.own.behaviours if each.kind != "undecided"}
+    for one in answers:
+        unit = one.scale.force
+        slips = [each for each in one.behaviours if each.kind == "stick-slip"]
+        slipping = [each for each in slips if each.rule in rules]
+        errors = (each.error * one.contacts.mean_threshold * unit for each in slipping)
+        befores.append(
+            list(zip((abs(each.before) * unit for each in slipping), errors, strict=True))
+        )
+    slip = sum(map(bool, befores))
+    if verdict.own.contacts.in_time and befores[0] and slip > 1:
+        forces = [one for each in befores for one in each]
+        what = f"the force before a slip by the {slip} of {len(answers)} readings that slip"
+    # each to the digit of its own error, where that is the wider one
+    ends = (
+        to_digits(force, scale.force_unit, uncertainty * force, error, is_vague(verdict))
+        for force, error in (min(forces), max(forces))
+    )
+    said = f"{what} is {' to '.join(dict.fromkeys(ends))}"
+    # readings between both ends may be known less well, as of a few contacts that stand for many
+    force, error = max(forces, key=lambda one: one[1])
+    if error > WORTH_TELLING * force:
+        said += f", each known to ± {written(error, scale.force_unit, digits=2)} or better"
+    return said
+
+
+def other_samples(verdict: Verdict) -> list[str]:
+    """What the column of other samples holds, and where nothing is known of them, why; none of a law that is given."""
+    law = verdict.own.contacts.thresholds
+    if drawn := sum(part.n_samples for part in sampled_parts(law)):
+        if verdict.own.kinetic.sampling:
+            return [f"other samples: one standard error, by resampling the {drawn:,} thresholds"]
+        if verdict.stopped is not None:
+            return [f"other samples: interrupted before the {drawn:,} thresholds were resampled"]
+        return [f"other samples: no time was left to resample the {drawn:,} thresholds; {LONGER}"]
+    if isinstance(law.interface, Interface):
+        said = "other samples: one surface is one sample (n = 1), which tells nothing of others"
+        return [said + _of_the_scan(verdict)]
+    return []
+
+
+def _of_the_scan(verdict: Verdict) -> str:
+    """How few contacts the scan itself holds, by which their number differs from patch to patch; "" without a scan."""
+    found = list[float]()
+    for one in verdict.answers:
+        surface = one.contacts.interface
+        if isinstance(surface, Interface) and surface.moments.size is not None:
+            found.append(
+                surface.contact_density * surface.moments.size[0] * surface.moments.size[1]
+            )
+    if not found:
+        return ""
+    ends = dict.fromkeys(written(one, "", digits=2) for one in (min(found), max(found)))
+    chance = 100.0 * found[0] ** -0.5
+    return (
+        f"; the scan itself would hold some {' to '.join(ends)} contacts, and by chance a patch of its size holds "
+        f"{chance:.2g}% more or fewer"
+    )
