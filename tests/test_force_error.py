@@ -300,7 +300,7 @@ def test_exact_values_beside_others_have_the_ensemble_as_a_road(monkeypatch: Any
 
     monkeypatch.setattr(master, "solve", kept)
     monkeypatch.setattr("toolkit.stability.drawn.BREAKS", 1e6)
-    case = drawn(1, 122)  # on a path that turns
+    case = drawn(1, 350)  # on a path that turns
     assert case.contacts().thresholds.atoms[0].size
     (row, *_) = answered(case)
     assert row.verdict in ("exact", "within tolerance")
@@ -311,7 +311,7 @@ def test_exact_values_beside_others_have_the_ensemble_as_a_road(monkeypatch: Any
         return dataclasses.replace(found, force=1.02 * found.force)
 
     monkeypatch.setattr(master, "solve", wrong)
-    (row, *_) = answered(drawn(1, 122))
+    (row, *_) = answered(drawn(1, 350))
     assert row.verdict == "wrong" and row.road.startswith("the ensemble")
 
 

@@ -455,7 +455,8 @@ def test_contacts_that_get_lost_or_form_elsewhere_name_themselves(
         Cohorts, "and_born", lambda of, born, w, x: true(of, born + off, part * w, x)
     )
     machine = {"spring": 0.5, "mass": 0.2, "damping": 0.3}
-    found = solve(delayed(0.3), np.linspace(0.1, 4.0, 40), 1e-3, **machine)
+    # the first slip is at 2.9
+    found = solve(delayed(0.3), np.linspace(0.1, 3.5, 35), 1e-3, **machine)
     assert not found.success and says in found.message
 
 
@@ -618,10 +619,11 @@ def test_energy_is_kept_and_breaks_only_release() -> None:
     assert 0.0 <= found.holding.min() < 0.01 and found.holding.max() == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("draws", [1, slow(12)])
-def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
+# the quick one slips
+@pytest.mark.parametrize(("seed", "draws", "finer"), [(13, 1, 1e-4), slow(11, 12, 1e-5)])
+def test_claims_hold_beside_far_finer_solutions(seed: int, draws: int, finer: float) -> None:
     """Seeded machines, laws and delays: the error of a coarse solution is at most its claim."""
-    draw, failed = np.random.default_rng(11), 0
+    draw, failed = np.random.default_rng(seed), 0
     for _ in range(draws):
         law = (WIDE, origins.gaussian(1.0, 0.1), ELASTIC)[draw.integers(3)]
         contacts = delayed(10.0 ** draw.uniform(-1.5, 0.7), law)
@@ -629,8 +631,9 @@ def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
         machine["damping"] = machine["mass"] ** 0.5 * 10.0 ** draw.uniform(-0.7, 0.5)
         path = np.linspace(0.5, 5.0, 12) * contacts.mean_threshold
         coarse = solve(contacts, path, 1e-3, **machine)
-        fine = solve(contacts, path, 1e-5, **machine)
+        fine = solve(contacts, path, finer, **machine)
         assert fine.success, (contacts, machine, fine.message)
+        assert draws > 1 or fine.slips.drive.size
         off = np.abs(coarse.force - fine.force).max() / contacts.mean_threshold
         failed += not coarse.success or off > coarse.force_error + fine.force_error
     assert failed == 0

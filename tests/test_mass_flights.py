@@ -1,5 +1,7 @@
 """A slider with mass whose contacts wait for longer than a slip lasts: it flies on its spring alone, without steps."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scipy.stats as st
@@ -24,26 +26,41 @@ def in_steps(contacts: Contacts, path: np.ndarray, machine: dict[str, float]) ->
     return follow_in_steps(contacts, Drive(path, **machine), 1e-2, unheard, np.inf)
 
 
-def test_a_slip_is_that_of_the_road_at_no_temperature() -> None:
+FIRST = 683.9  # X_T at which the first machine slips, which lasts up to 688.4
+
+
+def points_beside_a_slip(first: float) -> np.ndarray:
+    """Points of a path up to a slip at X_T = first, in it, and behind it."""
+    return np.append(np.linspace(0.0, 0.97 * first, 6)[1:], first + np.array([0.3, 1.0, 2.0, 5.0]))
+
+
+@pytest.fixture(scope="module")
+def both_roads() -> tuple[Any, HeavyFound]:
+    """The first machine past its slip, by collocation and in steps."""
+    path = np.append(points_beside_a_slip(FIRST), 690.0)
+    return master.solve(WAITING, path, 1e-4, **SOFT), in_steps(WAITING, path, SOFT)
+
+
+def test_a_slip_is_that_of_the_road_at_no_temperature(both_roads: tuple[Any, HeavyFound]) -> None:
     """Without heat the slider is followed by collocation, too: forces, duration and top speed of a slip of 700 <x_s>,
-    and the energies."""
-    path = np.linspace(0.0, 690.0, 24)[1:]
-    exact = master.solve(WAITING, path, 1e-4, **SOFT)
-    found = in_steps(WAITING, path, SOFT)
+    and the energies, before it and behind."""
+    exact, found = both_roads
     ours, theirs = found.followed.slips, exact.slips
-    assert exact.success and found.followed.error_of_force_and_load <= 1e-2
+    assert exact.slips.drive_error < 1e-3 and found.followed.error_of_force_and_load <= 1e-2
     assert ours.drive.size == theirs.drive.size == 1
     for name in ("force_before", "force_after"):
         assert np.abs(getattr(ours, name) - getattr(theirs, name)).max() < 1e-3
     # the time in which the slider gets fast, which bounds it, is a tenth of the slip; it is known far better
     assert np.abs(ours.duration - theirs.duration).max() < 1e-3 < ours.duration_error < 0.7
     assert ours.top_speed == pytest.approx(theirs.top_speed, rel=2e-3)
-    assert np.abs(found.followed.force - exact.force).max() <= found.followed.force_error
+    beside = (exact.path < FIRST) | (exact.path == 690.0)
     for mine, other in (
         (found.columns["work"], exact.energy.drive),
         (found.columns["damped"], exact.energy.damped),
     ):
-        np.testing.assert_allclose(mine, other, atol=3e-3 * exact.energy.drive.max())
+        np.testing.assert_allclose(
+            mine[beside], other[beside], atol=3e-3 * exact.energy.drive.max()
+        )
 
 
 @pytest.mark.slow
@@ -141,18 +158,12 @@ def test_a_stretched_contact_that_holds_counts_by_its_force() -> None:
     assert most <= bounds.of(np.ones(1), np.zeros(1)).force <= 1.02 * most
 
 
-def points_beside_a_slip(first: float) -> np.ndarray:
-    """Points of a path up to a slip at X_T = first, in it, and behind it."""
-    return np.append(np.linspace(0.0, 0.97 * first, 6)[1:], first + np.array([0.3, 1.0, 2.0, 5.0]))
-
-
-def test_beside_a_slip_the_error_is_as_large_as_its_fall() -> None:
+def test_beside_a_slip_the_error_is_as_large_as_its_fall(
+    both_roads: tuple[Any, HeavyFound],
+) -> None:
     """When the slip comes is known to its error in X_T; a point in between may lie before the slip or behind it."""
-    first = 683.9
-    path = points_beside_a_slip(first)
-    exact, found = master.solve(WAITING, path, 1e-4, **SOFT), in_steps(WAITING, path, SOFT)
-    followed = found.followed
-    assert first - 5.0 < exact.slips.drive[0] < first + 5.0
+    exact, followed = both_roads[0], both_roads[1].followed
+    assert FIRST - 5.0 < exact.slips.drive[0] < FIRST + 5.0
     off = np.abs(followed.force - exact.force).max()
     assert off <= followed.force_error and followed.force_error > 0.5
     assert np.abs(followed.holding - exact.holding).max() <= followed.holding_error
@@ -204,8 +215,8 @@ def test_a_regime_hangs_on_slips_and_not_on_points_of_the_path_within_one() -> N
 def test_the_end_of_a_slip_that_does_not_swing_is_not_known() -> None:
     """It comes to rest as its drive overtakes it, which hangs on the last digits of the force: no duration is told."""
     machine = SOFT | {"damping": 1.5 * 2.0 * 1e-3}
-    drive = Drive(np.linspace(0.0, 720.0, 5)[1:], **machine)
-    found = follow_in_steps(WAITING, drive, 5e-2, unheard, np.inf)
+    drive = Drive(np.array([360.0, 720.0]), **machine)
+    found = follow_in_steps(WAITING, drive, 1e-1, unheard, np.inf)
     assert found.followed.slips.drive.size == 1 and np.isinf(found.followed.slips.duration_error)
     # contacts come back from 714 on
     assert found.followed.nodes < 3000

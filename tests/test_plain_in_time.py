@@ -770,16 +770,18 @@ def test_equal_steps_are_of_second_order_and_lead_to_the_solver_s_force_through_
     assert np.abs(limit - solved.force).max() < min(solved.force_error, 5e-5) + OF_TWIN
 
 
-# what the twin takes on a spring on which it slips, and the same contacts
+# what the twin takes on a spring on which it slips, the same contacts, and an end of the drive behind the slip
 SLIPPING = {
-    "heat": (Pulled(WIDE, 0.3, HEAT), CASES["heat"]),
+    "heat": (Pulled(WIDE, 0.3, HEAT), CASES["heat"], 3.5),
     "stiff heat": (
         Pulled(WIDE, 0.3, Thermal("stiff", 0.1)),
         Contacts(WIDE, thermal=Thermal("stiff", 0.1)),
+        4.5,
     ),
     "growth, heat": (
         Pulled(WIDE, 0.3, HEAT, growth=growth),
         Contacts(strengthening(WIDE, 0.2, 1.0), thermal=HEAT),
+        4.5,
     ),
 }
 
@@ -790,10 +792,10 @@ def test_with_heat_a_slip_comes_where_the_twin_loses_balance_and_new_contacts_fo
     name: str,
 ) -> None:
     """The twin slips at the end of a step, and tells a slip within two of them."""
-    plain, contacts = SLIPPING[name]
-    end, steps = 4.5, 450
+    plain, contacts, end = SLIPPING[name]
+    steps = round(100 * end)
     forces = pulled(plain, [0.0, end], [0.0, end], steps)
-    drive = np.linspace(0.0, end, 46)[1:]
+    drive = np.linspace(0.0, end, steps // 10 + 1)[1:]
     solved = master.solve(contacts, drive, 1e-3, velocity=VELOCITY, spring=plain.spring)
     assert solved.success, solved.message
     slip, two = float(solved.slips.drive[0]), 2.0 * end / steps

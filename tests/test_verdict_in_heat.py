@@ -101,7 +101,12 @@ def test_sliding_is_unstable_below_the_spring_that_the_answer_of_the_force_tells
     heat = Thermal("eyring", width=0.03, attempt_frequency=1e4)
     growing = Contacts(strengthening(WIDE, beta=0.1, time=0.1), thermal=heat)
     assert abs(unstable_below(growing, 1e-2, 1e-4) - 0.0201) < 0.0029
-    # a mass without damping that swings on such a spring is no more stable, and with far more damping it is
+
+
+@pytest.mark.slow  # quick: a mass without damping, where a slider is not decided, below
+def test_a_mass_that_swings_on_a_spring_is_as_unstable_unless_it_is_damped() -> None:
+    heat = Thermal("eyring", width=0.03, attempt_frequency=1e4)
+    growing = Contacts(strengthening(WIDE, beta=0.1, time=0.1), thermal=heat)
     assert unstable_below(growing, 1e-2, 1e-3, 0.1) > 0.015
     assert unstable_below(growing, 1e-2, 1e-3, 0.1, 10.0) == 0.0
 
