@@ -1,7 +1,8 @@
 """A soft slider with a mass, M X'' + γ X' = K (X_T - X) - F, on the path of its drive.
 
 It is followed with ever smaller tolerances (TOLERANCES), until the forces of the last two runs agree. The error is
-twice their difference (SAFETY), and what both may miss alike (UNSEEN).
+twice their difference (SAFETY), and what both may miss alike (UNSEEN). Where contacts' laws depend on time, but for a
+delay alone, `in_time/` takes steps in time instead, halves them, and tells the error itself (`in_time/answer.py`).
 """
 
 import time

@@ -7,13 +7,13 @@ and what part time is found by a secant. A step is right where the slider's own 
 mass nothing is unstable: no slip rule is needed, and a step of any small size has a solution.
 
     swing_steps.py   a swing: a damped oscillator on the contacts that hold, pulled by the rest of F, which grows evenly
-    slow_steps.py    rest: K (X_T - X) - F - γ V = 0, where the inertia that this leaves out is small
+    balanced_steps.py   in balance: K (X_T - X) - F - γ V = 0, where the inertia that this leaves out is small
     steady_sliding.py, steady_motion.py   long ways without steps, on which F is F_k of the present speed
     long_slips.py    slips by a million thresholds of contacts that form at once: F is F_k(V) there, too
     ringing.py       a stuck slider on contacts that hold, which swings in closed form until it rests
     flights.py       ways without steps on which contacts wait for their delay, and the spring alone moves the slider
     slider.py        one after another, from turn to turn of the slider and of the drive
-    spent.py         energies on a step
+    energies.py      energies on a step
     node.py          the end of a step, and the energies so far
     falls.py         falls of the spring's force, and slips among them, as `master.soft.inertia.record` defines them
     refining.py      steps of 1, 1/2, 1/4 ... until the error is within the tolerance

@@ -47,14 +47,14 @@ STILL, OF_DRIFT = 1e-6, 32
 # Times between two nodes of which births count together in the bound on the contacts that hold, ever denser up to the
 # later node, as parts of the interval left; and most of them that it looks back on.
 PARTS_LEFT, LOOKS_BACK = np.append(0.7 ** np.arange(1, 24), 0.0), 480
-# Shares of the contacts: that hold, above which no flight is looked for; in a group, below which it is left out.
+# Share of the contacts that hold, above which no flight is looked for; and in a group, below which it is left out.
 FEW_HOLD, GONE = 0.1, 1e-15
 # Cells of the mesh on which bounds are told, 0.5 % apart, and the first, in mean thresholds.
 MESH, FIRST_OF_MESH = 4000, 1e-6
-# Most nodes of a flight; halvings of their distance in search of its end; least way that is worth it, in travels of a
-# step; steps after one that was not, before which none is looked for; and by which factor the last interval may be
-# longer, so that none is left that is lost in the digits of the time.
-MOST, HALVINGS, WORTH, NEXT_LOOK, LONGER = 4000, 12, 40.0, 20, 1.001
+# Most nodes; halvings of their distance in search of the end; and by which factor the last one may be longer.
+MOST, HALVINGS, LONGER = 4000, 12, 1.001
+# Least way worth a flight, in travels of a step; steps behind a shorter one, before which none is looked for.
+WORTH, NEXT_LOOK = 40.0, 20
 
 
 class Bounds:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 class Spent(NamedTuple):
     """Energies, per N_c<k> (length squared): the work of the drive, and what damping and moving the contacts took."""
 
-    given: float
+    work: float
     damped: float
     on_contacts: float
 

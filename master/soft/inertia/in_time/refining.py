@@ -63,9 +63,9 @@ def follow_in_steps(
     spacing = np.inf
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
-        cohorts = ContactsInSteps(contacts, memory, halvings, until)
+        in_steps = ContactsInSteps(contacts, memory, halvings, until)
         rings = None if slips is None else Ringing(drive, slips.motion, tolerance * unit, unit)
-        slider = HeavySlider(cohorts, drive, motion, tolerance * unit, sliding, survival, rings)
+        slider = HeavySlider(in_steps, drive, motion, tolerance * unit, sliding, survival, rings)
         try:
             slider.run()
         except StoppedError as why:
@@ -73,10 +73,10 @@ def follow_in_steps(
             if best is None:
                 if time.monotonic() <= until and not isinstance(why, FaultError):
                     refuse("path[-1]", drive.path[-1], stopped)
-                best = answer([slider], contacts, drive, asked[asked <= cohorts.now])
+                best = answer([slider], contacts, drive, asked[asked <= in_steps.now])
                 sliders = [slider]
             break
-        sliders, nodes = [*sliders[1 - COMPARED :], slider], nodes + cohorts.steps
+        sliders, nodes = [*sliders[1 - COMPARED :], slider], nodes + in_steps.steps
         found = answer(sliders, contacts, drive, asked)
         progress(found.error_of_force_and_load)
         if best is None or _largest(found) <= _largest(best):
@@ -84,7 +84,7 @@ def follow_in_steps(
         as_good_as_memory = _largest(found) < NEAR_MEMORY_ERROR * memory.error
         if _largest(best) <= tolerance or as_good_as_memory:
             break
-        steps, work = MORE_STEPS * cohorts.cost, MORE_WORK * cohorts.work
+        steps, work = MORE_STEPS * in_steps.cost, MORE_WORK * in_steps.work
         if steps > MOST_STEPS or work > MOST_WORK:
             many = f"{steps:.0f} steps, above {MOST_STEPS:.0f}"
             what = many if steps > MOST_STEPS else f"{work:.1e} operations, above {MOST_WORK:.0e}"

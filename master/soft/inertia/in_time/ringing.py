@@ -80,11 +80,11 @@ class Ringing:
         self._spring = float(drive.spring or 0.0)
 
     def ahead(
-        self, leg: int, end: float, cohorts: ContactsInSteps, begin: HeavyNode
+        self, leg: int, end: float, contacts: ContactsInSteps, begin: HeavyNode
     ) -> Ring | None:
         """The swings from this turn on, until the slider is at rest or the time `end`; None where contacts break on
         them, or where they are not worth it."""
-        speed, stiff, spring = float(self._motion.speeds[leg]), cohorts.holding, self._spring
+        speed, stiff, spring = float(self._motion.speeds[leg]), contacts.holding, self._spring
         drive = float(self._motion.at(np.array(begin.time)))
         pull, all_stiff = spring * (drive - begin.position) - begin.force, spring + stiff
         of_motion = self._mass, self._damping, all_stiff, pull, spring * speed, 0.0, begin.speed
@@ -94,16 +94,16 @@ class Ringing:
         lasts = min(motion.time_until(self._quiet / all_stiff), end - begin.time)
         if not lasts > WORTH * motion.period:
             return None
-        broken = self._broken(cohorts, motion, lasts)
+        broken = self._broken(contacts, motion, lasts)
         if broken > ALLOWED * self._tolerance:
             return None
         given = self._spring, self._damping, pull, speed, broken
         return Ring(begin, motion, lasts, stiff, *given)
 
-    def _broken(self, cohorts: ContactsInSteps, motion: Oscillation, lasts: float) -> float:
+    def _broken(self, contacts: ContactsInSteps, motion: Oscillation, lasts: float) -> float:
         """The force that contacts may bear which break in the swings (a length). The upper end of a swing is a convex
         function of the time, so that the farthest is the first or the last one; the same holds below."""
-        memory, before = cohorts.memory, cohorts.groups
+        memory, before = contacts.memory, contacts.groups
         balance = motion.centre + motion.drift * np.array([0.0, lasts])
         size = np.array([motion.size, motion.bound(lasts)])
         low, high = float((balance - size).min()), float((balance + size).max())

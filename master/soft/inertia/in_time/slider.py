@@ -10,12 +10,12 @@ from master.outcome import StoppedError
 from master.soft.in_time import unresolved
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.inertia.body import QUIET
+from master.soft.inertia.in_time.balanced_steps import BalancedStep, BalancedSteps, Drifts
+from master.soft.inertia.in_time.energies import Energies
 from master.soft.inertia.in_time.falls import Falls
 from master.soft.inertia.in_time.flights import SWINGS_BY, Bound, Flights
 from master.soft.inertia.in_time.node import HeavyNode, Spent
 from master.soft.inertia.in_time.ringing import Ring, Ringing
-from master.soft.inertia.in_time.slow_steps import Crept, Drifts, SlowSteps
-from master.soft.inertia.in_time.spent import Energies
 from master.soft.inertia.in_time.steady_sliding import Slid, SteadySliding
 from master.soft.inertia.in_time.swing_steps import SwingSteps, Swung
 from origins.drive import Drive
@@ -27,7 +27,7 @@ COMES_TO_REST, LEAVES_REST = 2.5, 10.0
 # Fewest steps of a swing before rest is looked for again, where it was not found; and of rest that are worth it.
 STEPS_TO_REST = 8
 # Least part of a step's size that is tried at rest; before long slips up to where F' jumps, as a group begins to break.
-LEAST_SLOW, LEAST_BEFORE_LONG_SLIPS = 2.0**-8, 2.0**-12
+LEAST_IN_BALANCE, LEAST_BEFORE_LONG_SLIPS = 2.0**-8, 2.0**-12
 
 
 class HeavySlider:
@@ -56,7 +56,7 @@ class HeavySlider:
         self.contacts, self.motion = contacts, motion
         self.spring, self.quiet = float(drive.spring or 0.0), QUIET * tolerance
         self.damping, self._size = drive.damping, 0.5**contacts.halvings
-        self._is_slow, self._not_before = False, 0
+        self._in_balance, self._not_before = False, 0
         self._spent = Spent(0.0, 0.0, 0.0)
         self._sliding, self._ringing, self._broken_before = sliding, ringing, 0.0
         self._way = list[HeavyNode]()  # since the slider turned last, or slid
@@ -71,7 +71,9 @@ class HeavySlider:
         self._swings = SwingSteps(contacts, drive, motion)
         self._drifts = Drifts(self._swings.mass, drive.damping)
         self._flights = Flights(contacts, drive, motion, tolerance, survival)
-        self._slow = SlowSteps(contacts, drive, motion, self._drifts, self._flights.are_known)
+        self._balanced = BalancedSteps(
+            contacts, drive, motion, self._drifts, self._flights.are_known
+        )
         self._energies = Energies(contacts, self.spring, self.damping)
         self._drive_speed = 0.0
 
@@ -100,22 +102,22 @@ class HeavySlider:
         for leg, last in enumerate(motion.times[1:].tolist()):
             contacts.past_breaks.repeat_bend(float(motion.times[leg]))
             # the drive's speed has changed, and the slider's own has not
-            self._is_slow, self._drive_speed = False, float(motion.speeds[leg])
+            self._in_balance, self._drive_speed = False, float(motion.speeds[leg])
             self._drifts.begin()
             swing, goes_on = np.inf, False
             while contacts.now < last:
                 end = min([*contacts.past_breaks.pending, last])
                 self.sections.append([self._node(0.0, self._swings.speed)])
                 contacts.past_breaks.begin_section()
-                if self._is_slow:
-                    self._slow.begin_section(leg, end, self._swings.speed)
-                    self._creep(leg, end)
+                if self._in_balance:
+                    self._balanced.begin_section(leg, end, self._swings.speed)
+                    self._follow_in_balance(leg, end)
                     swing = self.quiet
-                elif self._rings(leg, end):
+                elif self._ring_if_none_breaks(leg, end):
                     swing = self.quiet
                 else:
                     # which asks for the next one at rest, not for one behind swings
-                    self._slow.ends_section = False
+                    self._balanced.ends_section = False
                     self._swings.begin_section(leg, end, swing, goes_on)
                     swing = self._swing(leg, end)
                 goes_on = True
@@ -136,42 +138,42 @@ class HeavySlider:
             at_rest = self._force_at_rest(swung, stiff * off, speed)
             self._drifts.add(0.5 * (contacts.now + swung.trial.end), swung.motion.drift)
             self._take(leg, swung.trial, swings.size(swung.trial), swung.speed, energies)
-            if self._slides_on(leg) or self._flies(leg, end):
+            if self._slide_if_steady(leg) or self._fly_if_all_are_out(leg, end):
                 break
             if at_rest < COMES_TO_REST * self.quiet and contacts.steps >= self._not_before:
                 contacts.unresolved.note(unresolved.OF_QUIET, at_rest, contacts.now)
-                self._is_slow = True
+                self._in_balance = True
                 break
             if swung.turns or swings.needs_other_steps(size):
                 break
         return size
 
-    def _creep(self, leg: int, end: float) -> None:
+    def _follow_in_balance(self, leg: int, end: float) -> None:
         """Take steps in balance until `end`, or until inertia matters again."""
-        contacts, slow = self.contacts, self._slow
+        contacts, balanced = self.contacts, self._balanced
         begin, part = contacts.steps, 1.0
         # swings are told without steps where long slips are
         before_long_slips = self._ringing is not None
-        least = LEAST_BEFORE_LONG_SLIPS if before_long_slips else LEAST_SLOW
+        least = LEAST_BEFORE_LONG_SLIPS if before_long_slips else LEAST_IN_BALANCE
         while contacts.now < end:
-            crept = slow.next_step(part * self._size)
-            leaves = crept is None or self._leaves_rest(crept)
+            step = balanced.next_step(part * self._size)
+            leaves = step is None or self._leaves_rest(step)
             # a long step jumps over the slip to the balance behind it; shorter ones end before the slip
-            if leaves and part > least and (crept is None or before_long_slips):
+            if leaves and part > least and (step is None or before_long_slips):
                 part *= 0.5
                 continue
             part = min(2.0 * part, 1.0)
-            if crept is None or leaves:
-                self._is_slow = False
+            if step is None or leaves:
+                self._in_balance = False
                 self._left_rest = contacts.now
                 if contacts.steps < begin + STEPS_TO_REST:
                     self._not_before = contacts.steps + STEPS_TO_REST
                 return
-            contacts.unresolved.note(unresolved.OF_QUIET, crept.left_out, contacts.now)
-            energies = self._energies.creeping(crept.trial, self._swings.pull, self._drive_speed)
-            self._drifts.add(0.5 * (contacts.now + crept.trial.end), crept.drift)
-            self._take(leg, crept.trial, slow.size(crept.trial), crept.speed, energies)
-            if self._slides_on(leg) or slow.ends_section:
+            contacts.unresolved.note(unresolved.OF_QUIET, step.left_out, contacts.now)
+            energies = self._energies.in_balance(step.trial, self._swings.pull, self._drive_speed)
+            self._drifts.add(0.5 * (contacts.now + step.trial.end), step.drift)
+            self._take(leg, step.trial, balanced.size(step.trial), step.speed, energies)
+            if self._slide_if_steady(leg) or balanced.ends_section:
                 return
 
     def _force_at_rest(self, swung: Swung, force: float, speed: float) -> float:
@@ -182,9 +184,9 @@ class HeavySlider:
         middle = 0.5 * (self.contacts.now + swung.trial.end)
         return max(force, self._drifts.left_out(middle, swung.motion.drift, stiff))
 
-    def _leaves_rest(self, crept: Crept) -> bool:
+    def _leaves_rest(self, step: BalancedStep) -> bool:
         """Whether inertia that this step in balance leaves out matters, or it leads back in time."""
-        return crept.left_out > LEAVES_REST * self.quiet or self._slow.size(crept.trial) <= 0.0
+        return step.left_out > LEAVES_REST * self.quiet or self._balanced.size(step.trial) <= 0.0
 
     def _take(self, leg: int, trial: Trial, size: float, speed: float, energies: Spent) -> None:
         """Take a step, at whose end the slider has this speed and on which these energies were given and taken."""
@@ -203,8 +205,8 @@ class HeavySlider:
         self.falls.watch(leg, before, after, broken)
         self._way = [*self._way, after] if speed else [after]
 
-    def _slides_on(self, leg: int) -> bool:
-        """Whether the slider slides on steadily from here; if so it has, as far as that is known."""
+    def _slide_if_steady(self, leg: int) -> bool:
+        """Slide on steadily as far as that is known; returns whether the slider did."""
         contacts, motion, sliding = self.contacts, self.motion, self._sliding
         if sliding is None or motion is None or leg < motion.speeds.size - 1:
             return False
@@ -225,7 +227,7 @@ class HeavySlider:
         self._spent = last.spent
         self.sections.append(slid.nodes)
         self.slides.append(slid)
-        self._swings.speed, self._is_slow, self._way = last.speed, False, []
+        self._swings.speed, self._in_balance, self._way = last.speed, False, []
         sliding.begin_section()
         return True
 
@@ -239,9 +241,9 @@ class HeavySlider:
         self._left_rest = np.inf
         return since
 
-    def _rings(self, leg: int, end: float) -> bool:
-        """Whether the slider, which turns round now, swings on contacts of which none breaks; if so it has, as a
-        section of two nodes, up to its rest or the time `end`."""
+    def _ring_if_none_breaks(self, leg: int, end: float) -> bool:
+        """Swing on, where the slider turns round now, on contacts of which none breaks, as a section of two nodes, up
+        to its rest or the time `end`; returns whether it did."""
         contacts, node = self.contacts, self.sections[-1][-1]
         if self._ringing is None or self._swings.speed:
             return False
@@ -254,13 +256,13 @@ class HeavySlider:
         contacts.unresolved.note(unresolved.OF_RINGING, SWINGS_BY * ring.broken, contacts.now)
         self._take(leg, trial, 1.0, last.speed, last.spent.less(node.spent))
         self.rings.append(ring)
-        self._is_slow = until < end
+        self._in_balance = until < end
         for time in (node.time, until):
             self._drifts.add(time, ring.motion.drift)
         return True
 
-    def _flies(self, leg: int, end: float) -> bool:
-        """Whether all contacts are out, so that the slider flies on its spring alone; if so it has, as a section."""
+    def _fly_if_all_are_out(self, leg: int, end: float) -> bool:
+        """Fly on the spring alone, as a section, where all contacts are out; returns whether the slider did."""
         contacts, before = self.contacts, self._broken_before
         flight = self._flights.ahead(leg, end, self._swings.speed)
         if flight is None:

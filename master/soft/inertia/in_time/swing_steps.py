@@ -42,7 +42,8 @@ IN_DIGITS = 4.0
 NO_SPEED = 1e-9
 # The same at a turn that was found, in these or in the speed before it: where it is larger, steps have a gap there.
 STILL_MOVES = 1e-3
-# Times the e-folds of contacts that may break on a step up to which it is taken as it is; least factor on its size.
+# A step is taken as it is while at most so many times as many e-folds of contacts break on it as CONTROL allows; and
+# the least factor on its size where more do.
 BELIEVED, LEAST_SHRINK = 1.5, 0.03
 # Acceleration at a turn, in mean thresholds of force, below which it is rounding: the slider then starts as its drive.
 NO_PULL = 1e-10

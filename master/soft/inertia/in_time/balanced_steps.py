@@ -30,7 +30,7 @@ OTHER_SPEED = 8.0
 BEFORE_FLIGHTS = 0.25
 
 
-class Crept(NamedTuple):
+class BalancedStep(NamedTuple):
     """A balanced step, not taken yet.
 
     trial : where it leads; drift, speed : of the balance in its middle, and dX/dt at its end
@@ -55,7 +55,7 @@ class Drift(NamedTuple):
 
 
 class Drifts:
-    """Speeds of the balance in the middle of the last steps, and what of a slider's inertia a slow step leaves out."""
+    """Speeds of the balance in the middle of the last steps, and what of the inertia a step in balance leaves out."""
 
     def __init__(self, mass: float, damping: float) -> None:
         """Of a slider; no step has been taken."""
@@ -73,7 +73,7 @@ class Drifts:
         return (drift - self._last.drift) / (middle - self._last.middle)
 
     def left_out(self, middle: float, drift: float, stiff: float) -> float:
-        """Force (a length) that a slow step would leave out; inf where that is not known."""
+        """Force (a length) that a step in balance would leave out; inf where that is not known."""
         if self._last is None or np.isnan(self._last.slope):
             return np.inf
         slope = self.slope(middle, drift)
@@ -86,7 +86,7 @@ class Drifts:
         self._last = Drift(middle, drift, slope)
 
 
-class SlowSteps(Steps):
+class BalancedSteps(Steps):
     """Steps of a slider with mass that follows its drive in balance, on one leg of the drive's motion.
 
     ends_section : whether the slider's speed at the end of the last step asks for another section
@@ -142,7 +142,7 @@ class SlowSteps(Steps):
         _, speed = self._speeds(trial)
         return super().imbalance(trial) - self.sign * self.damping * speed
 
-    def next_step(self, size: float) -> Crept | None:
+    def next_step(self, size: float) -> BalancedStep | None:
         """The balanced step of this size; None where there is none, or none is found."""
         size = min(self._part * size, self.longest())
         units, now = self._time_units, self.contacts.now
@@ -168,4 +168,4 @@ class SlowSteps(Steps):
         slower = self._by_speed and OTHER_SPEED * abs(speed) < self._pace
         self.ends_section = faster or slower
         left_out = self._drifts.left_out(0.5 * (now + trial.end), drift, self._stiff())
-        return Crept(trial, drift, speed, left_out)
+        return BalancedStep(trial, drift, speed, left_out)

@@ -24,19 +24,19 @@ class Energies:
         moved += float(motion.departure_integral(lasts))
         rate = self._spring * drive_speed
         pulled = (pull + contacts.force) * lasts + 0.5 * rate * lasts**2
-        given = drive_speed * (pulled - self._spring * moved)
+        work = drive_speed * (pulled - self._spring * moved)
         damped = self._damping * float(motion.squared_speed(lasts))
         stiff = contacts.holding
         left = trial.force - contacts.force - stiff * travel
         on_contacts = contacts.force * travel + 0.5 * stiff * travel**2
         on_contacts += left * (travel - moved / lasts)
-        return Spent(given, damped, on_contacts)
+        return Spent(work, damped, on_contacts)
 
-    def creeping(self, trial: Trial, pull: float, drive_speed: float) -> Spent:
+    def in_balance(self, trial: Trial, pull: float, drive_speed: float) -> Spent:
         """On a step in balance, on which speed and forces change evenly."""
         contacts, lasts = self._contacts, trial.end - self._contacts.now
         before = pull + contacts.force
         after = before + self._spring * (drive_speed * lasts - trial.travel)
-        given = 0.5 * drive_speed * lasts * (before + after)
+        work = 0.5 * drive_speed * lasts * (before + after)
         on_contacts = 0.5 * (contacts.force + trial.force) * trial.travel
-        return Spent(given, self._damping * trial.travel**2 / lasts, on_contacts)
+        return Spent(work, self._damping * trial.travel**2 / lasts, on_contacts)
