@@ -61,7 +61,7 @@ def test_where_steps_end_the_page_does_not_ask_for_more_time(
     assert "wall_time" not in told and "end the path sooner" not in told
     hint = "leave out [contacts.strengthening] or [contacts.thermal], or give a drive.spring"
     assert hint in told and "F_k, F_s and K* of the table hold all the same" in told
-    assert "not as asked if any slip rule acts: 20 steps" in told
+    assert "not decided if any slip rule acts: 20 steps" in told
     # in seconds where the scene is in metres
     metres = scale_of(Contacts(gaussian(1.0, 0.3)), None)
     metres = replace(metres, length_unit="m", time_unit="s")

@@ -50,9 +50,9 @@ from toolkit.verdict.sliders.machine import (
 from toolkit.verdict.sliders.steady import slides_on
 from toolkit.verdict.uncertainty import RESAMPLED_TOLERANCE, with_sampling
 from toolkit.verdict.with_mass import (
-    closely,
     follow_extremes,
     follow_other_delay,
+    with_a_slip,
     with_other_delay,
 )
 
@@ -138,7 +138,7 @@ def verdict(
             answers[0] = with_finite(answers[0], finite)
             if turned is None and answers[0].behaviours[:1] and answers[0].behaviours[0].instead:
                 turned = with_other_delay(answers[0], budget.part(OWN))
-            answers[0] = _with_a_slip(answers[0], budget.part(OWN))
+            answers[0] = with_a_slip(answers[0], budget.part(OWN))
     if scene.units == SHARED:  # that of its own reading for all, so that they can be compared
         own = answers[0].scale
         answers = [replace(one, scale=one.scale.over(own)) for one in answers]
@@ -191,17 +191,6 @@ def finite_sliders(
         *found,
         *(Finite(rule, max(round(number), 1), "unknown", message=why) for rule in late),
     )
-
-
-def _with_a_slip(own: Answer, budget: Budget) -> Answer:
-    """The own reading's answer with the points of a slip for the picture, where slips take time."""
-    if own.machine is None:
-        return own
-    each = list(own.behaviours)
-    if not budget.stops.by:
-        with budget.stops.or_late():
-            each = [closely(one, own.machine, own.contacts, budget.remaining()) for one in each]
-    return replace(own, behaviours=tuple(each))
 
 
 def answer_of(

@@ -18,6 +18,7 @@ from toolkit.verdict.readings import Reading
 from toolkit.verdict.sliders.budget import Budget, loading_of, long_delay
 from toolkit.verdict.sliders.ensemble import SEED, follow_by_contacts
 from toolkit.verdict.sliders.follow import ROUGHLY, follow
+from toolkit.verdict.sliders.in_heat import with_stability
 from toolkit.verdict.sliders.islands import with_barriers
 from toolkit.verdict.sliders.machine import (
     Behaviour,
@@ -112,6 +113,21 @@ def follow_other_delay(
     if behaviour.period is not None and slip_distance > SHORT_SLIP * behaviour.period:
         return not_followed(rule, "a slip of this mass takes as long as the time between slips")
     return behaviour
+
+
+def with_a_slip(own: Answer, budget: Budget) -> Answer:
+    """The own reading's answer with the points of a slip for the picture, where slips take time, and whether steady
+    sliding in heat is stable."""
+    if own.machine is None:
+        return own
+    each = list(own.behaviours)
+    if not budget.stops.by:
+        with budget.stops.or_late():
+            pulled = own.machine, own.contacts
+            each = [
+                closely(with_stability(one, *pulled), *pulled, budget.remaining()) for one in each
+            ]
+    return replace(own, behaviours=tuple(each))
 
 
 def closely(found: Behaviour, machine: Machine, contacts: Contacts, seconds: float) -> Behaviour:

@@ -82,16 +82,20 @@ def by_steady_sliding(
 
 
 def with_stability(found: Behaviour, machine: Machine, contacts: Contacts) -> Behaviour:
-    """This slider, which is not decided and was not seen to slip, with the springs below which steady sliding is
-    unstable, where that is known."""
+    """This slider, which is not decided and was not seen to slip, or slides smoothly, with the springs below which
+    steady sliding is unstable, where that is known."""
     from master.steady.response import has_response
     from master.steady.with_mass import unstable_below
 
     exact = bool(contacts.thresholds.atoms[0].size)
-    if found.kind != "undecided" or found.slips or exact or not has_response(contacts):
+    # where steady sliding tells of it that is stable
+    open_yet = found.kind == "undecided" and not found.slips
+    slides = found.kind == "smooth" and found.rule in SLIDES and found.heat_on_the_way is None
+    if not (open_yet or slides) or exact or not has_response(contacts):
         return found
     speed, mass = machine.velocity, machine.mass or 0.0
-    below = unstable_below(contacts, speed, machine.spring, mass, machine.damping)
+    damping = machine.damping if found.damping is None else found.damping
+    below = unstable_below(contacts, speed, machine.spring, mass, damping)
     return replace(found, unstable_below=below)
 
 

@@ -224,8 +224,8 @@ class Behaviour:
         None where there is no heat, or it was followed
     heat_on_the_way : where steady sliding tells of it (in_heat.py), what heat, which is left out on the way up to
         that, changes in F_k and F_s at most, in mean thresholds; 0 where that way was not followed; None: it was
-    unstable_below : K/(N_c <k>) below which steady sliding is unstable, of one in heat that is not decided; 0 where it
-        is stable on this spring; None, nan: not looked at, not known
+    unstable_below : K/(N_c <k>) below which steady sliding is unstable, of one in heat that is not decided, or slides;
+        0 where it is stable on this spring; None, nan: not looked at, not known
     shrinks_by : part of itself by which a drop is smaller than the one before it; 0 where drops do not shrink
     left : the drop of slips that go on to shrink so at the path's end, F/(N_c <k>) (a length)
     swings : between which the force of smooth sliding still swings there, F/(N_c <k>) (lengths); None where it hardly

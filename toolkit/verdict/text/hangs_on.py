@@ -224,7 +224,10 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
     for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in followed).items():
         change = max(_change_by(verdict, one) for one in followed if one.rule in rules)
         yield Line(change, with_rules(said, rules, verdict.own))
-    unknown = [finite for finite in verdict.finite if finite.kind == "unknown"]
+    # where infinitely many are not decided either, what to do stands beside these
+    no_news = {one.rule for one in own.behaviours if one.kind == "undecided" and not one.slips}
+    unknown = [one for one in verdict.finite if one.kind == "unknown"]
+    unknown = [one for one in unknown if one.slips or one.rule not in no_news]
     for why, rules in by_reason(_unknown(verdict, one) for one in unknown).items():
         size = max(_not_followed(verdict, one) for one in unknown if one.rule in rules)
         yield Line(size, with_rules(why, rules, verdict.own))

@@ -185,7 +185,10 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
         )
     if len(set(does.values())) > 1:
         light = by_reason((kind, rule) for rule, kind in does.items() if rule != "mass")
-        each = ", ".join(f"{kind} if {named(rules)}" for kind, rules in light.items())
+        words = {"undecided": "not decided"}
+        each = ", ".join(
+            f"{words.get(kind, kind)} if {named(rules)}" for kind, rules in light.items()
+        )
         yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
     elif len(does) > 1 and "undecided" not in does.values():
         yield _of_agreeing(own)

@@ -43,6 +43,26 @@ def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
     yield Line(most * unit / (own.kinetic.value * scale.force), f"{said}; {why}")
 
 
+def of_unstable_sliding(verdict: Verdict) -> Iterator[Line]:
+    """That small swings of a smooth slider in heat grow, and what of them counts as no slip."""
+    own, scale = verdict.own, verdict.own.scale
+    for one in own.behaviours:
+        below = one.unstable_below or 0.0
+        if one.kind == "smooth" and below > 0.0:
+            spring = written(below * scale.spring, scale.spring_unit, digits=2)
+            small = written(
+                SMALL * own.contacts.mean_threshold * scale.force, scale.force_unit, digits=2
+            )
+            known = "how far was not followed, as heat is left out"
+            if one.heat_left_out is None:
+                known = "as far as it was followed by less than that"
+            yield Line(
+                GENERAL,
+                f"small swings of steady sliding grow by heat on springs below {spring}, as on this: the force that "
+                f"is told as smooth may swing by less than {small} ({SMALL:g} <x_s>), which counts as no slip; {known}",
+            )
+
+
 def way_to(slider: Behaviour) -> str:
     """How much is known of the way up to steady sliding that tells of a slider in heat; "" where it was followed."""
     if slider.heat_on_the_way is None:

@@ -24,7 +24,7 @@ from toolkit.verdict.text.kinds import (
     others,
     out_of_time,
 )
-from toolkit.verdict.text.of_heat import of_heat, of_steady_sliding
+from toolkit.verdict.text.of_heat import of_heat, of_steady_sliding, of_unstable_sliding
 from toolkit.verdict.text.spread import range_of_force
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.uncertainty import uncertainties_of
@@ -114,6 +114,30 @@ def _whole_cause(answer: Answer) -> str:
     return in_units(answer.behaviours[0].message, answer.scale, answer.contacts.mean_threshold)
 
 
+def against_k_star(verdict: Verdict) -> list[str]:
+    """What K* says beside the machine's spring of a slider that is not decided, in a sentence that stands below the
+    table; none where K* is not known."""
+    own = verdict.own
+    unknown = [one.rule for one in own.behaviours if one.kind == "undecided" and not one.slips]
+    critical = own.critical_spring
+    if own.machine is None or not unknown or own.smoothed or critical.unknown or critical.lost:
+        return []
+    each = own.machine.spring, critical.value
+    spring, most = (
+        written(one * own.scale.spring, own.scale.spring_unit, digits=2) for one in each
+    )
+    rules = f" if {named(unknown)}" * (unknown != ["mass"])
+    if not own.softer:
+        return [
+            f"K, {spring}, is above K*, {most}: a rigid slider's force falls nowhere as steeply; what the slider does"
+            f"{rules} is not known"
+        ]
+    slips = "it slips at least once"
+    if own.contacts.in_time or own.machine.mass:
+        slips = "it slips, or creeps up to the speed of its drive and slides"
+    return [f"K, {spring}, is below K*, {most}: {slips}; what follows{rules} is not known"]
+
+
 def undecided_readings(verdict: Verdict) -> list[str]:
     """How many readings are not decided beside an own one that is, and their F_k, of which K* and F_k are known all the
     same; as the answer is that of the others alone."""
@@ -164,11 +188,16 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
     missed = [(in_units(one.message, scale, mean), one.rule) for one in missing]
     for why, rules in by_reason(missed).items():
         most = max(errors[rule] for rule in rules)
+        nothing = all(
+            one.kind == "undecided" and not one.slips for one in missing if one.rule in rules
+        )
+        what = "not decided" if nothing else "not as asked"
         yield Line(
             most,
-            f"{with_rules(f'not as asked if {RULE}', rules, own)}: {why}{_instead(own, rules)}",
+            f"{with_rules(f'{what} if {RULE}', rules, own)}: {why}{_instead(own, rules)}",
         )
     yield from of_steady_sliding(verdict)
+    yield from of_unstable_sliding(verdict)
     yield from of_heat(verdict)
     rough = [
         (_why_rough(verdict, one), one.rule)

@@ -51,7 +51,7 @@ from toolkit.verdict.text.kinds import (
 from toolkit.verdict.text.of_heat import stability, way_to
 from toolkit.verdict.text.spread import other_samples, widest
 from toolkit.verdict.text.table import drop_of, first_alike, speed_unit, table
-from toolkit.verdict.text.undone import cause, followed_instead, undecided_readings
+from toolkit.verdict.text.undone import against_k_star, cause, followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
     error_beside,
     is_vague,
@@ -71,7 +71,7 @@ def page(verdict: Verdict) -> list[str]:
     lines = [verdict.title, "", *early, *warnings(verdict), sentence(verdict)]
     lines += [*(f"  {line}" for line in (*turned(verdict), *details(verdict))), ""]
     lines += [*table(verdict), *other_samples(verdict), *why_above(verdict)]
-    lines += [*why_smooth(verdict), ""]
+    lines += [*why_smooth(verdict), *against_k_star(verdict), ""]
     lines += [*numerical_errors(verdict), "", "What it hangs on"]
     lines += [f"  {line}" for line in dependence(verdict)]
     return [*lines, "", f"run time {verdict.run_time:.1f} s"]
