@@ -60,8 +60,8 @@ def told(comm: Any) -> Iterator[Any]:
             len(run.breaks_per_rank) == comm.Get_size() and min(run.breaks_per_rank) > 0
         )
         yield [[float(x).hex() for x in row if x] for row in rows]
-    law = origins.domains(3.88, mean_atoms=30.0, stiffness=1.0, samples=9000, comm=comm)
-    yield [float(x).hex() for x in law.domains.barriers[::100]]
+    law = origins.domains(3.88, mean_atoms=30.0, stiffness=1.0, samples=3000, comm=comm)
+    yield [float(x).hex() for x in law.domains.barriers[::30]]
     try:
         sizes = {"sizes": [(1, 1), (3000, 3000)], "weights": [1.0, 1e-3]}
         origins.domains(1.0, **sizes, temperature=1e-9, stiffness=1.0, comm=comm)

@@ -186,7 +186,7 @@ def test_cohorts_agree_with_closed_forms_and_the_renewal_equation() -> None:
 
 @pytest.mark.parametrize(
     ("spring", "mass", "damping", "start"),
-    [(3.576, 0.2831, 0.0, 0.187), (1.2, 0.0128, 0.075, 0.0)],
+    [slow(3.576, 0.2831, 0.0, 0.187), (1.2, 0.0128, 0.075, 0.0)],
 )
 def test_roads_of_a_slider_with_mass_agree(
     spring: float, mass: float, damping: float, start: float

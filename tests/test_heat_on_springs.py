@@ -66,8 +66,9 @@ LAWS = {
 
 
 # kernels of each law of rates, and of thresholds that grow, take half a minute to compile; a wide start has hotter
-# contacts of the same kernel, and contacts that re-form stretched are drawn as those of a wide start
-QUICK = ("linked", "delay")
+# contacts of the same kernel, and contacts that re-form stretched are drawn as those of a wide start; test_coupled has
+# linked ones
+QUICK = ("delay",)
 
 
 @pytest.mark.parametrize("name", [slow(one, when=one not in QUICK) for one in LAWS])

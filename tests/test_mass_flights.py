@@ -172,7 +172,7 @@ def test_beside_a_slip_the_error_is_as_large_as_its_fall(
     assert abs(followed.slips.drive[0] - exact.slips.drive[0]) <= followed.slips.drive_error
 
 
-@pytest.mark.slow  # quick: the end of a slip that does not swing, below, on a path beyond their return
+@pytest.mark.slow  # quick: the slip before their return, above
 def test_contacts_that_come_back_are_back_at_once_beside_the_time_from_slip_to_slip() -> None:
     """One step led from a slip at 684 over their return at 714 far beyond: read in its middle half of them were still
     out, and 10,000 steps were taken for what 1,700 tell."""
@@ -212,6 +212,7 @@ def test_a_regime_hangs_on_slips_and_not_on_points_of_the_path_within_one() -> N
     assert np.abs(found.force - exact.force).max() <= found.force_error
 
 
+@pytest.mark.slow  # quick: one without a law in time that fades, in test_mass_master.py
 def test_the_end_of_a_slip_that_does_not_swing_is_not_known() -> None:
     """It comes to rest as its drive overtakes it, which hangs on the last digits of the force: no duration is told."""
     machine = SOFT | {"damping": 1.5 * 2.0 * 1e-3}

@@ -81,7 +81,7 @@ def test_what_is_refused_by_design_names_the_law_at_once() -> None:
 
 
 def test_answers_are_written_as_they_are_read(tmp_path: Path) -> None:
-    """By the script that makes them anew, here for two calls, by the code at hand."""
+    """Of two calls."""
     names = fast(QUICK[0])[:2]
     write({name: ALL[name] for name in names}, tmp_path / "kept.npz")
     for name, again in load(tmp_path / "kept.npz").items():
@@ -89,6 +89,12 @@ def test_answers_are_written_as_they_are_read(tmp_path: Path) -> None:
             assert getattr(again, field) == getattr(ALL[name], field)
         for field in ("values", "claims"):
             np.testing.assert_array_equal(getattr(again, field), getattr(ALL[name], field))
+
+
+@pytest.mark.slow  # quick: what the script writes, above, and its answers, by the same calls
+def test_the_script_that_makes_answers_anew_finds_the_same(tmp_path: Path) -> None:
+    names = fast(QUICK[0])[:2]
+    write({name: ALL[name] for name in names}, tmp_path / "kept.npz")
     script = Path(__file__).parent / "oracle" / "write.py"
     words = [str(script.parents[2]), "kept.npz", "new.npz"]
     done = subprocess.run([sys.executable, script, *words], cwd=tmp_path, check=False)

@@ -173,6 +173,7 @@ if os.environ.get("PMI_RANK", os.environ.get("OMPI_COMM_WORLD_RANK")) == "0":
 # -- in one process -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow  # quick: an interrupt and SIGTERM, above
 def test_sighup_keeps_a_checkpoint(capsys: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of the soft slider's ensemble as of the rigid one; what goes on has the same bits."""
 

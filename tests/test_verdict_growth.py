@@ -32,6 +32,7 @@ def of_many(**named: Any) -> Behaviour:
     return Behaviour(rule="mass", **(told | named))
 
 
+@pytest.mark.slow  # quick: such contacts in place of infinitely many, below
 def test_contacts_of_the_area_grow_as_they_are_followed_beside_a_mass() -> None:
     """A slip of a light, overdamped mass is one without a mass, but for the 0.29 units of time that it takes: the drive
     goes on by 0.03 then, in which the contacts that it broke wait already."""

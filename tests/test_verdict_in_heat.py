@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import stats
 
 import eq_model
@@ -132,7 +133,7 @@ def test_a_slider_that_is_not_decided_says_whether_steady_sliding_is_stable() ->
     assert with_stability(replace(late, slips=2), machine, growing).unstable_below is None
 
 
-@pytest.mark.parametrize(("contacts", "slips"), [(STRONG, 0), (WEAK, 1)])
+@pytest.mark.parametrize(("contacts", "slips"), [slow(STRONG, 0), (WEAK, 1)])
 def test_finitely_many_contacts_slide_as_steady_sliding_tells(
     contacts: Contacts, slips: int
 ) -> None:
