@@ -113,7 +113,7 @@ QUESTIONS = {
     ),
     "whether steady sliding is stable: with mass in heat; with mass and a delay; creep": (
         "master:sliding_is_stable",
-        "toolkit:slides_on",
+        "toolkit:is_stable_with_delay",
         "master:is_stable",
     ),
     "a delay: its law": ("origins:Delay",),

@@ -34,7 +34,7 @@ from toolkit.verdict.sliders.machine import (
     not_followed,
     rigid_slider,
 )
-from toolkit.verdict.sliders.steady import friction_falls, slides_on
+from toolkit.verdict.sliders.steady import friction_falls, is_stable_with_delay
 from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.slips_in_words import mean_over_slips
 from toolkit.verdict.text.words import page, sentence
@@ -378,7 +378,7 @@ def test_contacts_that_broke_together_draw_apart_on_springs_above_a_stiffness(pa
     share = unit / (unit + delay)
     least = share * square / (square - unit**2)
     machine, contacts = replace(RARE, spring=part * least), Contacts(WIDE, delay=Delay(delay))
-    assert slides_on(machine, contacts) is (part > 1.0)
+    assert is_stable_with_delay(machine, contacts) is (part > 1.0)
     x, forms, swing = WIDE.isf((np.arange(200_000) + 0.5) / 200_000), share / unit, 1e-3
     phase = np.exp(-1j * swing * x)
     held = forms / (1j * swing) * (1.0 - ((1.0 + 1j * swing * x) * phase).mean())
@@ -388,16 +388,16 @@ def test_contacts_that_broke_together_draw_apart_on_springs_above_a_stiffness(pa
 
 
 def test_sliding_is_not_called_stable_where_that_is_not_known() -> None:
-    assert slides_on(RARE, RARE_CONTACTS)
+    assert is_stable_with_delay(RARE, RARE_CONTACTS)
     falls = friction_falls(RARE, RARE_CONTACTS)
-    assert not slides_on(replace(RARE, damping=0.99 * falls), RARE_CONTACTS)
-    assert slides_on(replace(RARE, damping=1.01 * falls), RARE_CONTACTS)
+    assert not is_stable_with_delay(replace(RARE, damping=0.99 * falls), RARE_CONTACTS)
+    assert is_stable_with_delay(replace(RARE, damping=1.01 * falls), RARE_CONTACTS)
     # swings that pass no threshold; no mass; no delay; contacts that age, form stretched or are linked
-    assert not slides_on(replace(RARE, mass=0.09 * RARE.spring), RARE_CONTACTS)
-    assert not slides_on(replace(RARE, mass=None), RARE_CONTACTS)
-    assert not slides_on(RARE, Contacts(WIDE))
+    assert not is_stable_with_delay(replace(RARE, mass=0.09 * RARE.spring), RARE_CONTACTS)
+    assert not is_stable_with_delay(replace(RARE, mass=None), RARE_CONTACTS)
+    assert not is_stable_with_delay(RARE, Contacts(WIDE))
     for other in ({"reforming": 0.1}, {"stiffness": "linked"}, {"thermal": Thermal("soft", 0.01)}):
-        assert not slides_on(RARE, RARE_CONTACTS.replace(**other))
+        assert not is_stable_with_delay(RARE, RARE_CONTACTS.replace(**other))
 
 
 def at_places(places: list[np.ndarray]) -> CoupledSlips:

@@ -38,7 +38,7 @@ from toolkit.verdict.sliders.budget import NO_FORCES, NO_TIME, Budget, long_dela
 from toolkit.verdict.sliders.ensemble import follow_by_contacts, sliders
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.islands import follow_islands, with_barriers
+from toolkit.verdict.sliders.islands import follow_contacts, with_barriers
 from toolkit.verdict.sliders.machine import (
     Behaviour,
     Finite,
@@ -465,13 +465,13 @@ def test_fewer_contacts_than_the_areas_are_pulled_as_far_as_they_need(monkeypatc
 
 def test_a_slow_machine_follows_fewer_contacts_than_its_pilot_promised(monkeypatch: Any) -> None:
     """Where all take longer than was expected the rest of the time is for a sixteenth of them, not for the pilot's."""
-    real = ensemble.in_time
+    real = ensemble.followed_within
 
     def slow(following: Any, seconds: float) -> Any:
         late = following.total > 4 * 8_000 or (following.total == 4 * 8_000 and seconds < 20.0)
         return None if late else real(following, seconds)
 
-    monkeypatch.setattr(ensemble, "in_time", slow)
+    monkeypatch.setattr(ensemble, "followed_within", slow)
     machine, contacts = Machine(1e-3, None, 0.0, 1.0), Contacts(stats.norm(1.0, 0.2))
     path = np.linspace(0.0, 2500.0, 50)
     for number, kept in ((64_000, 4_000), (16_000, 1_000), (8_000, 8_000)):
@@ -491,7 +491,7 @@ def test_an_interrupted_verdict_tells_what_is_known(
 
     drive = {"spring": "0.5 N_c<k>", "area": 1e-9, "velocity": 1e-6}
     given: dict[str, Any] = {"contacts": STATED, "drive": drive, "verdict": RESET}
-    parts = {"follow_islands": "before it was followed", "follow_finite": "before it was followed"}
+    parts = {"follow_contacts": "before it was followed", "follow_finite": "before it was followed"}
     for name, told in parts.items():
         with monkeypatch.context() as patched:
             patched.setattr(f"toolkit.verdict.judge.{name}", ends)
@@ -899,7 +899,7 @@ def test_what_is_found_in_time_is_told(capsys: Any, monkeypatch: Any) -> None:
     _, page, found = judged(capsys, verdict=RESET, **tables)
     assert page.splitlines()[2].startswith("stick-slip") and "other samples" in page
     assert found["readings"][0]["kinetic"]["sampling"] is None
-    monkeypatch.setattr(judge, "follow_islands", late)
+    monkeypatch.setattr(judge, "follow_contacts", late)
     status, page, found = judged(capsys, verdict=RESET, **tables)
     assert status == 1 and page.splitlines()[2] == f"not decided ({NO_TIME})"
     assert 0.4 < found["readings"][0]["kinetic"]["value"] < 0.7
@@ -1071,7 +1071,7 @@ def test_slips_of_islands_are_those_of_the_barriers_and_not_of_their_smooth_law(
     before = float(own.slips.force_before.mean())
     known = RigidSlider(0.35, 0.25, 1e-9, float("inf"), 1.0)
     assert of_smoothing(law)
-    told = follow_islands(SOFT, contacts, "reset", known, wall_time=1e4)
+    told = follow_contacts(SOFT, contacts, "reset", known, wall_time=1e4)
     finite = follow_finite(SOFT, with_barriers(contacts), 2e4, told, known.static, 1e3)
     smooth = follow_by_contacts(SOFT, contacts, "reset", 1e4, time.monotonic() + 1e4, known)
     for one in (told, finite):
@@ -1081,7 +1081,7 @@ def test_slips_of_islands_are_those_of_the_barriers_and_not_of_their_smooth_law(
     # contacts that re-form at once are followed as before, as are laws that are no smooth ones through samples
     assert with_barriers(exact) is exact
     held = contacts.replace(thermal=origins.Thermal("soft", 1e-9, 1.0))
-    assert follow_islands(SOFT, held, "reset", known, wall_time=0.0).contacts is None
+    assert follow_contacts(SOFT, held, "reset", known, wall_time=0.0).contacts is None
 
 
 def test_contacts_of_the_area_break_by_heat_as_they_are_followed() -> None:

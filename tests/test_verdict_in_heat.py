@@ -18,13 +18,14 @@ import master
 from master.steady.response import is_stable
 from master.steady.with_mass import decays, sliding_is_stable, unstable_below
 from origins import Contacts, Delay, InputError, Thermal, gaussian, identical, strengthening
+from origins.drive import RISE
 from tests.test_creep import CatchBonds
 from tests.test_verdict import STATED, judged
 from toolkit.results.kinds import kind_of
 from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.in_heat import SMALL, by_steady_sliding, looked_at, with_stability
+from toolkit.verdict.sliders.in_heat import by_steady_sliding, looked_at, with_stability
 from toolkit.verdict.sliders.machine import Behaviour, Machine, not_followed, rigid_slider
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.words import sentence
@@ -162,7 +163,7 @@ def test_stable_sliding_tells_nothing_where_slower_sliding_bears_more() -> None:
     slow, fast = (
         master.steady_state(broad, velocity=one).force for one in (looked_at(machine)[0], 10.0)
     )
-    assert slow - fast > 20.0 * SMALL
+    assert slow - fast > 20.0 * RISE
 
 
 @pytest.mark.slow  # some 40 s; quick: the forces above
@@ -172,7 +173,7 @@ def test_a_slider_slips_on_beside_stable_sliding_where_slower_sliding_bears_more
     few = eq_model.simulate(
         broad, np.linspace(0.0, 3000.0, 601), n_contacts=2000, seed=1, **machine.keywords("mass")
     )
-    assert few.slips.drive.size >= 3 and few.slips.drop.min() > 20.0 * SMALL
+    assert few.slips.drive.size >= 3 and few.slips.drop.min() > 20.0 * RISE
 
 
 @pytest.mark.slow  # some 20 s; quick: the ensemble above

@@ -485,7 +485,7 @@ def test_sliders_of_which_some_were_given_up_for_want_of_time_are_none(followed:
     contacts, path = Contacts(gaussian(1.0, 0.2), delay=Delay(30.0)), np.linspace(0.0, 900.0, 9)
     asked = HEAVY_ON_SOFT.keywords("mass")
     following = GivenUp(contacts, path, n_contacts=100, n_replicas=4, seed=1, threads=1, **asked)
-    found = ensemble.in_time(following, 1e4)
+    found = ensemble.followed_within(following, 1e4)
     assert (found is None) == (followed < 4)
     assert following.state.contacts == followed * 100
 

@@ -12,8 +12,8 @@ import eq_model
 import master
 from master.soft.in_time.idle_heat import largest_effect
 from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical
+from origins.drive import RISE
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.in_heat import SMALL
 from toolkit.verdict.sliders.machine import Behaviour, Machine, rigid_slider
 from toolkit.verdict.sliders.weak_heat import EARLY, by_contacts_without_heat
 
@@ -88,7 +88,7 @@ def test_it_slides_smoothly_where_no_fall_could_count_as_a_slip() -> None:
     """At F_k without heat, with the bound as its error; in stronger heat the fall might count as a slip."""
     found = told(WEAK, "instant")
     assert found is not None and (found.kind, found.success) == ("smooth", True)
-    assert (found.heat_left_out or 1.0) < SMALL and found.error >= (found.heat_left_out or 1.0)
+    assert (found.heat_left_out or 1.0) < RISE and found.error >= (found.heat_left_out or 1.0)
     kinetic = master.steady_state(WEAK.replace(thermal=None), velocity=1.0).force
     assert found.before == pytest.approx(kinetic, abs=1e-3)
     warmer = WEAK.replace(thermal=Thermal("soft", 2e-4, 1e6))

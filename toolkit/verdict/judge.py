@@ -36,7 +36,7 @@ from toolkit.verdict.sliders.budget import (
 )
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
-from toolkit.verdict.sliders.islands import follow_islands, with_barriers
+from toolkit.verdict.sliders.islands import follow_contacts, with_barriers
 from toolkit.verdict.sliders.machine import (
     RULES,
     Behaviour,
@@ -47,7 +47,7 @@ from toolkit.verdict.sliders.machine import (
     not_followed,
     rigid_slider,
 )
-from toolkit.verdict.sliders.steady import slides_on
+from toolkit.verdict.sliders.steady import is_stable_with_delay
 from toolkit.verdict.uncertainty import RESAMPLED_TOLERANCE, with_sampling
 from toolkit.verdict.with_mass import (
     follow_extremes,
@@ -103,7 +103,7 @@ def verdict(
         waits = scene.wall_time is not None and bool(scene.contacts.waiting_time)
         # nor where slips may end after hundreds of delays, which all contacts are followed for, if in time
         machine = machine_of(table, scene.contacts)
-        slides = machine is not None and slides_on(machine, scene.contacts)
+        slides = machine is not None and is_stable_with_delay(machine, scene.contacts)
         waits |= bool(scene.contacts.waiting_time) and slides
         alone = len(readings) == 1 and (bool(scene.contacts.held_in_time) or waits)
         # the others in order, twice their share, as most leave a part of it to those after them
@@ -201,7 +201,7 @@ def answer_of(
     import master
 
     velocity, contacts = table.velocity, cast(Contacts, reading.contacts)
-    in_time = TOLERANCE_IN_TIME if reading.own else WHETHER_IT_SLIPS
+    tolerance = TOLERANCE_IN_TIME if reading.own else WHETHER_IT_SLIPS
     kinetic = static = critical = UNKNOWN
     holding, cold, extremes = 1.0, None, tuple[Behaviour, ...]()
     scale = scale_of(contacts, table.area)
@@ -225,7 +225,7 @@ def answer_of(
             pulled = cast(Machine, machine)
             same = _without_slip(behaviours, contacts, rule)
             behaviours.append(
-                same or follow_islands(pulled, contacts, rule, before, seconds, rings, in_time)
+                same or follow_contacts(pulled, contacts, rule, before, seconds, rings, tolerance)
             )
         unknown = [one.rule for one in behaviours if one.kind == "undecided" and not one.slips]
         if machine is not None and unknown == ["mass"] and not lacks_damping(behaviours[0].message):
@@ -236,7 +236,7 @@ def answer_of(
             short = not extremes and contacts.delay is not None and contacts.thermal is None
             for n_rules, rule in zip(range(len(rules), 0, -1), rules, strict=True):
                 seconds = budget.remaining() / (n_rules + short)
-                behaviours.append(follow_islands(light, contacts, rule, before, seconds))
+                behaviours.append(follow_contacts(light, contacts, rule, before, seconds))
             if short:  # and, as the delay may be far shorter than a slip, what it does without one
                 remaining = budget.remaining()
                 behaviours.append(follow_other_delay(machine, contacts, scale.contacts, remaining))

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from origins.drive import RISE
 from toolkit.scene.scale import Scale, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.ensemble import by_sliders
-from toolkit.verdict.sliders.finite import SMALL
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite
@@ -73,8 +73,8 @@ def _pairs(verdict: Verdict) -> Iterator[tuple[Behaviour, Finite]]:
 
 
 def _kinds_differ(verdict: Verdict, one: Behaviour, finite: Finite) -> bool:
-    """Falls below SMALL mean thresholds are no slips of the slider, and slips that get ever rarer end in sliding."""
-    small = SMALL * verdict.own.contacts.mean_threshold
+    """Falls below RISE mean thresholds are no slips of the slider, and slips that get ever rarer end in sliding."""
+    small = RISE * verdict.own.contacts.mean_threshold
     if {one.kind, finite.kind} == {"smooth", EVER_RARER}:
         return False
     return one.kind != finite.kind and not finite.before - finite.after < small

@@ -40,7 +40,7 @@ from toolkit.verdict.sliders.machine import (
     last_of,
     not_followed,
 )
-from toolkit.verdict.sliders.steady import slides_on
+from toolkit.verdict.sliders.steady import is_stable_with_delay
 
 # contacts of each slider where the ensemble takes the place of the master equation
 CONTACTS, SEED = 20_000, 1
@@ -93,7 +93,7 @@ def sliders(
         # makes the kernels and tables, too, whose time does not count
         following = eq_model.Ensemble(contacts, few_points, n_contacts=PILOT, **asked)
         spent = time.process_time()
-        pilot = in_time(following, left)
+        pilot = followed_within(following, left)
         if pilot is None:
             raise InputError(f"{PILOT:,} contacts take more than {left:.0f} s: {MORE_TIME}")
         remaining = max(seconds - pilot.run_time, 0.0)
@@ -119,14 +119,16 @@ def sliders(
         # the last of the time is for fewer, where all of them take longer than is expected, as on a slow machine
         limit = left - (time.monotonic() - began)
         part = PART_OF_FIRST if tried >= FEWER * PILOT else 1.0
-        found = in_time(eq_model.Ensemble(contacts, path, n_contacts=tried, **asked), part * limit)
+        found = followed_within(
+            eq_model.Ensemble(contacts, path, n_contacts=tried, **asked), part * limit
+        )
         tried //= FEWER
     if found is None and not (few_will_do and pilot):
         raise InputError(f"{number:,} contacts take more than {left:.0f} s: {MORE_TIME}")
     return found or pilot
 
 
-def in_time(following: Any, seconds: float) -> Any:
+def followed_within(following: Any, seconds: float) -> Any:
     """The result of an ensemble of all its sliders; None where these take more than so many s of the clock, and of the
     processor, which a busy machine has for others, too: they are given up."""
     clock, work = time.monotonic(), time.process_time()
@@ -148,7 +150,7 @@ def until_settled(
 
     asked: dict[str, Any] = {"n_replicas": SLIDERS, "seed": SEED, "threads": cores_of(None)}
     asked |= {"n_contacts": found.contacts // SLIDERS} | machine.keywords(rule)
-    stable = slides_on(machine, contacts)
+    stable = is_stable_with_delay(machine, contacts)
     times, rounds = (AS_FAR[1], ROUNDS[1]) if stable else (AS_FAR[0], ROUNDS[0])
     for _ in range(rounds if rule == "mass" else 0):
         main = main_slips(found.slips)
@@ -160,7 +162,9 @@ def until_settled(
         more = machine.points(end - found.path[0]) * (times - 1) // times
         further = np.linspace(found.path[-1], end, more + 1)
         path = np.append(found.path, further[1:])
-        longer = in_time(eq_model.Ensemble(contacts, path, **asked), until - time.monotonic())
+        longer = followed_within(
+            eq_model.Ensemble(contacts, path, **asked), until - time.monotonic()
+        )
         if longer is None:
             break
         found = longer

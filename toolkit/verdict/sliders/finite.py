@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.drive import RISE
 from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.results.sliding import has_slid, late_force, mean_forces, scatter_of
@@ -37,7 +38,6 @@ from toolkit.verdict.sliders.ensemble import (
     sliders,
     until_settled,
 )
-from toolkit.verdict.sliders.in_heat import SMALL
 from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
@@ -205,7 +205,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     drive, force = trace_of(found, 0, machine.velocity)
     all_slips = found.slips.drive.size
     if settles:
-        found = replace(found, slips=large_slips(found.slips, SMALL * mean))
+        found = replace(found, slips=large_slips(found.slips, RISE * mean))
     if slips:
         found = replace(found, slips=main_slips(found.slips))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)

@@ -33,7 +33,7 @@ from toolkit.verdict.sliders.machine import (
     critical_damping,
     not_followed,
 )
-from toolkit.verdict.sliders.steady import settling_distance, slides_on
+from toolkit.verdict.sliders.steady import is_stable_with_delay, settling_distance
 from toolkit.verdict.sliders.told import PRECISE_ENOUGH, behaviour_of, error_of, is_known
 from toolkit.verdict.sliders.weak_heat import by_contacts_without_heat
 
@@ -67,6 +67,8 @@ FIRST_OF_SHORT = 0.65
 # and where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows; or in heat
 # beside a mass and a delay, of whose slips the master equation knows the force at points near them seldom
 FIRST_OF_STABLE = 0.25
+# and in heat, of which steps are refused in a moment as a rule, or lead nowhere, before other roads are asked
+FIRST_IN_HEAT = 0.25
 # slips that tell a regime, and part of a period by which the path goes on beyond them
 ENOUGH_SLIPS, PART_OF_PERIOD = 5, 0.2
 # part of the path, its last fifth, along which the force of smooth sliding is looked at for what still changes
@@ -81,13 +83,14 @@ def follow(
     rigid: RigidSlider,
     wall_time: float,
     rings: bool = False,
-    in_time: float = TOLERANCE_IN_TIME,
-    at_once: float = TOLERANCE,
+    tolerance_in_time: float = TOLERANCE_IN_TIME,
+    tolerance_at_once: float = TOLERANCE,
 ) -> Behaviour:
     """Pull the slider until its slips tell what follows, mostly five of them, or it slides steadily.
 
     wall_time : s; rings : whether an undamped slider is known to ring for too long, and is followed with some damping
-    in_time, at_once : tolerances (mean thresholds) where a law of the contacts depends on time, and where none does
+    tolerance_in_time, tolerance_at_once : in mean thresholds, where a law of the contacts depends on time, and where
+    none does
     What the solver does not take is "undecided", and its message says why. Where the master equation does not decide in
     time, the ensemble does, or F_k of contacts that have forgotten their start; an undamped slider is damped a little.
     """
@@ -96,12 +99,12 @@ def follow(
     cold = contacts if contacts.thermal is None else contacts.replace(thermal=None)
     undamped = machine.mass is not None and not machine.damping
     if undamped and rings:
-        return _damped(machine, contacts, rigid, wall_time, in_time)
+        return _damped(machine, contacts, rigid, wall_time, tolerance_in_time)
     # without damping they ring on: while a slider is fast, contacts that form again break at once
     by_contacts = may_follow(machine, cold, rule, rigid) and not undamped
     first = FIRST_OF_MASS if rule == "mass" else FIRST_OF_RULES
     in_heat = rule == "mass" and contacts.thermal is not None and bool(contacts.waiting_time)
-    if by_contacts and (in_heat or slides_on(machine, contacts)):
+    if by_contacts and (in_heat or is_stable_with_delay(machine, contacts)):
         first = FIRST_OF_STABLE
     if rule == "mass" and not by_contacts and machine.damping and contacts.waiting_time:
         # a shorter delay, which the master equation takes as a rule; else a few contacts tell what as many do
@@ -112,7 +115,7 @@ def follow(
         until = min(until, time.monotonic() + ENOUGH_OF_RULES)
     one_length = rule != "mass" and may_follow(machine, contacts, rule, rigid)
     lengths = LENGTHS[:1] if one_length else LENGTHS
-    tolerance = in_time if contacts.in_time else at_once
+    tolerance = tolerance_in_time if contacts.in_time else tolerance_at_once
     if rule == "mass" and contacts.waiting_time:
         tolerance = max(tolerance, TOLERANCE_WITH_DELAY)
         lengths = (FIRST_WITH_DELAY, *lengths[1:])
@@ -124,8 +127,7 @@ def follow(
     def without(bare: Contacts, known: RigidSlider) -> Behaviour:
         return follow(machine, bare, rule, known, end - time.monotonic(), rings)
 
-    # in heat steps are refused in a moment as a rule, or lead nowhere
-    parts = (FIRST_OF_STABLE, 1.0) if contacts.thermal is not None else (1.0,)
+    parts = (FIRST_IN_HEAT, 1.0) if contacts.thermal is not None else (1.0,)
     for part in parts:
         late = min(until, time.monotonic() + part * wall_time)
         found = by_distribution(machine, contacts, rule, distances, late, tolerance)
@@ -153,7 +155,7 @@ def follow(
     if forgets:
         return after_forgetting(machine, contacts, rigid, found)
     if undamped:
-        damped = _damped(machine, contacts, rigid, end - time.monotonic(), in_time)
+        damped = _damped(machine, contacts, rigid, end - time.monotonic(), tolerance_in_time)
         return damped if damped.kind != "undecided" or lacks_damping(damped.message) else found
     return found
 
@@ -189,7 +191,11 @@ def _settled(
 
 
 def _damped(
-    machine: Machine, contacts: Contacts, rigid: RigidSlider, wall_time: float, in_time: float
+    machine: Machine,
+    contacts: Contacts,
+    rigid: RigidSlider,
+    wall_time: float,
+    tolerance_in_time: float,
 ) -> Behaviour:
     """What an undamped slider with mass does with the first part DAMPED of its critical damping that decides: a tenth,
     and, where it rings for too long on stiff contacts, all of it, roughly."""
@@ -197,7 +203,15 @@ def _damped(
     for part, tolerance in DAMPED.items():
         damped = replace(machine, damping=part * critical_damping(machine))
         seconds = (end - time.monotonic()) * (FIRST_DAMPED if part < 1.0 else 1.0)
-        found = follow(damped, contacts, "mass", rigid, seconds, in_time=in_time, at_once=tolerance)
+        found = follow(
+            damped,
+            contacts,
+            "mass",
+            rigid,
+            seconds,
+            tolerance_in_time=tolerance_in_time,
+            tolerance_at_once=tolerance,
+        )
         if found.kind != "undecided":
             break
     borne = damped.damping * machine.velocity / (abs(found.before) or np.inf)

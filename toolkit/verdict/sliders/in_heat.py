@@ -2,10 +2,10 @@
 
 Such a slider slides smoothly in the end where steady sliding at the drive's speed v is stable, with its mass and
 damping (master/steady/with_mass.py), and where at speeds from K v/(N_c<k> + K), at which a slider that sticks stretches
-its contacts, to FASTER v one of both holds:
+its contacts, to FASTEST_LOOKED_AT v one of both holds:
 
     nothing slips   the force that a rigid slider reaches from relaxed contacts on, F_s, is above F_k at its own and at
-                    each higher speed by less than the fall that counts as a slip, SMALL <x_s>. F_s at its own speed
+                    each higher speed by less than the fall that counts as a slip, RISE <x_s>. F_s at its own speed
                     alone does not tell: where F_k falls with the speed, as contacts that break late are left at low
                     ones, a slow slider that slides steadily bears more than a fast one, and slips
     heat is weak    it changes F_k and F_s by less than that fall; and the slider on contacts without it, which is
@@ -22,6 +22,7 @@ from dataclasses import replace
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.drive import RISE
 from origins.errors import InputError
 from toolkit.verdict.sliders.machine import (
     Behaviour,
@@ -32,11 +33,9 @@ from toolkit.verdict.sliders.machine import (
 )
 from toolkit.verdict.sliders.steady import settling_distance
 
-# of a fall of the force, in mean thresholds: smaller ones are no slips, as of a slider with mass
-SMALL = 0.02
 # times the drive's speed: a mass that swings about it moves at up to twice as much
-FASTER = 3.0
-# tolerance of F_s, which is held against SMALL
+FASTEST_LOOKED_AT = 3.0
+# tolerance of F_s, which is held against RISE
 ROUGHLY = 1e-3
 # slip rules, and "mass", under which a slider whose first slips are over slides; the others renew all contacts
 SLIDES = ("mass", "instant")
@@ -59,7 +58,7 @@ def by_steady_sliding(
     alone = has_response(contacts) and contacts.changing is None and not law.atoms[0].size
     if not alone or not np.isfinite(settling_distance(machine, unit)):
         return None
-    spring, speed, small = machine.spring, machine.velocity, SMALL * unit
+    spring, speed, small = machine.spring, machine.velocity, RISE * unit
     try:
         if not sliding_is_stable(contacts, speed, spring, machine.mass or 0.0, machine.damping):
             return None
@@ -104,7 +103,7 @@ def looked_at(machine: Machine) -> list[float]:
     slider that sticks, to beyond that of a mass that swings about the drive's."""
     slowest, speed = machine.spring / (1.0 + machine.spring) * machine.velocity, machine.velocity
     decades = np.arange(int(np.ceil(np.log10(speed / slowest))))
-    return [*(slowest * 10.0**decades), speed, FASTER * speed]
+    return [*(slowest * 10.0**decades), speed, FASTEST_LOOKED_AT * speed]
 
 
 def _at_kinetic(

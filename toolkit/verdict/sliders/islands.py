@@ -48,20 +48,20 @@ def with_barriers(contacts: Contacts) -> Contacts:
     )
 
 
-def follow_islands(
+def follow_contacts(
     machine: Machine,
     contacts: Contacts,
     rule: str,
     rigid: RigidSlider,
     wall_time: float,
     rings: bool = False,
-    in_time: float = TOLERANCE_IN_TIME,
+    tolerance_in_time: float = TOLERANCE_IN_TIME,
 ) -> Behaviour:
-    """As `follow`; but where slips hang on the smoothing of P_c, as under the rules that renew contacts after one, the
-    ensemble tells of them, with the barriers themselves."""
+    """What a slider on any contacts does, by `follow`; but on islands, whose slips hang on the smoothing of P_c under
+    the rules that renew contacts after one, by the ensemble, with the barriers themselves."""
     barriers = with_barriers(contacts)
     if barriers is contacts or contacts.held_in_time or rule not in ("reset", "reform-after"):
-        return follow(machine, contacts, rule, rigid, wall_time, rings, in_time)
+        return follow(machine, contacts, rule, rigid, wall_time, rings, tolerance_in_time)
     loading = loading_of(machine, contacts, rigid.static)
     until = time.monotonic() + wall_time
     return follow_by_contacts(machine, barriers, rule, loading, until, rigid, FIRST_CONTACTS)

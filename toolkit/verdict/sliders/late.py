@@ -11,7 +11,7 @@ from toolkit.results.rarer import rarer
 from toolkit.results.slips import late_slips, may_go_on, shrinks_by, spread_of, still_changing
 from toolkit.verdict.sliders.budget import MORE_TIME
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
-from toolkit.verdict.sliders.steady import slides_on
+from toolkit.verdict.sliders.steady import is_stable_with_delay
 
 # sliders, which differ by chance
 SLIDERS = 4
@@ -59,7 +59,7 @@ def may_slip_again(found: Any, machine: Machine, contacts: Contacts, settling: f
     if may_go_on(found, machine.spring, settling, 0):
         return True
     last_third = float(found.path[-1] - np.ptp(found.path) / 3.0)
-    return slides_on(machine, contacts) and bool((found.slips.drive > last_third).any())
+    return is_stable_with_delay(machine, contacts) and bool((found.slips.drive > last_third).any())
 
 
 def in_the_end(finite: Finite, found: Any, machine: Machine, contacts: Contacts) -> Finite:
@@ -70,7 +70,7 @@ def in_the_end(finite: Finite, found: Any, machine: Machine, contacts: Contacts)
     are alike; else "unknown". Where it is not, sliders go on to slip: how much rarer they got is told beside.
     """
     slips, late = found.slips, late_slips(found.slips, SLIDERS)
-    stable = slides_on(machine, contacts)
+    stable = is_stable_with_delay(machine, contacts)
     fewer = rarer(slips, SLIDERS, float(found.path[-1]))
     if fewer and stable:
         last = found.path >= found.path[-1] - fewer.way / 3.0

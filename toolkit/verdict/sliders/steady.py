@@ -22,7 +22,7 @@ def friction_falls(machine: Machine, contacts: Contacts) -> float:
     return float(0.5 * waits * square / (mean + waits * machine.velocity) ** 2)
 
 
-def slides_on(machine: Machine, contacts: Contacts) -> bool:
+def is_stable_with_delay(machine: Machine, contacts: Contacts) -> bool:
     """Whether steady sliding at the drive's speed is known to be stable against slow changes of the speed.
 
     Such swings of the mass do not grow where γ is above -dF_k/dv, as long as they pass thresholds: the drive goes on by

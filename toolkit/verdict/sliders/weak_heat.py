@@ -10,7 +10,7 @@ and its threshold. Without heat new contacts bear F(X) at the slider's place X, 
                  thresholds it renews all contacts, so that each slip is as the first, begins at a force that is off by
                  `effect` at most, and comes as much earlier or later as the drive takes for that force
     it slides    where it slides smoothly without heat, at F_k: the force keeps between two bounds that are `effect`
-                 apart, which is less than the fall that counts as a slip, SMALL <x_s>
+                 apart, which is less than the fall that counts as a slip, RISE <x_s>
 
 An example: thresholds 1 ± 0.2, T = 1e-5 <x_s>^2, 1e12 attempts while the drive goes on by 1, K = 1e-4. F falls from
 0.690 to 0.387, and `effect` is 0.0024: it slips, from 0.690 ± 0.003.
@@ -22,9 +22,10 @@ from dataclasses import replace
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.drive import RISE
 from origins.errors import InputError
 from toolkit.verdict.sliders.budget import loading_of
-from toolkit.verdict.sliders.in_heat import SLIDES, SMALL, rigid_at
+from toolkit.verdict.sliders.in_heat import SLIDES, rigid_at
 from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
 from toolkit.verdict.sliders.told import PRECISE_ENOUGH
 
@@ -58,7 +59,7 @@ def by_contacts_without_heat(
     # no contact holds for longer than from slip to slip
     duration = loading_of(machine, contacts, rigid.static) / machine.velocity
     effect = largest_effect(contacts, duration, EARLY)  # in mean thresholds
-    if not effect < (SMALL if slides else PRECISE_ENOUGH):
+    if not effect < (RISE if slides else PRECISE_ENOUGH):
         return None
     try:
         if not (slides or _falls(bare, machine.spring, 2.0 * effect * unit)):

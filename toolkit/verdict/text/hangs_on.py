@@ -6,12 +6,13 @@ from itertools import chain
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.drive import RISE
 from origins.roughness.interface import Interface
 from toolkit.scene.interfaces import of_temperature, remarks
 from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import apart, late_force_of
-from toolkit.verdict.sliders.finite import ABOVE, SMALL
+from toolkit.verdict.sliders.finite import ABOVE
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour, Finite
 from toolkit.verdict.slips_in_words import after_slips, does, fall_of, fluctuating
@@ -178,11 +179,11 @@ def why_smooth(verdict: Verdict) -> list[str]:
     whose = " for infinitely many contacts" * any(one and one.kind != "smooth" for one in few)
     said = f"{begin}sliding is smooth{whose}{rules}: "
     cold = not own.contacts.held_in_time or all(_without_heat(one) for one in smooth)
-    small = SMALL * own.contacts.mean_threshold
+    small = RISE * own.contacts.mean_threshold
     if all(one.rule == "mass" and not one.slips for one in smooth) and cold and fall < small:
         return [
             f"{said}the fall from F_s to F_k, {written(fall * force, unit)}, is too small to count as a slip of a "
-            f"slider with mass (from {written(small * force, unit)} on, {SMALL:g} <x_s>)"
+            f"slider with mass (from {written(small * force, unit)} on, {RISE:g} <x_s>)"
         ]
     if not cold and not any(one.slips for one in smooth):
         return [

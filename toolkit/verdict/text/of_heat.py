@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from origins.drive import RISE
 from origins.laws.thermal import Thermal
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.sliders.finite import SMALL
 from toolkit.verdict.sliders.in_heat import looked_at
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.text.kinds import GENERAL, Line, by_reason, named
@@ -27,7 +27,7 @@ def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
         written(one, "m/s" if scale.length_unit == "m" else "")
         for one in (looked_at(own.machine)[0], looked_at(own.machine)[-1])
     )
-    small = f"{written(SMALL * unit, scale.force_unit, digits=2)} ({SMALL:g} <x_s>)"
+    small = f"{written(RISE * unit, scale.force_unit, digits=2)} ({RISE:g} <x_s>)"
     most = max(one.heat_on_the_way or 0.0 for one in told)
     said = "the slider in heat was not followed, as it goes on too slowly for steps in time. What is told follows from "
     said += "steady sliding, which is stable with this spring, mass and damping"
@@ -51,7 +51,7 @@ def of_unstable_sliding(verdict: Verdict) -> Iterator[Line]:
         if one.kind == "smooth" and below > 0.0:
             spring = written(below * scale.spring, scale.spring_unit, digits=2)
             small = written(
-                SMALL * own.contacts.mean_threshold * scale.force, scale.force_unit, digits=2
+                RISE * own.contacts.mean_threshold * scale.force, scale.force_unit, digits=2
             )
             known = "how far was not followed, as heat is left out"
             if one.heat_left_out is None:
@@ -59,7 +59,7 @@ def of_unstable_sliding(verdict: Verdict) -> Iterator[Line]:
             yield Line(
                 GENERAL,
                 f"small swings of steady sliding grow by heat on springs below {spring}, as on this: the force that "
-                f"is told as smooth may swing by less than {small} ({SMALL:g} <x_s>), which counts as no slip; {known}",
+                f"is told as smooth may swing by less than {small} ({RISE:g} <x_s>), which counts as no slip; {known}",
             )
 
 
