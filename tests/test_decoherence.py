@@ -25,7 +25,7 @@ def gaussian_roots(std: float, count: int) -> np.ndarray:
     return turns / (1.0 + np.sqrt(1.0 - turns * std**2))
 
 
-@pytest.mark.parametrize("std", [1e-3, 0.1])
+@pytest.mark.parametrize("std", [slow(1e-3), 0.1])
 def test_gaussian_roots_and_amplitudes_in_closed_form(std: float) -> None:
     mean, width = 0.1, 0.025
     found = master.decoherence_spectrum(

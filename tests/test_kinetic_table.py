@@ -29,7 +29,7 @@ def drawn_contacts(draw: np.random.Generator, law: str) -> Contacts:
     return Contacts(families[draw.integers(len(families))], thermal=heat)
 
 
-@pytest.mark.parametrize("law", ["eyring", slow("soft"), "stiff"])
+@pytest.mark.parametrize("law", ["eyring", slow("soft"), slow("stiff")])
 def test_the_table_is_off_by_no_more_than_it_claims(law: str) -> None:
     """Of drawn contacts, along 3 to 12 decades; and each table is told, with an error of 1e-3 to 1e-5."""
     draw = np.random.default_rng(["eyring", "soft", "stiff"].index(law))

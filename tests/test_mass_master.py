@@ -293,7 +293,7 @@ def test_linked_stiffness_beside_a_mass_is_refused_in_one_line() -> None:
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("kind", ["soft", "stiff"])
+@pytest.mark.parametrize("kind", ["soft", slow("stiff")])
 def test_heat_of_high_barriers_is_left_out_and_bounded(kind: str) -> None:
     """At some 1e5 k_BT; on a rigid slider, where heat is solved, the bound holds with much to spare."""
     heat = origins.Thermal(kind, temperature=5e-7, attempt_frequency=1e6)

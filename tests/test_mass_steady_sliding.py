@@ -66,7 +66,7 @@ def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(
 @pytest.mark.parametrize(
     ("machine", "speed"),
     [
-        (Machine(0.011, 0.0, 6.1e-3, 1.7, 1.0, 2.2, np.inf), 0.09),
+        slow(Machine(0.011, 0.0, 6.1e-3, 1.7, 1.0, 2.2, np.inf), 0.09),
         (Machine(3.0, 3.0, 1e-2, 5.0, 1.0, 2.2, np.inf), 0.2),
         (Machine(1e-7, 0.1, 1e-3, 2.0, 1.0, 2.2, np.inf), 1.0),
     ],

@@ -58,7 +58,7 @@ def test_two_commensurate_values_are_a_sawtooth_for_ever():
 # width of Gaussian thresholds, path, tolerance
 NARROW = [
     (1e-3, np.linspace(0.0, 8.0, 321), 1e-8),
-    (0.01, np.append(np.linspace(0.0, 60.0, 301), 4000.3), 1e-6),
+    slow(0.01, np.append(np.linspace(0.0, 60.0, 301), 4000.3), 1e-6),
     slow(0.002, np.linspace(3e4 - 3.0, 3e4, 60), 1e-4),
     slow(0.004, np.array([4000.0, 4000.5]), 1e-8),
 ]

@@ -4,7 +4,7 @@ holds where the slider can be followed."""
 import re
 import time
 from dataclasses import replace
-from functools import reduce
+from functools import cache, reduce
 from operator import mul
 from typing import Any
 
@@ -26,7 +26,13 @@ from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.in_heat import by_steady_sliding, looked_at, with_stability
-from toolkit.verdict.sliders.machine import Behaviour, Machine, not_followed, rigid_slider
+from toolkit.verdict.sliders.machine import (
+    Behaviour,
+    Machine,
+    RigidSlider,
+    not_followed,
+    rigid_slider,
+)
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.words import sentence
 
@@ -38,16 +44,21 @@ WEAK = Contacts(WIDE, thermal=Thermal("soft", 0.003, 50.0))
 HEAVY = Machine(spring=0.3, mass=0.05, damping=0.1, velocity=1.0)
 
 
+@cache
+def rigid(contacts: Contacts, velocity: float) -> RigidSlider:
+    """What is known without a spring."""
+    steady = master.steady_state(contacts, velocity=velocity)
+    found = master.propensity(contacts, velocity=velocity, tolerance=1e-3)
+    return rigid_slider(contacts, steady, found, None)
+
+
 def told(machine: Machine, contacts: Contacts, rule: str = "mass") -> Behaviour | None:
     """What steady sliding says."""
-    steady = master.steady_state(contacts, velocity=machine.velocity)
-    found = master.propensity(contacts, velocity=machine.velocity, tolerance=1e-3)
-    rigid = rigid_slider(contacts, steady, found, None)
     return by_steady_sliding(
         machine,
         contacts,
         rule,
-        rigid,
+        rigid(contacts, machine.velocity),
         time.monotonic() + 1e4,
         lambda cold, known: follow(machine, cold, rule, known, 1e4),
     )
