@@ -11,7 +11,7 @@ from scipy import stats
 import eq_model
 import master
 from master.soft.in_time.idle_heat import largest_effect
-from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical
+from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical, mixture
 from origins.drive import RISE
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Behaviour, Machine, rigid_slider
@@ -106,3 +106,14 @@ def test_contacts_without_heat_tell_of_no_other_slider() -> None:
     assert told(WEAK.replace(delay=Delay(1.0)), "reset") is None
     assert told(WEAK.replace(start=gaussian_start(0.0, 0.1)), "reset") is None
     assert told(WEAK.replace(thresholds=identical(1.0)), "reset") is None
+
+
+def test_contacts_without_heat_tell_of_no_slip_that_heat_may_take_away() -> None:
+    """The weak half of the contacts slips without heat, and not with it; in weaker heat it does."""
+    law = mixture([gaussian(0.222, 0.0435), gaussian(1.763, 0.137)], [0.503, 0.497])
+    steep = mixture([gaussian(0.222, 0.03), gaussian(1.763, 0.137)], [0.503, 0.497])
+    taken_away = Contacts(law, thermal=Thermal("soft", 4.3e-5, 1e14))
+    stays = Contacts(steep, thermal=Thermal("soft", 1e-6, 1e14))
+    machine = Machine(0.005, None, 0.0, 1.0)
+    assert told(taken_away, "reset", machine) is None
+    assert told(stays, "reset", machine) is not None

@@ -9,7 +9,7 @@ from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.followed import LOOSEN, ErrorPart, Followed
 from master.soft.limit_cycle import LimitCycle, Slipped
-from master.soft.moves import LoadingHistory, Move, SlipEnd
+from master.soft.moves import BEHIND_BEGIN, OF_TRAVEL, LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
 from master.soft.too_long import refuse_endless_slips, refuse_long_lives
@@ -27,6 +27,9 @@ ROUNDED = 1e-15
 # How many of the latest moves, and of the slips that leave some contacts holding, are kept to be repeated: each keeps
 # its panels.
 MOST_OF_LATE = 8
+# Parts of a panel at which the slope of the load is looked at; and times the slope that counts as none, above which the
+# load goes on to rise.
+LOOKED_AT, RISES_AGAIN = np.linspace(0.0, 1.0, 9), 2.0
 # where a slip begins: the move that leads to it, and the slider's travel on that move
 Onset = tuple[Move, float]
 
@@ -50,8 +53,9 @@ class ColdSlider:
         self.force, self.slips = list[Array](), list[Array]()
         # estimates from above of the errors of the force, and of X_T at slips (lengths)
         self.error = self.drive_error = 0.0
-        # F where a slip that was not found may have come before the drive turned or stopped (a length)
-        self.missed_slip = 0.0
+        # how far F may be off (lengths) where a slip that was not found may have come before the drive turned or
+        # stopped; and where laws that are left out may take a slip away, or bring one about before it
+        self.missed_slip = self.unsure_slip = 0.0
         # X at which the history `_loaded` begins, and the error of that X
         self._base, self._base_error = 0.0, 0.0
         relaxed = contacts.start.span == cold.reforming.span == (0.0, 0.0)
@@ -99,6 +103,11 @@ class ColdSlider:
                 self.missed_slip / unit,
                 "turn or end the path a little elsewhere",
             ),
+            ErrorPart(
+                "a slip that heat, which is left out, may take away or bring about",
+                self.unsure_slip / unit,
+                "take a spring on which the force falls by more in a slip",
+            ),
             ErrorPart("rounding", rounding / unit, LOOSEN),
         )
         return Followed(
@@ -132,6 +141,8 @@ class ColdSlider:
                 raise
             curve, count = slip.curve, int(np.searchsorted(asked, slip.load))
             at = self._keep(curve, asked[:count], y, slip.travel, direction)
+            unsure = bool(self.contacts.unknown) and self._hangs_on_unknown(move, slip, y)
+            largest = self.contacts.unit * self.contacts.steady_stiffness  # force there is
             if not np.isfinite(slip.load):
                 stop = move.travel_of_state(at[-1])
                 self._base += direction * (at[-1] - stop)
@@ -139,20 +150,50 @@ class ColdSlider:
                 self._loaded = move.stopped(stop, error)
                 if self.contacts.unknown and self._may_have_slipped(move, slip, asked[-1]):
                     self.missed_slip = max(self.missed_slip, abs(float(curve.force(at[-1]))))
+                self.unsure_slip = max(self.unsure_slip, unsure * largest)
                 return
             drives = drives[count:]
             if self.slip == "instant":
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip, self._forward)
                 self._note(move, slip, begin, float(curve.force(y)), np.nan)
+                largest = float(np.abs(np.diff(self.slips[-1][1:]))[0])  # in that slip alone
             else:
                 renew = self.reset if self.slip == "reset" else self.reform_after
                 self._loaded, y = renew(move, slip, begin), 0.0
+            self.unsure_slip = max(self.unsure_slip, unsure * largest)
 
     def _may_have_slipped(self, move: Move, last: SlipBegin, load: float) -> bool:
         """Whether a slip may come before the path ends at this load, although none was found: without the laws that are
         left out the next one is so near that their effect on the force may bring it about."""
         missed = 2.0 * (last.error + self.spring * self._base_error)
         return bool(np.isfinite(move.next_slip(last.travel, load + missed).load))
+
+    def _hangs_on_unknown(self, move: Move, slip: SlipBegin, after: float) -> bool:
+        """Whether laws that are left out may take this slip away, as the load falls by less behind its begin than twice
+        what they change it by; or bring one about between the travel `after` and it, if that renews contacts. They put
+        off no more than the breaks on a length by which the load's slope changes by `steep` at most: a slip comes where
+        the slope is less, and the load then goes on to rise."""
+        missed = 2.0 * slip.error
+        steep, curve = missed / self.contacts.break_length, slip.curve
+        if self.slip != "instant":
+            y = (curve.from_travel[:, None] + curve.width[:, None] * LOOKED_AT).ravel()
+            slope = curve.load_slope(y[(y > after) & (y < slip.travel)])
+            flat = np.flatnonzero(slope < steep)
+            if flat.size and (slope[flat[0] :] > RISES_AGAIN * steep).any():
+                return True
+        if not np.isfinite(slip.load):
+            return False
+        falling = min(BEHIND_BEGIN * slip.begin_error, OF_TRAVEL * curve.to_travel)
+        begin, to = slip.travel + falling, slip.travel
+        while True:
+            curve = move.curve_to(to)
+            rises = curve.rises(begin)
+            last = min(rises, curve.to_travel)
+            if slip.load - float(curve.force(last)) - self.spring * last >= missed:
+                return False
+            if np.isfinite(rises):
+                return True
+            to = curve.to_travel + self.contacts.life.resolution_length
 
     def _keep(
         self, curve: LoadCurve, asked: Array, low: float, high: float, direction: int

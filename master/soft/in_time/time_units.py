@@ -42,7 +42,7 @@ class TimeUnits:
     def last_digits(self, time: float) -> float:
         """What ROUNDED last digits of a time are in time units there: no search finds one of these to better than that,
         which late on a path is a hundred times what a balance asks for."""
-        per_time = self.rate + self._per_e_fold / (self._first + time - self._section_begin)
+        per_time = self.rate + self._per_e_fold / (self._first + (time - self._section_begin))
         return ROUNDED * float(np.spacing(time)) * per_time
 
     def time(self, units: float) -> float:

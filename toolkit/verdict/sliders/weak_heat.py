@@ -5,10 +5,11 @@ While heat acts on contacts for a duration that is known, it changes the force a
 fast the slider goes (master/soft/in_time/idle_heat.py): each contact breaks between a stretch up to which it is quiet
 and its threshold. Without heat new contacts bear F(X) at the slider's place X, and from that follows:
 
-    it slips     where F(X1) - F(X2) > K (X2 - X1) + 2 effect for some X1 < X2: with heat, too, the spring's force
-                 would have to fall by more than the drive lets it. On a spring so soft that a slip passes all
-                 thresholds it renews all contacts, so that each slip is as the first, begins at a force that is off by
-                 `effect` at most, and comes as much earlier or later as the drive takes for that force
+    it slips     where F(X1) - F(X2) > K (X2 - X1) + 2 effect behind the X1 at which the first slip begins: with heat,
+                 too, the spring's force would have to fall by more than the drive lets it. Before X1 the force has to
+                 rise by so much that heat brings no slip about (ColdSlider tells both). On a spring so soft that a
+                 slip passes all thresholds it renews all contacts, so that each slip is as the first, begins at a
+                 force that is off by `effect` at most, and comes as much earlier or later as the drive takes for that
     it slides    where it slides smoothly without heat, at F_k: the force keeps between two bounds that are `effect`
                  apart, which is less than the fall that counts as a slip, RISE <x_s>
 
@@ -22,7 +23,7 @@ from dataclasses import replace
 import numpy as np
 
 from origins.contacts import Contacts
-from origins.drive import RISE
+from origins.drive import RISE, Drive
 from origins.errors import InputError
 from toolkit.verdict.sliders.budget import loading_of
 from toolkit.verdict.sliders.in_heat import SLIDES, rigid_at
@@ -31,8 +32,8 @@ from toolkit.verdict.sliders.told import PRECISE_ENOUGH
 
 # springs, in N_c<k>, on which a slip passes all thresholds
 SOFTEST = 0.03
-# way of new contacts on which a fall of their force is looked for, in mean thresholds; points of it; tolerance of F
-FALLS_WITHIN, POINTS, TOLERANCE = 6.0, 601, 1e-5
+# path on which the first slip is looked at, in loadings, which end within the second; and the tolerance of its force
+PART_OF_SECOND, TOLERANCE = 1.5, 1e-6
 # part of contacts that may break before they count as quiet; it is in the effect
 EARLY = 1e-5
 
@@ -57,12 +58,13 @@ def by_contacts_without_heat(
         return None
     bare, unit, slides = contacts.replace(thermal=None), contacts.mean_threshold, rule in SLIDES
     # no contact holds for longer than from slip to slip
-    duration = loading_of(machine, contacts, rigid.static) / machine.velocity
+    loading = loading_of(machine, contacts, rigid.static)
+    duration = loading / machine.velocity
     effect = largest_effect(contacts, duration, EARLY)  # in mean thresholds
     if not effect < (RISE if slides else PRECISE_ENOUGH):
         return None
     try:
-        if not (slides or _falls(bare, machine.spring, 2.0 * effect * unit)):
+        if not (slides or _slips_surely(bare, machine, rule, loading, effect * unit)):
             return None
         found = without_heat(bare, rigid_at(bare, machine.velocity, None, until))
     except InputError:
@@ -78,11 +80,14 @@ def by_contacts_without_heat(
     )
 
 
-def _falls(contacts: Contacts, spring: float, most: float) -> bool:
-    """Whether the force of new contacts, F/(N_c <k>), falls by more than this length beyond what a spring takes back.
-    It is looked at at some places alone, of which that is true the more."""
-    import master
+def _slips_surely(
+    contacts: Contacts, machine: Machine, rule: str, loading: float, effect: float
+) -> bool:
+    """Whether the first slip, within so much of the drive's path, comes with heat that changes the force by `effect`
+    at most, too (both lengths), and none before it."""
+    from master.soft.cold import ColdSlider
 
-    place = np.linspace(0.0, FALLS_WITHIN * contacts.mean_threshold, POINTS)
-    load = master.solve(contacts, place, TOLERANCE).force + spring * place
-    return bool((np.maximum.accumulate(load) - load).max() > most)
+    path = np.array([0.0, PART_OF_SECOND * loading])
+    drive = Drive(path, spring=machine.spring, slip=rule)  # type: ignore[arg-type]
+    slider = ColdSlider(contacts, drive, TOLERANCE, np.inf, effect)
+    return bool(slider.follow().slips.drive.size) and not slider.unsure_slip
