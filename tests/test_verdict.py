@@ -700,8 +700,11 @@ def test_samples_have_a_sampling_error_near_that_of_their_mean(capsys: Any) -> N
     _, page, found = judged(capsys, verdict=RESET, **tables)
     kinetic = found["readings"][0]["kinetic"]
     expected = 0.1 / (2.0 * 100**0.5)
-    # ten resampled laws: known to a quarter
-    assert 0.7 * expected < kinetic["sampling"] < 1.5 * expected and "±" in page
+    own = 0.5 * np.std(samples) / 100**0.5
+    # but for the skewness of the samples, times their std over two
+    assert kinetic["sampling"] == pytest.approx(own, rel=0.05) and kinetic["resampled"] == 0
+    assert 0.8 * expected < own < 1.2 * expected and "±" in page
+    assert "of F_k by moments, else by 20 resamplings of the 100 thresholds, known to ± 16%" in page
 
 
 def test_where_k_star_takes_too_long_other_samples_tell_of_the_force_alone(
@@ -717,7 +720,8 @@ def test_where_k_star_takes_too_long_other_samples_tell_of_the_force_alone(
 
     resampled = uncertainty.of_resampled
     monkeypatch.setattr(uncertainty, "of_resampled", late)
-    tables = {"drive": {"spring": 5.0}, "verdict": RESET, "thresholds": law}
+    waiting = {"thresholds": law, "delay": {"time": 0.1}}
+    tables = {"drive": {"spring": 5.0, "velocity": 1.0}, "verdict": RESET, "contacts": waiting}
     _, page, found = judged(capsys, **tables)
     assert "other samples: no time was left to resample the 5 thresholds" in page
     assert found["readings"][0]["kinetic"]["sampling"] is None
@@ -726,7 +730,13 @@ def test_where_k_star_takes_too_long_other_samples_tell_of_the_force_alone(
     _, page, found = judged(capsys, **tables)
     own = found["readings"][0]
     assert own["kinetic"]["sampling"] > 0.0 and own["critical_spring"]["sampling"] is None
-    assert "other samples: one standard error, by resampling the 5 thresholds" in page
+    assert "other samples: one standard error, by 4 resamplings of the 5 thresholds" in page
+    begun.clear()
+    tables = {"drive": {"spring": 5.0}, "verdict": RESET, "thresholds": law}
+    _, page, found = judged(capsys, **tables)
+    own = found["readings"][0]
+    assert own["kinetic"]["sampling"] > 0.0 and own["critical_spring"]["sampling"] is None
+    assert "other samples: one standard error, by the moments of the 5 thresholds" in page
     _, page, _ = judged(capsys, drive={"spring": 5.0}, verdict=RESET)
     assert "other samples" not in page
     machine = MACHINE | {"area": 1e-9}

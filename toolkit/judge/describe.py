@@ -11,14 +11,21 @@ from origins.errors import InputError
 from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
-from toolkit.running.resampled import like, of_resampled
+from toolkit.running.resampled import (
+    RESAMPLES,
+    error_by_moments,
+    has_closed_form,
+    kinetic_name,
+    like,
+    of_resampled,
+    scatter_of,
+)
 from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite, with_error
 from toolkit.scene.scale import PREFIXED, SHARED, Scale, length_unit_of, with_scatter, written
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
 # numbers in units of N_c<k>
 SHARED_NUMBERS = ("kinetic_force", "critical_spring")
-RESAMPLES = 20  # the relative error of the sampling error is then a sixth
 # CPU-s for K*, F_s and X* of one resampled law; in heat that breaks most contacts at once they take 20
 LONGEST = 6.0
 TOO_LONG = "sampling errors of K*, F_s/F_k and X* are missing: with these laws they take minutes"
@@ -120,8 +127,8 @@ def _add_sampling_errors(
     numbers: dict[str, Number],
     progress: Callable[[int, int], None] | None,
 ) -> list[str]:
-    """Add to the errors one standard error of what other samples would have given, bias of the smoothing included;
-    returns a note where those of the propensity take too long.
+    """Add to the errors one standard error of what other samples would have given, bias of the smoothing included, in
+    closed form where moments tell it; returns a note where those of the propensity take too long.
 
     inf where a resampled law has an infinite value; for K* and F_s/F_k, too, where all of them have the least possible
     value: then the error cannot be estimated.
@@ -141,8 +148,11 @@ def _add_sampling_errors(
             numbers[name] = replace(numbers[name], error=np.inf)
             continue
         value, *others = (one[name].value for one in resampled)
-        with np.errstate(invalid="ignore"):
-            scatter = np.hypot(np.std(others, ddof=1), np.mean(others) - value)
+        closed = kinetic_name(contacts) if name == "kinetic_force" else name
+        if closed is not None and has_closed_form(closed):
+            scatter = error_by_moments(law, closed, value)
+        else:
+            scatter = scatter_of(value, others)
         unknown = name in PROPENSITY and scatter == 0.0
         error = float(np.hypot(numbers[name].error or 0.0, scatter))
         finite = np.isfinite(error) and not unknown

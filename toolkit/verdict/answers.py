@@ -15,11 +15,12 @@ from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 @dataclass(frozen=True)
 class Quantity:
     """A number of one reading: `value`, its numerical error, and the scatter that other samples would give (None: not
-    known, as of a single scan)."""
+    known, as of a single scan), with the resampled laws that it is of (0: none, a closed form)."""
 
     value: float
     error: float
     sampling: float | None = None
+    resampled: int = 0
 
     @property
     def unknown(self) -> bool:

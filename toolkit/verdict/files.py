@@ -49,7 +49,8 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
     factors = {"kinetic": scale.force, "static": scale.force, "critical_spring": scale.spring}
     for name, factor in factors.items():
         quantity = getattr(answer, name)
-        out[name] = {key: value and value * factor for key, value in asdict(quantity).items()}
+        scaled = {key: value and value * factor for key, value in asdict(quantity).items()}
+        out[name] = scaled | {"resampled": quantity.resampled}
     if answer.smoothed:
         out["critical_spring"]["hangs_on"] = "the smoothing of P_c: no number of the islands"
     out["spring"] = answer.machine and answer.machine.spring * scale.spring

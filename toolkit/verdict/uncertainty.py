@@ -10,7 +10,14 @@ import numpy as np
 
 from origins.contacts import Contacts
 from origins.thresholds.law import Thresholds
-from toolkit.running.resampled import like, of_resampled
+from toolkit.running.resampled import (
+    RESAMPLES,
+    error_by_moments,
+    kinetic_name,
+    like,
+    of_resampled,
+    scatter_of,
+)
 from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
@@ -28,8 +35,8 @@ VAGUE = 0.1
 WORTH_TELLING = 0.01
 # of the widest uncertainty of a force: a smaller difference of two forces is nothing that is known
 NO_NEWS = 0.01
-# resampled laws of samples, the fewest whose scatter tells something, and the tolerance for these
-RESAMPLES, FEWEST, RESAMPLED_TOLERANCE = 10, 4, 1e-3
+# the fewest resampled laws of samples whose scatter tells something, and the tolerance for these
+FEWEST, RESAMPLED_TOLERANCE = 4, 1e-3
 # s for the scatter of F_k alone, which of islands of 4,000 angles takes 3
 OF_FORCES = 10.0
 
@@ -175,9 +182,10 @@ def of_assumed_damping(answer: Answer, behaviour: Behaviour) -> str:
 def with_sampling(
     contacts: Contacts, velocity: float, quantities: list[Quantity], budget: Budget
 ) -> list[Quantity]:
-    """Kinetic and static force and K* with the scatter between laws of resampled samples, one standard error; F_k alone
-    where there is no time for enough of them, without it where that takes too long, too. Of islands F_k alone is asked,
-    as F_s and K* hang on how samples of their barriers are smoothed."""
+    """Kinetic and static force and K* with one standard error of other samples: of F_k in closed form where time does
+    not matter to the contacts, else between laws of resampled samples; F_k alone where there is no time for enough of
+    them, without it where that takes too long, too. Of islands F_k alone is asked, as F_s and K* hang on how samples of
+    their barriers are smoothed."""
     import master
 
     def kinetic_of(law: Thresholds) -> float:
@@ -188,21 +196,23 @@ def with_sampling(
         found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
         return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
 
+    law, closed = contacts.thresholds, kinetic_name(contacts)
     until, rows = time.monotonic() + budget.remaining(), list[list[float]]()
-    if not of_smoothing(contacts.thresholds):
-        rows = of_resampled(contacts.thresholds, RESAMPLES, row, until=until)
-    if len(rows) < FEWEST:  # F_k alone, which takes next to nothing beside K*
+    if not of_smoothing(law):
+        rows = of_resampled(law, RESAMPLES, row, until=until)
+    if len(rows) < FEWEST and closed is None:  # F_k alone, which takes next to nothing beside K*
         until = time.monotonic() + OF_FORCES
-        rows = of_resampled(
-            contacts.thresholds, RESAMPLES, lambda law: [kinetic_of(law)], until=until
-        )
-    if len(rows) < FEWEST:
-        return quantities
-    scatter = np.std(rows, axis=0, ddof=1)
-    scattered = [
-        replace(one, sampling=float(off)) for one, off in zip(quantities, scatter, strict=False)
-    ]
-    return [*scattered, *quantities[len(scattered) :]]
+        rows = of_resampled(law, RESAMPLES, lambda law: [kinetic_of(law)], until=until)
+    found = list(quantities)
+    if len(rows) >= FEWEST:
+        for at, others in enumerate(zip(*rows, strict=True)):
+            scatter = scatter_of(found[at].value, others)
+            if np.isfinite(scatter):
+                found[at] = replace(found[at], sampling=scatter, resampled=len(rows))
+    if closed is not None:
+        error = error_by_moments(law, closed, found[0].value)
+        found[0] = replace(found[0], sampling=error, resampled=0)
+    return found
 
 
 def error_beside(verdict: Verdict, answer: Answer, one: Behaviour) -> float:

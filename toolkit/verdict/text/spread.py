@@ -2,8 +2,9 @@
 
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
+from toolkit.running.resampled import known_to
 from toolkit.scene.scale import written
-from toolkit.verdict.answers import Verdict
+from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.uncertainty import (
     WORTH_TELLING,
@@ -68,7 +69,7 @@ def other_samples(verdict: Verdict) -> list[str]:
     law = verdict.own.contacts.thresholds
     if drawn := sum(part.n_samples for part in sampled_parts(law)):
         if verdict.own.kinetic.sampling:
-            return [f"other samples: one standard error, by resampling the {drawn:,} thresholds"]
+            return [f"other samples: one standard error, {_by_which_road(verdict.own, drawn)}"]
         if verdict.stopped is not None:
             return [f"other samples: interrupted before the {drawn:,} thresholds were resampled"]
         return [f"other samples: no time was left to resample the {drawn:,} thresholds; {LONGER}"]
@@ -76,6 +77,14 @@ def other_samples(verdict: Verdict) -> list[str]:
         said = "other samples: one surface is one sample (n = 1), which tells nothing of others"
         return [said + _of_the_scan(verdict)]
     return []
+
+
+def _by_which_road(own: Answer, drawn: int) -> str:
+    """Whether the errors of other samples are of moments, or of how many resamplings, and how well these know them."""
+    if not (count := max(own.kinetic.resampled, own.static.resampled)):
+        return f"by the moments of the {drawn:,} thresholds"
+    how = f"by {count} resamplings of the {drawn:,} thresholds, known to ± {known_to(count):.0%}"
+    return how if own.kinetic.resampled else f"of F_k by moments, else {how}"
 
 
 def _of_the_scan(verdict: Verdict) -> str:
