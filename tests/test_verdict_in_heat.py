@@ -138,11 +138,32 @@ def test_a_slider_that_is_not_decided_says_whether_steady_sliding_is_stable() ->
     told = r"not decided \(takes 9 steps; steady sliding is unstable on springs below 0.0\d+ N_c<k>, so that it "
     told += r"swings or slips on\)"
     assert re.fullmatch(told, said)
-    for below, words in ((0.0, "is stable on this machine, and whether"), (np.nan, "9 steps)")):
+    undamped = "comes to it is not known: give drive.damping)"
+    for below, words in ((0.0, undamped), (np.nan, "9 steps)")):
         each = replace(own, behaviours=(replace(found, unstable_below=below),))
         assert words in sentence(answers.Verdict("a", "a", 1e-2, (each,), (), {}, 1.0))
     assert with_stability(late, machine, Contacts(WIDE)) is late
     assert with_stability(replace(late, slips=2), machine, growing).unstable_below is None
+
+
+@pytest.mark.parametrize("spring", [1e-4, 1e-3, 1e-2])
+def test_contacts_that_hardly_hold_damp_a_mass(spring: float) -> None:
+    """They bear 1e-6 to 1e-11 of a threshold, in proportion to the speed: nothing but friction that rises. Sums of
+    their answer to slow swings are rounding, which was told as unstable."""
+    for heat in (
+        Thermal("stiff", 0.82, 1e6),
+        Thermal("soft", 2.4, 2e11),
+        Thermal("soft", 10.0, 1e11),
+    ):
+        loose = Contacts(WIDE, thermal=heat)
+        force = master.steady_state(loose, velocity=1.0).force
+        assert force < 1e-5
+        assert master.steady_state(loose, velocity=2.0).force == pytest.approx(2.0 * force, rel=0.1)
+        for mass in (1.0, 100.0):
+            assert sliding_is_stable(loose, 1.0, spring, mass) is not False
+            assert sliding_is_stable(loose, 1.0, spring, mass, 1e-3) is not False
+    loose = Contacts(WIDE, thermal=Thermal("stiff", 0.82, 1e6))
+    assert sliding_is_stable(loose, 1.0, spring, 1.0, 1e-3)
 
 
 @pytest.mark.parametrize(("contacts", "slips"), [slow(STRONG, 0), (WEAK, 1)])

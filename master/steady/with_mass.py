@@ -15,19 +15,23 @@ An example: G = 0, as of contacts at T = 0, K = 1, M v^2 = 1, γ v = 0.1. D pass
 0.1 i: half a turn, stable. With γ v = -0.1 it passes at -0.1 i, half a turn back, and the swing grows by e^(0.05 X).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from master.steady.response import response
+from master.steady.steady import steady_state
 from origins import Contacts
 from origins.thresholds.law import Array
 
 # Least and largest wave number, per inverse mean threshold, at which G is found where nothing asks for more, and how
 # many there are in each decade.
 _LEAST, _MOST, _PER_DECADE = 1e-3, 300.0, 12
-# Below this wave number, in the same unit, G is taken as a i q + c q^2, with a and c from G at it: that is so to a
-# thousandth, and the sums of G there are differences of nearly equal numbers.
-_SLOW = 1e-2
+# Below this wave number, in the same unit, G is taken as a i q + c q^2, with c from G at it, and a = dF_k/d ln v from
+# F_k at speeds so far apart: that is so to a thousandth, and sums of G there are differences of nearly equal numbers.
+# Where contacts live for far less than a mean threshold nothing but rounding is left of them.
+_SLOW, _APART = 1e-2, 0.05
 # The wave numbers reach from this part of that at which the mass swings on the spring alone, to so many times that at
 # which it swings on spring and contacts that stretch and do not break.
 _BELOW, _ABOVE = 0.1, 10.0
@@ -52,8 +56,8 @@ def sliding_is_stable(
     """Whether small disturbances of steady sliding at this speed decay, of contacts that `has_response` takes; None
     where that is not clear. Spring, mass and damping per N_c<k>."""
     inertia = mass * velocity**2
-    wave, answer = _answer(contacts, velocity, np.array([spring, spring]), inertia)
-    return decays(wave, answer, spring, inertia, damping * velocity)
+    found = _answer(contacts, velocity, np.array([spring, spring]), inertia)
+    return decays(found.wave, found.answer, spring, inertia, damping * velocity, found.noise)
 
 
 def unstable_below(
@@ -62,10 +66,10 @@ def unstable_below(
     """The spring, per N_c<k>, below which steady sliding is unstable on those as stiff as `spring` or stiffer: 0 where
     it is stable on that one, nan where that is not clear. The others as in `sliding_is_stable`."""
     inertia, springs = mass * velocity**2, np.geomspace(spring, max(STIFFEST, spring), SPRINGS)
-    wave, answer = _answer(contacts, velocity, springs[[0, -1]], inertia)
+    found = _answer(contacts, velocity, springs[[0, -1]], inertia)
 
     def stable(one: float) -> bool | None:
-        return decays(wave, answer, one, inertia, damping * velocity)
+        return decays(found.wave, found.answer, one, inertia, damping * velocity, found.noise)
 
     if (first := stable(spring)) is not False:
         return 0.0 if first else float("nan")
@@ -79,10 +83,16 @@ def unstable_below(
     return float(np.exp(low))
 
 
-def _answer(
-    contacts: Contacts, velocity: float, springs: Array, inertia: float
-) -> tuple[Array, Array]:
-    """Wave numbers for springs from the softest to the stiffest of these two, and G there."""
+class _Answer(NamedTuple):
+    """G, `answer`, at wave numbers (1/length, shape (n,)), and by how much rounding may make it wrong, `noise`."""
+
+    wave: Array
+    answer: Array
+    noise: Array
+
+
+def _answer(contacts: Contacts, velocity: float, springs: Array, inertia: float) -> _Answer:
+    """G at wave numbers for springs from the softest to the stiffest of these two."""
     unit = contacts.mean_threshold
     waves = np.array([_LEAST, _MOST]) / unit
     if inertia:
@@ -93,17 +103,35 @@ def _answer(
     wave = np.union1d(wave, np.arange(1.0, _SWINGS, 0.5) / unit)
     summed = np.maximum(wave, _SLOW / unit)
     slower, answer = wave / summed, response(contacts, velocity, summed)
-    return wave, answer.real * slower**2 + 1j * answer.imag * slower
+    answer = answer.real * slower**2 + 1j * answer.imag * slower
+    noise, slow = np.zeros_like(wave), wave < summed
+    if contacts.changing is None and slow.any():
+        speeds = velocity * np.exp([-_APART, _APART])
+        low, high = (steady_state(contacts, velocity=one).force for one in speeds.tolist())
+        slope = (high - low) / (2.0 * _APART)
+        first = int(np.flatnonzero(~slow)[0])
+        # a curve through values beyond the first swings below it, too
+        noise = np.minimum(wave / wave[first], 1.0) * abs(answer.imag[first] - slope * wave[first])
+        answer[slow] = answer.real[slow] + 1j * slope * wave[slow]
+    return _Answer(wave, answer, noise)
 
 
-def decays(wave: Array, answer: Array, spring: float, inertia: float, drag: float) -> bool | None:
-    """Whether disturbances decay, by G at wave numbers (shape (n,)) from where D is K to where it is as at infinity;
-    None where that is not clear. `inertia`, `drag` : M v^2 and γ v."""
+def decays(
+    wave: Array,
+    answer: Array,
+    spring: float,
+    inertia: float,
+    drag: float,
+    noise: Array | None = None,
+) -> bool | None:
+    """Whether disturbances decay, by G at wave numbers (shape (n,)) from where D is K to where it is as at infinity,
+    and its `noise` there; None where that is not clear. `inertia`, `drag` : M v^2 and γ v."""
+    noise = np.zeros_like(wave) if noise is None else noise
     if not np.isfinite(answer).all():
         return None
     rest = spring - inertia * wave**2 + 1j * drag * wave
     # where the rest is larger than this, D is off 0 whatever G is
-    matters = np.abs(rest) < 2.0 * np.abs(answer)
+    matters = np.abs(rest) < 2.0 * (np.abs(answer) + noise)
     off = np.abs(_curve(wave[::2], answer[::2], np.log(wave[1::2])) - answer[1::2])
     seen = (off < _HALF * np.abs(answer[1::2])) | ~matters[1::2]
     if not seen.all():
@@ -117,7 +145,7 @@ def decays(wave: Array, answer: Array, spring: float, inertia: float, drag: floa
     at = np.flatnonzero(ahead[1:] != ahead[:-1])
     part = d.real[at] / (d.real[at] - d.real[at + 1])
     on_axis = d.imag[at] + part * (d.imag[at + 1] - d.imag[at])
-    clear = np.abs(on_axis) > _OFF * np.abs(g[at])
+    clear = np.abs(on_axis) > _OFF * np.abs(g[at]) + np.interp(q[at], wave, noise)
     # the ends are beyond all passings
     ends = ahead[0] > 0.0 and (ahead[-1] < 0.0) == bool(inertia)
     if not (clear.all() and ends):

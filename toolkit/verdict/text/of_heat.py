@@ -77,7 +77,10 @@ def stability(answer: Answer, slider: Behaviour) -> str:
     if below is None or np.isnan(below):
         return ""
     if not below:
-        return "; steady sliding is stable on this machine, and whether the slider comes to it is not known"
+        said = "; steady sliding is stable on this machine, and whether the slider comes to it is not known"
+        machine = answer.machine
+        undamped = machine is not None and machine.mass and not machine.damping
+        return said + ": give drive.damping" * bool(undamped and slider.rule == "mass")
     spring = written(below * answer.scale.spring, answer.scale.spring_unit, digits=2)
     return f"; steady sliding is unstable on springs below {spring}, so that it swings or slips on"
 
