@@ -52,7 +52,7 @@ from toolkit.verdict.sliders.machine import (
     not_followed,
     slip_duration,
 )
-from toolkit.verdict.text import kinds
+from toolkit.verdict.text import kinds, of_delay
 from toolkit.verdict.text.hangs_on import dependence, why_above
 from toolkit.verdict.text.spread import widest
 from toolkit.verdict.text.table import in_units, table
@@ -622,7 +622,7 @@ def test_a_slider_that_is_not_decided_is_told_with_its_mass_at_both_extremes_of_
         each = replace(told, answers=(replace(told.own, machine=machine),))
         fastest = kinds.a_slip(each.own)[1]
         expected = min(1.0 / fastest, damping / 0.8) * WAITING.mean_threshold
-        assert kinds.short_delay_of(each.own) == pytest.approx(expected, rel=2e-6)
+        assert of_delay.short_delay_of(each.own) == pytest.approx(expected, rel=2e-6)
     said = sentence(told)
     assert said.startswith("not decided in time: stick-slip if the contacts' delay were far above")
     assert "smooth if it were far below 0.0125 units of time" in said or "far below 12.5" in said
@@ -771,7 +771,9 @@ def test_a_short_delay_is_told_by_the_friction_of_contacts_that_do_not_wait() ->
     )
     unit = WAITING.mean_threshold
     fewer = replace(late, kinetic=answers.Quantity(0.8 * unit / (unit + 1.0), 1e-9))
-    assert kinds.short_delay_of(fewer) == pytest.approx(kinds.short_delay_of(at_once), rel=1e-6)
+    assert of_delay.short_delay_of(fewer) == pytest.approx(
+        of_delay.short_delay_of(at_once), rel=1e-6
+    )
 
 
 def slips_of_infinitely_many(

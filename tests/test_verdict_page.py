@@ -20,7 +20,7 @@ from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import Budget, too_long
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Machine, RigidSlider, not_followed
-from toolkit.verdict.text import kinds
+from toolkit.verdict.text import of_delay
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.words import page
 
@@ -121,7 +121,7 @@ def of_a_mass(machine: Machine, delay: float) -> answers.Answer:
 def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
     """A slip lasts π (M/K)^(1/2) = 0.314, far less than the 800 in which the drive loads this spring to the force
     before it, which contacts that do not wait bear, and not to F_s, 0.6; or more than the 0.08 on a faster drive."""
-    slow = kinds.of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1.0), 1e-3))
+    slow = of_delay.of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1.0), 1e-3))
     slow = slow.replace(" units of time", "")
     assert re.fullmatch(
         r"\. With a delay far below \S+, (in|above) which .*, contacts re-form in effect at once; with one far above "
@@ -129,7 +129,7 @@ def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
         r"0\.800 N_c<k> length, only after the slip",
         slow,
     )
-    fast = kinds.of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1e4), 1e-3))
+    fast = of_delay.of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1e4), 1e-3))
     assert (
         "with no delay do they all re-form between one slip and the next, as a slip lasts" in fast
     )

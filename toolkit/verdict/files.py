@@ -10,6 +10,7 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import apart
 from toolkit.verdict.sliders.machine import Finite
 from toolkit.verdict.text.hangs_on import dependence
+from toolkit.verdict.text.of_delay import would_swing
 from toolkit.verdict.text.words import details, sentence, turned, warnings
 
 
@@ -20,7 +21,7 @@ def plain(verdict: Verdict) -> dict[str, Any]:
         "title": verdict.title,
         "do_not_trust": warnings(verdict),
         "verdict": sentence(verdict),
-        "would_turn": turned(verdict),
+        "would_turn": [*turned(verdict), *would_swing(verdict)],
         "numbers": details(verdict),
         "hangs_on": dependence(verdict),
         "velocity": verdict.velocity,

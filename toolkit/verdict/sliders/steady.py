@@ -22,6 +22,39 @@ def friction_falls(machine: Machine, contacts: Contacts) -> float:
     return float(0.5 * waits * square / (mean + waits * machine.velocity) ** 2)
 
 
+def friction_decides(machine: Machine, contacts: Contacts) -> bool:
+    """Whether swings of the mass grow just where friction falls with the speed by more than the damping rises: they
+    pass thresholds, as the drive goes on by <x_s> or more in half of one, and no law of the contacts but a delay, or
+    heat that is left out, acts on friction."""
+    laws = {*contacts.held_in_time} - {"thermal"}
+    if not machine.mass or laws or contacts.reforming is not None or contacts.stiffness == "linked":
+        return False
+    passes = half_a_swing(machine) * machine.velocity >= contacts.mean_threshold
+    return bool(passes and np.isfinite(contacts.thresholds.moment(2)))
+
+
+def unstable_delays(machine: Machine, contacts: Contacts) -> tuple[float, float] | None:
+    """The delays of contacts else like these, without heat, between which friction at the drive's speed v falls with
+    the speed by more than the damping γ rises; up to inf without one. None where no delay does so, and where friction
+    does not decide, see `friction_decides`.
+
+    With the delay u <x_s>/v it falls by F u/v (1 + u)², F = <x_s²>/2<x_s>, which is γ at both roots of
+    u² - (F/γv - 2) u + 1; their product is 1. A damping of F/4v or more is above it for all u.
+    """
+    if not friction_decides(machine, contacts):
+        return None
+    if not machine.damping:
+        return 0.0, float(np.inf)
+    mean = contacts.mean_threshold
+    force = 0.5 * contacts.thresholds.moment(2) / mean
+    both = force / (machine.damping * machine.velocity) - 2.0
+    if both <= 2.0:
+        return None
+    larger = 0.5 * (both + np.sqrt(both**2 - 4.0))
+    unit = mean / machine.velocity
+    return float(unit / larger), float(unit * larger)
+
+
 def is_stable_with_delay(machine: Machine, contacts: Contacts) -> bool:
     """Whether steady sliding at the drive's speed is known to be stable against slow changes of the speed.
 

@@ -24,9 +24,9 @@ from toolkit.verdict.text.kinds import (
     Line,
     by_reason,
     named,
-    of_rules,
     sorted_texts,
 )
+from toolkit.verdict.text.of_delay import of_rules
 from toolkit.verdict.text.of_mass import of_a_mass
 from toolkit.verdict.text.table import HOLDING, speed_unit
 from toolkit.verdict.text.undone import RULE, of_errors, of_readings, unanswered, with_rules

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.sliders.follow import DAMPED
 from toolkit.verdict.sliders.late import EVER_RARER
 from toolkit.verdict.sliders.machine import Behaviour, critical_damping
-from toolkit.verdict.sliders.steady import friction_falls
+from toolkit.verdict.sliders.steady import friction_decides, friction_falls
 from toolkit.verdict.text.kinds import GENERAL, TURNS, UNSIZED, Line
 from toolkit.verdict.text.table import drop_of, regained_by
 
@@ -21,8 +22,9 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             yield Line(
                 UNSIZED,
                 f"the damping: none is given, and without one the slider rings for too long; it is assumed to be "
-                f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping. With "
-                f"less the force falls farther in a slip, and the slider rings longer; F_k and F_s are the same",
+                f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping, the "
+                f"machine's own. {_why_so_damped(part)}. With less the force falls farther in a slip, and the slider "
+                f"rings longer; F_k and F_s are the same{_of_too_little(own, behaviour.damping)}",
             )
         yield from _of_a_swing(own, behaviour)
         if behaviour.kind == EVER_RARER and own.machine is not None:
@@ -43,6 +45,32 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
                 f"swings back by {written(back, force)} before it sticks, and the period is that of the other "
                 f"{written(remaining, force)}",
             )
+
+
+def _why_so_damped(part: float) -> str:
+    """Why this part of the critical damping was taken, see DAMPED."""
+    least = min(DAMPED)
+    if part < 0.5 * (least + max(DAMPED)):
+        return f"{least:.0%} is what is tried first, and no property of the machine"
+    return f"With {least:.0%}, which is tried first, it rings for too long on these contacts, too"
+
+
+def _of_too_little(own: Answer, damping: float) -> str:
+    """Below which damping steady sliding with the given delay is unstable; "" where there is none, and where friction
+    decides nothing."""
+    if own.machine is None or not friction_decides(own.machine, own.contacts):
+        return ""
+    falls = friction_falls(own.machine, own.contacts)
+    if not falls:
+        return ""
+    cold = ", without heat," * (own.contacts.thermal is not None)
+    least = (
+        f"{falls * own.scale.spring:.3g} {own.scale.damping_unit}{', as here,' * (damping < falls)}"
+    )
+    return (
+        f". Below {least} friction of contacts with this delay{cold} falls with the speed by more than the damping "
+        "rises: steady sliding is unstable"
+    )
 
 
 def _of_a_swing(own: Answer, behaviour: Behaviour) -> Iterator[Line]:

@@ -39,15 +39,14 @@ from toolkit.verdict.text.hangs_on import dependence, why_above, why_smooth
 from toolkit.verdict.text.k_star import without_spring
 from toolkit.verdict.text.kinds import (
     a_slip,
-    delay_decides,
     long_delay_of,
     named,
     not_decided,
     of_damping,
-    of_extremes,
     others,
     without_delay,
 )
+from toolkit.verdict.text.of_delay import delay_decides, of_extremes, would_swing
 from toolkit.verdict.text.of_heat import stability, way_to
 from toolkit.verdict.text.spread import other_samples, widest
 from toolkit.verdict.text.table import drop_of, first_alike, speed_unit, table
@@ -69,7 +68,8 @@ def page(verdict: Verdict) -> list[str]:
     """The verdict on one page: title, doubts about the input, sentence, numbers, table, what it hangs on, run time."""
     early = ["interrupted; this is what was known by then"] * (verdict.stopped is not None)
     lines = [verdict.title, "", *early, *warnings(verdict), sentence(verdict)]
-    lines += [*(f"  {line}" for line in (*turned(verdict), *details(verdict))), ""]
+    beside = (*turned(verdict), *would_swing(verdict), *details(verdict))
+    lines += [*(f"  {line}" for line in beside), ""]
     lines += [*table(verdict), *other_samples(verdict), *why_above(verdict)]
     lines += [*why_smooth(verdict), *against_k_star(verdict), ""]
     lines += [*numerical_errors(verdict), "", "What it hangs on"]
