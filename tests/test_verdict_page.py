@@ -232,7 +232,7 @@ def test_smooth_sliding_within_its_error_of_f_k_is_told_at_f_k(is_f_k: bool) -> 
     rigid = RigidSlider(kinetic.force, kinetic.force, off, 0.1, 1.0)
     if not is_f_k:
         rigid = replace(rigid, kinetic=0.3)
-    rough = follow(machine, contacts, "reset", rigid, 1e4, in_time=0.05)
+    rough = follow(machine, contacts, "reset", rigid, 1e4, tolerance_in_time=0.05)
     if not is_f_k:
         assert rough.before == rough.force[-1] and rough.error > 1e-5
         return
