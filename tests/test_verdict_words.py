@@ -28,6 +28,7 @@ from toolkit.verdict import answers
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import at_most, without_useless_damping
 from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
 from toolkit.verdict.text.k_star import of_critical_spring
 from toolkit.verdict.text.spread import other_samples, range_of_force
@@ -459,3 +460,12 @@ def test_smooth_sliding_that_is_unstable_says_so() -> None:
         said = "\n".join(page(told(replace(slides, heat_left_out=left_out))))
         assert "steady sliding grow by heat on springs below 0.20 N_c<k>" in said and how in said
     assert "steady sliding grow" not in "\n".join(page(told(replace(slides, unstable_below=0.0))))
+
+
+@pytest.mark.parametrize(("part", "told_as"), [(0.0312, "3.12%"), (2e-7, "2e-05%")])
+def test_drops_that_shrink_by_next_to_nothing_are_not_said_to_shrink_by_0(
+    part: float, told_as: str
+) -> None:
+    said = shrinking(slips("mass", shrinks_by=part))
+    assert said == f", each drop {told_as} smaller than the one before"
+    assert not shrinking(slips("mass"))
