@@ -910,7 +910,7 @@ def test_what_is_left_of_the_force_after_a_slip_by_rounding_is_none() -> None:
     contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(0.2))
     rigid = RigidSlider(0.59, 0.48, 0.0, 0.3, 1.0)
     found = follow(
-        Machine(0.05, None, 0.0, 1.0), contacts, "reform-after", rigid, 1e4, in_time=0.03
+        Machine(0.05, None, 0.0, 1.0), contacts, "reform-after", rigid, 1e4, tolerance_in_time=0.03
     )
     assert found.kind == "stick-slip" and found.contacts is None
     assert found.after == 0.0 and found.before == pytest.approx(0.634, abs=0.01)
