@@ -15,11 +15,12 @@ from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
 
 import origins
 import toolkit
+from master import steady_state
 from origins.errors import InputError
 from toolkit.judge.describe import Description, describe, onset_in_words, table_of
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.results.report import report
-from toolkit.scene.interfaces import Number, of_temperature, remarks, with_error
+from toolkit.scene.interfaces import Number, of_linked, of_temperature, remarks, with_error
 from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import (
     of_machine,
@@ -592,7 +593,31 @@ def test_in_heat_the_barriers_of_islands_stand_beside_those_that_heat_overcomes(
     )
     (told,) = re.findall(r"on average (\S+) k_BT", note)
     assert float(told) == pytest.approx(at_break / joules, rel=0.05)  # two digits, of a smooth law
-    assert not of_temperature(loaded.contacts.replace(thermal=None))
+    (cold,) = of_temperature(loaded.contacts.replace(thermal=None))
+    known = f"all is told at T = 0: the islands' own barriers are on average {barriers.mean() / joules:.2g} k_BT"
+    assert cold.startswith(f"{known} at 300 K")
+    # nothing is said where they are too high for heat
+    law |= {"substrate": substrate | {"amplitude": -6.4e-20}}
+    high = {"thresholds": law, "interface": stated}
+    loaded = toolkit.load_scene({"contacts": high}, solved=False)
+    assert loaded.contacts.thresholds.domains.barriers.mean() > 30.0 * joules
+    assert not of_temperature(loaded.contacts)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_the_factor_of_linked_stiffness_is_that_of_both_forces(seed: int) -> None:
+    """F_k of the master equation with both stiffnesses, of laws drawn at random."""
+    generator = np.random.default_rng(seed)
+    mean, width = generator.uniform(0.3, 3.0), generator.uniform(0.1, 0.6)
+    law = origins.gaussian(mean, width * mean)
+    linked, own = (
+        steady_state(origins.Contacts(law, stiffness=one)).force
+        for one in ("linked", "independent")
+    )
+    (note,) = of_linked(origins.Contacts(law, stiffness="linked"))
+    (told,) = re.findall(r"F_k is 1/(\S+) of this", note)
+    assert float(told) == pytest.approx(linked / own, rel=5e-3)
+    assert not of_linked(origins.Contacts(law))
 
 
 def test_what_solvers_say_of_places_and_times_has_units() -> None:

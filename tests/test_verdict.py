@@ -47,6 +47,7 @@ from toolkit.verdict.sliders.machine import (
     not_followed,
 )
 from toolkit.verdict.text import kinds
+from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.words import page, sentence
 from toolkit.verdict.uncertainty import spring_to_digits
@@ -1299,7 +1300,7 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
     found = answers.Verdict("a", "a", 1.0, (answer("own", 0.9, sure, smooth), *others), (), {}, 1.0)
     said, text = sentence(found), "\n".join(page(found))
     assert said.startswith("smooth at 0.5") and said.count("\n") == 0
-    assert "this is of own, the other 2 are not decided in time; F_k of all 3 is 0.4" in said
+    assert "so say own; the other 2 are not decided in time; F_k of all 3 is 0.4" in said
     assert " to 0.9" in said and text.count(said) == 1 and "not decided: b, c: out of time" in text
     # the bound below the table is of the own reading's numbers; what is worse in a range is named
     assert "  F_k, F_s and K*: at most 1e-06\n" in text
@@ -1464,6 +1465,33 @@ def test_an_error_that_is_told_leaves_the_force_no_more_digits() -> None:
     answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
     found = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
     assert found.startswith("smooth at 0.54 ± 0.01 N_c<k> length")
+
+
+def test_beside_an_error_of_what_still_swings_stands_the_force_that_it_swings_about() -> None:
+    """F_k and γ v, 0.05 and 0.2 × 2: an error of 0.1 reaches below what the damping alone bears, and 0.45 is known."""
+    number, contacts = answers.Quantity(0.05, 1e-9), Contacts(gaussian(1.0, 0.3))
+    own = replace(infinite("smooth", 1), rule="mass", error=0.1, before=0.47, after=0.47)
+    machine = replace(SOFT, mass=1.0, damping=0.2, velocity=2.0)
+    scale = scale_of(contacts, None)
+    for rule, told in (("mass", True), ("instant", False)):
+        each = (replace(own, rule=rule),)
+        answer = answers.Answer("own", contacts, scale, number, number, number, machine, each)
+        said = dependence(answers.Verdict("a", "a", 2.0, (answer,), (), {}, 1.0))
+        (line,) = (one for one in said if "is known less well than others" in one)
+        share = "sliding that swings no more bears 0.450 N_c<k> length, F_k and the damping's share"
+        assert line.endswith(share) is told
+
+
+@pytest.mark.parametrize("stiffness", ["independent", "linked"])
+def test_linked_stiffness_is_what_a_verdict_hangs_on(stiffness: str, capsys: Any) -> None:
+    """F_k is <x³>/(<x><x²>) times as large as with every k as <k>."""
+    contacts = GAUSSIAN_CONTACTS | {"stiffness": stiffness}
+    _, page, found = judged(capsys, contacts=contacts, drive={"spring": 5.0}, verdict=RESET)
+    law = gaussian(1.0, 0.2)
+    other = law.moment(2) / 2.0 / law.mean()
+    factor = found["readings"][0]["kinetic"]["value"] / other
+    line = f'the stiffness, "linked": with every k as <k> ("independent") F_k is 1/{factor:.3g} of this'
+    assert (line in page) is (stiffness == "linked") is (factor > 1.05)
 
 
 def test_an_error_that_hides_beside_the_force_before_a_slip_is_much_of_that_after_it() -> None:

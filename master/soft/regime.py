@@ -77,7 +77,11 @@ def regime(
         f"K = {spring:.6g} N_c<k>, a rigid slider as fast as the drive has K* = {critical:.6g}"
     )
     if np.isnan(critical):
-        why = "of these laws is not solved for" if unsolved else "was not found within wall_time"
+        why = (
+            "of these laws is not solved for"
+            if unsolved
+            else "was not found within this solve's part of wall_time"
+        )
         on_spring = f"K = {spring:.6g} N_c<k>; K* {why}"
     turns = motion is not None and np.ptp(np.sign(motion.speeds)) > 1
     if count and spring >= critical and turns:

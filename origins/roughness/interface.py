@@ -220,7 +220,7 @@ class Interface(InSI):
         too_small = self.model == "gw" and radius < 2.0 * max(pixel)
         too_wide = self.model == "gw" and radius > 0.5 * tops
         too_high = self.law != "strength" and mu > local
-        tall = f"the summits' {in_metres(tops)}, as Hertz' theory needs"
+        tall = f"the summits' {in_metres(tops)}, and Hertz' theory needs one far below"
         of_one_unit = "heights and pixel size" if pixel[0] else "heights and lengths of the surface"
         strained = {
             f"the scan is {max(size):.3g} m across: is the unit right?": np.inf > max(size) > 0.1,
@@ -239,7 +239,7 @@ class Interface(InSI):
             f"{by_hertz:.1%} would be plastic by Hertz' theory, and all are taken as such": too_elastic,
             f"contacts stretch by {in_metres(stretch)}, above their radius {in_metres(radius)}": stretch
             > radius,
-            f"mean radius {in_metres(radius)} is not far below {tall}": too_wide,
+            f"mean radius {in_metres(radius)} is {'above' if radius > tops else 'not far below'} {tall}": too_wide,
             f"mean radius {in_metres(radius)} is below 2 pixels: the scan does not resolve it": too_small,
             f"friction coefficient {mu:.2g} is above the local {local:.2g}: Eq. Q6 pairs k and x_s at random": too_high,
         }

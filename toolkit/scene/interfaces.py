@@ -33,6 +33,11 @@ _UNITS |= {"mean_force_threshold": "N", "contact_density": "1/m2", "mean_stiffne
 _MOSTLY = 0.5
 # numbers that are temperatures of a room in °C, and no usual ones in K; 0 °C in K
 _ROOM, _ZERO_CELSIUS = (10.0, 40.0), 273.15
+# K, at which barriers are told where no temperature is given, and in k_BT there those that heat overcomes in a minute
+# at 1e12 attempts a second, about
+_WARM, _OVERCOME = 300.0, 30.0
+# of F_k: what linked stiffness adds below it is no news
+_NO_NEWS = 0.01
 
 
 @dataclass(frozen=True)
@@ -105,7 +110,7 @@ def remarks(law: Thresholds, machine: bool = False) -> list[str]:
         )
     if isinstance(law.interface, Interface):
         said += law.interface.cautions
-        if law.interface.moments.size is not None:
+        if of_a_scan(law):
             said.append(
                 "errors are numerical only, not those of the surface, its resolution (step) or the threshold law: what "
                 "another patch or step would give is not in them, and may change K* by orders of magnitude"
@@ -125,6 +130,11 @@ def remarks(law: Thresholds, machine: bool = False) -> list[str]:
     return sorted(said, key=lambda one: "?" not in one)  # whether the input is meant comes first
 
 
+def of_a_scan(law: Thresholds) -> bool:
+    """Whether these are thresholds of a surface that is a scan, of one patch and of steps of some size."""
+    return isinstance(law.interface, Interface) and law.interface.moments.size is not None
+
+
 def doubts(contacts: Contacts) -> list[str]:
     """Remarks after which no number of these contacts can be trusted before they are settled: those that ask whether
     the input is meant, a temperature at which nothing holds, contacts taken as elastic where those that would be
@@ -139,13 +149,44 @@ def doubts(contacts: Contacts) -> list[str]:
     return said
 
 
+def of_linked(contacts: Contacts) -> list[str]:
+    """A note on how far linked stiffness raises F_k above that with every k as <k>; none where that is no news."""
+    law = contacts.thresholds
+    if contacts.stiffness != "linked":
+        return []
+    factor = law.moment(3) / law.mean() / law.moment(2)
+    if not factor > 1.0 + _NO_NEWS:
+        return []
+    said = f'the stiffness, "linked": with every k as <k> ("independent") F_k is 1/{factor:.3g} of this'
+    said += ", laws in time left out" * bool(contacts.in_time)
+    if isinstance(law.interface, Interface):
+        said += (
+            "; sliding, linked contacts carry more than the load, so that F may exceed mu times it"
+        )
+    return [said]
+
+
+def of_laws(contacts: Contacts) -> list[str]:
+    """Notes on the temperature and the stiffness of these contacts; else none."""
+    return of_temperature(contacts) + of_linked(contacts)
+
+
 def of_temperature(contacts: Contacts) -> list[str]:
     """Notes on a temperature in kelvins that is one of a room in degrees Celsius, and on the barriers of islands, which
-    are not those that heat overcomes; else none."""
+    are not those that heat overcomes, or which it would where none is given; else none."""
     law, thermal, said = contacts.thresholds, contacts.thermal, list[str]()
+    surface = law.interface
+    if thermal is None and surface is not None and law.domains is not None:
+        room = surface.mean_stiffness * surface.temperature(kelvin=_WARM)
+        own = law.domains.barriers[law.domains.barriers > 0.0].mean() / room
+        if own < _OVERCOME:
+            said.append(
+                f"all is told at T = 0: the islands' own barriers are on average {own:.2g} k_BT at {_WARM:.0f} K, "
+                "which heat overcomes: give contacts.thermal.temperature"
+            )
     if not isinstance(thermal, Thermal) or thermal.temperature is None:
         return said
-    surface, temperature = law.interface, thermal.temperature
+    temperature = thermal.temperature
     kelvin = np.nan if surface is None else temperature / surface.temperature(kelvin=1.0)
     if _ROOM[0] <= kelvin <= _ROOM[1]:
         hint = f"if {kelvin:.4g} °C is meant, write kelvin = {kelvin + _ZERO_CELSIUS:.5g}"

@@ -2,7 +2,7 @@
 readings."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,6 +18,7 @@ from toolkit.running.resampled import (
     of_resampled,
     scatter_of,
 )
+from toolkit.scene.interfaces import of_a_scan
 from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
@@ -244,3 +245,11 @@ def to_digits(
 def spring_to_digits(value: float, unit: str, uncertainty: float) -> str:
     """K* to the digits that its uncertainty leaves, two at least: readings may differ by orders of magnitude."""
     return written(value, unit, uncertainty, digits=4 if 0.0 < uncertainty < np.inf else 3)
+
+
+def writer_of_springs(answer: Answer) -> Callable[[float, str, float], str]:
+    """How K* is written: to two digits of a scan, of which another patch or step may change it by orders of magnitude,
+    as the page says; else as `spring_to_digits`."""
+    if not of_a_scan(answer.contacts.thresholds):
+        return spring_to_digits
+    return lambda value, unit, uncertainty: written(value, unit, digits=2)

@@ -129,10 +129,11 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
     # the static force of so many scatters by some N^(-1/2) of itself
     further = asked.static / np.sqrt(present) / machine.spring / mean
     if asked.heavy and not asked.sticks and further > SCATTERED * BEYOND:
-        scatter = f"F_s of such sliders scatters by some {present**-0.5:.1%}"
+        scatter = f"F_s of such sliders scatters by some {100.0 * present**-0.5:.2g}%"
         far = spoken(further * mean, length_unit_of(contacts.thresholds))
         why = (
-            f"{scatter}: they begin to slide {far} of the drive's way apart, too far to be followed"
+            f"{scatter}, so that on this spring one begins to slide {far} of the drive's way after another, and "
+            "several are followed at once, which takes too long so far apart"
         )
         return Finite(rule, present, "unknown", message=why)
     steady = plan.end - SETTLED * BEYOND * mean

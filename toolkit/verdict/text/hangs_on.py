@@ -8,7 +8,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.drive import RISE
 from origins.roughness.interface import Interface
-from toolkit.scene.interfaces import of_temperature, remarks
+from toolkit.scene.interfaces import of_laws, remarks
 from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import apart, late_force_of
@@ -55,7 +55,7 @@ def dependence(verdict: Verdict) -> list[str]:
 
 
 def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
-    """A speed that is not given, or is that of a path which is left out; and a temperature that may be meant in °C."""
+    """A speed that is not given, or is that of a path which is left out; and notes on temperature and stiffness."""
     own = verdict.own
     if verdict.left_path:
         speed = written(verdict.velocity, speed_unit(verdict))
@@ -71,7 +71,7 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
         yield Line(
             TURNS if decides else UNSIZED, f"the speed: {given}; {what}: give drive.velocity"
         )
-    yield from (Line(UNSIZED, one) for one in of_temperature(own.contacts))
+    yield from (Line(UNSIZED, one) for one in of_laws(own.contacts))
 
 
 def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:

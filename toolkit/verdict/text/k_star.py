@@ -15,7 +15,7 @@ def of_critical_spring(own: Answer) -> str:
         return "K*, the steepest fall of the force"
     # nor with a mass, whose slip hangs on more
     if own.machine is not None and own.machine.mass:
-        return "balance unstable somewhere below the spring K*"
+        return "balance unstable somewhere on springs below K*"
     return "slips at least once below the spring K*"
 
 

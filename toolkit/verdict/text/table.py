@@ -27,9 +27,9 @@ from toolkit.verdict.uncertainty import (
     WORTH_TELLING,
     error_beside,
     is_vague,
-    spring_to_digits,
     to_digits,
     widest_uncertainty,
+    writer_of_springs,
 )
 
 # of the contacts: where no more of them hold, F_k is told with their share
@@ -101,7 +101,7 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         with_spring = [one for one in answers if not one.critical_spring.lost]
         critical = [one.critical_spring for one in with_spring]
         springs = [one.scale.spring for one in with_spring]
-        yield row(name, critical, springs, scale.spring_unit, write=spring_to_digits)
+        yield row(name, critical, springs, scale.spring_unit, write=writer_of_springs(own))
     if own.machine is not None:
         springs = [one.scale.spring for one in answers]
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]
@@ -218,7 +218,7 @@ def _of_holding(answer: Answer) -> str:
     """How few contacts bear F_k, where most of them wait."""
     if answer.holding > HOLDING:
         return ""
-    return f", of whose contacts {100.0 * answer.holding:.2g}% hold"
+    return f", with {100.0 * answer.holding:.2g}% of the contacts holding"
 
 
 def _with_error(value: float, unit: str, uncertainty: float, error: float, vague: bool) -> str:

@@ -18,6 +18,7 @@ from toolkit.verdict.text.kinds import (
     TURNS,
     Line,
     by_reason,
+    damped,
     named,
     not_decided,
     of_damping,
@@ -147,9 +148,10 @@ def undecided_readings(verdict: Verdict) -> list[str]:
     many, decided = len(verdict.answers), len(verdict.answers) - len(missing)
     whose = own.name if decided == 1 else f"{decided} of {many} readings"
     late = " in time" * all(out_of_time(one) for one in missing)
-    one = "is" if len(missing) == 1 else "are"
-    count = f"the other {len(missing)} {one} not decided{late}"
-    return [f"this is of {whose}, {count}; {range_of_force(verdict, f' of all {many}')}"]
+    one = "the other one is" if len(missing) == 1 else f"the other {len(missing)} are"
+    return [
+        f"so say {whose}; {one} not decided{late}; {range_of_force(verdict, f' of all {many}')}"
+    ]
 
 
 def followed_instead(own: Answer, one: Behaviour) -> str:
@@ -228,7 +230,14 @@ def _why_rough(verdict: Verdict, one: Behaviour) -> str:
     differs = (
         "still changes where the path ends" if one.kind == "smooth" else "differs between slips"
     )
-    return f"its error, {written(error, scale.force_unit, digits=2)}, is that of steps, or what {differs}"
+    said = f"its error, {written(error, scale.force_unit, digits=2)}, is that of steps, or what {differs}"
+    if one.kind != "smooth" or one.rule != "mass":
+        return said
+    # known as F_k is, whatever still changes, and never below the damping's share
+    machine, unit = damped(verdict.own), scale.force_unit
+    borne = machine.damping * machine.velocity
+    steady = written((verdict.own.kinetic.value + borne) * scale.force, unit)
+    return f"{said}: sliding that swings no more bears {steady}, F_k and the damping's share"
 
 
 def _instead(own: Answer, rules: list[str]) -> str:

@@ -271,7 +271,7 @@ def _behaved(
             differs = said != span([answer.kinetic.value * scale.force], scale.force_unit)
         if bare:
             return said
-        beside = whom + way_to(last) + of_damping(answer, last, differs)
+        beside = whom + of_damping(answer, last, differs) + way_to(last)
         beside += once_over(answer, last) + swinging(answer, last)
         beside += of_fluctuations(verdict, last) * (answer is verdict.own)
         said = f"smooth at {said}{beside}{of_assumed_damping(answer, last)}"
