@@ -119,7 +119,7 @@ def test_that_both_ends_of_the_delay_slide_does_not_clear_those_between() -> Non
         between = f"With a delay between {low} and {high} friction {WITH_BAND}"
         (line,) = (one for one in dependence(found) if "contacts' delay" in one)
         assert line.startswith("the contacts' delay: ") and between in line
-        longer = "; with longer ones it may go on to slip once it has begun" * (not delay)
+        longer = "; with somewhat longer ones it may go on to slip once it has begun" * (not delay)
         assert f"swings or slips{longer} (not followed)" in line
         assert any(one.startswith(f"  {between}") for one in page(found)[3:5])
         assert between in plain(found)["would_turn"][-1]

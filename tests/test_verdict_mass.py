@@ -692,7 +692,7 @@ def test_the_extremes_of_a_delay_keep_the_mass_and_are_asked_of_the_cheaper_solv
     assert follow_extremes(machine, own, given, None, budget) == ()
 
 
-def test_a_slider_whose_sliding_swings_is_told_which_damping_ends_it() -> None:
+def test_a_slider_whose_sliding_swings_is_told_how_far_it_is_from_steady() -> None:
     """In N s/m, N_c<k> = 4e7 N/m here; the path and the tolerance are the verdict's own."""
     contacts = Contacts(gaussian(1e-8, 3e-9), delay=Delay(1e-7))
     path = np.linspace(0.0, 1e-2, 5)
@@ -710,7 +710,7 @@ def test_a_slider_whose_sliding_swings_is_told_which_damping_ends_it() -> None:
     assert told.startswith("neither force nor slips are known in time: raise wall_time")
     assert told.endswith(
         "friction falls with the speed by 2.179 N s/m, and the damping is 0.400 N s/m; "
-        "give one above 2.179 N s/m"
+        "with a larger one it would not, if the machine has that"
     ), told
     assert late("stopped by wall_time").endswith("where none is given)")
 

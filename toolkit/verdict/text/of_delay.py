@@ -72,7 +72,7 @@ def _of_swings(own: Answer, longest: float = np.inf) -> str:
     among = _among_them(own)
     # a slider that sticks first slips from F_s, which the fall of friction about a steady speed does not end
     slides = own.behaviours[0].kind == "smooth" and bool(own.contacts.waiting_time) and not among
-    longer = "; with longer ones it may go on to slip once it has begun" * (not slides)
+    longer = "; with somewhat longer ones it may go on to slip once it has begun" * (not slides)
     said = (
         f"{between[0].upper()}{between[1:]}{', as with this one,' * among} friction falls with the speed by more than "
         f"the damping rises, so that the slider swings or slips{longer * ('between' in between)}"
