@@ -143,8 +143,11 @@ def test_a_slider_that_slips_with_its_delay_is_told_where_friction_ceases_to_fal
     assert "ms, as with this one, friction falls" in line and "not followed" not in line
     assert line.count(WITH_BAND) == 1 and not any("make it swing" in one for one in lines)
     warm = Thermal(law="stiff", temperature=1e-6 * MEAN**2, attempt_frequency=1e6)
-    text = "\n".join(page(told(slider(), slider(before=0.5 * KINETIC), thermal=warm)))
-    assert "  Without heat, with a delay between" in text
+    found = told(slider(), slider(before=0.5 * KINETIC), thermal=warm)
+    assert "  Without heat, with a delay between" in "\n".join(page(found))
+    # which tells nothing where heat takes nearly all of F_k
+    strong = replace(found.own, cold=answers.Quantity(100.0 * KINETIC, 0.0))
+    assert WITH_BAND not in "\n".join(page(replace(found, answers=(strong,))))
 
 
 def test_a_slider_that_is_not_decided_has_the_delays_between_its_extremes() -> None:

@@ -29,6 +29,8 @@ from toolkit.verdict.uncertainty import WORTH_TELLING
 
 # times as long as a slip its loading is, from which on a delay may be far above the one and far below the other
 APART = 10.0
+# part by which heat changes F_k, above which friction without heat tells nothing of it
+HEAT_MATTERS = 0.1
 
 
 def delay_decides(verdict: Verdict) -> bool:
@@ -39,8 +41,13 @@ def delay_decides(verdict: Verdict) -> bool:
 
 
 def _unstable(own: Answer) -> tuple[float, float] | None:
-    """See `unstable_delays`, of the own reading with the damping that it was followed with."""
-    return unstable_delays(damped(own), own.contacts) if own.machine is not None else None
+    """See `unstable_delays`, of the own reading with the damping that it was followed with; None, too, where heat
+    changes friction much."""
+    if own.machine is None:
+        return None
+    if own.cold and abs(own.kinetic.value - own.cold.value) > HEAT_MATTERS * own.cold.value:
+        return None
+    return unstable_delays(damped(own), own.contacts)
 
 
 def _among_them(own: Answer) -> bool:
