@@ -12,7 +12,7 @@ from origins.thresholds.law import Array
 from toolkit import load_scene
 from toolkit.judge import describe
 from toolkit.running.resampled import error_by_moments, kinetic_name, like
-from toolkit.verdict import judge
+from toolkit.verdict import judge, uncertainty
 
 WIDTH, ATTEMPTS = 0.1, 1e5  # of eyring heat: F_k is a ninth of that without
 X_S = np.random.default_rng(1).uniform(0.2, 1.8, 100)
@@ -138,8 +138,12 @@ def test_errors_of_moments_in_a_mixture_are_those_of_its_parts_from_samples() ->
 
 
 @pytest.mark.parametrize("linked", [False, True])
-def test_the_verdict_and_thresholds_tell_the_same_errors_of_samples(linked: bool) -> None:
-    """By the same draws of K*, and of F_k by the same moments."""
+def test_the_verdict_and_thresholds_tell_the_same_errors_of_samples(
+    linked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the same draws of K*, here few, and of F_k by the same moments."""
+    for each in (describe, uncertainty):
+        monkeypatch.setattr(each, "RESAMPLES", 6)
     x = np.random.default_rng(4).weibull(2.0, 100) + 0.1
     contacts = {"thresholds": {"kind": "from-samples", "x_s": x.tolist()}}
     contacts |= {"stiffness": "linked"} if linked else {}
