@@ -8,8 +8,9 @@ from master.outcome import StoppedError, stop_after
 from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin
 from master.soft.followed import LOOSEN, ErrorPart, Followed
+from master.soft.left_out import LeftOut
 from master.soft.limit_cycle import LimitCycle, Slipped
-from master.soft.moves import BEHIND_BEGIN, OF_TRAVEL, LoadingHistory, Move, SlipEnd
+from master.soft.moves import LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
 from master.soft.too_long import refuse_endless_slips, refuse_long_lives
@@ -27,9 +28,6 @@ ROUNDED = 1e-15
 # How many of the latest moves, and of the slips that leave some contacts holding, are kept to be repeated: each keeps
 # its panels.
 MOST_OF_LATE = 8
-# Parts of a panel at which the slope of the load is looked at; and times the slope that counts as none, above which the
-# load goes on to rise.
-LOOKED_AT, RISES_AGAIN = np.linspace(0.0, 1.0, 9), 2.0
 # where a slip begins: the move that leads to it, and the slider's travel on that move
 Onset = tuple[Move, float]
 
@@ -38,15 +36,23 @@ class ColdSlider:
     """A soft slider at T = 0 pulled by a drive along its path (paper, Eq. Q16x2); see ColdContacts."""
 
     def __init__(
-        self, contacts: Contacts, drive: Drive, tolerance: float, until: float, unknown: float = 0.0
+        self,
+        contacts: Contacts,
+        drive: Drive,
+        tolerance: float,
+        until: float,
+        unknown: float = 0.0,
+        in_heat: Contacts | None = None,
     ) -> None:
-        """Balance the spring with the force of the start, at X = 0; for `unknown` see ColdContacts."""
+        """Balance the spring with the force of the start, at X = 0; for `unknown` see ColdContacts. `in_heat` : the
+        contacts with the heat that is left out."""
         self.slip, self.path, self.spring = drive.slip, drive.path, float(drive.spring or 0.0)
         self._forward = drive.forward
         self._distance = float(np.abs(np.diff(self.path, prepend=0.0)).sum())
         adding_up = 0.0 if self.slip == "instant" else self._distance
         self.contacts = cold = ColdContacts(contacts, self.spring, tolerance, until, adding_up)
         cold.unknown = unknown
+        self._left_out = LeftOut(cold, drive, in_heat)
         self._start_force = cold.force_of(contacts.start)
         self._force_after_reset = cold.force_of(cold.reforming)
         # F at points of the path, one array from each slip to the next; and a row for each slip
@@ -141,8 +147,6 @@ class ColdSlider:
                 raise
             curve, count = slip.curve, int(np.searchsorted(asked, slip.load))
             at = self._keep(curve, asked[:count], y, slip.travel, direction)
-            unsure = bool(self.contacts.unknown) and self._hangs_on_unknown(move, slip, y)
-            largest = self.contacts.unit * self.contacts.steady_stiffness  # force there is
             if not np.isfinite(slip.load):
                 stop = move.travel_of_state(at[-1])
                 self._base += direction * (at[-1] - stop)
@@ -150,50 +154,34 @@ class ColdSlider:
                 self._loaded = move.stopped(stop, error)
                 if self.contacts.unknown and self._may_have_slipped(move, slip, asked[-1]):
                     self.missed_slip = max(self.missed_slip, abs(float(curve.force(at[-1]))))
-                self.unsure_slip = max(self.unsure_slip, unsure * largest)
+                self._note_if_unsure(move, slip, y, renews=True)
                 return
-            drives = drives[count:]
+            drives, after = drives[count:], y
             if self.slip == "instant":
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip, self._forward)
                 self._note(move, slip, begin, float(curve.force(y)), np.nan)
-                largest = float(np.abs(np.diff(self.slips[-1][1:]))[0])  # in that slip alone
+                renews = False
             else:
                 renew = self.reset if self.slip == "reset" else self.reform_after
                 self._loaded, y = renew(move, slip, begin), 0.0
-            self.unsure_slip = max(self.unsure_slip, unsure * largest)
+                renews = self.slip == "reset" or (move, slip.travel) in self._leave_none
+            self._note_if_unsure(move, slip, after, renews)
+
+    def _note_if_unsure(self, move: Move, slip: SlipBegin, after: float, renews: bool) -> None:
+        """Note how far F may be off where laws that are left out decide on this slip, or on one between the travel
+        `after` and it: as far as in the slip, or where slips renew contacts as far as the largest force there is.
+        `renews` : all of them."""
+        if self.contacts.unknown and self._left_out.decides(move, slip, after, renews):
+            off = self.contacts.unit * self.contacts.steady_stiffness
+            if self.slip == "instant" and np.isfinite(slip.load):
+                off = float(np.abs(np.diff(self.slips[-1][1:]))[0])
+            self.unsure_slip = max(self.unsure_slip, off)
 
     def _may_have_slipped(self, move: Move, last: SlipBegin, load: float) -> bool:
         """Whether a slip may come before the path ends at this load, although none was found: without the laws that are
         left out the next one is so near that their effect on the force may bring it about."""
         missed = 2.0 * (last.error + self.spring * self._base_error)
         return bool(np.isfinite(move.next_slip(last.travel, load + missed).load))
-
-    def _hangs_on_unknown(self, move: Move, slip: SlipBegin, after: float) -> bool:
-        """Whether laws that are left out may take this slip away, as the load falls by less behind its begin than twice
-        what they change it by; or bring one about between the travel `after` and it, if that renews contacts. They put
-        off no more than the breaks on a length by which the load's slope changes by `steep` at most: a slip comes where
-        the slope is less, and the load then goes on to rise."""
-        missed = 2.0 * slip.error
-        steep, curve = missed / self.contacts.break_length, slip.curve
-        if self.slip != "instant":
-            y = (curve.from_travel[:, None] + curve.width[:, None] * LOOKED_AT).ravel()
-            slope = curve.load_slope(y[(y > after) & (y < slip.travel)])
-            flat = np.flatnonzero(slope < steep)
-            if flat.size and (slope[flat[0] :] > RISES_AGAIN * steep).any():
-                return True
-        if not np.isfinite(slip.load):
-            return False
-        falling = min(BEHIND_BEGIN * slip.begin_error, OF_TRAVEL * curve.to_travel)
-        begin, to = slip.travel + falling, slip.travel
-        while True:
-            curve = move.curve_to(to)
-            rises = curve.rises(begin)
-            last = min(rises, curve.to_travel)
-            if slip.load - float(curve.force(last)) - self.spring * last >= missed:
-                return False
-            if np.isfinite(rises):
-                return True
-            to = curve.to_travel + self.contacts.life.resolution_length
 
     def _keep(
         self, curve: LoadCurve, asked: Array, low: float, high: float, direction: int

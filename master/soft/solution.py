@@ -108,7 +108,7 @@ def solve_soft(
         )
     else:
         of_heat = idle.effect * contacts.mean_threshold
-        found = ColdSlider(contacts, drive, tolerance, until, of_heat).follow()
+        found = ColdSlider(contacts, drive, tolerance, until, of_heat, given).follow()
         progress(found.error_of_force_and_load)
     position = drive.path[: found.force.size] - found.force / float(drive.spring or 0.0)
     common = common_fields((given, contacts), drive, found, tolerance, until)

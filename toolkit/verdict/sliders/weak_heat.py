@@ -7,9 +7,10 @@ and its threshold. Without heat new contacts bear F(X) at the slider's place X, 
 
     it slips     where F(X1) - F(X2) > K (X2 - X1) + 2 effect behind the X1 at which the first slip begins: with heat,
                  too, the spring's force would have to fall by more than the drive lets it. Before X1 the force has to
-                 rise by so much that heat brings no slip about (ColdSlider tells both). On a spring so soft that a
-                 slip passes all thresholds it renews all contacts, so that each slip is as the first, begins at a
-                 force that is off by `effect` at most, and comes as much earlier or later as the drive takes for that
+                 rise by so much that heat brings no slip about. Or rigid sliders in heat have that fall, too
+                 (master/soft/left_out.py tells both). On a spring so soft that a slip passes all thresholds it renews
+                 all contacts, so that each slip is as the first, begins at a force that is off by `effect` at most,
+                 and comes as much earlier or later as the drive takes for that
     it slides    where it slides smoothly without heat, at F_k: the force keeps between two bounds that are `effect`
                  apart, which is less than the fall that counts as a slip, RISE <x_s>
 
@@ -64,7 +65,7 @@ def by_contacts_without_heat(
     if not effect < (RISE if slides else PRECISE_ENOUGH):
         return None
     try:
-        if not (slides or _slips_surely(bare, machine, rule, loading, effect * unit)):
+        if not (slides or _slips_surely(contacts, machine, rule, loading, effect * unit, until)):
             return None
         found = without_heat(bare, rigid_at(bare, machine.velocity, None, until))
     except InputError:
@@ -81,13 +82,14 @@ def by_contacts_without_heat(
 
 
 def _slips_surely(
-    contacts: Contacts, machine: Machine, rule: str, loading: float, effect: float
+    contacts: Contacts, machine: Machine, rule: str, loading: float, effect: float, until: float
 ) -> bool:
-    """Whether the first slip, within so much of the drive's path, comes with heat that changes the force by `effect`
-    at most, too (both lengths), and none before it."""
+    """Whether the first slip without heat, within so much of the drive's path, comes with heat, too, which changes the
+    force by `effect` at most (both lengths), and none before it."""
     from master.soft.cold import ColdSlider
 
     path = np.array([0.0, PART_OF_SECOND * loading])
-    drive = Drive(path, spring=machine.spring, slip=rule)  # type: ignore[arg-type]
-    slider = ColdSlider(contacts, drive, TOLERANCE, np.inf, effect)
+    drive = Drive(path, machine.velocity, spring=machine.spring, slip=rule)  # type: ignore[arg-type]
+    bare = contacts.replace(thermal=None)
+    slider = ColdSlider(bare, drive, TOLERANCE, until, effect, contacts)
     return bool(slider.follow().slips.drive.size) and not slider.unsure_slip

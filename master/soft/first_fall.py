@@ -1,0 +1,79 @@
+"""Whether a slider on new contacts first slips in heat where it does without it, by rigid sliders in heat.
+
+A slider slips where the load on its drive, F + K X, begins to fall. While it sticks it goes on at K v/(1 + K) at first,
+and faster and faster up to the slip, where heat has no time left: so the force in heat is looked at at speeds from that
+one to the drive's v, two decades apart, each by a rigid slider.
+
+An example: the contacts of a scan, whose thresholds are nearly exponential, on 8e-7 N_c<k>. Without heat F falls by
+5.4e-4 <x_s> behind X = 4.39 <x_s>. In heat that may change F by 5e-3, by a bound, it falls by as much at the same place
+at all speeds from 8e-7 v to v, from a force that is higher by 2e-4 to 4e-4.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from master.outcome import unheard
+from master.rigid import motion_of, solve_rigid
+from master.survival.make import life_of
+from origins import Contacts, Drive
+from origins.thresholds.law import Array
+
+# Points of a rigid slider's path, its tolerance (mean thresholds), and times its error that a fall of the load counts.
+POINTS, TOLERANCE, CLEAR = 1200, 1e-7, 4.0
+# Decades between two speeds, at most.
+DECADES_APART = 2.0
+# The path ends beyond the place that is asked about by this part of it, and by so many mean thresholds.
+BEYOND_PART, BEYOND = 0.2, 2.0
+
+
+class FirstFall(NamedTuple):
+    """Where the load of a rigid slider first falls, and F there (lengths); both inf where it falls nowhere."""
+
+    travel: float
+    force: float
+
+
+def slips_alike(
+    contacts: Contacts, drive: Drive, travel: float, slips: bool, effect: float, until: float
+) -> bool:
+    """Whether new contacts in heat first let the slider slip where they do without it.
+
+    drive : of one speed, with a spring; until : as in `solve`
+    travel, slips : without heat it slips first after this travel (a length), or has not slipped up to it
+    effect : in heat it is to slip from the same force to this one (a length), or not up to that travel either
+    """
+    spring, speed = float(drive.spring or 0.0), drive.velocity
+    slowest = spring / (1.0 + spring)
+    many = 2 + int(-np.log10(slowest) / DECADES_APART)
+    speeds = speed * np.geomspace(slowest, 1.0, many)
+    path = np.linspace(0.0, (1.0 + BEYOND_PART) * travel + BEYOND * contacts.mean_threshold, POINTS)
+    cold = first_fall(contacts.replace(thermal=None), path, spring, speed, until)
+    each = [first_fall(contacts, path, spring, float(one), until) for one in speeds]
+    if None in (cold, *each):
+        return False
+    falls = [one for one in (cold, *each) if one is not None]
+    if slips:
+        return max(abs(one.force - falls[0].force) for one in falls) <= effect
+    return min(one.travel for one in falls) > travel
+
+
+def first_fall(
+    contacts: Contacts, path: Array, spring: float, velocity: float, until: float
+) -> FirstFall | None:
+    """Where the load of a rigid slider on new contacts first falls along this path, at this speed; None where F is not
+    known to TOLERANCE."""
+    drive = Drive(path, velocity)
+    motion, _ = motion_of(drive, contacts.mean_threshold)
+    life = life_of(contacts, TOLERANCE, motion, until)
+    found = solve_rigid(contacts, drive, life, TOLERANCE, unheard, until)
+    if not found.success:
+        return None
+    load = found.force + spring * path
+    highest = np.maximum.accumulate(load)
+    least = CLEAR * found.force_error * contacts.mean_threshold
+    falls = np.flatnonzero(highest - load > least)
+    if not falls.size:
+        return FirstFall(np.inf, np.inf)
+    at = int(np.argmax(load[: falls[0]]))
+    return FirstFall(float(path[at]), float(found.force[at]))
