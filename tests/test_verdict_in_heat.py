@@ -265,7 +265,7 @@ def test_the_page_tells_what_was_followed_and_what_heat_may_change(
     assert (status, one["kind"], one["slips"]) == (0, "smooth", 1)
     assert one["before"] == pytest.approx(found["readings"][0]["kinetic"]["value"] + 5e-7, rel=1e-9)
     headline = page.splitlines()[2]
-    assert headline.startswith("smooth at ")
+    assert headline.startswith("if contacts form again at once, as no delay is given: smooth at ")
     assert "in the end (the way there was followed without heat)" in headline
     assert "the slips before it from contacts without heat" in page and "not decided" not in page
     assert 0.0 < one["heat_on_the_way"] < 0.02
