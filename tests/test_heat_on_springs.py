@@ -14,6 +14,7 @@ from test_coupled import CONTACTS, HOLDS, RULES
 import eq_model
 import master
 import origins
+from master.soft.first_fall import slips_alike
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.refining import memory_of
 from master.soft.in_time.slip_ends import balance_between
@@ -356,6 +357,13 @@ def test_a_slip_that_heat_may_take_away_or_bring_about_is_no_answer(slip: Any) -
     assert not found.slips.drive.size and found.success, found.message
     found = master.solve(rises, path, 0.1, spring=0.005, slip=slip)
     assert not found.slips.drive.size and found.success, found.message
+
+
+def test_rigid_sliders_in_heat_are_asked_about_new_contacts() -> None:
+    """The weak half is out where contacts start beyond its thresholds, and holds again after a slip."""
+    started = two_humps(0.0435).replace(start=0.4)
+    drive = origins.Drive([0.0, 75.0], spring=0.005)
+    assert not slips_alike(started, drive, 0.2, True, 0.045, np.inf)
 
 
 @pytest.mark.parametrize("slip", ["reset", "reform-after"])

@@ -7,7 +7,7 @@ import numpy as np
 from master.outcome import StoppedError, stop_after
 from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin
-from master.soft.followed import LOOSEN, ErrorPart, Followed
+from master.soft.followed import LEAVE_OUT, LOOSEN, ErrorPart, Followed
 from master.soft.left_out import LeftOut
 from master.soft.limit_cycle import LimitCycle, Slipped
 from master.soft.moves import LoadingHistory, Move, SlipEnd
@@ -112,7 +112,7 @@ class ColdSlider:
             ErrorPart(
                 "a slip that heat, which is left out, may take away or bring about",
                 self.unsure_slip / unit,
-                "take a spring on which the force falls by more in a slip",
+                LEAVE_OUT,
             ),
             ErrorPart("rounding", rounding / unit, LOOSEN),
         )

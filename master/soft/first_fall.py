@@ -1,12 +1,12 @@
 """Whether a slider on new contacts first slips in heat where it does without it, by rigid sliders in heat.
 
-A slider slips where the load on its drive, F + K X, begins to fall. While it sticks it goes on at K v/(1 + K) at first,
-and faster and faster up to the slip, where heat has no time left: so the force in heat is looked at at speeds from that
-one to the drive's v, two decades apart, each by a rigid slider.
+A slider slips where the load on its drive, F + K X, begins to fall. While it sticks it moves at K v/(1 + K) at first.
+It gets faster up to the slip, where it is so fast that heat breaks nothing. So a rigid slider finds F in heat at each
+of some speeds from that first one to the drive's v, two decades apart.
 
 An example: the contacts of a scan, whose thresholds are nearly exponential, on 8e-7 N_c<k>. Without heat F falls by
-5.4e-4 <x_s> behind X = 4.39 <x_s>. In heat that may change F by 5e-3, by a bound, it falls by as much at the same place
-at all speeds from 8e-7 v to v, from a force that is higher by 2e-4 to 4e-4.
+5.4e-4 <x_s> behind X = 4.39 <x_s>. A bound allows heat to change F by 5e-3. At all speeds from 8e-7 v to v rigid
+sliders in heat have the same fall at the same place, from a force that is higher by 2e-4 to 4e-4.
 """
 
 from typing import NamedTuple
@@ -37,12 +37,13 @@ class FirstFall(NamedTuple):
 def slips_alike(
     contacts: Contacts, drive: Drive, travel: float, slips: bool, effect: float, until: float
 ) -> bool:
-    """Whether new contacts in heat first let the slider slip where they do without it.
+    """Whether new contacts, whatever `contacts` begin with, first let the slider slip in heat where they do without it.
 
     drive : of one speed, with a spring; until : as in `solve`
     travel, slips : without heat it slips first after this travel (a length), or has not slipped up to it
     effect : in heat it is to slip from the same force to this one (a length), or not up to that travel either
     """
+    contacts = contacts.replace(start=None)
     spring, speed = float(drive.spring or 0.0), drive.velocity
     slowest = spring / (1.0 + spring)
     many = 2 + int(-np.log10(slowest) / DECADES_APART)

@@ -53,9 +53,10 @@ class CellControl(NamedTuple):
         after a birth it is thinner
     least_first, most_first : that width is between these, in narrowest widths of the laws. With first cells of 0.1
         widths 1e-3 of the contacts were missed; a layer far thinner than the least contains too few to matter
-    thinnest, thinner : thickness of the layer, in narrowest widths of the laws on the cells of the resolution -1, and
-        by how many times it is less on each finer one: in thinner ones, as of contacts that hardly age or of fast
-        sliders, errors grow as |x| rises, on these coarsest cells below some 30 first cells, on the next below 3
+    thinnest : least thickness of the layer at |x|, in narrowest widths of the laws, on the coarsest cells, which are
+        those of the resolution -1. In a thinner layer, as of contacts that hardly age or of fast sliders, errors of
+        the cells grow as |x| rises
+    thinner : by how many times it may be thinner on the cells of each next resolution
     growth : of the width of cells with the distance from y = 0
     widest : cell up to where the bulk of the thresholds ends, in narrowest widths; errors in space then equal those in
         time for steps of a quarter of such a width
