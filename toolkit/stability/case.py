@@ -88,7 +88,7 @@ class Case:
 
     contacts : makes them, in any unit of length, so that a refusal is a row of the table
     path : positions (n,), in mean thresholds
-    exact : the truth for forces in mean thresholds, None where only the other solver knows
+    truth : of the forces in mean thresholds, by a road of its own; None where only the other solver knows
     drive : keywords of both solvers, in the contacts' unit
     tolerance : of the master equation
     n_contacts : of the ensemble; 0 leaves it out
@@ -98,7 +98,7 @@ class Case:
     name: str
     contacts: Callable[[], Contacts]
     path: Any
-    exact: Callable[[Contacts, Array], Truth] | None = None
+    truth: Callable[[Contacts, Array], Truth] | None = None
     drive: Mapping[str, Any] = field(default_factory=dict)
     tolerance: float = 1e-6
     n_contacts: int = 100_000
@@ -176,7 +176,7 @@ def _short(answer: Answer) -> Verdict:
 
 
 def rows(case: Case | Question) -> list[Row]:
-    """The rows of a case: one for each solver, each against the exact answer or else against the other solver."""
+    """The rows of a case: one for each solver, each against the case's truth, or else the other solver."""
     if isinstance(case, Question):
         found = _timed(case.ask)
         return [_row(case, case.solver, found, None if isinstance(found[0], str) else case.truth())]
@@ -190,12 +190,12 @@ def rows(case: Case | Question) -> list[Row]:
     if any(getattr(law, "closure", "exact") == "paper" for law in laws):
         asked.pop("ensemble", None)  # single contacts do not follow the paper's closures
     answers = {name: _timed(partial(ask, case, contacts, path)) for name, ask in asked.items()}
-    exact = None if case.exact is None else case.exact(contacts, path)
+    truth = None if case.truth is None else case.truth(contacts, path)
     out = list[Row]()
     for name, found in answers.items():
         other = "ensemble" if name == "master" else "master"
         witness = _witness(other, answers.get(other, ("", 0.0))[0])
-        out.append(_row(case, name, found, exact or witness or _no_witness(found[0])))
+        out.append(_row(case, name, found, truth or witness or _no_witness(found[0])))
     return out
 
 

@@ -98,10 +98,10 @@ def _ensemble(case: Case, seed: int) -> Question:
         return Answer(found.force[at] / unit, bound, bool(found.success), None, found.message)
 
     def truth() -> Truth:
-        exact = case.exact(contacts, path) if case.exact else None
-        assert exact is not None
-        error, at = np.broadcast_to(exact.error, exact.values.shape), place or [0]
-        return Truth(exact.values[at], error[at], exact.road)
+        whole = case.truth(contacts, path) if case.truth else None
+        assert whole is not None
+        error, at = np.broadcast_to(whole.error, whole.values.shape), place or [0]
+        return Truth(whole.values[at], error[at], whole.road)
 
     return Question(case.group, case.name, "ensemble", ask_it, truth)
 

@@ -126,9 +126,9 @@ def _pulled(kind: str, name: str, rng: np.random.Generator) -> Case:
     unit, spring = _unit(rng), float(10.0 ** rng.uniform(-1.0, 1.5))
     contacts, path = Contacts(narrow(rng, unit)), _forward(rng)
     path = path * (1.0 + 0.5 / spring)
-    exact = partial(truths.pulled, spring)
+    truth = partial(truths.pulled, spring)
     drive = {"spring": spring, "slip": "instant"}
-    return _case(kind, name, contacts, path, exact, _digits(rng, 1e-8), drive)
+    return _case(kind, name, contacts, path, truth, _digits(rng, 1e-8), drive)
 
 
 def _strengthening(kind: str, name: str, rng: np.random.Generator) -> Case:
@@ -212,7 +212,7 @@ def _case(
         roads.append(partial(by_cohorts, time=drive.get("time")))
         roads.append(partial(by_ensemble, drive=drive))
 
-    def exact(contacts: Contacts, path: Array) -> Truth:
+    def found_once(contacts: Contacts, path: Array) -> Truth:
         if not kept:
             truth = next(_taken(roads, contacts, path), _UNKNOWN)
             if np.min(truth.error) > max(1e-3 * tolerance, _NEAR):
@@ -220,7 +220,7 @@ def _case(
             kept.append(truth)
         return kept[0]
 
-    return Case(kind, name, lambda: contacts, path, exact, drive, tolerance, n_contacts=0)
+    return Case(kind, name, lambda: contacts, path, found_once, drive, tolerance, n_contacts=0)
 
 
 def _taken(

@@ -104,7 +104,7 @@ def masses() -> list[Case | Question]:
         (1e6, 1.0, 0.0),
     ):
         path = np.linspace(0.1, 0.7, 7) * (1.0 + spring) / spring
-        exact = partial(truths.before_breaks, spring, mass, damping)
+        truth = partial(truths.before_breaks, spring, mass, damping)
         if mass > 1e6:  # the drive runs away from the slider
             path = np.linspace(0.1, 0.6, 7)
         found.append(
@@ -113,7 +113,7 @@ def masses() -> list[Case | Question]:
                 f"K = {spring:g}, M = {mass:g}, γ = {damping:g}",
                 lambda: Contacts(NARROW),
                 path,
-                exact,
+                truth,
                 {"spring": spring, "mass": mass, "damping": damping},
                 n_contacts=1_000,
             )
