@@ -61,6 +61,10 @@ class Scale:
         """Of velocities: "m/s" for a surface."""
         return f"{self.length_unit}/{self.time_unit}"
 
+    def speed(self, velocity: float) -> str:
+        """A velocity as it is told: in m/s, and a number alone where lengths have a unit of their own."""
+        return written(velocity, self.speed_unit if self.length_unit == "m" else "")
+
     @property
     def damping_unit(self) -> str:
         """Of N_c<k> times a time, where `spring` is N_c<k>."""

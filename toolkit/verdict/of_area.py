@@ -153,7 +153,7 @@ def behaved(verdict: Verdict, finite: Finite) -> str:
     if finite.period is None:
         return f"{said} {whose}"
     every, later = period_with_scatter(verdict, finite)
-    speed = written(verdict.velocity, "m/s" if scale.length_unit == "m" else "")
+    speed = scale.speed(verdict.velocity)
     return f"{said} every {every}, {later} at {speed} {whose}"
 
 

@@ -28,7 +28,7 @@ from toolkit.verdict.text.kinds import (
 )
 from toolkit.verdict.text.of_delay import of_rules
 from toolkit.verdict.text.of_mass import of_a_mass
-from toolkit.verdict.text.table import HOLDING, speed_unit
+from toolkit.verdict.text.table import HOLDING
 from toolkit.verdict.text.undone import RULE, of_errors, of_readings, unanswered, with_rules
 from toolkit.verdict.uncertainty import uncertainties_of
 
@@ -58,9 +58,8 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
     """A speed that is not given, or is that of a path which is left out; and notes on temperature and stiffness."""
     own = verdict.own
     if verdict.left_path:
-        speed = written(verdict.velocity, speed_unit(verdict))
-        said = f"not the path of drive.{verdict.left_path}, which is left out: the drive goes one way, at {speed}"
-        yield Line(GENERAL, said)
+        said = f"not the path of drive.{verdict.left_path}, which is left out: the drive goes one way, at "
+        yield Line(GENERAL, said + own.scale.speed(verdict.velocity))
     machine, in_time = own.machine, bool(own.contacts.in_time)
     matters = in_time or machine is not None
     if matters and not verdict.velocity_given and own.scale.length_unit == "m":
@@ -144,7 +143,8 @@ def _of_waiting(own: Answer) -> str:
 
 def _above_critical_spring(verdict: Verdict) -> Iterator[Line]:
     """Why a slider on whose contacts time acts slips on a spring above K* of the table."""
-    own, speed = verdict.own, written(verdict.velocity, speed_unit(verdict))
+    own = verdict.own
+    speed = own.scale.speed(verdict.velocity)
     late = own.critical_spring.unknown or own.critical_spring.lost
     slips = any(one.kind == "stick-slip" for one in own.behaviours)
     if not (slips and own.contacts.in_time and own.machine) or late or own.softer:

@@ -23,10 +23,8 @@ def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
     if not told or own.machine is None:
         return
     unit = own.contacts.mean_threshold * scale.force
-    slow, fast = (
-        written(one, "m/s" if scale.length_unit == "m" else "")
-        for one in (looked_at(own.machine)[0], looked_at(own.machine)[-1])
-    )
+    looked = looked_at(own.machine)
+    slow, fast = scale.speed(looked[0]), scale.speed(looked[-1])
     small = f"{written(RISE * unit, scale.force_unit, digits=2)} ({RISE:g} <x_s>)"
     most = max(one.heat_on_the_way or 0.0 for one in told)
     said = "the slider in heat was not followed, as it goes on too slowly for steps in time. What is told follows from "

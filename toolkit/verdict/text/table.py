@@ -83,7 +83,7 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
     kinetic, static = [one.kinetic for one in answers], [one.static for one in answers]
     uncertainty = widest_uncertainty(verdict)
     # contacts that depend on time bear another force where the slider sticks: see `dependence`
-    speed = guarded(verdict.velocity, speed_unit(verdict), 0.0)
+    speed = scale.speed(verdict.velocity)
     at = f" of a rigid slider at {speed}" * bool(own.contacts.in_time)
     yield row(f"kinetic friction F_k{at}{_of_holding(own)}", kinetic, forces, unit, uncertainty)
     yield row(f"static friction F_s{at}", static, forces, unit, uncertainty)
@@ -273,11 +273,6 @@ def regained_by(verdict: Verdict, behaviour: Behaviour) -> float | None:
         return None
     regained = machine.spring * behaviour.period
     return regained if drop_of(behaviour) > (1.0 + _RUNG) * regained else None
-
-
-def speed_unit(verdict: Verdict) -> str:
-    """ "m/s" where lengths are in metres, else none."""
-    return "m/s" if verdict.own.scale.length_unit == "m" else ""
 
 
 def in_units(message: str, scale: Scale, mean: float | None = None) -> str:

@@ -11,7 +11,6 @@ from toolkit.scene.scale import (
     of_stretch,
     spoken,
     with_scatter,
-    written,
 )
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import (
@@ -49,7 +48,7 @@ from toolkit.verdict.text.kinds import (
 from toolkit.verdict.text.of_delay import delay_decides, of_extremes, would_swing
 from toolkit.verdict.text.of_heat import stability, way_to
 from toolkit.verdict.text.spread import other_samples, widest
-from toolkit.verdict.text.table import drop_of, first_alike, speed_unit, table
+from toolkit.verdict.text.table import drop_of, first_alike, table
 from toolkit.verdict.text.undone import against_k_star, cause, followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
     error_beside,
@@ -293,7 +292,7 @@ def _behaved(
     said = f"{'slips ever rarer' if kind == EVER_RARER else kind}: {fall}"
     every = periods(verdict, alike, uncertainty, bool(shown_error))
     if every and kind != EVER_RARER:
-        said += f" every {every} at {written(verdict.velocity, speed_unit(verdict))}"
+        said += f" every {every} at {scale.speed(verdict.velocity)}"
     if last.sliders is not None and (shrinks := shrinking(last.sliders)):
         said += f"{shrinks}, so that they may die out"
     said += left_out(last.sliders or last) + still_changing(last.sliders, scale)
