@@ -935,7 +935,7 @@ def test_swings_that_a_delay_makes_grow_by_hand() -> None:
     # panels at this tolerance miss a fiftieth of it, and no more than a swing begins with
     assert found.coarsest(0.1) == pytest.approx(found.excess / 0.02)
     assert found.coarsest(1e-5) == 1e-5
-    for number in (f"{falls:.4g}", "the damping is 1e-08", "give one above"):
+    for number in (f"{falls:.4g}", "the damping is 1e-08", "with a larger one it would not"):
         assert number in found.message
 
 

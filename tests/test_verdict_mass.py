@@ -701,7 +701,10 @@ def test_a_slider_whose_sliding_swings_is_told_how_far_it_is_from_steady() -> No
     )
     law = contacts.thresholds
     falls = 1e-7 * 0.5 * law.moment(2) / (law.mean() + 1e-13) ** 2
-    assert f"the damping is 1e-08; give one above {falls:.4g}, or end the path" in solved.message
+    told = (
+        f"friction falls with the speed by {falls:.4g}, and the damping is 1e-08; with a larger one"
+    )
+    assert told in solved.message and "; else end the path sooner" in solved.message
     assert "stopped by wall_time" in solved.message
     newtons = replace(
         scale_of(contacts, None), length_unit="m", time_unit="s", spring_unit="N/m", spring=4e7

@@ -44,6 +44,8 @@ class Regime:
     slips : number found along the path.
     trend : relative change of the force drop from one slip to the next over the later half of the slips; None for fewer
         than 4 slips, and where these drops are not monotone.
+    largest_slip : the largest share of the contacts that breaks in a slip; None where that of a slip is not known, and
+        without slips. Below SLIP_FRACTION (0.2) these are no slips of the slider.
     """
 
     verdict: Verdict
@@ -53,6 +55,7 @@ class Regime:
     stiffness_ratio: float
     slips: int
     trend: float | None
+    largest_slip: float | None = None
 
 
 def regime(
@@ -87,6 +90,7 @@ def regime(
     if count and spring >= critical and turns:
         on_spring += ", until the drive turns: F may fall more steeply then"
     verdict: Verdict = "undecided"
+    largest: float | None = None
     if (
         unknown := not found.error_of_force_and_load < UNRELIABLE
     ) or found.force.size < drive.path.size:
@@ -98,10 +102,11 @@ def regime(
     else:
         verdict, reason = _by_slips(contacts, drive, found, trend)
         fractions = found.fractions_broken[np.isfinite(found.fractions_broken)]
-        largest = float(fractions.max(initial=0.0))
         if fractions.size:
-            reason += f"; up to {100.0 * largest:.3g}% of the contacts break in a slip"
-        if verdict == "stick-slip" and fractions.size == count and largest < SLIP_FRACTION:
+            most = float(fractions.max())
+            reason += f"; up to {100.0 * most:.3g}% of the contacts break in a slip"
+            largest = most if fractions.size == count else None
+        if verdict == "stick-slip" and largest is not None and largest < SLIP_FRACTION:
             verdict = "undecided"
             renewed = ", although a reset renews all" if drive.slip == "reset" else ""
             reason += f", fewer than {SLIP_FRACTION:g}: no stick-slip of the slider{renewed}"
@@ -109,7 +114,7 @@ def regime(
     if abs(spring - critical) <= error:
         reason += f"; K* is known to {error:.1e} only, and K is nearer"
     ratio = spring / critical if critical else np.inf
-    return Regime(verdict, reason, critical, error, ratio, count, trend)
+    return Regime(verdict, reason, critical, error, ratio, count, trend, largest)
 
 
 def _by_slips(

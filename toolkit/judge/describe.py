@@ -16,6 +16,7 @@ from toolkit.running.resampled import (
     error_by_moments,
     has_closed_form,
     kinetic_name,
+    known_to,
     like,
     of_resampled,
     scatter_of,
@@ -128,7 +129,8 @@ def _add_sampling_errors(
     progress: Callable[[int, int], None] | None,
 ) -> list[str]:
     """Add to the errors one standard error of what other samples would have given, bias of the smoothing included, in
-    closed form where moments tell it; returns a note where those of the propensity take too long.
+    closed form where moments tell it; returns notes on how they are found, and where those of the propensity take too
+    long.
 
     inf where a resampled law has an infinite value; for K* and F_s/F_k, too, where all of them have the least possible
     value: then the error cannot be estimated.
@@ -143,12 +145,13 @@ def _add_sampling_errors(
     resampled = [numbers_of(law)]
     quick = time.process_time() - began < LONGEST
     resampled += of_resampled(law, RESAMPLES, numbers_of, progress)
+    closed_kinetic = kinetic_name(contacts)
     for name in {*numbers} - {"lower_end", "upper_end", "onset_power"}:
         if name in PROPENSITY and not quick:
             numbers[name] = replace(numbers[name], error=np.inf)
             continue
         value, *others = (one[name].value for one in resampled)
-        closed = kinetic_name(contacts) if name == "kinetic_force" else name
+        closed = closed_kinetic if name == "kinetic_force" else name
         if closed is not None and has_closed_form(closed):
             scatter = error_by_moments(law, closed, value)
         else:
@@ -157,7 +160,12 @@ def _add_sampling_errors(
         error = float(np.hypot(numbers[name].error or 0.0, scatter))
         finite = np.isfinite(error) and not unknown
         numbers[name] = replace(numbers[name], error=error if finite else np.inf)
-    return [] if quick else [TOO_LONG]
+    moments = "moments and F_k" if closed_kinetic else "moments"
+    how = f"by {RESAMPLES} resamplings, known to ± {known_to(RESAMPLES):.0%}"
+    notes = [
+        f"sampling errors are one standard error: of {moments} in closed form, of all else {how}"
+    ]
+    return notes if quick else [*notes, TOO_LONG]
 
 
 def _slide(

@@ -7,7 +7,7 @@ from toolkit.scene.scale import PREFIXED, Scale, written
 # words before a number of a solver's message, by what it is
 _OF_LENGTH = "X_T = ", " X = ", "a slider with mass goes on by ", "the slider goes by "
 _OF_TIME = "lasts some ", " t = ", "to a time of some "
-_OF_DAMPING = "falls with the speed by ", "damping is ", "give one above ", "slider that sticks is "
+_OF_DAMPING = "falls with the speed by ", "damping is ", "slider that sticks is "
 # words before a number of mean thresholds that is a length; others are forces
 _OF_WAY = "goes on for |hold for up to |are followed for "
 _NUMBER = r"(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)"

@@ -79,6 +79,7 @@ def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
     not_written = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders", "left")
     out = {name: value for name, value in asdict(behaviour).items() if name not in not_written}
     out |= {name: out[name] * force for name in ("before", "after")}
+    out["first_forces"] = [one * force for one in behaviour.first_forces or ()] or None
     return out | {"force_error": behaviour.error * mean * force}
 
 
@@ -89,10 +90,7 @@ def friction(verdict: Verdict) -> dict[str, list[Any]]:
     scale, own = verdict.own.scale, verdict.own.behaviours
     if not own:
         return {}
-    parts = [
-        (one.rule + ", without heat" * bool(one.heat_on_the_way), one.drive, one.force)
-        for one in own
-    ]
+    parts = [(one.rule + ", without heat" * one.without_heat, one.drive, one.force) for one in own]
     parts += [(f"{one.rule}, its first slip", one.slip_drive, one.slip_force) for one in own]
     shown = [one.sliders for one in own]  # in place of infinitely many
     few = [one for one in apart(verdict).values() if all(one is not each for each in shown)]

@@ -231,6 +231,7 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
         after=finite.late if slides else finite.after,
         period=finite.period,
         period_error=finite.period_error if finite.period else 0.0,
+        few_break=None,
         instead=(behaviour.message or "it does not decide") if instead else "",
         slips=int(finite.slips),
         error=error,

@@ -8,7 +8,8 @@ import numpy as np
 from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS
+from toolkit.verdict.sliders.budget import LONGER
+from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite
 from toolkit.verdict.uncertainty import PRECISE, is_vague, widest_uncertainty
 
@@ -29,6 +30,8 @@ def kind_of_trace(behaviour: Behaviour) -> str:
     """What a trace shows, in words; of one that ends early, that it does."""
     if behaviour.kind != "undecided":
         return behaviour.kind
+    if behaviour.few_break is not None:
+        return "no stick-slip, falls of few contacts"
     return "not decided, the path is cut" if behaviour.cut else "not decided"
 
 
@@ -61,6 +64,20 @@ def of_fluctuations(verdict: Verdict, slider: Behaviour) -> str:
         return ""
     said = _short(fluctuation * scale.force, scale.force_unit)
     return f", fluctuating by ± {said} with {of_contacts(few[0].contacts)}"
+
+
+def seen_slips(slider: Behaviour, fall: str) -> str:
+    """What is told of a slider that slips and of which it is not decided what follows, `fall` being the forces of the
+    last slip; or whose slips are of so few contacts that they are none of the slider."""
+    if slider.few_break is not None:
+        share = f"at most {100.0 * slider.few_break:.2g}% of the contacts break"
+        return f"no stick-slip, as {share} in each of {slider.slips:,} falls, the last from {fall},"
+    seen = "a slip was seen"
+    if slider.slips != 1:
+        seen = f"{slider.slips} slips were seen{shrinking(slider)}, the last"
+    few = slider.sliders.message if slider.sliders else ""
+    longer = f"; {LONGER}" * ("wall_time" in slider.message + few)
+    return f"not decided: {seen} from {fall}, and whether it goes on is not known{longer}"
 
 
 def left_out(each: Finite | Behaviour) -> str:

@@ -114,7 +114,7 @@ def _draw_line(
 def _of_rule(verdict: Verdict, behaviour: Behaviour) -> str:
     """What a trace of infinitely many contacts shows, in words."""
     label, lasts = kind_of_trace(behaviour), behaviour.slip_time
-    label += ", without heat" * bool(behaviour.heat_on_the_way)
+    label += ", without heat" * behaviour.without_heat
     if lasts is not None and behaviour.after < 0.0 and not behaviour.slip_drive.size:
         # else the panel beside it shows that
         long = spoken(lasts, verdict.own.scale.time_unit)

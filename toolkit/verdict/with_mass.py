@@ -24,11 +24,11 @@ from toolkit.verdict.sliders.machine import (
     Behaviour,
     Machine,
     critical_damping,
-    first_of,
     not_followed,
     rigid_slider,
     slip_duration,
 )
+from toolkit.verdict.sliders.slips_in_time import first_of
 from toolkit.verdict.text.kinds import damped, long_delay_of
 
 # how far a slip is shown before its begin and after it, in times that it lasts: a swing with a tenth of critical

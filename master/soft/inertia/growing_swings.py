@@ -66,7 +66,7 @@ class GrowingSwings(NamedTuple):
         return (
             f"sliding swings{large * self.steady}, as contacts that wait out their "
             f"delay do not hold: friction falls with the speed by {self.falls:.4g}, and the damping is "
-            f"{self.damping:.4g}; give one above {self.falls:.4g}, or end the path sooner"
+            f"{self.damping:.4g}; with a larger one it would not, if the machine has that; else end the path sooner"
         )
 
 

@@ -49,11 +49,9 @@ MOST_LIVES = 1.5e4
 LONG_DELAY, SOFT = 3.0, 0.1
 # why nothing is told of a slider that rings without a damping, where one that was taken bears much of its force
 NO_DAMPING = "no damping is given"
-# what a solver says of a slider that swings on, as its damping is small, without the advice to give a larger one: that
-# of a machine is no free choice
-_SWINGS = re.compile(r"(; sliding swings.*?); give one above [^ ,;]+")
-OF_THE_MACHINE = "; with a larger one it would not, if the machine has that"
-# the same, of one that rings while it sticks
+# what a solver says of a slider that swings on, as its damping is small, without the advice on the path
+_SWINGS = re.compile(r"; sliding swings.*?, if the machine has that")
+# what it says of one that rings while it sticks
 _LARGER = re.compile(r"[;,] (?:or )?give a larger damping \(.*? is ([^ )]+)\)")
 # parts of the time for the contacts of the area, see `part_of_sliders`
 NEARLY_ALL, OF_SLIDERS, LESS = 0.9, 0.5, 0.3
@@ -139,7 +137,7 @@ def at_most(wall_time: float | None) -> str:
 def late(message: str) -> str:
     """Why a slider was not followed to its end in time, by a solver's message; the path and its tolerance are the
     verdict's own, and the damping is not."""
-    swings = "".join(f"{one}{OF_THE_MACHINE}" for one in _SWINGS.findall(message))
+    swings = "".join(_SWINGS.findall(message))
     return f"neither force nor slips are known in time: {MORE_TIME}{swings}"
 
 

@@ -36,10 +36,9 @@ from toolkit.verdict.sliders.machine import (
     Finite,
     Machine,
     RigidSlider,
-    first_of,
-    last_of,
     not_followed,
 )
+from toolkit.verdict.sliders.slips_in_time import of_slips_in_time
 from toolkit.verdict.sliders.steady import is_stable_with_delay
 
 # contacts of each slider where the ensemble takes the place of the master equation
@@ -267,11 +266,9 @@ def follow_by_contacts(
         sliders=many,
         swings=swings,
         run_time=found.run_time,
-        slip_time=last_of(slips, "duration"),
-        top_speed=last_of(slips, "top_speed"),
-        first_slip=first_of(slips),
         drive=drive,
         force=force,
+        **of_slips_in_time(slips),
     )
 
 

@@ -271,7 +271,8 @@ def by_distribution(
             and not found.cut
         )
         goes_on = solved.success or cold or error_of(solved) <= tolerance
-        if found.kind != "undecided" or not goes_on:
+        # slips of few contacts stay so, however far it is pulled
+        if found.kind != "undecided" or found.few_break is not None or not goes_on:
             break
         enough = np.inf
         if solved.period is not None and found.slips < ENOUGH_SLIPS and not swings:

@@ -120,6 +120,7 @@ def _at_kinetic(
         success=True,
         # what is known of a first slip is that of contacts without heat
         first_slip=None,
+        first_forces=None,
         slip_time=None,
         heat_on_the_way=off / unit,
     )

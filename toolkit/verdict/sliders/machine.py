@@ -213,7 +213,8 @@ class Behaviour:
     sliders : what tells it of finitely many contacts, whose means of late slips the numbers are; None: no such slips
     instead : why the master equation does not decide, where sliders of all contacts do in its place; "" where it does
     slip_time, top_speed : of the last slip; None where slips take no time
-    first_slip : X_T as the first main slip begins, where slips take time
+    first_slip, first_forces : X_T as the first main slip begins, and the spring force before and after it (lengths),
+        where slips take time
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above, with the standard error of the mean drop where slips
@@ -228,6 +229,8 @@ class Behaviour:
         0 where it is stable on this spring; None, nan: not looked at, not known
     shrinks_by : part of itself by which a drop is smaller than the one before it; 0 where drops do not shrink
     left : the drop of slips that go on to shrink so at the path's end, F/(N_c <k>) (a length)
+    few_break : the largest share of the contacts that breaks in a slip, where all slips are of fewer than SLIP_FRACTION
+        (origins/drive.py), and so none of the slider, by whatever rule; None of others
     swings : between which the force of smooth sliding still swings there, F/(N_c <k>) (lengths); None where it hardly
         does, and where that is not known
     smaller : how many slips the numbers leave out beside main ones
@@ -249,6 +252,7 @@ class Behaviour:
     slip_time: float | None = None
     top_speed: float | None = None
     first_slip: float | None = None
+    first_forces: tuple[float, float] | None = None
     damping: float | None = None
     contacts: int | None = None
     sliders: Finite | None = None
@@ -259,6 +263,7 @@ class Behaviour:
     shrinks_by: float = 0.0
     left: float = 0.0
     period_error: float = 0.0
+    few_break: float | None = None
     swings: tuple[float, float] | None = None
     smaller: int = 0
     delay: float | None = None
@@ -268,6 +273,11 @@ class Behaviour:
     force: Array = field(default_factory=lambda: np.empty(0))
     slip_drive: Array = field(default_factory=lambda: np.empty(0))
     slip_force: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def without_heat(self) -> bool:
+        """Whether its trace, and the slips that were seen, or looked for, are those of contacts without their heat."""
+        return self.heat_left_out is not None or bool(self.heat_on_the_way)
 
 
 def not_followed(rule: str, why: str) -> Behaviour:
@@ -281,19 +291,3 @@ def ends_before_a_slip(found: Behaviour) -> bool:
     from master.soft.in_time.refining import NO_SLIP_YET
 
     return found.message.endswith(NO_SLIP_YET)
-
-
-def last_of(slips: Any, name: str) -> float | None:
-    """A property of the last slip, where the solution has it: slips without mass take no time."""
-    values = getattr(slips, name, None)
-    return None if values is None or not len(values) else float(values[-1])
-
-
-def first_of(slips: Any) -> float | None:
-    """Where the drive stands as the first slip of all contacts begins, of an ensemble that of its first slider; None
-    without a slip, and for slips that take no time."""
-    if getattr(slips, "duration", None) is None or not slips.drive.size:
-        return None
-    if hasattr(slips, "replica"):
-        return float(slips.drive[slips.replica == slips.replica[0]][0])
-    return float(slips.drive[slips.main[0]])

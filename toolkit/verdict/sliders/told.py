@@ -5,13 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from origins.drive import SLIP_FRACTION
 from toolkit.results.kinds import is_precise, kind_of
 from toolkit.results.mean_of_pairs import mean_of_pairs
 from toolkit.results.slips import slips_to_tell
 from toolkit.results.traces import with_slips
 from toolkit.scene.scale import ROUNDING
 from toolkit.verdict.sliders.budget import late
-from toolkit.verdict.sliders.machine import Behaviour, first_of, last_of, not_followed
+from toolkit.verdict.sliders.machine import Behaviour, not_followed
+from toolkit.verdict.sliders.slips_in_time import of_slips_in_time
 
 # Error, in mean thresholds, up to which a regime and its forces are told, the error beside them.
 PRECISE_ENOUGH = 0.05
@@ -64,6 +66,8 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
     if shrinks and solved.period:  # drops go on to shrink as they did
         silent = float(solved.path[-1] - slips.drive[-1]) / solved.period
         left = float(slips.drop[-1] * (1.0 - shrinks) ** silent)
+    part = solved.regime.largest_slip
+    no_slips = kind == "undecided" and not open_why and slips.drive.size > 1
     drive, force = with_slips(solved, velocity)
     return Behaviour(
         rule=rule,
@@ -78,12 +82,11 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
         success=bool(solved.success or (kind != "undecided" and judged < PRECISE_ENOUGH)),
         message=open_why or (solved.regime.reason if told else solved.message),
         run_time=solved.run_time,
-        slip_time=last_of(slips, "duration"),
-        top_speed=last_of(slips, "top_speed"),
-        first_slip=first_of(slips),
         heat_left_out=solved.heat_left_out,
         shrinks_by=shrinks,
         left=left,
+        few_break=part if no_slips and part is not None and part < SLIP_FRACTION else None,
         drive=drive,
         force=force,
+        **of_slips_in_time(slips),
     )

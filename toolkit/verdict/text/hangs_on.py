@@ -14,7 +14,7 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import apart, late_force_of
 from toolkit.verdict.sliders.finite import ABOVE
 from toolkit.verdict.sliders.late import SLIDERS
-from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.sliders.machine import Finite
 from toolkit.verdict.slips_in_words import after_slips, does, fall_of, fluctuating
 from toolkit.verdict.text.kinds import (
     GENERAL,
@@ -102,7 +102,7 @@ def why_above(verdict: Verdict) -> list[str]:
     if own.machine is None or not highest > (1.0 + ABOVE_STATIC) * own.static.value:
         return []
     followed = own.contacts
-    if all(_without_heat(one) for one in slipping):
+    if all(one.without_heat for one in slipping):
         followed = followed.replace(thermal=None)  # heat is no cause of what was found without it
     if own.contacts.in_time:
         whose = "F_s is that of a rigid slider as fast as the drive"
@@ -158,11 +158,6 @@ def _above_critical_spring(verdict: Verdict) -> Iterator[Line]:
     )
 
 
-def _without_heat(one: Behaviour) -> bool:
-    """Whether the slips that were seen, or looked for, are those of contacts without heat."""
-    return one.heat_left_out is not None or bool(one.heat_on_the_way)
-
-
 def why_smooth(verdict: Verdict) -> list[str]:
     """Why a slider below K* slides, in a sentence that stands below the table, beside K*."""
     own = verdict.own
@@ -178,7 +173,7 @@ def why_smooth(verdict: Verdict) -> list[str]:
     few = [apart(verdict).get(one.rule) for one in smooth]
     whose = " for infinitely many contacts" * any(one and one.kind != "smooth" for one in few)
     said = f"{begin}sliding is smooth{whose}{rules}: "
-    cold = not own.contacts.held_in_time or all(_without_heat(one) for one in smooth)
+    cold = not own.contacts.held_in_time or all(one.without_heat for one in smooth)
     small = RISE * own.contacts.mean_threshold
     if all(one.rule == "mass" and not one.slips for one in smooth) and cold and fall < small:
         return [

@@ -5,7 +5,7 @@ import numpy as np
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import NO_FORCES
-from toolkit.verdict.uncertainty import spring_to_digits
+from toolkit.verdict.uncertainty import writer_of_springs
 
 
 def of_critical_spring(own: Answer) -> str:
@@ -45,13 +45,12 @@ def without_spring(verdict: Verdict) -> str:
     whose = (
         "the force of a rigid slider falls most steeply at" if verdict.own.contacts.in_time else ""
     )
-    said = f"{whose or 'slips on a spring softer than'} K* = {spring_to_digits(own, unit, spread)}"
+    to_digits = writer_of_springs(verdict.own)
+    said = f"{whose or 'slips on a spring softer than'} K* = {to_digits(own, unit, spread)}"
     if sampling >= own:
         said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
     if len(springs) > 1:
-        ends = " to ".join(
-            spring_to_digits(one, unit, spread) for one in (min(springs), max(springs))
-        )
+        ends = " to ".join(to_digits(one, unit, spread) for one in (min(springs), max(springs)))
         said += f" (from {ends} over {len(springs)} readings)"
     if whose:
         said += "; on a softer spring a slider may slip, or creep and slide smoothly"

@@ -47,6 +47,13 @@ def by_reason(reasons: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
     return groups
 
 
+def in_a_word(slider: Behaviour) -> str:
+    """What a slider does under its rule, in a word or two."""
+    if slider.few_break is not None:
+        return "no stick-slip, but falls of few contacts,"
+    return "not decided" if slider.kind == "undecided" else slider.kind
+
+
 def named(rules: Sequence[str]) -> str:
     """The slip rules in words, after an "if"."""
     return (

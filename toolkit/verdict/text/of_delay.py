@@ -21,10 +21,11 @@ from toolkit.verdict.text.kinds import (
     before_a_slip,
     by_reason,
     damped,
+    in_a_word,
     long_delay_of,
     named,
 )
-from toolkit.verdict.text.table import drop_of
+from toolkit.verdict.text.slip_rows import drop_of
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
 # times as long as a slip its loading is, from which on a delay may be far above the one and far below the other
@@ -133,19 +134,16 @@ def of_extremes(verdict: Verdict) -> str:
 def of_rules(verdict: Verdict) -> Iterator[Line]:
     """What hangs on the slip rule, or on the delay that decides in its place."""
     own = verdict.own
-    does = {one.rule: one.kind for one in own.behaviours}
+    does = {one.rule: in_a_word(one) for one in own.behaviours}
     if own.contacts.reforming is not None and does.keys() & set(RULES):
         yield Line(
             UNSIZED, f"not every slip rule: {STRETCHED}, which no solver takes and is left out"
         )
     if len(set(does.values())) > 1:
         light = by_reason((kind, rule) for rule, kind in does.items() if rule != "mass")
-        words = {"undecided": "not decided"}
-        each = ", ".join(
-            f"{words.get(kind, kind)} if {named(rules)}" for kind, rules in light.items()
-        )
+        each = ", ".join(f"{kind} if {named(rules)}" for kind, rules in light.items())
         yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
-    elif len(does) > 1 and "undecided" not in does.values():
+    elif len(does) > 1 and "undecided" not in {one.kind for one in own.behaviours}:
         yield _of_agreeing(own)
     elif own.extremes:
         said = "a slider with this one was not followed far enough"

@@ -9,7 +9,7 @@ from toolkit.verdict.sliders.late import EVER_RARER
 from toolkit.verdict.sliders.machine import Behaviour, critical_damping
 from toolkit.verdict.sliders.steady import friction_decides, friction_falls
 from toolkit.verdict.text.kinds import GENERAL, TURNS, UNSIZED, Line
-from toolkit.verdict.text.table import drop_of, regained_by
+from toolkit.verdict.text.slip_rows import drop_of, regained_by
 
 
 def of_a_mass(verdict: Verdict) -> Iterator[Line]:

@@ -21,7 +21,6 @@ from toolkit.verdict.of_area import (
     verb,
     whom_of,
 )
-from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.slips_in_words import (
@@ -30,6 +29,7 @@ from toolkit.verdict.slips_in_words import (
     of_fluctuations,
     periods,
     plain_fall,
+    seen_slips,
     still_changing,
     swinging,
 )
@@ -38,6 +38,7 @@ from toolkit.verdict.text.hangs_on import dependence, why_above, why_smooth
 from toolkit.verdict.text.k_star import without_spring
 from toolkit.verdict.text.kinds import (
     a_slip,
+    in_a_word,
     long_delay_of,
     named,
     not_decided,
@@ -47,8 +48,9 @@ from toolkit.verdict.text.kinds import (
 )
 from toolkit.verdict.text.of_delay import delay_decides, of_extremes, would_swing
 from toolkit.verdict.text.of_heat import stability, way_to
+from toolkit.verdict.text.slip_rows import drop_of
 from toolkit.verdict.text.spread import other_samples, widest
-from toolkit.verdict.text.table import drop_of, first_alike, table
+from toolkit.verdict.text.table import first_alike, table
 from toolkit.verdict.text.undone import against_k_star, cause, followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
     error_beside,
@@ -149,8 +151,7 @@ def _kinds(verdict: Verdict) -> list[str]:
     """What happens under which rule of the own reading, else by that reading and by the others."""
     groups = _groups(verdict.own)
     if len(groups) > 1:
-        words = {"undecided": "not decided"}
-        own = [f"{words.get(kind, kind)} if {_rules(alike)}" for kind, alike in groups.items()]
+        own = [f"{kind} if {_rules(alike)}" for kind, alike in groups.items()]
     else:
         own = [f"{kind} by {verdict.own.name}" for kind in groups]
     return own + _by_others(verdict)
@@ -190,10 +191,10 @@ def _disagreement(verdict: Verdict) -> str:
 
 
 def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
-    """The rules by what happens under them."""
+    """The rules by what happens under them, in words."""
     groups: dict[str, list[Behaviour]] = {}
     for behaviour in answer.behaviours:
-        groups.setdefault(behaviour.kind, []).append(behaviour)
+        groups.setdefault(in_a_word(behaviour), []).append(behaviour)
     return groups
 
 
@@ -212,7 +213,9 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
         key = (one.kind, seen, own, whom_of(verdict, one))
         groups.setdefault(key, []).append(one)
     parts = list[str]()
-    for (kind, _, own, whom), alike in groups.items():
+    # last what is told of slips that are none of the slider
+    each = sorted(groups.items(), key=lambda group: group[1][0].few_break is not None)
+    for (kind, _, own, whom), alike in each:
         said = _behaved(verdict, answer, kind, alike, bare=own.startswith(kind), whom=whom)
         if own:
             # of those that are followed in place of infinitely many nothing else is known
@@ -281,12 +284,7 @@ def _behaved(
     low = span(after, scale.force_unit, shown_error or own)
     fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
     if kind == "undecided":
-        seen = "a slip was seen" if last.slips == 1 else f"{last.slips} slips were seen, the last"
-        seen = seen.replace(",", f"{shrinking(last)},")
-        what = "whether it goes on is not known"
-        few = last.sliders.message if last.sliders else ""
-        what += f"; {LONGER}" * ("wall_time" in last.message + few)
-        return f"not decided: {seen} from {fall}, and {what}"
+        return seen_slips(last, fall)
     if bare:
         return fall
     said = f"{'slips ever rarer' if kind == EVER_RARER else kind}: {fall}"

@@ -1,0 +1,162 @@
+"""The rows of a verdict's table on slips: their forces, period and duration, by slip rule."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.scene.scale import guarded, with_scatter, written
+from toolkit.verdict.answers import Verdict
+from toolkit.verdict.of_area import apart, rows_of
+from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
+from toolkit.verdict.sliders.late import SLIDERS
+from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.slips_in_words import (
+    falls,
+    mean_over_slips,
+    period_of,
+    still_changing,
+    with_period_error,
+)
+from toolkit.verdict.uncertainty import (
+    PRECISE,
+    WORTH_TELLING,
+    is_vague,
+    to_digits,
+    widest_uncertainty,
+)
+
+# a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
+_RUNG = 0.05
+# part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
+WAITING = 0.02
+
+
+def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
+    """Rows of the slips of the own reading, first of the contacts of the area where these do something else than
+    infinitely many; rules that give the same numbers share a row."""
+    scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
+    force, load, few = scale.force_unit, scale.load, apart(verdict)
+    vague, machine = is_vague(verdict), verdict.own.machine
+    machine_spring = machine.spring if machine is not None else 0.0
+    for rule, many in few.items():
+        for row in rows_of(verdict, many).items():
+            rows.setdefault(row, []).append(rule)
+    for behaviour in verdict.own.behaviours:
+        if behaviour.kind == "undecided" and not behaviour.slips:
+            rows.setdefault(("slips", "not known"), []).append(behaviour.rule)
+        shown_above = behaviour.rule in few and behaviour.sliders is few[behaviour.rule]
+        if (first := _first_slip(verdict, behaviour)) and not shown_above:
+            rows.setdefault(("first slip", first), []).append(behaviour.rule)
+        if behaviour.kind == "smooth" or not behaviour.slips or shown_above:
+            continue
+        mean, before = verdict.own.contacts.mean_threshold, abs(behaviour.before)
+        relative_error = (
+            behaviour.error * mean / before if before and behaviour.error < np.inf else 0.0
+        )
+        uncertainty = max(widest_uncertainty(verdict), relative_error)
+        before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
+        # an error that other samples and readings do not hide is told beside its number
+        shown = relative_error > max(PRECISE, widest_uncertainty(verdict))
+        error = relative_error * abs(before) * shown
+        values = {
+            "force before a slip": _with_error(before, force, uncertainty * before, error, vague)
+        }
+        values["force before a slip"] += _of_load(before, uncertainty, error, load, vague)
+        values["drop of a slip"] = _with_error(drop, force, uncertainty * drop, error, vague)
+        if (regained := regained_by(verdict, behaviour)) is not None:
+            back = regained * scale.force
+            of_period = machine_spring * behaviour.period_error * scale.force
+            told = _with_error(
+                back, force, uncertainty * back, max(error, of_period) * shown, vague
+            )
+            values["of it regained over a period"] = told
+        if (mean_force := mean_over_slips(behaviour)) is not None:
+            mean_force *= scale.force
+            told = _with_error(mean_force, force, uncertainty * mean_force, error, vague)
+            told += _of_load(mean_force, uncertainty, error, load, vague)
+            values["mean force of stick-slip"] = told
+        if behaviour.period is not None:
+            beside_forces = period_of(verdict, behaviour.period, uncertainty, bool(error))
+            values["period"] = ", ".join(with_period_error(verdict, behaviour) or beside_forces)
+        if behaviour.kind == "stick-slip" and behaviour.slips < ENOUGH_SLIPS:
+            told = _of_few_slips(behaviour) + still_changing(behaviour.sliders, scale)
+            values["slips seen"] = told
+        if behaviour.slip_time is not None:
+            values["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
+        whose = ", infinitely many contacts" * (behaviour.rule in few)
+        for name, value in values.items():
+            rule = behaviour.rule + _unfinished(behaviour)
+            rows.setdefault((name + whose, value), []).append(rule)
+    for (name, value), rules in rows.items():
+        yield [f"{name} ({', '.join(rules)})", value, "", ""]
+
+
+def _of_load(
+    force: float, uncertainty: float, error: float, load: float | None, vague: bool
+) -> str:
+    """A force, with its relative uncertainty and its own error, as a part of the load; "" where none is known."""
+    if not load:
+        return ""
+    over = force / load
+    return f", {to_digits(over, '', uncertainty * over, error / load, vague)} of the load"
+
+
+def _with_error(value: float, unit: str, uncertainty: float, error: float, vague: bool) -> str:
+    """A value with its error, or to the digits that its uncertainty leaves where the error is 0, two if `vague`."""
+    return with_scatter(value, error, unit) if error else guarded(value, unit, uncertainty, vague)
+
+
+def _of_few_slips(behaviour: Behaviour) -> str:
+    """How many slips were seen where these are fewer than usual, and why no more are needed."""
+    seen, why = f"{behaviour.slips} slip", behaviour.message.partition("; ")[0]
+    if why.startswith(seen):
+        return why
+    whose = f" of each of {SLIDERS} sliders" * (behaviour.contacts is not None)
+    return f"{seen}{'s' * (behaviour.slips != 1)}{whose}"
+
+
+def _unfinished(behaviour: Behaviour) -> str:
+    """What to add to the rule of slips that were seen and are not decided: whether the path is cut; or that they are of
+    few contacts."""
+    if behaviour.kind != "undecided":
+        return ""
+    if behaviour.few_break is not None:
+        return ": of few contacts"
+    return ": path cut" if behaviour.cut else ": not decided"
+
+
+def _first_slip(verdict: Verdict, behaviour: Behaviour) -> str:
+    """The forces before and after the first slip of a mass, of contacts that began together; "" without one, and where
+    those of the slips that are told differ by less than is worth telling."""
+    if behaviour.first_forces is None:
+        return ""
+    scale, (before, after) = verdict.own.scale, behaviour.first_forces
+    each = (before, behaviour.before), (after, behaviour.after)
+    least = WORTH_TELLING * abs(before)
+    if behaviour.kind != "smooth" and all(abs(one - other) <= least for one, other in each):
+        return ""
+    mean, uncertainty = verdict.own.contacts.mean_threshold, widest_uncertainty(verdict)
+    off = max(behaviour.error * mean if behaviour.error < np.inf else 0.0, uncertainty * before)
+    high, low = (
+        written(one * scale.force, scale.force_unit, off * scale.force) for one in (before, after)
+    )
+    return falls(high, low, (before - after) * scale.force, scale.force_unit)
+
+
+def drop_of(behaviour: Behaviour) -> float:
+    """By how much the spring's force falls in a slip, F/(N_c <k>) (a length); of a mass its first swing."""
+    return behaviour.before - behaviour.after
+
+
+def regained_by(verdict: Verdict, behaviour: Behaviour) -> float | None:
+    """By how much the spring's force rises over a period, F/(N_c <k>) (a length), where that is clearly less than a
+    slip's drop: a mass whose contacts are out swings back before it sticks. None where it is not, and where the drive
+    goes on by more than WAITING of the period while they are out, and loads no spring."""
+    machine = verdict.own.machine
+    if behaviour.rule != "mass" or behaviour.period is None or machine is None:
+        return None
+    waits = machine.velocity * verdict.own.contacts.waiting_time
+    if waits > WAITING * behaviour.period:
+        return None
+    regained = machine.spring * behaviour.period
+    return regained if drop_of(behaviour) > (1.0 + _RUNG) * regained else None
