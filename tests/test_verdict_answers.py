@@ -1,7 +1,8 @@
 """What the first sentence of a verdict, its table and its picture say: slips of few contacts, K* of a scan, the first
-slip of a mass, and heat that is left out."""
+slip of a mass, and heat that is left out; and that a verdict ends in time."""
 
 import re
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -9,16 +10,19 @@ import numpy as np
 import pytest
 
 import master
-from origins import Contacts, Thermal, gaussian, mixture
+from origins import Contacts, InputError, Thermal, from_samples, gaussian, mixture
 from tests.scenes import ROUGH, write
 from tests.test_verdict_words import HEAVY, slips, told
 from toolkit.scene.scene import load_scene
+from toolkit.verdict.answers import Quantity
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.picture import draw_verdict
+from toolkit.verdict.sliders.budget import Budget
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Machine, RigidSlider
 from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.text.words import page, sentence
+from toolkit.verdict.uncertainty import with_sampling
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
@@ -106,3 +110,44 @@ def test_the_legend_says_that_heat_was_left_out() -> None:
         figure = draw_verdict(told(one, machine=HEAVY, thermal=heat))
         (legend,) = figure.axes[0].get_legend().get_texts()
         assert ("without heat" in legend.get_text().replace("\n", " ")) is there
+
+
+def test_work_of_a_verdict_ends_with_its_part_of_the_time() -> None:
+    """Steady sliding of islands in heat, and another delay of contacts, went on for as long as they took."""
+
+    def goes_on(part: Budget) -> str:
+        time.sleep(600.0)
+        return "never"
+
+    assert Budget(0.05, strict=True).spend(0.5, goes_on) is None
+    assert Budget(0.0, strict=True).spend(1.0, lambda part: "too late") is None
+    assert Budget(1e4, strict=True).spend(0.5, lambda part: part.remaining()) == pytest.approx(
+        5e3, rel=0.1
+    )
+
+
+def test_k_star_that_is_not_found_in_time_is_not_known() -> None:
+    hot = Contacts(gaussian(1.0, 0.3), thermal=Thermal("soft", 1e-2, 1.0))
+    late = master.propensity(hot, 1e-3, wall_time=1e-9)
+    assert np.isnan([late.critical_spring, late.static_to_kinetic]).all() and not late.success
+    assert late.critical_spring_error == late.static_to_kinetic_error == np.inf
+    assert late.message == "stopped by wall_time"
+    with pytest.raises(InputError, match="wall_time = 0"):
+        master.propensity(hot, wall_time=0.0)
+
+
+def test_resampled_laws_end_with_the_time(monkeypatch: Any) -> None:
+    """They are solved by threads, which nobody else ends: a verdict waited for those that had begun."""
+    asked, real = list[float](), master.propensity
+
+    def propensity(contacts: Contacts, **named: Any) -> Any:
+        asked.append(named["wall_time"])
+        return real(contacts, **named | {"wall_time": 1e-9})
+
+    monkeypatch.setattr(master, "propensity", propensity)
+    law = from_samples(np.random.default_rng(1).gamma(4.0, 0.25, 40))
+    number = Quantity(0.5, 1e-9)
+    found = with_sampling(Contacts(law), 1.0, 3 * [number], Budget(30.0, strict=True))
+    assert asked and max(asked) <= 30.0
+    # F_k has a closed form, and the others are not known
+    assert found[0].sampling and found[1:] == 2 * [number]

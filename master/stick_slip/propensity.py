@@ -13,7 +13,7 @@ from master.stick_slip.extremes import FOR_SLOPE, extremes, unit_of
 from master.stick_slip.roots import decoherence_length
 from origins import Contacts, InputError
 from origins.contacts import LAWS, check_contacts
-from origins.errors import between, check_tolerance
+from origins.errors import between, check_tolerance, positive
 from origins.thresholds.law import Array
 
 
@@ -45,12 +45,19 @@ class Propensity:
     message: str
 
 
-def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float = 1.0) -> Propensity:
+def propensity(
+    contacts: Contacts,
+    tolerance: float = 1e-8,
+    *,
+    velocity: float = 1.0,
+    wall_time: float | None = None,
+) -> Propensity:
     """Stick-slip propensity of contacts on a slider that moves forward from their start.
 
     contacts : with any laws but the paper's closure of ageing; the start matters.
     tolerance : largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
     velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
+    wall_time : s; K* and F_s that are not found by then are nan, with errors of inf. None: as long as it takes.
 
     F(X) is followed for ten mean thresholds, with heat ten mean distances from birth to break; where generations of
     breaks do not overlap, along the first, or the first two where contacts re-form elsewhere than relaxed; and up to
@@ -63,7 +70,8 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     tolerance = check_tolerance("tolerance", tolerance)
     check_contacts(contacts, "master.propensity", LAWS, own_rates=True)
     velocity = between("velocity", velocity, 1e-100, 1e100)
-    fall, static, cycle = extremes(contacts, velocity, tolerance)
+    until = np.inf if wall_time is None else time.monotonic() + positive("wall_time", wall_time)
+    fall, static, cycle = extremes(contacts, velocity, tolerance, until)
     kinetic, off = cycle.force()
     if not kinetic > 0.0:
         fault = f"contacts form again behind x = 0 and bear {kinetic:.3g} in steady sliding"
@@ -72,6 +80,9 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
     length, length_error = decoherence_length(cycle)
     # where F(X) falls nowhere F_k is its largest value
     ratio = max(static.value / kinetic, 1.0) if fall.value > 0.0 else 1.0
+    ratio_error = (static.error + ratio * off) / kinetic
+    if late := bool(np.isnan(fall.value)):
+        ratio, ratio_error = np.nan, np.inf
     sure_spring, spring_message = judged("K*", fall.error / (1.0 + fall.value), tolerance)
     if not sure_spring and cycle.survival_error > FOR_SLOPE * tolerance:
         spring_message += (
@@ -82,14 +93,14 @@ def propensity(contacts: Contacts, tolerance: float = 1e-8, *, velocity: float =
         critical_spring=fall.value,
         critical_spring_error=fall.error,
         static_to_kinetic=ratio,
-        static_to_kinetic_error=(static.error + ratio * off) / kinetic,
+        static_to_kinetic_error=ratio_error,
         decoherence_length=length,
         decoherence_length_error=length_error,
         onset_power=contacts.thresholds.onset_power,
         onset_power_error=contacts.thresholds.onset_power_error,
         run_time=time.perf_counter() - began,
         success=bool(sure_spring and sure_static),
-        message=f"{spring_message}; {static_message}",
+        message="stopped by wall_time" if late else f"{spring_message}; {static_message}",
     )
 
 

@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -130,15 +131,13 @@ def verdict(
             left_out[reading.name] = str(error)
         if reading.own:
             # first what takes a moment: sliders of all contacts may take all of the time
-            if not budget.stops.by:
-                with budget.stops.or_late():
-                    turned = with_other_delay(answers[0], budget.part(OWN))
+            turned = budget.spend(OWN, partial(with_other_delay, answers[0]))
             share = part_of_sliders(scene.contacts, many > 1)
             finite = finite_sliders(scene, answers[0], budget, budget.part(share), progress)
             answers[0] = with_finite(answers[0], finite)
             if turned is None and answers[0].behaviours[:1] and answers[0].behaviours[0].instead:
-                turned = with_other_delay(answers[0], budget.part(OWN))
-            answers[0] = with_a_slip(answers[0], budget.part(OWN))
+                turned = budget.spend(OWN, partial(with_other_delay, answers[0]))
+            answers[0] = with_a_slip(answers[0], budget)
     if scene.units == SHARED:  # that of its own reading for all, so that they can be compared
         own = answers[0].scale
         answers = [replace(one, scale=one.scale.over(own)) for one in answers]

@@ -193,14 +193,20 @@ def with_sampling(
         return master.steady_state(like(contacts, law), velocity=velocity).force
 
     def row(law: Thresholds) -> list[float]:
+        """F_k, F_s and K* of one law; nan where they are not found in time, as nobody else can stop a thread."""
+        remaining = until - time.monotonic()
+        if remaining <= 0.0:
+            return [np.nan] * 3
         other, kinetic = like(contacts, law), kinetic_of(law)
-        found = master.propensity(other, velocity=velocity, tolerance=RESAMPLED_TOLERANCE)
+        asked = {"velocity": velocity, "tolerance": RESAMPLED_TOLERANCE, "wall_time": remaining}
+        found = master.propensity(other, **asked)
         return [kinetic, found.static_to_kinetic * kinetic, found.critical_spring]
 
     law, closed = contacts.thresholds, kinetic_name(contacts)
     until, rows = time.monotonic() + budget.remaining(), list[list[float]]()
     if not of_smoothing(law):
         rows = of_resampled(law, RESAMPLES, row, until=until)
+        rows = [one for one in rows if not np.isnan(one).any()]
     if len(rows) < FEWEST and closed is None:  # F_k alone, which takes next to nothing beside K*
         until = time.monotonic() + OF_FORCES
         rows = of_resampled(law, RESAMPLES, lambda law: [kinetic_of(law)], until=until)

@@ -48,6 +48,8 @@ TRIES = 3
 SHORT_SLIP = 0.1
 # s for a slider with mass and another delay than its own, which is no answer but what it hangs on
 OF_DELAY = 20.0
+# of the time, for whether sliding is stable in heat, and for the points of a slip
+OF_A_SLIP = 0.5
 # of the time, for contacts that form again at once: the master equation takes a second for them as a rule
 AT_ONCE = 0.5
 
@@ -116,18 +118,21 @@ def follow_other_delay(
 
 
 def with_a_slip(own: Answer, budget: Budget) -> Answer:
-    """The own reading's answer with the points of a slip for the picture, where slips take time, and whether steady
-    sliding in heat is stable."""
+    """The own reading's answer with whether steady sliding in heat is stable, and with the points of a slip for the
+    picture, where slips take time."""
     if own.machine is None:
         return own
-    each = list(own.behaviours)
-    if not budget.stops.by:
-        with budget.stops.or_late():
-            pulled = own.machine, own.contacts
-            each = [
-                closely(with_stability(one, *pulled), *pulled, budget.remaining()) for one in each
-            ]
-    return replace(own, behaviours=tuple(each))
+    each, pulled = own.behaviours, (own.machine, own.contacts)
+
+    def stability(part: Budget) -> tuple[Behaviour, ...]:
+        return tuple(with_stability(one, *pulled) for one in each)
+
+    def points(part: Budget) -> tuple[Behaviour, ...]:
+        return tuple(closely(one, *pulled, part.remaining()) for one in each)
+
+    for work in stability, points:
+        each = budget.spend(OF_A_SLIP, work) or each
+    return replace(own, behaviours=each)
 
 
 def closely(found: Behaviour, machine: Machine, contacts: Contacts, seconds: float) -> Behaviour:

@@ -4,16 +4,16 @@ slider is pulled, and how often its contacts break on the way."""
 import os
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from origins.contacts import Contacts
 from origins.laws.proportional import ProportionalGrowth
-from toolkit.processes.signals import Terminated, TimeIsUp
+from toolkit.processes.signals import Terminated, TimeIsUp, no_longer_than
 from toolkit.running.progress import clock
 from toolkit.verdict.sliders.machine import (
     Machine,
@@ -59,6 +59,8 @@ NEARLY_ALL, OF_SLIDERS, LESS = 0.9, 0.5, 0.3
 _SMOOTH = 1.0
 # largest pace that is expected before any is seen: the load may be that of cores which this process does not share
 _MOST_EXPECTED = 4.0
+
+T = TypeVar("T")
 
 
 class Stops:
@@ -107,6 +109,15 @@ class Budget:
         """A budget from now on, of this fraction of what remains."""
         used, pace = self._used()
         return Budget(fraction * (self._seconds - used), self._strict, pace, self.stops)
+
+    def spend(self, fraction: float, work: Callable[["Budget"], T]) -> T | None:
+        """What `work` returns, given this part of the budget; None where that is used up before, or at an interrupt
+        that is kept."""
+        part = self.part(fraction)
+        if (seconds := part.remaining()) > 0.0:
+            with self.stops.or_late(), no_longer_than(seconds, remaining_time=part.remaining):
+                return work(part)
+        return None
 
     def _used(self) -> tuple[float, float]:
         """Seconds that count, and the pace."""
