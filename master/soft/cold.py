@@ -7,7 +7,7 @@ import numpy as np
 from master.outcome import StoppedError, stop_after
 from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin
-from master.soft.followed import LEAVE_OUT, LOOSEN, ErrorPart, Followed
+from master.soft.followed import LEAVE_OUT, LOOSEN, OF_UNSURE_SLIP, ErrorPart, Followed
 from master.soft.left_out import LeftOut
 from master.soft.limit_cycle import LimitCycle, Slipped
 from master.soft.moves import LoadingHistory, Move, SlipEnd
@@ -110,7 +110,7 @@ class ColdSlider:
                 "turn or end the path a little elsewhere",
             ),
             ErrorPart(
-                "a slip that heat, which is left out, may take away or bring about",
+                OF_UNSURE_SLIP,
                 self.unsure_slip / unit,
                 LEAVE_OUT,
             ),

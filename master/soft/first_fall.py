@@ -15,6 +15,7 @@ import numpy as np
 
 from master.outcome import unheard
 from master.rigid import motion_of, solve_rigid
+from master.solution import Solution
 from master.survival.make import life_of
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
@@ -48,7 +49,7 @@ def slips_alike(
     slowest = spring / (1.0 + spring)
     many = 2 + int(-np.log10(slowest) / DECADES_APART)
     speeds = speed * np.geomspace(slowest, 1.0, many)
-    path = np.linspace(0.0, (1.0 + BEYOND_PART) * travel + BEYOND * contacts.mean_threshold, POINTS)
+    path = path_beyond(contacts, travel)
     cold = first_fall(contacts.replace(thermal=None), path, spring, speed, until)
     each = [first_fall(contacts, path, spring, float(one), until) for one in speeds]
     if None in (cold, *each):
@@ -59,16 +60,27 @@ def slips_alike(
     return min(one.travel for one in falls) > travel
 
 
+def path_beyond(contacts: Contacts, travel: float) -> Array:
+    """Points of a rigid slider's path from 0 to some way beyond this travel (lengths)."""
+    return np.linspace(0.0, (1.0 + BEYOND_PART) * travel + BEYOND * contacts.mean_threshold, POINTS)
+
+
+def rigid_slider(contacts: Contacts, path: Array, velocity: float, until: float) -> Solution | None:
+    """F along a path at this speed; None where it is not known to TOLERANCE."""
+    drive = Drive(path, velocity)
+    motion, _ = motion_of(drive, contacts.mean_threshold)
+    life = life_of(contacts, TOLERANCE, motion, until)
+    found = solve_rigid(contacts, drive, life, TOLERANCE, unheard, until)
+    return found if found.success else None
+
+
 def first_fall(
     contacts: Contacts, path: Array, spring: float, velocity: float, until: float
 ) -> FirstFall | None:
     """Where the load of a rigid slider on new contacts first falls along this path, at this speed; None where F is not
     known to TOLERANCE."""
-    drive = Drive(path, velocity)
-    motion, _ = motion_of(drive, contacts.mean_threshold)
-    life = life_of(contacts, TOLERANCE, motion, until)
-    found = solve_rigid(contacts, drive, life, TOLERANCE, unheard, until)
-    if not found.success:
+    found = rigid_slider(contacts, path, velocity, until)
+    if found is None:
         return None
     load = found.force + spring * path
     highest = np.maximum.accumulate(load)

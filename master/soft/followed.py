@@ -21,6 +21,8 @@ LOOSEN = "loosen the tolerance"
 LEAVE_OUT = "leave out the heat"
 LEAVE_HEAT = f"{LEAVE_OUT} or {LOOSEN}"
 ELSEWHERE = "put points of the path and its end farther from slips, or tighten the tolerance"
+# An error of both solvers of sliders without steps in time.
+OF_UNSURE_SLIP = "a slip that heat, which is left out, may take away or bring about"
 GIVE_WIDTH = "give the exact thresholds a width, as in gaussian(mean, std)"
 
 

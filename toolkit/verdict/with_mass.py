@@ -29,6 +29,7 @@ from toolkit.verdict.sliders.machine import (
     slip_duration,
 )
 from toolkit.verdict.sliders.slips_in_time import first_of
+from toolkit.verdict.sliders.told import hangs_on_heat
 from toolkit.verdict.text.kinds import damped, long_delay_of
 
 # how far a slip is shown before its begin and after it, in times that it lasts: a swing with a tenth of critical
@@ -69,7 +70,7 @@ def follow_extremes(
     heat, contacts = given.heat_left_out, reading.contacts
     if not (reading.own and contacts and contacts.waiting_time and machine.damping):
         return ()
-    if contacts.thermal is not None and heat is None:
+    if contacts.thermal is not None and (heat is None or hangs_on_heat(given)):
         return ()
     cold = contacts.replace(thermal=None, delay=None)
     with suppress(InputError, TimeIsUp):

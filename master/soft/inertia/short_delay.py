@@ -89,7 +89,7 @@ def short_delay(
     changes = run.differ(undelayed).force
     if undelayed.stopped or not np.isfinite(changes):
         return None
-    slips, pulled = run.slips(0.0), _fastest(drive)
+    slips, pulled = run.slips(0.0), fastest_of(drive)
     fastest = max(
         pulled,
         *(float(np.abs(one).max(initial=0.0)) for one in (run.record.speed, slips.top_speed)),
@@ -102,7 +102,7 @@ def short_delay(
     return ShortDelay(without, damped, waiting, takes / (drive.damping - takes), error)
 
 
-def _fastest(drive: Drive) -> float:
+def fastest_of(drive: Drive) -> float:
     """The largest speed of a drive."""
     times = drive.arrival_times(0.0)
     distances = np.abs(np.diff(drive.path, prepend=0.0))

@@ -12,13 +12,21 @@ from typing import Any
 import numpy as np
 
 from master.outcome import Progress
-from master.soft.followed import ELSEWHERE, LOOSEN, ErrorPart, Followed
+from master.soft.followed import (
+    ELSEWHERE,
+    LEAVE_OUT,
+    LOOSEN,
+    OF_UNSURE_SLIP,
+    ErrorPart,
+    Followed,
+)
 from master.soft.in_time.idle_heat import Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.small_swings import UNRESOLVED
 from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.growing_swings import growing_swings
+from master.soft.inertia.heat_left_out import heat_decides
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
@@ -47,6 +55,8 @@ SAFETY = 2.0
 LEAST_ERROR = 0.1
 # Smallest tolerance of a run, in mean thresholds: below it all is rounding. Rounding of the force, relative to K X_T.
 LEAST, ROUNDING = 1e-11, 1e-14
+# Error of the force, in mean thresholds, where it is not known whether a slip comes: all that contacts bear.
+ANYWHERE = 1.0
 
 
 @dataclass(frozen=True)
@@ -160,20 +170,27 @@ def solve_inertial(
             f"from X_T = {swings.since:.6g} on, swings of the force by {swings.force / unit:.1e} are told by their "
             "middle, as they neither grow nor drift"
         )
-    drive_error = (of_force_and_load + neglected) * unit / spring
+    hot, of_slips = contacts.replace(thermal=given.thermal), 0.0
+    told = best.slips(of_force_and_load * unit / spring), best.record.place
+    asked = bool(idle.message) and bool(np.isfinite(of_force_and_load))
+    if asked and heat_decides(hot, drive, *told, idle.effect * unit, until):
+        of_slips = ANYWHERE
+    of_all = of_force_and_load + neglected + of_slips
+    drive_error = of_all * unit / spring
     beside = error - of_force_and_load if np.isfinite(error) else 0.0
     found = Followed(
         balance=best.balance,
         force=best.force,
         holding=best.record.holding[: best.force.size],
-        slips=best.slips(drive_error, best.duration_error(coarser, of_force_and_load + neglected)),
-        error_of_force_and_load=float(of_force_and_load + neglected),
+        slips=best.slips(drive_error, best.duration_error(coarser, of_all)),
+        error_of_force_and_load=float(of_all),
         of_holding=ErrorPart("the share that holds", of_holding),
         nodes=nodes,
         stopped_because=stopped,
         parts=(
             ErrorPart(f"two runs with other tolerances{parting}", of_force_and_load),
             ErrorPart("rounding, and heat, a delay or swings that are left out", neglected, LOOSEN),
+            ErrorPart(OF_UNSURE_SLIP, of_slips, LEAVE_OUT),
         ),
         beside_slips=ErrorPart(
             "points beside a slip, where the two runs differ by its time", beside, ELSEWHERE
@@ -185,14 +202,14 @@ def solve_inertial(
     solved = slice(0, found.force.size)
     common = common_fields((given, contacts), drive, found, tolerance, until)
     if idle.message:
-        common |= without_heat(common, idle, idle.error)
+        common |= without_heat(common, idle, idle.error + of_slips)
     return InertialSolution(
         **common,
         position=record.place[solved],
         run_time=time.perf_counter() - began,
         velocity=record.speed[solved],
         contact_force=record.contact_force[solved],
-        contact_force_error=float(of_contacts + neglected),
+        contact_force_error=float(of_contacts + neglected + of_slips),
         energy=_energy(record, found, spring, float(drive.mass or 0.0), best.stored_first),
     )
 

@@ -34,7 +34,13 @@ from toolkit.verdict.sliders.machine import (
     not_followed,
 )
 from toolkit.verdict.sliders.steady import is_stable_with_delay, settling_distance
-from toolkit.verdict.sliders.told import PRECISE_ENOUGH, behaviour_of, error_of, is_known
+from toolkit.verdict.sliders.told import (
+    PRECISE_ENOUGH,
+    behaviour_of,
+    error_of,
+    hangs_on_heat,
+    is_known,
+)
 from toolkit.verdict.sliders.weak_heat import by_contacts_without_heat
 
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
@@ -144,14 +150,15 @@ def follow(
     found = with_stability(found, machine, contacts)
     # Cold where heat is known to change little. Where it matters, in heat, and beside a mass alone: the forces of a
     # slip rule in heat are the master equation's.
-    matters = contacts.thermal is not None and found.heat_left_out is None
+    left_out = None if hangs_on_heat(found) else found.heat_left_out
+    matters = contacts.thermal is not None and left_out is None
     by_contacts &= not matters or rule == "mass"
     if by_contacts and (rule != "mass" or not found.success):
         followed = contacts if matters else cold
         other = follow_by_contacts(machine, followed, rule, loading, end, rigid)
         if other.kind == "undecided" and not other.slips:
             return found
-        return other if found.heat_left_out is None else without_heat(other, found.heat_left_out)
+        return other if left_out is None else without_heat(other, left_out)
     if forgets:
         return after_forgetting(machine, contacts, rigid, found)
     if undamped:

@@ -35,6 +35,13 @@ def is_known(solved: Any) -> bool:
     return is_precise(solved) or error_of(solved) < PRECISE_ENOUGH
 
 
+def hangs_on_heat(found: Behaviour) -> bool:
+    """Whether heat was left out that may take a slip away, or bring one about: any other changes the force by less."""
+    from master.soft.in_time.idle_heat import WEAK_EFFECT
+
+    return found.heat_left_out is not None and found.heat_left_out >= WEAK_EFFECT
+
+
 def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why: str) -> Behaviour:
     """What the solution of a soft slider says: no figure where its force is not known. `unit` : the mean threshold;
     `open_why` : why it is not known whether the slider will slip again, "" where that is to be seen."""

@@ -1,0 +1,58 @@
+"""Whether slips of a slider with mass hang on heat that is left out, and changes the force by `effect` at most.
+
+Where contacts form again at once F is a function of X at T = 0. Heat may take away a slip in which F + K X falls by
+twice the effect or less; so weak a pull moves the spring's force by no more than a few times that, and the bound, four
+times the true effect or more, holds it. (With or without such a slip, 14 ensembles in heat kept to it.)
+
+With a delay contacts let go in a slip, and F falls to 0 however small the fall at its begin: all hangs on that. Then
+
+- a slider that does not slip goes on at the drive's speed: where the load of a rigid one falls at that speed from the
+  force at which the slip begins by more than twice the effect, it slips in heat, too;
+- where that load rises all the way by more than heat changes its slope none slips;
+- else rigid sliders in heat are asked (`soft/first_fall.py`), as for a slider without mass. They tell of new contacts,
+  and so of slips that begin at the same force as the first.
+"""
+
+import numpy as np
+
+from master.soft.cold_contacts import ColdContacts
+from master.soft.first_fall import path_beyond, rigid_slider, slips_alike
+from master.soft.inertia.run import SlipsInTime
+from master.soft.inertia.short_delay import fastest_of
+from origins import Contacts, Drive
+from origins.thresholds.law import Array
+
+# Tolerance of the contacts whose steepest change is asked for, in mean thresholds: any will do.
+TOLERANCE = 1e-6
+
+
+def heat_decides(
+    in_heat: Contacts, drive: Drive, slips: SlipsInTime, place: Array, effect: float, until: float
+) -> bool:
+    """Whether heat that was left out may take away a slip of contacts with a delay, or bring one about.
+
+    in_heat : the contacts with it; slips, place : without it, and X at the path's points (n,); effect : a length
+    until : as in `solve`
+    """
+    if not in_heat.waiting_time:
+        return False
+    cold, spring = in_heat.replace(thermal=None), float(drive.spring or 0.0)
+    begins, force = np.abs(slips.before), np.abs(slips.force_before)
+    travel = float((begins[:1] if begins.size else np.abs(place)).max())
+    path = path_beyond(in_heat, travel)
+    length = ColdContacts(cold, spring, TOLERANCE, until).break_length
+    for contacts in (cold, cold.replace(start=None)):  # as they start, and new ones
+        rigid = rigid_slider(contacts, path, fastest_of(drive), until)
+        if rigid is None:
+            return True
+        load = rigid.force + spring * path
+        falls = float((np.maximum.accumulate(load) - load).max())
+        lower = max(float(rigid.force.max()) - float(force.min(initial=np.inf)), 0.0)
+        rises = float(np.gradient(load, path).min())
+        if falls - lower <= 2.0 * effect and rises <= 2.0 * effect / length:
+            alike = 2.0 * (effect + slips.force_error * in_heat.mean_threshold)
+            new = in_heat.start.span == (0.0, 0.0) and drive.time is None
+            new &= float(np.abs(force - force[:1]).max(initial=0.0)) <= alike
+            many = bool(begins.size)
+            return not (new and slips_alike(in_heat, drive, travel, many, effect, until))
+    return False
