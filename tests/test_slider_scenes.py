@@ -16,7 +16,7 @@ import master
 import origins
 import toolkit
 from toolkit.command import main
-from toolkit.pictures.points import plot_points_swing
+from toolkit.pictures.points import plot_points, plot_points_swing
 from toolkit.pictures.traces import slips_of, with_slips
 from toolkit.scene.scene import SHIPPED
 
@@ -119,6 +119,10 @@ def test_a_sweep_over_drive_speeds_has_the_swings_and_where_they_end() -> None:
     swept: Any = done.sweep
     (band,) = plot_points_swing(Figure().subplots(), done).patches
     assert band.get_x() == 8.0 and band.get_label() == "swings end at 12 ± 4"
+    # beyond, the force before a slip is that of the first transient, and is not drawn
+    before = plot_points(Figure().subplots(), done, "kinetic_force").lines[0]
+    assert np.isfinite(swept["eq_force_before_slip"]).all()
+    assert [*np.isfinite(before.get_ydata())] == [True, False]
     alone = run("critical-speed", 400, 2, to=2500.0, points=2001, velocity=8.0)
     swings = np.ptp(alone.eq.forces[:, -500:], axis=1)
     assert swept["eq_force_swing"][0] == swings.mean()

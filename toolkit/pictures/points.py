@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from master.rate_state.result import CONSTANT
 from master.rate_state.speeds import constant_between
@@ -33,6 +34,8 @@ _SPEEDS = ("velocity", "drive.velocity")
 _STRAIGHT = 100.0
 # columns of F_k, where they stand alone
 _OF_RIGID = ["force"], ["kinetic_force"]
+# mean force before all slips of the ensemble's sliders
+_OF_ENSEMBLE = "eq_force_before_slip"
 _NOISE = 0.1  # part of the largest swing below which the force swings by chance
 
 
@@ -61,6 +64,8 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     names, number, sloped = list(dict.fromkeys(lines)), 0, False
     for column, said in columns.items():
         value, error = _with_error(result, column)
+        if column == _OF_ENSEMBLE:
+            value = np.where(_swings_on(sweep), value, np.nan)
         for k in some_of(len(names), _LINES):
             rows = np.flatnonzero([line == names[k] for line in lines])
             rows = rows[np.argsort(x[rows], kind="stable")]
@@ -152,14 +157,25 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
     named = {
         "force_before_slip": "before the last slip",
         "force_after_slip": "after it",
-        "eq_force_before_slip": "before a slip, ensemble",
+        _OF_ENSEMBLE: "before a slip, ensemble",
     }
-    found = {name: np.isfinite(sweep[name]) for name in named if name in sweep.columns}
+    known = {name: np.isfinite(sweep[name]) for name in named if name in sweep.columns}
+    if _OF_ENSEMBLE in known:
+        known[_OF_ENSEMBLE] &= _swings_on(sweep).reshape(known[_OF_ENSEMBLE].shape)
+    none = dict.fromkeys(named, " (no mark: no slip)")
+    none[_OF_ENSEMBLE] = " (no mark: no slips in the end)"
     return {
-        name: named[name] + ("" if known.all() else " (no mark: no slip)")
-        for name, known in found.items()
-        if known.any()
+        name: named[name] + ("" if there.all() else none[name])
+        for name, there in known.items()
+        if there.any()
     }
+
+
+def _swings_on(sweep: SweepRecord) -> NDArray[np.bool_]:
+    """At which points the force of the ensemble's spring still swings in the end: elsewhere its slips are those of the
+    first transient alone."""
+    swing = sweep.columns["eq_force_swing"].ravel()
+    return np.asarray(swing > _NOISE * np.nanmax(swing, initial=0.0))
 
 
 def _with_error(result: Result, name: str) -> tuple[Array, Array]:
@@ -206,9 +222,9 @@ def plot_points_swing(axes: Any, result: Result) -> Any:
     between which points of a sweep over one key of numbers that ends."""
     plot_points(axes, result, "eq_force_swing")
     sweep: Any = result.sweep
-    x, (value, _) = _numbers(sweep[sweep.along[0]])[0], _with_error(result, "eq_force_swing")
+    x = _numbers(sweep[sweep.along[0]])[0]
     order = np.argsort(x, kind="stable")
-    x, swings = x[order], value[order] > _NOISE * np.nanmax(value)
+    x, swings = x[order], _swings_on(sweep)[order]
     ends = np.flatnonzero(swings[:-1] & ~swings[1:])
     if len(sweep.along) == 1 and ends.size == 1 and not swings[ends[0] + 1 :].any():
         low, high = x[ends[0]], x[ends[0] + 1]

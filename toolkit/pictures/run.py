@@ -176,7 +176,10 @@ def plot_holding(axes: Any, result: Result) -> Any:
             )
             place = along(result, curve)[some]
             axes.plot(place, curve.holding[some], mark, color=INK[ink], ms=4, lw=1.2)
-    axes.set(ylabel="fraction\nthat holds", ylim=(0.0, 1.05))
+    eq = result.eq
+    several = eq is not None and is_coupled(eq) and len(eq.forces) > 1
+    name = "fraction that\nholds, mean" if several else "fraction\nthat holds"
+    axes.set(ylabel=name, ylim=(0.0, 1.05))
     write_along(axes, result)
     mark_legs(axes, result)
     return axes
