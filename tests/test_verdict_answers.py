@@ -151,3 +151,16 @@ def test_resampled_laws_end_with_the_time(monkeypatch: Any) -> None:
     assert asked and max(asked) <= 30.0
     # F_k has a closed form, and the others are not known
     assert found[0].sampling and found[1:] == 2 * [number]
+
+
+def test_an_answer_beside_a_bound_on_heat_is_one() -> None:
+    """Of a slider with mass whose heat is left out the bound, 0.07 <x_s>, was above what a verdict takes: status 1."""
+    hot = Contacts(gaussian(1.0, 0.35), thermal=Thermal("stiff", 5.6e-6, 5e6))
+    asked = {"spring": 3e-3, "mass": 28.0, "damping": 6e-2, "velocity": 1.0}
+    solved: Any = master.solve(hot, np.linspace(0.0, 1300.0, 300), 1e-3, **asked)
+    assert not solved.success and 0.05 < solved.heat_left_out < solved.force_error < 0.1
+    found = behaviour_of("mass", solved, 1.0, hot.mean_threshold, "")
+    assert (found.kind, found.success) == ("smooth", True)
+    assert found.error == pytest.approx(solved.force_error)
+    number = np.inf if found.heat_left_out is None else found.heat_left_out
+    assert number == solved.heat_left_out

@@ -185,6 +185,21 @@ def test_finitely_many_contacts_slide_as_steady_sliding_tells(
     assert np.all(few.slips.drive < 8.0) and few.slips.drive.size == 4 * slips
 
 
+def test_heat_that_steadies_sliding_changes_forces_by_more_than_a_slip() -> None:
+    """Samples of molecular dynamics at 300 K were not decided. F_k rises with the speed, and F_s is above it by less
+    than without heat; 500 contacts bear the force that is told in the end."""
+    contacts = Contacts(WIDE, thermal=Thermal("stiff", 0.01, 1e4))
+    found, known = told(HEAVY, contacts), rigid(contacts, 1.0)
+    assert found is not None and (found.kind, found.success) == ("smooth", True)
+    assert (found.heat_on_the_way or 0.0) > 5.0 * RISE and known.static - known.kinetic > RISE
+    path = np.linspace(0.0, 30.0, 121)
+    asked = HEAVY.keywords("mass")
+    few = eq_model.simulate(contacts, path, n_contacts=500, n_replicas=4, seed=3, **asked)
+    late = few.forces[:, path > 22.0].mean(axis=1)
+    assert abs(late.mean() - found.before) < 5.0 * late.std(ddof=1) / 2.0 < 0.02
+    assert few.slips.drive.max(initial=0.0) < 8.0
+
+
 def test_stable_sliding_tells_nothing_where_slower_sliding_bears_more() -> None:
     """Heat leaves the contacts of high thresholds to a slow slider, which slides at 3.5 <x_s> where a fast one does at
     3.0: from the relaxed start it slips on, as 2,000 contacts do, beside steady sliding that is stable."""
@@ -217,17 +232,18 @@ def test_a_slider_that_can_be_followed_slides_as_steady_sliding_tells() -> None:
 
 
 def test_steady_sliding_tells_of_no_other_slider() -> None:
-    """Where heat is neither weak nor lets nothing slip; of contacts under another law; of exact thresholds; of a swing
-    that nothing damps; and of rules that renew contacts in slips."""
-    between = Contacts(WIDE, thermal=Thermal("eyring", width=0.03))
-    assert told(Machine(0.3, 0.05, 0.1, 1e-3), between) is None
+    """Of contacts under another law than heat; of exact thresholds; of a swing that nothing damps; and of rules that
+    renew contacts in slips."""
     assert told(HEAVY, STRONG.replace(delay=Delay(1.0))) is None
     assert told(HEAVY, STRONG.replace(thresholds=identical(1.0))) is None
     assert told(Machine(0.3, 0.05, 0.0, 1.0), STRONG) is None
     assert told(HEAVY, WEAK, "reset") is None
 
 
-@pytest.mark.parametrize(("off", "how"), [(0.01, "followed without heat"), (0.0, "not followed")])
+@pytest.mark.parametrize(
+    ("off", "how"),
+    [(0.01, "followed without heat"), (0.1, "followed without heat"), (0.0, "not followed")],
+)
 def test_the_sentence_tells_how_the_way_to_steady_sliding_was_followed(
     off: float, how: str
 ) -> None:
@@ -239,8 +255,12 @@ def test_the_sentence_tells_how_the_way_to_steady_sliding_was_followed(
     told = answers.Verdict("a", "a", 1.0, (one,), (), {}, 1.0)
     assert re.match(rf"smooth at \S+ .*in the end \(the way there was {how}\)", sentence(told))
     (line,) = (each for each in dependence(told) if "was not followed, as it goes on" in each)
-    changed = "heat changes F_k and F_s by 0.010 N_c<k> length at most" in line
-    assert changed == bool(off) and ("no force is above that of faster sliding" in line) != changed
+    changed = "heat changes F_k and F_s by 0.010 N_c<k> length at most, less than" in line
+    steadies = "changes F_k and F_s by 0.10 N_c<k> length at most, more than what counts as a slip"
+    assert (steadies in line and "but steadies: F_k rises" in line) == (off > 0.02)
+    assert (changed or steadies in line) == bool(off) and (
+        "no force is above that of faster sliding" in line
+    ) != bool(off)
 
 
 @pytest.mark.slow  # 4 s; quick: the sentence, above

@@ -25,16 +25,8 @@ from toolkit.verdict.judge import verdict
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.readings import Reading
-from toolkit.verdict.sliders import ensemble
-from toolkit.verdict.sliders.budget import (
-    NO_TIME,
-    Budget,
-    late,
-    lives_in_a_slip,
-    loading_of,
-    long_delay,
-    may_follow,
-)
+from toolkit.verdict.sliders import ensemble, ways
+from toolkit.verdict.sliders.budget import NO_TIME, Budget, late, long_delay, may_follow
 from toolkit.verdict.sliders.ensemble import (
     PILOT,
     follow_by_contacts,
@@ -52,6 +44,7 @@ from toolkit.verdict.sliders.machine import (
     not_followed,
     slip_duration,
 )
+from toolkit.verdict.sliders.ways import lives_in_a_slip, loading_of
 from toolkit.verdict.text import kinds, of_delay
 from toolkit.verdict.text.hangs_on import dependence, why_above
 from toolkit.verdict.text.spread import widest
@@ -456,7 +449,7 @@ def test_sliders_that_stick_after_one_slip_where_their_path_ends_do_not_slide(
     monkeypatch: Any,
 ) -> None:
     """Their force rises by less than 0.3 <x_s> in the last tenth of such a path, as that of sliders that swing may."""
-    monkeypatch.setattr(ensemble, "LOADINGS_IN_PLACE", 1.6)
+    monkeypatch.setattr(ways, "LOADINGS", 1.6)
     contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(30.0))
     known = RigidSlider(0.69, 0.52, 1e-9, 1.0, 4.0, 2000.0)
     asked = HEAVY_ON_SOFT, contacts, "mass", 700.0, time.monotonic() + 1e4, known

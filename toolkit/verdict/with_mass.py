@@ -15,7 +15,7 @@ from toolkit.processes.signals import TimeIsUp
 from toolkit.results.traces import with_slips
 from toolkit.verdict.answers import Answer
 from toolkit.verdict.readings import Reading
-from toolkit.verdict.sliders.budget import Budget, loading_of, long_delay
+from toolkit.verdict.sliders.budget import Budget, long_delay
 from toolkit.verdict.sliders.ensemble import SEED, follow_by_contacts
 from toolkit.verdict.sliders.follow import ROUGHLY, follow
 from toolkit.verdict.sliders.in_heat import with_stability
@@ -30,6 +30,7 @@ from toolkit.verdict.sliders.machine import (
 )
 from toolkit.verdict.sliders.slips_in_time import first_of
 from toolkit.verdict.sliders.told import hangs_on_heat
+from toolkit.verdict.sliders.ways import loading_of
 from toolkit.verdict.text.kinds import damped, long_delay_of
 
 # how far a slip is shown before its begin and after it, in times that it lasts: a swing with a tenth of critical

@@ -1,15 +1,12 @@
-"""How long a verdict may take, on a busy machine longer than on a quiet one, so that both say the same; and how far a
-slider is pulled, and how often its contacts break on the way."""
+"""How long a verdict may take, on a busy machine longer than on a quiet one, so that both say the same; and which
+sliders may be followed contact by contact."""
 
 import os
 import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any, TypeVar, cast
-
-import numpy as np
+from typing import TypeVar, cast
 
 from origins.contacts import Contacts
 from origins.laws.proportional import ProportionalGrowth
@@ -19,9 +16,9 @@ from toolkit.verdict.sliders.machine import (
     Machine,
     RigidSlider,
     critical_damping,
-    half_a_swing,
     slip_duration,
 )
+from toolkit.verdict.sliders.ways import first_way, lives_in_a_slip, loading_of
 
 # s for all readings and rules together, where the scene gives none, and what to do where they do not suffice
 WALL_TIME = 60.0
@@ -45,6 +42,8 @@ DEAREST = 5.0
 # breaks of each contact along a loading with which a few, that wait for less than a slip of the mass, are followed
 # where nothing else decides: four sliders of a thousand along 6.5 loadings take 4e8, some 50 s of the processor
 MOST_LIVES = 1.5e4
+# and where these break by heat, form again at once, and a mass moves: 8e6 breaks, some 40 s of the processor
+MOST_LIVES_IN_HEAT = 2e3
 # the least delay, in times of a slip; of K*: on softer springs the number of contacts decides nothing
 LONG_DELAY, SOFT = 3.0, 0.1
 # why nothing is told of a slider that rings without a damping, where one that was taken bears much of its force
@@ -179,14 +178,6 @@ def _expected_pace() -> float:
     return min(max((1.0 + waiting) / (os.cpu_count() or 1), 1.0), _MOST_EXPECTED)
 
 
-@dataclass(frozen=True)
-class PlannedDrive:
-    """The drive's travel for sliders of some contacts (a length), and the breaks of all of them on it, at most."""
-
-    end: float
-    breaks: float
-
-
 def long_delay(machine: Machine, mean: float, force: float) -> float:
     """A delay of contacts (a time) far above that of a slip of the mass from this `force`, and above that in which one
     that slides on at the drive's speed moves by their `mean` threshold: fewer hold where it slides."""
@@ -221,6 +212,15 @@ def few_are_followed(machine: Machine, contacts: Contacts, static: float) -> boo
     return not contacts.held_in_time and lives <= MOST_LIVES
 
 
+def few_in_heat_are_followed(machine: Machine, contacts: Contacts, static: float) -> bool:
+    """Whether a few contacts that break by heat on a damped mass, and form again at once, take no more breaks than are
+    followed: as many as the drive passes thresholds on its first way, as `static` is F_s/(N_c <k>) (a length)."""
+    alone = contacts.thermal is not None and not contacts.waiting_time and machine.damping > 0.0
+    way = first_way(machine, contacts, loading_of(machine, contacts, static))
+    lives = way / contacts.mean_threshold
+    return alone and taken_on_springs(contacts) and lives <= MOST_LIVES_IN_HEAT
+
+
 def most_breaks(contacts: Contacts, rule: str) -> float:
     """Most breaks of all sliders of these contacts that are followed under this slip rule, or with a "mass"."""
     if contacts.held_in_time:
@@ -235,50 +235,3 @@ def seconds_of(breaks: float, contacts: Contacts, rule: str, took: float) -> flo
     if took >= SHORT:
         return took
     return min(max(took, usual), DEAREST * usual) if contacts.thermal is not None else usual
-
-
-def loading_of(machine: Machine, contacts: Contacts, static: float) -> float:
-    """The drive's way from no force to `static`, F_s/(N_c <k>) (a length), and until contacts that broke in a slip bear
-    the slider again."""
-    return (
-        static / machine.spring + contacts.mean_threshold + way_without_contacts(machine, contacts)
-    )
-
-
-def way_without_contacts(machine: Machine, contacts: Contacts) -> float:
-    """The drive's way while contacts wait and the mass, which they do not hold, swings once (a length): 0 without a
-    delay. On a fast drive it is most of the way from slip to slip."""
-    waits = contacts.waiting_time
-    return machine.velocity * (waits + 2.0 * half_a_swing(machine)) if waits else 0.0
-
-
-def lives_in_a_slip(machine: Machine, contacts: Contacts, force: float, way: float) -> float:
-    """How often each contact breaks at most while a mass slips from this `force`, F/(N_c <k>) (a length), and swings
-    until it rests, or until the drive has gone on by `way`.
-
-    A contact lives for a mean threshold of the slider's way, and then waits for the delay. Damping leaves each swing a
-    part of the one before, and friction, which falls as 1/speed where contacts wait for most of the time, takes the
-    same energy of each. A mass that the drive carries along swings by v (K M)^(1/2) and
-    swings on.
-    """
-    mean, delay = contacts.mean_threshold, contacts.waiting_time
-    carried = machine.velocity * float(np.sqrt((machine.mass or 0.0) * machine.spring))
-    force, swings_on = max(force, carried), carried > force
-    lasts, part = slip_duration(machine, force), machine.damping / critical_damping(machine)
-    left = float(np.exp(-np.pi * part / np.sqrt(1.0 - part**2))) if part < 1.0 else 0.0
-    friction = machine.spring * mean * lasts
-    swings = delay * force / (delay * force * (1.0 - left) + friction)
-    most = way / machine.velocity / lasts
-    swings = max(most if swings_on else min(swings, most), 1.0)
-    slipped = force / machine.spring * (1.0 + left)
-    return swings * slipped / (mean + delay * slipped / lasts)
-
-
-def breaks_until(end: float, seen: Any, mean: float) -> float:
-    """How many breaks all sliders have up to this place of the drive, from those `seen`: as often along the way where
-    all have slipped, as a loading is like the one before it; else each contact at every `mean` threshold, as some
-    slide."""
-    began, seen_to = seen.path[[0, -1]]
-    if np.unique(seen.slips.replica).size == seen.forces.shape[0]:
-        return float(seen.breaks * (end - began) / (seen_to - began))
-    return float(seen.breaks + seen.contacts * (end - seen_to) / mean)

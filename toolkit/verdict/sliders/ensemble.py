@@ -14,14 +14,7 @@ from toolkit.results.sliding import has_slid, mean_forces, scatter_of
 from toolkit.results.slips import late_slips, left_of_slips, main_slips, shrinks_by
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import of_contacts
-from toolkit.verdict.sliders.budget import (
-    MORE_TIME,
-    SHORT,
-    most_breaks,
-    seconds_of,
-    too_long,
-    way_without_contacts,
-)
+from toolkit.verdict.sliders.budget import MORE_TIME, SHORT, most_breaks, seconds_of, too_long
 from toolkit.verdict.sliders.few_contacts import period_off, too_early_by
 from toolkit.verdict.sliders.late import (
     SLIDERS,
@@ -40,11 +33,10 @@ from toolkit.verdict.sliders.machine import (
 )
 from toolkit.verdict.sliders.slips_in_time import of_slips_in_time
 from toolkit.verdict.sliders.steady import is_stable_with_delay
+from toolkit.verdict.sliders.ways import SMALL, first_way, way_of_a_swing, way_without_contacts
 
 # contacts of each slider where the ensemble takes the place of the master equation
 CONTACTS, SEED = 20_000, 1
-# lengths of the drive's path in loadings, from no force to the static one
-LOADINGS_IN_PLACE = 6.5
 # most contacts of a slider that is followed
 MOST_CONTACTS = 2_000_000
 # contacts whose sliders tell how long all of them would take
@@ -55,7 +47,7 @@ PART_OF_FIRST, FEWER = 0.6, 16
 SWUNG = 0.05
 # of a slider that is called smooth: at the end of its path, in the last one of so many parts, its force swings by no
 # more than so many mean thresholds (that of a thousand contacts scatters by some 0.1 of them)
-LATE, RINGS = 10, 0.3
+LATE, RINGS = 10, 2.0 * SMALL
 # times the error of fewer contacts than there are, below which their slips may be chance, and more of them slide
 SURE = 2.0
 # How often at most sliders whose slips are still those of a transient are pulled further, and how many times as far;
@@ -184,7 +176,7 @@ def follow_by_contacts(
 
     Fewer slip earlier, by some N^(-2/3): the forces before a slip of two numbers tell by how much.
     """
-    length = LOADINGS_IN_PLACE * loading
+    length = first_way(machine, contacts, loading)
     points = np.linspace(0.0, length, machine.points(length))
     path = contacts.start.mean() / machine.spring + points
     asked = min(round(rigid.contacts), most) if rigid.contacts else CONTACTS
@@ -221,8 +213,8 @@ def follow_by_contacts(
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
     # at least the drive's way in which contacts that broke together come back: they do so ever less together
-    length = found.path[-1] - found.path[0]
-    late = found.path >= found.path[-1] - max(length / LATE, waits)
+    length, swing_way = found.path[-1] - found.path[0], way_of_a_swing(machine, contacts)
+    late = found.path >= found.path[-1] - max(length / LATE, waits, swing_way)
     forces = found.forces[:, late]
     if not slipped and (swing := float(np.ptp(forces, axis=1).max()) / unit) > RINGS:
         return not_followed(rule, f"its sliders still ring at the path's end, by {swing:.2g} <x_s>")
@@ -241,7 +233,10 @@ def follow_by_contacts(
         # which contacts that come back together hold for less than from one point to the next
         error += left_of_slips(found, slips, shrinks)
         steady = rigid.kinetic + machine.damping * machine.velocity
-        if rule == "mass" and abs(before - steady) <= error:
+        known = max(
+            error, 0.5 * float(np.ptp(forces)) if swing_way else 0.0
+        )  # it swings about that
+        if rule == "mass" and abs(before - steady) <= known:
             before = after = steady
         if error - scatter > max(scatter, SWUNG * abs(before)):
             swings = float(forces.min()), float(forces.max())

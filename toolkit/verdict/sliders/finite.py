@@ -25,11 +25,7 @@ from toolkit.results.slips import (
 )
 from toolkit.results.traces import trace_of
 from toolkit.scene.scale import length_unit_of, of_contacts, spoken
-from toolkit.verdict.sliders.budget import (
-    breaks_until,
-    most_breaks,
-    taken_on_springs,
-)
+from toolkit.verdict.sliders.budget import most_breaks, taken_on_springs
 from toolkit.verdict.sliders.ensemble import (
     MOST_CONTACTS,
     NOT_SLID,
@@ -42,6 +38,7 @@ from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
 from toolkit.verdict.sliders.steady import settling_distance
+from toolkit.verdict.sliders.ways import breaks_until
 
 # times these: an estimate up to this is taken on, too, so that the number of contacts need not be lowered again
 MORE = 1.01

@@ -13,13 +13,12 @@ from toolkit.verdict.sliders.budget import (
     NO_DAMPING,
     NO_TIME,
     few_are_followed,
+    few_in_heat_are_followed,
     lacks_damping,
-    loading_of,
     may_follow,
     without_useless_damping,
 )
 from toolkit.verdict.sliders.ensemble import (
-    LOADINGS_IN_PLACE,
     SWUNG,
     follow_by_contacts,
     without_heat,
@@ -41,6 +40,7 @@ from toolkit.verdict.sliders.told import (
     hangs_on_heat,
     is_known,
 )
+from toolkit.verdict.sliders.ways import LOADINGS, loading_of
 from toolkit.verdict.sliders.weak_heat import by_contacts_without_heat
 
 # of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
@@ -53,7 +53,7 @@ WHETHER_IT_SLIPS = 0.03
 # some hundred steps each
 TOLERANCE_WITH_DELAY, TOLERANCE_OF_LONG_SLIPS, SOFT = 1e-2, 0.1, 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
-LENGTHS = (LOADINGS_IN_PLACE, 20.0, 60.0)
+LENGTHS = (LOADINGS, 20.0, 60.0)
 # the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
 FIRST_WITH_DELAY = 9.0
 # the first where contacts grow stronger: it ends between the fifth slip and a sixth, on a scan, so that coarser steps,
@@ -71,7 +71,7 @@ FIRST_OF_MASS, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
 # of the time, for the master equation with a delay shorter than a slip, of which it takes half a minute as a rule
 FIRST_OF_SHORT = 0.65
 # and where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows; or in heat
-# beside a mass and a delay, of whose slips the master equation knows the force at points near them seldom
+# beside a mass, of whose slips the master equation seldom knows the force at points near them, or takes too many steps
 FIRST_OF_STABLE = 0.25
 # and in heat, of which steps are refused in a moment as a rule, or lead nowhere, before other roads are asked
 FIRST_IN_HEAT = 0.25
@@ -115,6 +115,8 @@ def follow(
     if rule == "mass" and not by_contacts and machine.damping and contacts.waiting_time:
         # a shorter delay, which the master equation takes as a rule; else a few contacts tell what as many do
         first, by_contacts = FIRST_OF_SHORT, few_are_followed(machine, cold, rigid.static)
+    elif rule == "mass" and few_in_heat_are_followed(machine, contacts, rigid.static):
+        first, by_contacts = FIRST_OF_STABLE, True
     until = end - (1.0 - first) * wall_time * (undamped or by_contacts)
     forgets = rule == "instant" and forgets_its_start(machine, contacts, rigid)
     if forgets or (by_contacts and rule != "mass" and not contacts.in_time):

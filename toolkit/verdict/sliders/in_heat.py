@@ -10,6 +10,10 @@ its contacts, to FASTEST_LOOKED_AT v one of both holds:
                     ones, a slow slider that slides steadily bears more than a fast one, and slips
     heat is weak    it changes F_k and F_s by less than that fall; and the slider on contacts without it, which is
                     followed, slides smoothly, mostly after a slip
+    heat steadies   F_k rises with the speed, and F_s is above it by no more than without heat: a slip in heat falls by
+                    less, and is braked by more, than one of the slider without it, which is followed as above. An
+                    example: samples of MD of 4 nN at 300 K, T = 2.2e-3 <x_s>^2. F_k rises from 0.485 to 0.521 <x_s> in
+                    six decades, and F_s is above it by 0.039 to 0.053, without heat by 0.074
 
 The force in the end is F_k in heat, with what the damping bears. What was not followed is told beside it: the way up to
 there, or what heat changes on it.
@@ -63,15 +67,19 @@ def by_steady_sliding(
         if not sliding_is_stable(contacts, speed, spring, machine.mass or 0.0, machine.damping):
             return None
         each = [rigid_at(contacts, one, rigid.contacts, until) for one in looked_at(machine)]
-        reached = np.maximum.accumulate([one.static for one in each])
-        if (reached - [one.kinetic for one in each]).max() < small:
+        kinetic = np.array([one.kinetic for one in each])
+        falls = np.maximum.accumulate([one.static for one in each]) - kinetic
+        if falls.max() < small:
             return _at_kinetic(not_followed(rule, ""), machine, rigid, unit, 0.0)
         bare = contacts.replace(thermal=None)
         cold = rigid_at(bare, speed, rigid.contacts, until)
         off = max(
             max(abs(one.kinetic - cold.kinetic), abs(one.static - cold.static)) for one in each
         )
-        if rule not in SLIDES or off > small:
+        steadies = bool(
+            (np.diff(kinetic) > 0.0).all() and falls.max() <= cold.static - cold.kinetic
+        )
+        if rule not in SLIDES or not (off <= small or steadies):
             return None
         found = without_heat(bare, cold)
     except InputError:

@@ -9,10 +9,10 @@ from origins.samples.from_samples import Sampled
 from origins.thresholds.families import identical
 from origins.thresholds.mixture import mixture
 from toolkit.scene.of_samples import of_smoothing
-from toolkit.verdict.sliders.budget import loading_of
 from toolkit.verdict.sliders.ensemble import follow_by_contacts
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, follow
 from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
+from toolkit.verdict.sliders.ways import loading_of
 
 # barriers in a bin of the law of these, and most bins: more change F by less than the sampling of 20,000 barriers does
 IN_A_BIN, MOST_BINS = 20, 1000

@@ -5,14 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origins.contacts import Contacts
-from toolkit.verdict.sliders.budget import (
-    LONG_DELAY,
-    PlannedDrive,
-    lives_in_a_slip,
-    way_without_contacts,
-)
+from toolkit.verdict.sliders.budget import LONG_DELAY
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour, Machine, slip_duration
+from toolkit.verdict.sliders.ways import PlannedDrive, lives_in_a_slip, way_without_contacts
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
 FLOWING = ("instant", "mass")

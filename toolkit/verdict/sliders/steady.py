@@ -89,10 +89,16 @@ def settling_distance(machine: Machine, unit: float) -> float:
     swing = machine.velocity * (np.sqrt(machine.mass * machine.spring) + machine.damping)
     if swing < SWINGS * unit:
         return 0.0
+    return SETTLING * time_constant(machine) * machine.velocity
+
+
+def time_constant(machine: Machine) -> float:
+    """In which the swing of a mass that slides on at F_k falls by e (a time); inf without damping, 0 without a mass."""
+    if not machine.mass:
+        return 0.0
     if not machine.damping:
         return float(np.inf)
     # of the slower root; beyond critical damping that is about K/γ, else both have the real part γ/2M
     beyond = max(machine.damping**2 - 4.0 * machine.mass * machine.spring, 0.0)
     slower = 2.0 * machine.spring / (machine.damping + np.sqrt(beyond))
-    time = 1.0 / min(slower, 0.5 * machine.damping / machine.mass)
-    return float(SETTLING * time * machine.velocity)
+    return float(1.0 / min(slower, 0.5 * machine.damping / machine.mass))

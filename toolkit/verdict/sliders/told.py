@@ -53,6 +53,8 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
         unknown = replace(unknown, heat_left_out=solved.heat_left_out)
         return replace(unknown, error=solved.force_error, run_time=solved.run_time)
     judged = error_of(solved)
+    # a bound on heat that was left out is told beside the answer, and no more time lowers it
+    followed_to = judged - (solved.heat_left_out or 0.0)
     # where slips are known, and points of the path beside them are not, the solver's message is of these points
     told = solved.success or judged < min(solved.force_error, PRECISE_ENOUGH)
     slips, kind = solved.slips, "undecided" if open_why else kind_of(solved)
@@ -86,7 +88,7 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
         slips=slips.drive.size,
         smaller=slips.drive.size - slips.main.size,
         error=error,
-        success=bool(solved.success or (kind != "undecided" and judged < PRECISE_ENOUGH)),
+        success=bool(solved.success or (kind != "undecided" and followed_to < PRECISE_ENOUGH)),
         message=open_why or (solved.regime.reason if told else solved.message),
         run_time=solved.run_time,
         heat_left_out=solved.heat_left_out,

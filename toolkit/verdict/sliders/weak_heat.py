@@ -26,10 +26,10 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.drive import RISE, Drive
 from origins.errors import InputError
-from toolkit.verdict.sliders.budget import loading_of
 from toolkit.verdict.sliders.in_heat import SLIDES, rigid_at
 from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
 from toolkit.verdict.sliders.told import PRECISE_ENOUGH
+from toolkit.verdict.sliders.ways import loading_of
 
 # springs, in N_c<k>, on which a slip passes all thresholds
 SOFTEST = 0.03

@@ -33,7 +33,13 @@ def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
         why = f"at {slow} to {fast} no force is above that of faster sliding by what counts as a slip, {small} or more"
     else:
         why = f"and the slips before it from contacts without heat. At {slow} to {fast} heat changes F_k and F_s by "
-        why += f"{written(most * unit, scale.force_unit, digits=2)} at most, less than what counts as a slip, {small}"
+        why += f"{written(most * unit, scale.force_unit, digits=2)} at most, "
+        less, more = (
+            f"less than what counts as a slip, {small}",
+            f"more than what counts as a slip, {small}",
+        )
+        steadies = ", but steadies: F_k rises with the speed, and F_s is above it by no more than without heat"
+        why += less if most <= RISE else more + steadies
     swing = own.machine.velocity * np.sqrt(own.machine.spring * (own.machine.mass or 0.0))
     if swing > own.kinetic.value and not most:
         swung = written(swing * scale.force, scale.force_unit, digits=2)

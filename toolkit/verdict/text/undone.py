@@ -180,7 +180,8 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
         slips = [one.sliders.slips for one in by_contacts if one.rule in rules and one.sliders]
         if slips and 0.0 < min(slips) < ENOUGH:
-            said += f", each of which slipped some {min(slips):.2g} times: few, so that their scatter is in the errors"
+            often = "once" if min(slips) == 1.0 else f"some {min(slips):.2g} times"
+            said += f", each of which slipped {often}: few, so that their scatter is in the errors"
         more = ", with what more contacts would change" * any(
             _fewer_than_there_are(verdict, one) for one in by_contacts if one.rule in rules
         )
