@@ -24,7 +24,7 @@ from origins.thresholds.law import Array
 POINTS, TOLERANCE, CLEAR = 1200, 1e-7, 4.0
 # Decades between two speeds, at most.
 DECADES_APART = 2.0
-# The path ends beyond the place that is asked about by this part of it, and by so many mean thresholds.
+# The path ends beyond the place that is asked about by this part of it, and beyond a slip by so many mean thresholds.
 BEYOND_PART, BEYOND = 0.2, 2.0
 
 
@@ -48,21 +48,24 @@ def slips_alike(
     spring, speed = float(drive.spring or 0.0), drive.velocity
     slowest = spring / (1.0 + spring)
     many = 2 + int(-np.log10(slowest) / DECADES_APART)
-    speeds = speed * np.geomspace(slowest, 1.0, many)
-    path = path_beyond(contacts, travel)
+    # a fall that comes later does not matter where it has not slipped
+    path = path_beyond(contacts, travel, BEYOND if slips else 0.0)
     cold = first_fall(contacts.replace(thermal=None), path, spring, speed, until)
-    each = [first_fall(contacts, path, spring, float(one), until) for one in speeds]
-    if None in (cold, *each):
+    if cold is None or (not slips and cold.travel <= travel):
         return False
-    falls = [one for one in (cold, *each) if one is not None]
-    if slips:
-        return max(abs(one.force - falls[0].force) for one in falls) <= effect
-    return min(one.travel for one in falls) > travel
+    # the slowest first, as heat has the most time there: one that is not alike decides
+    for one in speed * np.geomspace(slowest, 1.0, many):
+        hot = first_fall(contacts, path, spring, float(one), until)
+        if hot is None or (not slips and hot.travel <= travel):
+            return False
+        if slips and not abs(hot.force - cold.force) <= effect:
+            return False
+    return True
 
 
-def path_beyond(contacts: Contacts, travel: float) -> Array:
-    """Points of a rigid slider's path from 0 to some way beyond this travel (lengths)."""
-    return np.linspace(0.0, (1.0 + BEYOND_PART) * travel + BEYOND * contacts.mean_threshold, POINTS)
+def path_beyond(contacts: Contacts, travel: float, beyond: float = BEYOND) -> Array:
+    """Points of a rigid slider's path from 0 to a part of this travel (a length) and so many mean thresholds beyond."""
+    return np.linspace(0.0, (1.0 + BEYOND_PART) * travel + beyond * contacts.mean_threshold, POINTS)
 
 
 def rigid_slider(contacts: Contacts, path: Array, velocity: float, until: float) -> Solution | None:
