@@ -52,12 +52,14 @@ def clean_environment(**extra: str) -> dict[str, str]:
     return {**kept, "PYTHONPATH": str(ROOT), **extra}
 
 
-@pytest.fixture(autouse=True)
-def _compiled_before(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(autouse=True, scope="session")
+def _compiled_before() -> Generator[None, None, None]:
     """What commands say does not tell whether they are the first to compile, nor how fast the machine is."""
-    # s; an event can wait no infinite time
-    monkeypatch.setattr("toolkit.running.progress.PATIENCE", 1e6)
-    monkeypatch.setattr("toolkit.running.rules.SECONDS", 1e6)
+    with pytest.MonkeyPatch.context() as patch:
+        # s; an event can wait no infinite time
+        patch.setattr("toolkit.running.progress.PATIENCE", 1e6)
+        patch.setattr("toolkit.running.rules.SECONDS", 1e6)
+        yield
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.stats
+from conftest import slow
 
 import origins
 from eq_model.compiling import compiled
@@ -28,7 +29,7 @@ def _row(row, turn, stream, births, scratch, out, further):  # type: ignore[no-u
         further[i] = words_at(i, turn, stream, purpose + 4 + row)[0]
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", [slow(name, when=name == "gap") for name in LAWS])
 def test_rows_are_those_of_the_plain_twin(name: str) -> None:
     contacts = origins.Contacts(LAWS[name])
     unit = 2.0**-28 * contacts.mean_threshold

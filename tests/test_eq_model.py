@@ -39,7 +39,7 @@ DRAWN: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.parametrize("name", [slow(name, when=name == "growing grains") for name in DRAWN])
 def test_thresholds_are_drawn_from_their_law(name: str) -> None:
     """Kolmogorov and Smirnov's distance of those of a million contacts, and both tails, where bins tell them."""
     contacts, n = Contacts(DRAWN[name]), 1_000_000

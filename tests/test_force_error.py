@@ -242,7 +242,10 @@ def test_finite_volumes_meet_the_first_passage_of_thresholds_that_diffuse_freely
 
 @pytest.mark.parametrize(
     ("shape", "rate", "delay"),
-    [*(slow(2.5, *law) for law in ((0.0, 0.0), (0.7, 1.3))), (3.3, 0.7, 0.0), (6.0, 0.0, 0.4)],
+    [
+        *(slow(*each) for each in ((2.5, 0.0, 0.0), (2.5, 0.7, 1.3), (6.0, 0.0, 0.4))),
+        (3.3, 0.7, 0.0),
+    ],
 )
 @pytest.mark.filterwarnings("ignore::origins.laws.temperature.TooHot")
 def test_force_is_the_laplace_inversion_of_its_transform(

@@ -22,6 +22,7 @@ TABLE = Path(__file__).with_name("thermal_table.csv")
 WIDE = gaussian(1.0, 0.2)
 # paths of the thresholds with a gap, and of those of summits, in the quick suite
 FEW = {"gap": ("on after a hold",), "gw_elastic": ("slow",)}
+FEW |= {"gaussian": ("turns", "across zero", "slow")}
 
 
 @pytest.mark.parametrize(

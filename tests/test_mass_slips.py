@@ -23,7 +23,7 @@ LAWS = {
 OF_FEW = [
     (50, 3000, "exponential"),
     (200, 2000, None),
-    (2000, 200, "weibull"),
+    (2000, 200, None),
     (20_000, 20, "gaussian"),
 ]
 

@@ -745,7 +745,7 @@ def test_forces_are_read_between_the_ends_of_steps_and_behind_a_slip() -> None:
 
 
 # beside growth with heat, which holds both memories
-SECOND = ("stiff heat", "growth, delay", "growth, heat", "growth from 0, heat")
+SECOND = ("heat", "stiff heat", "growth, delay", "growth, heat", "growth from 0, heat")
 
 
 @pytest.mark.parametrize("name", [slow(name, when=name in SECOND) for name in TWINS])

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 
 import master
 import origins
@@ -140,7 +141,7 @@ def test_errors_of_moments_in_a_mixture_are_those_of_its_parts_from_samples() ->
     assert found == pytest.approx(float(np.std(forces)), rel=0.06)
 
 
-@pytest.mark.parametrize("linked", [False, True])
+@pytest.mark.parametrize("linked", [False, slow(True)])
 def test_the_verdict_and_thresholds_tell_the_same_errors_of_samples(
     linked: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

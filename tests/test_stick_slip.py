@@ -246,7 +246,7 @@ COARSE = {
 
 
 # of the others a delay, grains and exact ends have tests of their own at finer tolerances
-QUICKLY_SOLVED = ("linked", "ageing", "soft", "births at many stretches")
+QUICKLY_SOLVED = ("linked", "soft", "births at many stretches")
 
 
 @pytest.mark.parametrize("name", [slow(name, when=name not in QUICKLY_SOLVED) for name in COARSE])

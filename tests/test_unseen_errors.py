@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from conftest import slow
 from solving import gauss
 
 import master
@@ -129,7 +130,7 @@ def test_ageing_contacts_born_at_many_stretches_are_interpolated_to_the_error_th
 
 
 @pytest.mark.parametrize("std", [0.0004, 0.001, 0.004])
-@pytest.mark.parametrize("tolerance", [0.2, 1e-2])
+@pytest.mark.parametrize("tolerance", [0.2, slow(1e-2)])
 def test_loose_tolerances_of_narrow_thresholds(std: float, tolerance: float) -> None:
     """Panels as wide as a loose tolerance allows would step over the peak of breaks, and claim a third of the error."""
     peaks = [n + std * np.linspace(-8.0, 8.0, 401) for n in (1, 2, 3, 4)]

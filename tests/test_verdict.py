@@ -722,7 +722,8 @@ def test_where_k_star_takes_too_long_other_samples_tell_of_the_force_alone(
     resampled = uncertainty.of_resampled
     monkeypatch.setattr(uncertainty, "of_resampled", late)
     waiting = {"thresholds": law, "delay": {"time": 0.1}}
-    tables = {"drive": {"spring": 5.0, "velocity": 1.0}, "verdict": RESET, "contacts": waiting}
+    # without a spring, on which the slider would be followed in steps of time
+    tables = {"drive": {"velocity": 1.0}, "contacts": waiting}
     _, page, found = judged(capsys, **tables)
     assert "other samples: no time was left to resample the 5 thresholds" in page
     assert found["readings"][0]["kinetic"]["sampling"] is None
@@ -956,8 +957,8 @@ def test_what_takes_long_is_named_where_f_s_of_growing_thresholds_is_too_late(
         raise TimeIsUp
 
     monkeypatch.setattr(master, "propensity", late)
-    contacts, drive = {"thresholds": GAUSSIAN} | GROWING, {"spring": 0.5}
-    _, page, found = judged(capsys, contacts=contacts, drive=drive, master=None, wall_time=1e4)
+    contacts = {"thresholds": GAUSSIAN} | GROWING
+    _, page, found = judged(capsys, contacts=contacts, drive={"velocity": 1.0})
     assert "grow and break by heat may take minutes: raise wall_time" in page
     assert "or run the scene with [eq], which needs neither" in page
     assert all(line.strip() for line in found["hangs_on"])

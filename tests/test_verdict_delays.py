@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy import stats
 
 import eq_model
@@ -48,7 +49,7 @@ def told(
     return answers.Verdict("a", "a", SPEED, (own,), (), {}, 1.0, turned)
 
 
-@pytest.mark.parametrize("case", range(40))
+@pytest.mark.parametrize("case", [slow(case, when=case >= 12) for case in range(40)])
 def test_friction_falls_by_the_damping_at_both_ends_and_by_more_between_them(case: int) -> None:
     """F_k of the master equation's steady state, differentiated, against the roots; none from F/4v on."""
     rng = np.random.default_rng(case)
