@@ -147,23 +147,26 @@ def test_a_slider_that_is_not_decided_says_whether_steady_sliding_is_stable() ->
 
 
 @pytest.mark.parametrize("spring", [slow(1e-4), 1e-3, slow(1e-2)])
-def test_contacts_that_hardly_hold_damp_a_mass(spring: float) -> None:
+@pytest.mark.parametrize(
+    "heat",
+    [
+        Thermal("stiff", 0.82, 1e6),
+        slow(Thermal("soft", 2.4, 2e11)),
+        slow(Thermal("soft", 10, 1e11)),
+    ],
+)
+def test_contacts_that_hardly_hold_damp_a_mass(spring: float, heat: Thermal) -> None:
     """They bear 1e-6 to 1e-11 of a threshold, in proportion to the speed: nothing but friction that rises. Sums of
     their answer to slow swings are rounding, which was told as unstable."""
-    for heat in (
-        Thermal("stiff", 0.82, 1e6),
-        Thermal("soft", 2.4, 2e11),
-        Thermal("soft", 10.0, 1e11),
-    ):
-        loose = Contacts(WIDE, thermal=heat)
-        force = master.steady_state(loose, velocity=1.0).force
-        assert force < 1e-5
-        assert master.steady_state(loose, velocity=2.0).force == pytest.approx(2.0 * force, rel=0.1)
-        for mass in (1.0, 100.0):
-            assert sliding_is_stable(loose, 1.0, spring, mass) is not False
-            assert sliding_is_stable(loose, 1.0, spring, mass, 1e-3) is not False
-    loose = Contacts(WIDE, thermal=Thermal("stiff", 0.82, 1e6))
-    assert sliding_is_stable(loose, 1.0, spring, 1.0, 1e-3)
+    loose = Contacts(WIDE, thermal=heat)
+    force = master.steady_state(loose, velocity=1.0).force
+    assert force < 1e-5
+    assert master.steady_state(loose, velocity=2.0).force == pytest.approx(2.0 * force, rel=0.1)
+    for mass in (1.0, 100.0):
+        assert sliding_is_stable(loose, 1.0, spring, mass) is not False
+        damped = sliding_is_stable(loose, 1.0, spring, mass, 1e-3)
+        # of contacts in stiff heat it is known
+        assert damped or (damped is None and (heat.law, mass) != ("stiff", 1.0))
 
 
 @pytest.mark.parametrize(("contacts", "slips"), [slow(STRONG, 0), (WEAK, 1)])
