@@ -154,6 +154,7 @@ def test_a_busy_machine_answers_as_a_quiet_one(
     assert solver.asked == pytest.approx(asked)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_map_without_time_says_what_it_did_not_ask(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -316,6 +317,7 @@ def test_an_interrupted_table_holds_what_is_known(
     assert (folder / "stability.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_number_takes_no_more_than_its_share_of_the_wall_time(
     tmp_path: Path, monkeypatch: Any
 ) -> None:
@@ -341,6 +343,7 @@ def test_a_number_takes_no_more_than_its_share_of_the_wall_time(
 
 
 @pytest.mark.parametrize("known", [2, 0])
+@pytest.mark.usefixtures("unrendered")
 def test_a_map_ends_with_the_wall_time_of_its_scene(
     known: int, tmp_path: Path, monkeypatch: Any, capsys: Any
 ) -> None:
