@@ -24,8 +24,7 @@ from origins.thresholds.law import Array
 POINTS, TOLERANCE, CLEAR = 1200, 1e-7, 4.0
 # Decades between two speeds, at most.
 DECADES_APART = 2.0
-# The path ends beyond the place that is asked about by this part of it and of a mean threshold, and beyond a slip by so
-# many mean thresholds.
+# The path ends beyond the place that is asked about by this part of it, and beyond a slip by so many mean thresholds.
 BEYOND_PART, BEYOND = 0.2, 2.0
 
 
@@ -50,7 +49,7 @@ def slips_alike(
     slowest = spring / (1.0 + spring)
     many = 2 + int(-np.log10(slowest) / DECADES_APART)
     # a fall that comes later does not matter where it has not slipped
-    path = path_beyond(contacts, travel, BEYOND if slips else BEYOND_PART)
+    path = path_beyond(contacts, travel, 0.0 if travel and not slips else BEYOND)
     cold = first_fall(contacts.replace(thermal=None), path, spring, speed, until)
     if cold is None or (not slips and cold.travel <= travel):
         return False
