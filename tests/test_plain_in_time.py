@@ -371,7 +371,12 @@ def made_up(force: float, small_drop: float = 0.0) -> Any:
         slips=slips if small_drop else slips[:1],
         motion=None,
         contacts=SimpleNamespace(
-            unit=1.0, steps=6, halvings=0, memory=memory, unresolved=SimpleNamespace(largest={})
+            unit=1.0,
+            steps=6,
+            halvings=0,
+            memory=memory,
+            delay=0.0,
+            unresolved=SimpleNamespace(largest={}),
         ),
     )
 

@@ -252,7 +252,8 @@ class Slider:
 
     def node_now(self, sizes_so_far: float) -> Node:
         state = self.contacts
-        return Node(sizes_so_far, state.now, state.force, state.holding, state.position)
+        breaks = state.past_breaks.total
+        return Node(sizes_so_far, state.now, state.force, state.holding, state.position, breaks)
 
     def slip(self, drive_position: float) -> None:
         """Let the slider slip while the drive holds at this position, by its rule:

@@ -69,13 +69,14 @@ ROUNDED_LOAD = 1e-12
 
 class Node(NamedTuple):
     """The end of a step: the sum of the sizes of its section's steps so far (see Steps), and the state; time and
-    position are counted from the beginning of the path, not of the section."""
+    position are counted from the beginning of the path, breaks from there or the last slip that replaced all."""
 
     sizes_so_far: float
     time: float
     force: float
     holding: float
     position: float
+    breaks: float = np.nan
 
     def shifted(self, time: float, position: float) -> "Node":
         """The same state, later by this time and farther by this way."""

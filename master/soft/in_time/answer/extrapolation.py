@@ -25,8 +25,9 @@ import numpy as np
 import numpy.typing as npt
 
 from master.soft.followed import GIVE_WIDTH, LEAVE_HEAT, LOOSEN, ErrorPart, Followed, total
+from master.soft.in_time.answer.aligned import aligned_holding
 from master.soft.in_time.answer.near_slip import undecided_end
-from master.soft.in_time.answer.reading import read
+from master.soft.in_time.answer.reading import read, read_holding
 from master.soft.in_time.contacts import COMPARED
 from master.soft.in_time.idle_heat import unresolved_heat
 from master.soft.in_time.slider import Slider
@@ -41,6 +42,7 @@ REST_OF_CHANGE = 1.0 / 3.0
 INSTANTS = 65
 # Rounding of the force in one step, in mean thresholds.
 ROUNDING = 1e-13
+SHARE = "the share that holds"
 
 
 class SlipArrays(NamedTuple):
@@ -169,6 +171,8 @@ def _answer(slider: Slider, times: Array) -> Answer:
     """What one slider answers at times (n,)."""
     unit = slider.contacts.unit
     force, holding = read(slider.sections, times)
+    if slider.contacts.delay:
+        holding = read_holding(slider.sections, times, slider.contacts.delay)
     lengths = [(slip.load, slip.force_before, slip.force_after) for slip in slider.slips]
     return Answer(force / unit, holding, SlipArrays(*np.reshape(lengths, (-1, 3)).T / unit))
 
@@ -188,7 +192,14 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
     if undecided is not None and undecided.size > total(parts):
         parts = [undecided]
     changes = _changes(np.array([one.holding[far] for one in answers]))
-    of_holding = _of_steps(last, changes, times[far], "the share that holds")
+    of_holding = _of_steps(last, changes, times[far], SHARE)
+    aligned = aligned_holding(sliders, slips.times, times)
+    if aligned is not None:
+        more = aligned.beside / last.contacts.memory.safety
+        off = _of_steps(last, (aligned.changes + more)[:, far], times[far], SHARE)
+        if off.size < of_holding.size:
+            of_holding = off
+            answer.holding[far] = aligned.holding[far]
     return Limit(answer, parts, of_holding._replace(size=min(of_holding.size, 1.0)))
 
 

@@ -7,6 +7,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.optimize.elementwise import find_root
 
 from master.soft.in_time.breaks import NEARBY
+from master.soft.in_time.steps import Node
 from origins.thresholds.law import Array
 
 # Highest degree of the splines between the ends of steps; they are best at odd ones.
@@ -43,3 +44,27 @@ def read(sections: Sequence[Sequence[tuple[float, ...]]], asked: Array, count: i
         place = np.where(found.success, found.x, np.interp(at, time, size))
         out[:, which == k] = spline(place)[:, 1:].T
     return out
+
+
+def read_holding(sections: Sequence[Sequence[Node]], asked: Array, delay: float) -> Array:
+    """The share that holds at times (n,), 1 - B(t) + B(t - delay), by the breaks on both sides of t - delay.
+
+    A step knows those before it alone, and where it is longer than the delay no rate but its mean: near a slip, where
+    breaks come ever faster, the share that it tells is off in proportion to its size. What a slip left before it
+    replaced all contacts does not come back.
+    """
+    breaks = read(sections, asked, 4)[3]
+    first = np.array([section[0].breaks for section in sections])
+    last = np.array([section[-1].breaks for section in sections])
+    anew = np.flatnonzero(first[1:] < last[:-1]) + 1
+    begins = np.append(0, anew)
+    ends = np.append(anew, len(sections))
+    counted_from = np.array([sections[k][0].time for k in anew.tolist()])
+    which = np.searchsorted(counted_from, asked, side="right")
+    births = np.zeros(asked.size)
+    for k in np.unique(which):
+        counted = sections[begins[k] : ends[k]]
+        mine = np.flatnonzero((which == k) & (asked - delay > counted[0][0].time))
+        if mine.size:
+            births[mine] = read(counted, asked[mine] - delay, 4)[3]
+    return np.asarray(1.0 - breaks + births)
