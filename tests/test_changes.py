@@ -56,6 +56,8 @@ def test_copies_never_overwrite(capsys: Any) -> None:
     assert "is there already, and is kept" in refused(capsys, "copy", "gaussian")
     assert Path("gaussian.toml").read_text() == "mine"
     Path("sub").mkdir()
+    # a figure of the paper names its scene, as in `run A08c`
+    assert said(capsys, "copy", "A08c")[0] == 0 and Path("kinetic-force.toml").exists()
     assert said(capsys, "copy", "gaussian", "sub")[0] == 0 and Path("sub/gaussian.toml").exists()
     assert said(capsys, "copy", "gaussian", "new/")[0] == 0 and Path("new/gaussian.toml").exists()
     assert "did you mean gaussian? `mesofriction scenes`" in refused(capsys, "copy", "gausian")

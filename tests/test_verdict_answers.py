@@ -22,7 +22,7 @@ from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.machine import Machine, RigidSlider
 from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.text.words import page, sentence
-from toolkit.verdict.uncertainty import with_sampling
+from toolkit.verdict.uncertainty import to_digits, with_sampling
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
 
@@ -164,3 +164,13 @@ def test_an_answer_beside_a_bound_on_heat_is_one() -> None:
     assert found.error == pytest.approx(solved.force_error)
     number = np.inf if found.heat_left_out is None else found.heat_left_out
     assert number == solved.heat_left_out
+
+
+def test_a_force_that_begins_with_1_is_not_rounded_by_half_of_its_error() -> None:
+    """106 ± 11 mN stood as 110 mN in a range over readings."""
+    for value, error, text in (
+        (0.106, 0.011, "106 mN"),
+        (0.106, 0.05, "110 mN"),
+        (0.313, 0.03, "310 mN"),
+    ):
+        assert to_digits(value, "N", 0.0, error) == text

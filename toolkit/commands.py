@@ -36,7 +36,7 @@ from toolkit.scene.changes import read_changes
 from toolkit.scene.interfaces import foreseen
 from toolkit.scene.laws import inside
 from toolkit.scene.of_samples import of_smoothing
-from toolkit.scene.paper import numbers_in_paper
+from toolkit.scene.paper import numbers_in_paper, scene_of_figure
 from toolkit.scene.scale import SHARED
 from toolkit.scene.scene import SHIPPED, load_scene, read_scene, shipped_scenes
 from toolkit.scene.tables import did_you_mean
@@ -85,8 +85,9 @@ def show(arguments: argparse.Namespace) -> int:
 
 
 def copy(arguments: argparse.Namespace) -> int:
-    """Write a shipped scene, with its comments, into a file of the user's, which must not be there yet."""
-    name = arguments.scene
+    """Write a shipped scene, named by itself or by a figure of the paper, with its comments, into a file of the user's,
+    which must not be there yet."""
+    name = scene_of_figure(arguments.scene) or arguments.scene
     if name not in shipped_scenes():
         meant = did_you_mean(name, shipped_scenes())
         refuse("scene", name, f"is no shipped scene; {meant}`mesofriction scenes` lists them")

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.judge.compare import FORCES, SHOWN, SPRINGS, ComparedScene, common_unit
-from toolkit.judge.describe import RESAMPLES, onset_in_words
-from toolkit.running.resampled import known_to
+from toolkit.judge.describe import onset_in_words
 from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.scale import SHARED, guarded
 from toolkit.verdict.answers import Quantity
@@ -48,9 +47,6 @@ def table(compared: Sequence[ComparedScene]) -> list[str]:
             times[-1] += f" and EQ {seen['run_time']:.2g} s"
             if seen["not_compared"] is not None:
                 own.append(f"EQ and ME not compared: {seen['not_compared']}")
-        if scene.found.sampled:
-            known = f"{RESAMPLES} resampled laws (known to ± {known_to(RESAMPLES):.0%})"
-            own.append(f"errors are those of the samples, by moments, else by {known}")
         for why in dict.fromkeys(scene.left_out.values()):
             names_of = [name for name, its in scene.left_out.items() if its == why]
             own.append(f"left out: {'; '.join(names_of)}: {why}")

@@ -20,7 +20,7 @@ from toolkit.running.resampled import (
 )
 from toolkit.scene.interfaces import of_a_scan
 from toolkit.scene.of_samples import of_smoothing
-from toolkit.scene.scale import guarded, with_scatter, written
+from toolkit.scene.scale import FINER, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.budget import Budget
 from toolkit.verdict.sliders.late import shrinking
@@ -244,8 +244,15 @@ def to_digits(
     """A value to the digit of an error that stands beside it or beside what it follows from; where none is (0), to
     one digit more than its uncertainty leaves, two of what is `vague`."""
     if error:
-        return written(value, unit, error, digits=4)
+        # 105 ± 11 is not 110
+        finer = _leading(value) < 2.0 and _leading(error) < FINER
+        return written(value, unit, error / 10.0 if finer else error, digits=4)
     return guarded(value, unit, uncertainty, vague)
+
+
+def _leading(value: float) -> float:
+    """The number from 1 to 10 that a value has before its power of ten; 0 of 0."""
+    return float(abs(value) / 10.0 ** np.floor(np.log10(abs(value)))) if value else 0.0
 
 
 def spring_to_digits(value: float, unit: str, uncertainty: float) -> str:
