@@ -143,7 +143,7 @@ def test_what_has_no_first_passage_is_refused_in_one_line(name: str, call: str) 
     "name",
     [
         # kernels of ageing with heat take half a minute to compile
-        slow(name, when=name != "diverges at 0")
+        slow(name, when=name == "heat")
         for name in LEFT_TO_THE_ENSEMBLE
     ],
 )
