@@ -60,15 +60,20 @@ QUESTIONS = {
         "master:March",
     ),
     "number conservation solved at the nodes of a panel": ("master:solve_batch",),
-    "force_error of a path; of a panel": ("master:solve_rigid", "master:solve_batch"),
+    "force_error of a path; of a panel; of steps in time": (
+        "master:solve_rigid",
+        "master:solve_batch",
+        "master:extrapolated",
+    ),
     "F_k, the force of steady sliding; at many speeds": (
         "master:Cycle.force",
         "master:kinetic_curve",
     ),
     "K*, the critical spring; where F falls most": ("master:propensity", "master:extremes"),
-    "a slider on a spring: solved; followed; its slips": (
+    "a slider on a spring: solved; followed at T = 0, by laws in time; its slips": (
         "master:solve_soft",
-        "master:Followed",
+        "master:ColdSlider.follow",
+        "master:refined",
         "master:slips_of",
     ),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
@@ -178,7 +183,15 @@ QUESTIONS = {
         "eq_model:watch",
         "eq_model:end_fall",
     ),
-    "a drive that turns on a spring in the ensemble": ("eq_model:turn",),
+    "a drive that turns on a spring in the ensemble; with mass": (
+        "eq_model:turn",
+        "eq_model:_end_leg",
+    ),
+    "uncertainty of a number of a verdict: by samples; over readings; its digits": (
+        "toolkit:with_sampling",
+        "toolkit:uncertainties_of",
+        "toolkit:row",
+    ),
     "a, b and D_c; the critical spring of rate and state, by the law and solved": (
         "master:read_steps",
         "master:_spring_by_law",

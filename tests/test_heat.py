@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,16 @@ from solving import gauss
 
 import eq_model
 import master
-from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, gw_elastic, identical
+from origins import (
+    Contacts,
+    Delay,
+    RateLaw,
+    Thermal,
+    gaussian,
+    gaussian_start,
+    gw_elastic,
+    identical,
+)
 from origins.laws.soft import SoftRates
 
 TABLE = Path(__file__).with_name("thermal_table.csv")
@@ -236,3 +246,36 @@ def test_an_error_in_a_law_of_ones_own_is_seen_before_kernels_call_it() -> None:
     contacts = Contacts(gaussian(1.0, 0.1), thermal=Unfinished(0.1, 0.4))
     with pytest.raises(NotImplementedError, match="no inverse yet"):
         eq_model.simulate(contacts, [0.0, 1.0], n_contacts=10)
+
+
+class Proportional(RateLaw):
+    """h = ω x/x_s, which is 0 at x = 0: ln h is a function of x plus one of x_s."""
+
+    name, scale = "proportional", 1.0
+
+    def log_rate(self, x: Any, threshold: Any, stiffness: Any) -> Any:
+        with np.errstate(divide="ignore"):
+            return np.log(x / threshold)
+
+    def log_passed(self, near: Any, far: Any, threshold: Any, stiffness: Any) -> Any:
+        with np.errstate(divide="ignore"):
+            return np.log((far - near) * (far + near) / (2.0 * threshold))
+
+    def reached(self, log_amount: Any, near: Any, threshold: Any, stiffness: Any) -> Any:
+        return np.minimum(np.sqrt(near**2 + 2.0 * threshold * np.exp(log_amount)), threshold)
+
+
+class Separable(Proportional):
+    """The same, which says that it is separable."""
+
+    separable = True
+
+
+def test_a_separable_rate_may_be_zero_at_a_stretch_of_zero() -> None:
+    path = np.linspace(0.0, 2.0, 5)
+    one, other = (
+        master.solve(Contacts(gaussian(1.0, 0.2), thermal=law()), path, 1e-6)
+        for law in (Proportional, Separable)
+    )
+    assert one.success and other.success
+    np.testing.assert_array_equal(one.force, other.force)

@@ -586,3 +586,14 @@ def test_contacts_older_than_fresh_ones_have_a_critical_spring_with_heat(thermal
     )
     error = warm.critical_spring_error + cold.critical_spring_error
     assert abs(warm.critical_spring - cold.critical_spring) < error + 0.01 * cold.critical_spring
+
+
+@pytest.mark.slow  # 15 s; quick: slips up to decohered contacts, above
+def test_a_long_slip_ends_in_balance_where_decohered_contacts_bear_more_than_steps_do() -> None:
+    """Contacts that break by rare attempts slip on 1e-6 N_c<k> to F_k. In steps F stays 9e-4 below it, which had ended
+    the slip out of balance, and small slips followed for ever."""
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.05, 1e-3))
+    solved = master.solve(contacts, [3e6], 1e-3, spring=1e-6, slip="instant", velocity=1.0)
+    steady = master.steady_state(contacts, velocity=1.0)
+    assert solved.success and solved.slips.drive.size == 1
+    assert solved.force[0] == pytest.approx(steady.force, abs=solved.force_error)

@@ -1563,6 +1563,11 @@ def test_the_critical_spring_of_smoothed_islands_is_no_number(monkeypatch: Any) 
         assert "3.28" not in text + found._repr_html_() and "hangs on smoothing" in text
         assert ("K*, which is not known" in text) is (machine is None)
         assert "F_k and F_s: at most 2e-06\n" in text
+        sampled = replace(answer, kinetic=answers.Quantity(0.5, 1e-6, sampling=0.012))
+        html = replace(found, answers=(sampled,))._repr_html_()
+        # not right behind the number, which has its own error there
+        assert "F_k, by other samples</th><td>± 0.012" in html
+        assert "length ± 0.012" not in html
         springs = draw_verdict(found).axes[-1]
         assert not springs.containers
         assert "hangs on the smoothing" in springs.texts[0].get_text()

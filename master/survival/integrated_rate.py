@@ -30,7 +30,9 @@ class IntegratedRate:
         self._duration = legs.duration
         self.furthest: Array = np.abs(self._stretch).max(axis=1)
         self._log_relaxed_time: Array | None = None  # where the rate is separable
-        if self._rates.separable and contacts.stiffness != "linked":
+        # by a rate that is 0 at x = 0 no time there gives what has passed elsewhere
+        rate_at_0 = self._rates.log_rate(0.0, contacts.mean_threshold, 1.0)
+        if self._rates.separable and np.isfinite(rate_at_0) and contacts.stiffness != "linked":
             self._log_relaxed_time = self._log_relaxed_times(born)
 
     def _log_relaxed_times(self, born: Array) -> Array:

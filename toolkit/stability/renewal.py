@@ -18,6 +18,7 @@ from toolkit.stability.diffusing import aged_lives
 COARSEST = 256  # steps of a path; delays are whole numbers of them
 _HALVINGS = 4
 _NODES = 48  # of thresholds on the coarsest steps, and as many again on each finer ones
+_RATES = "soft", "stiff", "eyring"  # whose equations are written out in `rate_of` and `_passed`
 _FORGOTTEN = 1e-18  # share of thresholds on either side that is left out
 
 
@@ -36,6 +37,8 @@ def by_renewal(contacts: Contacts, path: Array, velocity: float = 1.0) -> Truth:
     others = contacts.changing is not None and contacts.ageing is None
     if others or contacts.reforming is not None or not isinstance(contacts.thermal, Thermal | None):
         raise InputError("contacts: here only with a delay, heat, linked stiffness or ageing")
+    if contacts.thermal is not None and contacts.thermal.law not in _RATES:
+        raise InputError(f"contacts.thermal: {contacts.thermal.law!r} is not written out here")
     if not contacts.start.is_single or contacts.start.mean() < 0.0:
         raise InputError("start: here only of one stretch, which is 0 or more")
     every = COARSEST // (path.size - 1)
@@ -116,6 +119,8 @@ def _lives(
 def rate_of(heat: Thermal, x: Array, limit: Array) -> Array:
     """h of contacts with <k>, by the formulas of origins.Thermal."""
     s = np.maximum(1.0 - x / limit, 0.0)
+    if heat.law not in _RATES:
+        raise InputError(f"contacts.thermal: {heat.law!r} is not written out here")
     if heat.law == "eyring":
         return heat.attempt_frequency * np.exp(-s / dict(heat.own)["width"])
     warmth = 2.0 * float(heat.temperature or 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 from origins.contacts import Contacts
 from toolkit.results.html import as_table
 from toolkit.scene.of_samples import of_smoothing
-from toolkit.scene.scale import Scale, of_contacts, with_uncertainty
+from toolkit.scene.scale import Scale, of_contacts, with_uncertainty, written
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 
 
@@ -125,14 +125,16 @@ class Verdict:
             "static friction F_s": (own.static, scale.force, scale.force_unit),
             "critical spring K*": (own.critical_spring, scale.spring, scale.spring_unit),
         }
-        rows = [
-            (name, with_uncertainty(one.value * factor, (one.sampling or one.error) * factor, unit))
-            for name, (one, factor, unit) in numbers.items()
-        ]
-        if own.critical_spring.lost:
-            rows[-1] = ("critical spring K*", "not known")
-        if own.smoothed:
-            rows[-1] = ("critical spring K*", "not known: it hangs on the smoothing of P_c")
+        rows = []
+        for name, (one, factor, unit) in numbers.items():
+            if one is own.critical_spring and (one.lost or own.smoothed):
+                why = "" if one.lost else ": it hangs on the smoothing of P_c"
+                rows.append((name, f"not known{why}"))
+                continue
+            rows.append((name, with_uncertainty(one.value * factor, one.error * factor, unit)))
+            if one.sampling and not one.unknown:
+                scatter = written(one.sampling * factor, unit, digits=2)
+                rows.append((f"{name}, by other samples", f"± {scatter}"))
         rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
         followed = [one for one in self.finite if one.kind != "unknown"]
         rows += [

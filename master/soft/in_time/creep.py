@@ -24,7 +24,7 @@ and how much F - F_k(V) varied: as F_k rises with V, F is drawn to within that o
 An example, whose numbers a test holds: P_c ~ x e^(-x²/2a²) of the mean 1, heat by "eyring" of the width 0.03, K = 3e-3,
 v = 1e-4, the tolerance 1e-2. The last of three sliders creeps from X_T = 178.3 on, with F = 0.5045:
 
-    its way, 10.14 m on 178 steps, is 20 mean stretches F/N_c<k> for the first time
+    its way, 10.14 <x_s> on 178 steps, is 20 mean stretches F/N_c<k> for the first time
     along its last quarter F_k(V) rises by 0.019 for each factor e of V, and F - F_k(V) varies by 8.6e-5 <= 0.0019
     F lags by 1.6e-4 <= 0.0025, a quarter of the tolerance
     F - F_k(V) is -7.41e-3, -1.43e-3 and -2.23e-4 of the three: at step 0 |-2.23e-4 + 1.43e-3/4|/(3/4) = 1.8e-4, more

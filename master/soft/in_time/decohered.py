@@ -110,8 +110,17 @@ class Decohered:
     @cached_property
     def _length(self) -> float:
         """X*, not too short by its error (a length); inf where F does not tend to F_k as an exponential."""
-        length, error = decoherence_length(Cycle(self._cold, ColdLife(self._cold), 1.0))
+        length, error = decoherence_length(self._cycle)
         return length + error
+
+    @cached_property
+    def _cycle(self) -> Cycle:
+        return Cycle(self._cold, ColdLife(self._cold), 1.0)
+
+    @cached_property
+    def _steady_force(self) -> float:
+        """F_k of contacts without heat, which those decohered contacts bear (a length)."""
+        return self._cycle.force()[0]
 
     def swing(self, slip: SlipSoFar) -> float:
         """By how much F changed along the last life (a length), by those at the ends of steps."""
@@ -129,7 +138,8 @@ class Decohered:
             return False
         swing = self.swing(slip)
         # F was no larger than now by more than a swing, and between the ends of steps by no more than another
-        most = slip.forces[-1] + 2.0 * swing + MARGIN * self._unit
+        # F of those decohered contacts may be a little above that of steps, which would end the slip out of balance
+        most = max(slip.forces[-1], self._steady_force) + 2.0 * swing + MARGIN * self._unit
         ahead = (slip.load - most) / self._spring
         if ahead <= needed:
             return False

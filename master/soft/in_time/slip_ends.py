@@ -150,6 +150,8 @@ def slip_with_births(
     at_end = imbalance(low)
     if at_end > 0.0:
         low, at_end = balance_between(imbalance, low, step_travel, contacts)
+    else:  # the slider has gone no further since, and may not be in balance there
+        contacts.unresolved.note(OF_BALANCE, abs(at_end), contacts.now)
     contacts.take(contacts.trial(low, contacts.now), 0.0)
     _check_balance(contacts, steps, at_end)
 
