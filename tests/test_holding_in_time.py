@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import master
+from master.soft.followed import ErrorPart, Followed
 from master.soft.in_time.answer.aligned import aligned_holding
 from master.soft.in_time.answer.reading import read_holding
 from master.soft.in_time.steps import Node
-from origins import Contacts, Delay, Thermal, gaussian
+from origins import Contacts, Delay, Drive, Thermal, gaussian
 
 DELAY, STEPS = 0.3, 9
 SHARE = 0.5  # of the contacts that breaks up to the slip
@@ -69,6 +70,23 @@ def test_slips_that_come_later_in_one_slider_leave_the_share_its_limit() -> None
     assert error.max() < 2e-3 < 2e-2 < np.abs(at_one_time - exact(time, 1.0)).max()
     assert (error < 3.0 * found.changes.min(axis=0) + found.beside + 1e-12).all()
     assert aligned_holding(sliders, np.empty((3, 0)), time) is None
+
+
+def test_where_only_the_share_that_holds_misses_its_tolerance_the_force_is_said_to_be_known() -> (
+    None
+):
+    """And a solution tells both errors, of which `success` is judged by the larger."""
+    contacts = Contacts(gaussian(1.0, 0.2), delay=Delay(0.3))
+    found: Any = master.solve(contacts, [0.5, 4.0, 5.0], 1e-3, spring=0.3)
+    assert found.success and 0.0 < found.holding_error <= 1e-3
+    still: Any = master.solve(contacts.replace(delay=None), [0.5, 4.0, 5.0], 1e-3, spring=0.3)
+    assert still.holding_error == 0.0
+    parts = (ErrorPart("steps", 2e-6),)
+    force, slips = np.array([0.5]), found.slips
+    told = Followed(0.0, force, force, slips, 2e-6, 9, parts, of_holding=ErrorPart("slips", 5e-4))
+    success, message = told.outcome(contacts, Drive([1.0], spring=0.3), 1e-4, "X_T")
+    assert not success and "error estimate 5.0e-04 of holding is above" in message
+    assert message.endswith("; the force is known to 2.0e-06 mean thresholds")
 
 
 @pytest.mark.slow  # quick: the share that holds follows from breaks, above

@@ -105,7 +105,10 @@ class Followed(NamedTuple):
         most = max(parts, key=lambda part: part.size)
         if np.isinf(most.size):
             return f"no error is known without that of {most.of}; {most.remedy}"
-        return f"{above}, most of it that of {most.of}; {most.remedy}"
+        why = f"{above}, most of it that of {most.of}; {most.remedy}"
+        if self.force_error > tolerance:
+            return why
+        return f"{why}; the force is known to {self.force_error:.1e} mean thresholds"
 
     def fault(self, tolerance: float) -> str:
         """The message of a number that is not conserved, else ""."""

@@ -37,9 +37,11 @@ class SoftSolution:
     force_error : estimate from above of the largest error of `force` along the path, and of K X_T at slips, in units of
         the mean threshold; just before a slip F is as accurate as if X_T were off by slips.drive_error.
     holding : fraction of contacts that hold, shape (n,): 1 without delay and growing grains, as slips take no time.
+    holding_error : estimate from above of its largest error, a share of the contacts: near slips it may be above the
+        tolerance where `force_error` is far below; `success` asks for both.
     period : distance of X_T between the last two main slips, a length, see Slips.main; None for fewer than two.
     run_time : s; nodes : number of instants at which number conservation was solved.
-    success : whether force_error, and the error of `holding`, are at or below the requested tolerance.
+    success : whether force_error and holding_error are at or below the requested tolerance.
     note : what `message` says of how the slider was followed: heat that was left out, a delay that is taken as damping,
         creep without steps in time; "" where there is nothing to say.
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of force_error;
@@ -52,6 +54,7 @@ class SoftSolution:
     force: Array
     force_error: float
     holding: Array
+    holding_error: float
     slips: Slips
     period: float | None
     regime: Regime
@@ -144,6 +147,7 @@ def common_fields(
         "force": found.force,
         "force_error": found.force_error,
         "holding": found.holding,
+        "holding_error": found.holding_error,
         "slips": found.slips,
         "period": found.slips.period,
         "regime": regime(followed, drive, found, tolerance, until),
