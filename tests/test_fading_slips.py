@@ -99,11 +99,41 @@ def test_drops_that_shrink_ever_less_are_no_end_of_the_slips() -> None:
 
 
 def test_a_path_that_turns_gives_no_advice_to_drive_on() -> None:
-    """It goes another way: "drive to about X_T = ..." is of one that goes on."""
+    """It goes another way: "drive to about X_T = ..." is of one that goes on. Contacts of one exact threshold keep step
+    for ever."""
     pulled: dict[str, Any] = {"spring": 0.5, "slip": "instant"}
     for path, advice in (([0.0, 4.0], True), ([0.0, 4.0, 1.0], False)):
-        reason = master.solve(NARROW, path, 1e-3, **pulled).regime.reason
+        reason = master.solve(Contacts(identical(1.0)), path, 1e-3, **pulled).regime.reason
         assert "are too few to tell" in reason and ("drive to about" in reason) is advice
+
+
+@pytest.mark.parametrize("end", [0.8e6, 1.2e6, 1.8e6])
+def test_one_slip_on_a_soft_spring_is_known_to_be_the_last(end: float) -> None:
+    """It goes along F(X) until all steps of the start are forgotten: what follows on a longer path is known."""
+    pulled: dict[str, Any] = {"spring": 1e-6, "slip": "instant"}
+    contacts = Contacts(gaussian(1.0, 0.2))
+    short, long = (master.solve(contacts, [each], 1e-4, **pulled) for each in (end, 20.0 * end))
+    assert short.regime.verdict == "decaying transient" and long.slips.drive.size == 1
+    assert "1 slip up to the end of the path, then none: F falls no more" in short.regime.reason
+
+
+def test_slips_beyond_the_path_are_those_of_a_longer_one() -> None:
+    """Two peaks whose contacts fall out of step in fourteen slips: a path sees one, or four that do not fade."""
+    contacts = Contacts(mixture([gaussian(1.0, 0.1), gaussian(2.0, 0.1)], [0.5, 0.5]))
+    pulled: dict[str, Any] = {"spring": 0.3, "slip": "instant"}
+    all_slips = master.solve(contacts, [160.0], 1e-4, **pulled).slips.drive
+    for end, seen in ((6.0, 1), (8.0, 4)):
+        found = master.solve(contacts, [end], 1e-4, **pulled).regime
+        more = f"{all_slips.size - seen} more up to X_T = {all_slips[-1]:.4g}, then none"
+        assert found.slips == seen and found.verdict == "decaying transient"
+        assert more in found.reason
+
+
+def test_contacts_that_keep_their_step_are_not_said_to_forget_it() -> None:
+    """Of one exact threshold; and of two, of which one is a multiple of the other."""
+    for law in (identical(1.0), mixture([identical(1.0), identical(2.0)], [0.5, 0.5])):
+        found = master.solve(Contacts(law), [4.0], 1e-3, spring=0.5, slip="instant")
+        assert 0 < found.regime.slips < 4 and found.regime.verdict == "undecided"
 
 
 def test_slips_that_shrink_ever_more_die_out() -> None:

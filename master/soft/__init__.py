@@ -9,5 +9,6 @@ the slider; both give a `Followed` (`followed.py`):
   alike are repeated (`limit_cycle.py`); whether slips hang on heat that is left out (`left_out.py`, `first_fall.py`);
 - `in_time/`, in steps of time, where one does: `refined` in its `refining.py`.
 
-Then `regime.py` judges the slips (`slips.py`). Of a slider with a mass `inertia/solution.py` comes first.
+Then `regime.py` judges the slips (`slips.py`), at T = 0 those beyond the path, too (`slips_ahead.py`). Of a
+ slider with a mass `inertia/solution.py` comes first.
 """

@@ -13,6 +13,7 @@ from master.soft.limit_cycle import LimitCycle, Slipped
 from master.soft.moves import LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
+from master.soft.slips_ahead import nothing_ahead_known, slips_ahead
 from master.soft.too_long import refuse_endless_slips, refuse_long_lives
 from master.soft.turns import Leg, behind_turn, remedy_of
 from origins import Contacts
@@ -75,6 +76,7 @@ class ColdSlider:
         self._cycle, self._of_late = LimitCycle(), dict[Onset, Slipped]()
         # the same of each slip; nan where contacts form again at once
         self.fractions_broken = list[float]()
+        self._slips_ahead = nothing_ahead_known
         if drive.forward:
             refuse_endless_slips(contacts, cold, drive)
             refuse_long_lives(contacts, cold, drive)
@@ -126,6 +128,7 @@ class ColdSlider:
             nodes=self.contacts.nodes,
             stopped_because=stopped,
             parts=parts,
+            slips_ahead=self._slips_ahead,
         )
 
     def _move(self, direction: int, drives: Array) -> None:
@@ -148,6 +151,8 @@ class ColdSlider:
             curve, count = slip.curve, int(np.searchsorted(asked, slip.load))
             at = self._keep(curve, asked[:count], y, slip.travel, direction)
             if not np.isfinite(slip.load):
+                if self.slip == "instant" and self._forward and not self.contacts.unknown:
+                    self._slips_ahead = slips_ahead(move, y, begin)
                 stop = move.travel_of_state(at[-1])
                 self._base += direction * (at[-1] - stop)
                 error, self._base_error = behind_turn(move, curve, at[-1], self._base_error)

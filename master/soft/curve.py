@@ -109,9 +109,7 @@ class LoadCurve:
         before it rises again: a fall within that error may be numerical noise, and is no slip.
         """
         drops, slopes = self.drops[self.drops > after], self._slopes
-        # Markov's inequality: the slope of an error of this size, of a polynomial of this degree
-        steep = 2.0 * polynomials.DEGREE**2 * self.own_error / self.width
-        surely = self._first_above(-slopes, self.spring + steep, after)
+        surely = self._first_above(-slopes, self.spring + self._steep, after)
         falls = self._first_above(-slopes, self.spring, after) if np.isfinite(surely) else np.inf
         while falls < surely:
             rises = self._first_above(slopes, -self.spring, falls, before=surely)
@@ -119,6 +117,30 @@ class LoadCurve:
                 break
             falls = self._first_above(-slopes, self.spring, rises)
         return float(np.min([falls, *drops[:1]]))
+
+    def may_fall(self, after: float) -> float:
+        """The first travel after `after` at which the load falls or, within the error of its slope, may; inf if none.
+        Births before a panel shift F there by their error, over the length on which contacts break."""
+        drops = self.drops[self.drops > after]
+        falls = self._first_above(-self._slopes, self.spring - self._slope_errors, after)
+        return float(np.min([falls, *drops[:1]]))
+
+    def largest_slope(self, low: float, high: float) -> tuple[float, float]:
+        """A bound on |F'| between two travels, and its error."""
+        panels = slice(int(self.panel(low)), int(self.panel(high)) + 1)
+        # no Legendre polynomial exceeds 1
+        bound = np.abs(self._slopes[panels]).sum(axis=1)
+        return float(bound.max()), float(self._slope_errors[panels].max())
+
+    @cached_property
+    def _slope_errors(self) -> Array:
+        """Errors of F' on panels, those of births before included."""
+        return self._steep + self.error / self.break_length
+
+    @cached_property
+    def _steep(self) -> Array:
+        """The largest slope of an error of `own_error`: Markov's inequality, of a polynomial of this degree."""
+        return np.asarray(2.0 * polynomials.DEGREE**2 * self.own_error / self.width)
 
     def rises(self, after: float) -> float:
         """The first travel >= after from which the load rises; inf if none."""

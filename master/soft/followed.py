@@ -1,12 +1,13 @@
 """What is found for a soft slider as far as it was followed, with which error, and whether that is enough."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from master.outcome import outcome, unconserved
 from master.soft.slips import Slips
+from master.soft.slips_ahead import SlipsAhead, nothing_ahead_known
 from origins import Contacts
 from origins.drive import Drive
 from origins.thresholds.law import Array
@@ -59,6 +60,7 @@ class Followed(NamedTuple):
     note : what is to be said of how it was followed, "" where nothing is
     steady_from : X_T from which on F is within the tolerance of steady sliding's, where a slider creeps to the end of
         the path; None where it does not, or is not known to
+    slips_ahead : finds the slips beyond the path's end
     fractions_broken : array, of the contacts in each slip, nan where unknown; empty where none is known
     """
 
@@ -75,6 +77,7 @@ class Followed(NamedTuple):
     fractions_broken: Array = np.empty(0)
     note: str = ""
     steady_from: float | None = None
+    slips_ahead: Callable[[], SlipsAhead] = nothing_ahead_known
 
     @property
     def force_error(self) -> float:

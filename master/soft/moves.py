@@ -164,7 +164,7 @@ class Move:
         ):
             self.march.births.work += WORK_OF_LUMP * len(self.march.lumps)
             if self.march.births.work > MOST_WORK:
-                raise StoppedError("stopped as slips ask for too much work")
+                raise StoppedError("stopped as the force along the way asks for too much work")
             before = self.march.solved.count
             if not self._advance():
                 self._ahead *= 2.0
@@ -172,6 +172,11 @@ class Move:
             self.contacts.nodes += (self.march.solved.count - before) * polynomials.DEGREE
             self._steady = self._steady_force()
         return self.solved_curve(y)
+
+    @property
+    def steady(self) -> bool:
+        """Whether the force no longer changes, and no more panels are solved."""
+        return self._steady is not None
 
     @property
     def solved(self) -> bool:

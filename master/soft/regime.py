@@ -101,6 +101,8 @@ def regime(
         reason = f"{on_spring}; no slip up to the end of the path{lacking}"
     else:
         verdict, reason = _by_slips(contacts, drive, found, trend)
+        if verdict != "decaying transient" and (ahead := found.slips_ahead()).all_found:
+            verdict, reason = "decaying transient", ahead.behind(count)
         fractions = found.fractions_broken[np.isfinite(found.fractions_broken)]
         if fractions.size:
             most = float(fractions.max())
@@ -138,7 +140,7 @@ def _by_slips(
     first += fastest * contacts.waiting_time
     longest = float(np.abs(np.diff(slips.drive)).max(initial=first))
     # slips are over if the last is this many times the longest period ago
-    if silent > 1.5 * longest:
+    if silent > 1.5 * longest and not found.slips_ahead().drive:
         over = f"then none for {silent / longest:.3g} times the longest period"
         return "decaying transient", f"{slipped}, {over}"
     if _alike_and_new(contacts, drive, found):
