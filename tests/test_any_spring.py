@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 import master
 import origins
+from master.soft.cold_contacts import never_falls
 
 WIDE = origins.gaussian(1.0, 0.2)
 CONTACTS = origins.Contacts(WIDE)
@@ -229,3 +230,29 @@ def test_steps_that_end_just_before_a_slip_do_not_hide_those_before_it():
     assert 1.9e-5 < off <= coarse.force_error
     drive = np.abs(coarse.slips.drive - [55.331321, 110.662641]).max()
     assert drive <= coarse.slips.drive_error + 1.6e-4
+
+
+def test_force_never_falls_where_long_held_contacts_break_ever_less() -> None:
+    """At the rate p/S, which falls with the stretch in a Weibull law of a shape below 1."""
+    falling = stats.weibull_min(0.6), stats.gamma(0.5)
+    rising = (
+        stats.weibull_min(1.5),
+        stats.lognorm(1.0),
+        stats.pareto(5.0),
+        origins.gaussian(1.0, 0.2),
+    )
+    assert all(never_falls(origins.Contacts(law)) for law in falling)
+    assert not any(never_falls(origins.Contacts(law)) for law in rising)
+    assert not never_falls(origins.Contacts(falling[0], start=origins.gaussian_start(0.0, 0.1)))
+
+
+@pytest.mark.slow
+def test_a_heavy_tail_without_slips_is_followed_as_on_a_rigid_slider() -> None:
+    """It was cut at the first point after a minute, as slips asked for too much work."""
+    contacts = origins.Contacts(stats.weibull_min(0.6))
+    path = [30.0, 1000.0, 4000.0]
+    soft = master.solve(contacts, path, 1e-2, spring=1e-3, slip="instant")
+    rigid = master.solve(contacts, soft.position, 1e-6)
+    assert soft.success and soft.regime.verdict == "smooth"
+    off = np.abs(soft.force - rigid.force) / contacts.mean_threshold
+    assert off.max() < soft.force_error + rigid.force_error

@@ -10,5 +10,5 @@ the slider; both give a `Followed` (`followed.py`):
 - `in_time/`, in steps of time, where one does: `refined` in its `refining.py`.
 
 Then `regime.py` judges the slips (`slips.py`), at T = 0 those beyond the path, too (`slips_ahead.py`). Of a
- slider with a mass `inertia/solution.py` comes first.
+slider with a mass `inertia/solution.py` comes first.
 """

@@ -16,6 +16,12 @@ from origins.start import Start
 # F', and the error of a polynomial's slope is some hundred times that of its values. The least, a share of the
 # contacts, is round-off.
 OF_PANELS, MOST_OF_PANELS, LEAST_OF_PANELS = 1e-4, 1e-6, 1e-13
+# Where F falls nowhere no slip begins, and a panel may miss this part of the tolerance: asked of laws that hold longer
+# than so many mean thresholds, of which as many panels are followed.
+OF_RISING, LONG_LIFE = 1e-2, 100.0
+# Thresholds at which the rate of breaking is compared, at equal shares of the contacts and along the tail to FAR; and
+# the rounding of its log.
+QUANTILES, FAR, RATE_ROUNDED = 2000, 1e-12, 1e-9
 # Breaks are steady where their rates agree to this share over the longest life, or to this part of the tolerance and of
 # K; rates of steady breaks differ by up to 5e-12, the rounding of slopes (measured on panels of half a mean threshold).
 STEADY_RATES, OF_STEADY = 1e-10, 1e-2
@@ -56,6 +62,8 @@ class ColdContacts:
         slips = drive_distance * spring / ((1.0 + spring) * self.unit)
         finer = min(1.0, FEW_SLIPS / max(slips, 1.0))
         of_panels = OF_PANELS * finer * min(tolerance, MOST_OF_PANELS, spring)
+        if self.life.largest_stretch > LONG_LIFE * self.unit and never_falls(contacts):
+            of_panels = OF_RISING * finer * tolerance
         # a panel's error is a share of the contacts, each of which bears the largest stretch at most
         self.of_panels = max(of_panels * self.unit / self.life.largest_stretch, LEAST_OF_PANELS)
         law, linked = contacts.thresholds, contacts.stiffness == "linked"
@@ -92,3 +100,16 @@ class ColdContacts:
         birth = np.zeros((1, 3))
         history = motion.history(birth + abs(travel), birth)
         return float(self.life.survival_and_force(start, history).force[0, 0])
+
+
+def never_falls(contacts: Contacts) -> bool:
+    """Whether F only rises on a slider that goes forward: where the rate p/S at which contacts break, per length, falls
+    with their stretch all along. Then a contact's stretch grows at random with X (Brown, Ann. Probab. 8, 1980)."""
+    law = contacts.thresholds
+    relaxed = contacts.start.span == (0.0, 0.0) and contacts.reforming is None
+    alike = contacts.stiffness == "independent" and not law.atoms[0].size
+    if not (relaxed and alike and law.support()[0] == 0.0):
+        return False
+    shares = (np.arange(QUANTILES) + 0.5) / QUANTILES
+    x = law.isf(np.append(shares[::-1], np.geomspace(shares[0], FAR, QUANTILES)[1:]))
+    return bool(np.diff(law.logpdf(x) - law.logsf(x)).max() <= RATE_ROUNDED)
