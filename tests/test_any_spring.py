@@ -256,3 +256,18 @@ def test_a_heavy_tail_without_slips_is_followed_as_on_a_rigid_slider() -> None:
     assert soft.success and soft.regime.verdict == "smooth"
     off = np.abs(soft.force - rigid.force) / contacts.mean_threshold
     assert off.max() < soft.force_error + rigid.force_error
+
+
+@pytest.mark.slow
+def test_ten_thousand_slips_of_one_exact_threshold_are_taken() -> None:
+    """All contacts break at each whole X, and bear the spring again after 1/(1 + K)."""
+    spring = 1e-2
+    path, contacts = [0.0, 5000.3, 1e4], origins.Contacts(origins.identical(1.0))
+    found = master.solve(contacts, path, 1e-4, spring=spring, slip="instant")
+    drive = 1.0 / spring + np.arange(1.0, 9901.0)
+    assert found.success and found.regime.verdict == "stick-slip"
+    assert found.slips.drive == pytest.approx(drive[: found.slips.drive.size], rel=1e-12)
+    assert abs(found.slips.drive.size - drive.size) <= 1  # the last is just at the path's end
+    assert found.slips.force_after == pytest.approx(1.0 / (1.0 + spring), rel=1e-9)
+    # the last slip was at X_T = 5000, where X = 4900
+    assert found.force[1] == pytest.approx((1.0 + 0.3 * spring) / (1.0 + spring), abs=1e-9)

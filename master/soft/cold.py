@@ -14,7 +14,7 @@ from master.soft.moves import LoadingHistory, Move, SlipEnd
 from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
 from master.soft.slips_ahead import nothing_ahead_known, slips_ahead
-from master.soft.too_long import refuse_endless_slips, refuse_long_lives
+from master.soft.too_long import MOST_SLIPS, refuse_endless_slips, refuse_long_lives
 from master.soft.turns import Leg, behind_turn, remedy_of
 from origins import Contacts
 from origins.drive import SLIP_FRACTION, Drive
@@ -67,6 +67,8 @@ class ColdSlider:
         self._base, self._base_error = 0.0, 0.0
         relaxed = contacts.start.span == cold.reforming.span == (0.0, 0.0)
         self._loaded = LoadingHistory(cold.reforming if relaxed else contacts.start)
+        # whether all contacts break at one place, and are as at first then
+        self._all_together = relaxed and drive.forward and cold.all_alike
         # resets repeat the same move, in each direction: it is solved once
         self._move_from = lru_cache(MOST_OF_LATE)(partial(Move, cold))
         # of slips: the fraction of the contacts that breaks before a reset, nan where that takes too much work; and
@@ -78,7 +80,7 @@ class ColdSlider:
         self.fractions_broken = list[float]()
         self._slips_ahead = nothing_ahead_known
         if drive.forward:
-            refuse_endless_slips(contacts, cold, drive)
+            refuse_endless_slips(contacts, cold, drive, self._all_together)
             refuse_long_lives(contacts, cold, drive)
 
     def follow(self) -> Followed:
@@ -165,7 +167,13 @@ class ColdSlider:
             if self.slip == "instant":
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip, self._forward)
                 self._note(move, slip, begin, float(curve.force(y)), np.nan)
-                renews = False
+                renews = self._all_together
+                if (
+                    renews
+                ):  # born at the slip's begin, on whose way none reaches the threshold again
+                    self._base, y = move.direction * (begin + slip.travel), y - slip.travel
+                    self._base_error += slip.begin_error + np.spacing(abs(self._base))
+                    self._loaded = LoadingHistory(self.contacts.reforming)
             else:
                 renew = self.reset if self.slip == "reset" else self.reform_after
                 self._loaded, y = renew(move, slip, begin), 0.0
@@ -282,6 +290,6 @@ class ColdSlider:
         self.slips.append(move.direction * np.array([drive, force_before, force]))
         self.fractions_broken.append(broken)
         self.drive_error = max(self.drive_error, slip.error / self.spring + self._base_error)
-        if len(self.slips) > 20_000:  # as many take some 20 s
+        if len(self.slips) > MOST_SLIPS:
             raise StoppedError("stopped as slips ask for too much work")
         stop_after(self.contacts.until)

@@ -78,6 +78,12 @@ class ColdContacts:
         self.spring, self.tolerance, self.until = spring, tolerance, until
         self.unknown, self.nodes = 0.0, 0
 
+    @property
+    def all_alike(self) -> bool:
+        """Whether all contacts have one exact threshold."""
+        low, high = self._contacts.thresholds.support()
+        return bool(low == high)
+
     @cached_property
     def _cycle(self) -> Cycle:
         return Cycle(self._contacts, self.life, 1.0)

@@ -13,6 +13,8 @@ from origins.errors import refuse
 # Most instants at which exact thresholds break on the way of a slider that slips from one to the next; as many take
 # some 5 s for one value, 30 s for two values.
 MOST_TOGETHER = 2000
+# Most slips along a path: as many take some 20 s.
+MOST_SLIPS = 20_000
 # Way on which they are counted first, in mean thresholds.
 FIRST_DISTANCE = 50.0
 # Longest life of contacts, in mean thresholds, up to which breaks are followed until they are steady: some 25 s.
@@ -21,8 +23,11 @@ LONGEST_LIFE = 500.0
 QUANTILES = 2000
 
 
-def refuse_endless_slips(contacts: Contacts, cold: ColdContacts, drive: Drive) -> None:
-    """InputError where exact thresholds, which re-form at once, break together too often on the path.
+def refuse_endless_slips(
+    contacts: Contacts, cold: ColdContacts, drive: Drive, all_together: bool
+) -> None:
+    """InputError where exact thresholds, which re-form at once, break together too often on the path. `all_together`:
+    all contacts at each instant.
 
     The slider has moved at least to where the largest possible force balances the drive, and breaks at each instant
     up to there follow from those before, without any march.
@@ -32,15 +37,17 @@ def refuse_endless_slips(contacts: Contacts, cold: ColdContacts, drive: Drive) -
     largest = cold.life.largest_stretch
     stretched = float(contacts.relative_stiffness(largest)) * largest / cold.spring
     distance = float(drive.path[-1]) - stretched
-    ahead, breaks = FIRST_DISTANCE * cold.unit, 0
+    ahead, breaks, most = FIRST_DISTANCE * cold.unit, 0, MOST_TOGETHER
+    if all_together:
+        breaks, most = int(min(distance / cold.unit, 2.0 * MOST_SLIPS)), MOST_SLIPS
     # way after way, as to count all instants would take long where there are millions
-    while breaks <= MOST_TOGETHER and ahead < 2.0 * distance:
+    while not all_together and breaks <= most and ahead < 2.0 * distance:
         motion = Motion.along(np.array([0.0, min(ahead, distance)]))
         plan = edges(Births(cold.life, cold.reforming, motion), contacts.start, cold.of_panels)
         ahead, breaks = 2.0 * ahead, plan.times.size
-    if breaks > MOST_TOGETHER:
+    if breaks > most:
         fault = f"the slider goes on by {distance:.3g}, and contacts of exact thresholds break"
-        what = f"together more than {MOST_TOGETHER:,} times on the way"
+        what = f"together more than {most:,} times on the way"
         hint = 'give the values a width, end the path sooner, or take "reset" or "reform-after"'
         refuse("path[-1]", drive.path[-1], f"{fault} {what}; {hint}")
 
