@@ -199,6 +199,9 @@ def test_comparison_of_scenes_that_are_decades_apart_or_share_a_surface() -> Non
     )
     density, springs, force, *_ = draw_comparison(verdicts).axes
     assert density.get_yscale() == springs.get_xscale() == force.get_xscale() == "log"
+    # from X = 0, which has no place there, a line would lead to the first point at one level
+    drawn = [line.get_xdata() for line in force.lines if len(line.get_xdata()) > 2]
+    assert len(drawn) == len(verdicts) and all(np.min(place) > 0.0 for place in drawn)
     assert springs.texts[0].get_text() == "infinite" and "EQ" not in force.get_title()
 
 

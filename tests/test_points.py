@@ -20,6 +20,7 @@ from toolkit.running import points
 
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 DRIVE = {"to": 6.0, "points": 61}
+SPRINGS = {"drive.spring": [0.3, 0.6]}
 OVER: dict[str, Any] = {"drive.spring": [0.3, 0.6], "contacts.thresholds.std": [0.1, 0.2, 0.3]}
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
@@ -319,3 +320,14 @@ def test_a_sweep_over_a_machine_that_pulls_nothing_says_so(capsys: Any) -> None:
     status, _, err = said(capsys, "run", write(thresholds=ROUGH, **tables, **bad))
     swept = toolkit.load("mine-output").sweep
     assert status == 1 and "20 N': unit N is not known" in swept["message"][1], err
+
+
+def test_what_asks_for_a_spring_may_stand_beside_a_sweep_over_springs(capsys: Any) -> None:
+    rules: tuple[dict[str, Any], ...] = ({"slip": "reform-after"}, {"mass": 1e-2, "damping": 1e-2})
+    for number, rule in enumerate(rules):
+        drive = DRIVE | {"to": 2.0, "points": 5} | rule
+        file = write(
+            f"own-{number}", contacts={"thresholds": WIDE}, drive=drive, master={}, sweep=SPRINGS
+        )
+        assert said(capsys, "run", file)[0] == 0
+        assert len(Path(f"own-{number}-output/sweep.csv").read_text().splitlines()) == 3

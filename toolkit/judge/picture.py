@@ -83,12 +83,12 @@ def _thresholds(axes: Any, styled: list[_Styled]) -> None:
 
 def _forces(axes: Any, styled: list[_Styled]) -> None:
     """F(X): master equation as lines, ensemble as error bars of one standard error; F_k of each scene at the edge."""
-    extents = []
+    extents, curves = list[float](), list[Any]()
     for one in styled:
         unit, solved, eq = one.length, one.scene.result.master, one.scene.result.eq
         extents += [float(curve.path[-1]) / unit for curve in (solved, eq) if curve is not None]
         if solved is not None and is_precise(solved):
-            axes.plot(solved.path / unit, solved.force * one.force, zorder=3, **one.line)
+            curves += axes.plot(solved.path / unit, solved.force * one.force, zorder=3, **one.line)
         if eq is not None:
             some = some_of(eq.path.size, 33)
             bars: dict[str, Any] = {"fmt": one.style["marker"], "ms": 3, "lw": 0.8, "capsize": 1.5}
@@ -101,6 +101,10 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
     if extents and max(extents) > _APART * min(extents):
         least = min([*extents, *(one.mean / one.length for one in styled)])
         axes.set(xscale="log", xlim=(0.1 * least, 1.05 * max(extents)))
+        # drawn from its first point of X > 0: from X = 0 on, a line would lead there at one level
+        for curve in curves:
+            place, force = curve.get_data()
+            curve.set_data(place[place > 0.0], force[place > 0.0])
     levels = [one.kinetic * one.force for one in styled]
     if levels and max(levels) > _APART * min(levels):
         axes.set(yscale="log", ylim=(min(levels) / 100.0, 2.0 * max(levels)))

@@ -132,21 +132,17 @@ def has_path(table: DriveTable) -> bool:
 
 
 def make_drive(table: DriveTable, contacts: Contacts | None = None) -> Drive:
-    """The checked drive of a scene. Raises InputError with the path of the bad key. Without `contacts` a number with a
-    unit counts as 1, where only the path is needed."""
+    """The checked drive of a scene. Raises InputError with the path of the bad key. Without `contacts` it is the path
+    and its times alone: of a sweep the table may lack the spring that its slip rule, or its mass, asks for."""
     machine: dict[str, Any] = {}
-    for name in _MACHINE:
-        given = getattr(table, name)
-        if contacts is not None:
-            machine[name] = machine_number(name, table, contacts)
-        else:
-            machine[name] = 1.0 if isinstance(given, str) else given
+    if contacts is not None:
+        machine = {name: machine_number(name, table, contacts) for name in _MACHINE}
     places, clock = _corners(table)
     if places.size > table.points:
         refuse("drive.points", table.points, f"the path has {places.size} ends; give as many")
     path, time = _path(places, clock, table.points, table.hold_scale)
     keys = {"time": "times"} | {name: name for name in ("velocity", "slip", *_MACHINE)}
-    slip: Any = table.slip
+    slip: Any = None if contacts is None else table.slip
     with laws.inside("drive", keys):
         return Drive(path, table.velocity, time, slip=slip, **machine)
 
