@@ -12,6 +12,7 @@ from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from origins.thresholds.mixture import ContinuousMixture
 from toolkit.running.resampled import (
+    RATHER_LARGE,
     RESAMPLES,
     error_by_moments,
     has_closed_form,
@@ -163,7 +164,8 @@ def _add_sampling_errors(
     moments = "moments and F_k" if closed_kinetic else "moments"
     how = f"by {RESAMPLES} resamplings, known to ± {known_to(RESAMPLES):.0%}"
     notes = [
-        f"sampling errors are one standard error: of {moments} in closed form, of all else {how}"
+        f"sampling errors are one standard error: of {moments} in closed form, of all else {how}; "
+        f"{RATHER_LARGE}"
     ]
     return notes if quick else [*notes, TOO_LONG]
 

@@ -2,7 +2,7 @@
 
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
-from toolkit.running.resampled import known_to
+from toolkit.running.resampled import RATHER_LARGE, known_to
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import LONGER
@@ -84,7 +84,8 @@ def _by_which_road(own: Answer, drawn: int) -> str:
     if not (count := max(own.kinetic.resampled, own.static.resampled)):
         return f"by the moments of the {drawn:,} thresholds"
     how = f"by {count} resamplings of the {drawn:,} thresholds, known to ± {known_to(count):.0%}"
-    return how if own.kinetic.resampled else f"of F_k by moments, else {how}"
+    whole = how if own.kinetic.resampled else f"of F_k by moments, else {how}"
+    return f"{whole}; {RATHER_LARGE}"
 
 
 def _of_the_scan(verdict: Verdict) -> str:
