@@ -2113,6 +2113,15 @@ def test_below_the_critical_spring_smooth_sliding_has_its_reason_beside_the_tabl
     none = Finite("mass", 500, "smooth")
     few = replace(told_of(replace(smooth, slips=1), None, contacts), finite=(none,))
     assert "the slider slips at most once, as contacts" in "\n".join(page(few))
+    once = told_of(replace(smooth, slips=1), None, contacts)
+    waiting = replace(once.own, contacts=contacts.replace(delay=Delay(1e9)))
+    heavy = replace(SOFT, mass=1.0)
+    damped = replace(once.own, machine=replace(heavy, damping=1e9))
+    for own, why in (
+        (replace(waiting, machine=heavy), "as contacts wait on a longer way of the drive than"),
+        (damped, "as the damping bears 1.00e+09 N_c<k> length at the drive's speed"),
+    ):
+        assert f"and then no more, {why}" in "\n".join(page(replace(once, answers=(own,))))
     stiff = told_of(smooth, None, contacts)
     stiff = replace(stiff, answers=(replace(stiff.own, machine=replace(SOFT, spring=2.0)),))
     assert "and yet" not in "\n".join(page(stiff))

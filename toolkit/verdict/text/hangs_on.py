@@ -27,7 +27,7 @@ from toolkit.verdict.text.kinds import (
     sorted_texts,
 )
 from toolkit.verdict.text.of_delay import of_rules
-from toolkit.verdict.text.of_mass import of_a_mass
+from toolkit.verdict.text.of_mass import of_a_mass, why_no_more_slips
 from toolkit.verdict.text.table import HOLDING
 from toolkit.verdict.text.undone import RULE, of_errors, of_readings, unanswered, with_rules
 from toolkit.verdict.uncertainty import uncertainties_of
@@ -193,7 +193,7 @@ def why_smooth(verdict: Verdict) -> list[str]:
     often = " to ".join(f"{one:,}" for one in dict.fromkeys((min(seen), max(seen))))
     words = {"0": "no more", "1": "once, and then no more", "0 to 1": "at most once"}
     often = words.get(often, f"{often} times, and then no more")
-    return [f"{said}{after}the slider slips {often}, as contacts have forgotten their start"]
+    return [f"{said}{after}the slider slips {often}, {why_no_more_slips(own)}"]
 
 
 def _of_contacts(verdict: Verdict) -> Iterator[Line]:

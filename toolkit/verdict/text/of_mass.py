@@ -47,6 +47,19 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             )
 
 
+def why_no_more_slips(own: Answer) -> str:
+    """Why a slider on a spring softer than K* slips no more."""
+    machine, delay, force = own.machine, own.contacts.delay, own.scale.force
+    if machine is not None and machine.mass is not None:
+        borne = machine.damping * machine.velocity
+        if borne > own.static.value - own.kinetic.value > 0.0:
+            return f"as the damping bears {written(borne * force, own.scale.force_unit)} at the drive's speed"
+        loaded = own.static.value / machine.spring
+        if delay is not None and delay.time * machine.velocity > loaded:
+            return "as contacts wait on a longer way of the drive than they would need to load the spring to F_s"
+    return "as contacts have forgotten their start"
+
+
 def _why_so_damped(part: float) -> str:
     """Why this part of the critical damping was taken, see DAMPED."""
     least = min(DAMPED)
