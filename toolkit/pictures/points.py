@@ -213,7 +213,9 @@ def flat_spring(result: Result) -> str:
     precise = np.isfinite(value).all() and error.max() <= _FLAT * value.max()
     if not precise or np.ptp(value) > max(2.0 * error.max(), _ALIKE * value.max()):
         return ""
-    text = written(float(np.median(value)), result.scale.spring_unit, digits=4)
+    # samples, whose scatter a sweep does not look at, seldom tell K* to more than two digits
+    digits = 2 if result.asked.contacts.thresholds.get("kind") == "from-samples" else 4
+    text = written(float(np.median(value)), result.scale.spring_unit, digits=digits)
     return f"K* = {text}, which does not depend on {', '.join(_short([*sweep.along]).values())}"
 
 

@@ -33,6 +33,8 @@ from toolkit.version import __version__
 
 # In s: what the master equation may take beyond a wall_time to end with what it has; and the least time it is given.
 TO_END, LEAST_TIME = 2.0, 1e-3
+# of thresholds from samples
+NUMERICAL_ONLY = "errors are numerical only, not those of the samples: `mesofriction thresholds` tells sampling errors"
 
 
 def run(
@@ -139,9 +141,7 @@ def solve(
             eq = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
     notes = [*remarks(law), *foreseen(scene)]
     if sampled_parts(law):
-        notes.append(
-            "errors are numerical only, not those of the samples: `mesofriction thresholds` tells sampling errors"
-        )
+        notes.append(NUMERICAL_ONLY)
     soft: Any = master if master is not None and master.regime is not None else None
     if soft is not None:
         notes += [soft.note] if soft.note else []
@@ -171,6 +171,8 @@ def _solve_points(
     with shown as bar, within(scene.deadline(), scene, "[sweep]"):
         record = solve_points(scene, comm, home, bar.count if bar else progress)
     notes, table = remarks(scene.contacts.thresholds), scene.drive_table
+    if sampled_parts(scene.contacts.thresholds):
+        notes.append(NUMERICAL_ONLY)
     by_rule = "regime" in record.columns and not {"drive.slip", "drive.mass"} & {*record.along}
     if by_rule and table is not None and table.mass is None:
         notes.append(

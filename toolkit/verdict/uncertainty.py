@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origins.contacts import Contacts
+from origins.samples.from_samples import sampled_parts
 from origins.thresholds.law import Thresholds
 from toolkit.running.resampled import (
     RESAMPLES,
@@ -262,7 +263,9 @@ def spring_to_digits(value: float, unit: str, uncertainty: float) -> str:
 
 def writer_of_springs(answer: Answer) -> Callable[[float, str, float], str]:
     """How K* is written: to two digits of a scan, of which another patch or step may change it by orders of magnitude,
-    as the page says; else as `spring_to_digits`."""
-    if not of_a_scan(answer.contacts.thresholds):
+    as the page says, and of samples whose scatter was not found; else as `spring_to_digits`."""
+    law = answer.contacts.thresholds
+    unsure = bool(sampled_parts(law)) and answer.critical_spring.sampling is None
+    if not (of_a_scan(law) or unsure):
         return spring_to_digits
     return lambda value, unit, uncertainty: written(value, unit, digits=2)
