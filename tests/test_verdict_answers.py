@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import master
 from origins import Contacts, InputError, Thermal, from_samples, gaussian, mixture
@@ -174,3 +175,22 @@ def test_a_force_that_begins_with_1_is_not_rounded_by_half_of_its_error() -> Non
         (0.313, 0.03, "310 mN"),
     ):
         assert to_digits(value, "N", 0.0, error) == text
+
+
+@pytest.mark.slow  # 10 s; quick: resets of few contacts, above
+def test_slips_of_few_contacts_that_come_back_together_may_grow_to_all_of_them() -> None:
+    """At first 4 % of the contacts break together, late slips are of nearly all."""
+    start = mixture([gaussian(0.4, 0.002), stats.uniform(0.0, 0.9)], [0.03, 0.97])
+    contacts, machine = Contacts(gaussian(1.0, 0.005), start=start), Machine(1.7, None, 0.0, 1.0)
+    rigid = RigidSlider(0.5 * 1.0955, 0.5, 0.0, 2.3, 1.0)
+    pulled = follow(machine, contacts, "reform-after", rigid, 1e4)
+    assert pulled.kind == "stick-slip" and pulled.few_break is None
+
+
+def test_a_page_says_that_no_number_was_found_in_time() -> None:
+    unknown = Quantity(np.nan, np.inf)
+    found = told(slips("reset", kind="undecided", slips=0))
+    own = replace(found.own, kinetic=unknown, static=unknown, critical_spring=unknown)
+    assert "neither force nor K* was found in time" in "\n".join(
+        page(replace(found, answers=(own,)))
+    )

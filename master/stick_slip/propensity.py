@@ -57,7 +57,8 @@ def propensity(
     contacts : with any laws but the paper's closure of ageing; the start matters.
     tolerance : largest allowed error: of K* relative to 1 + K*, and of F_s in the unit given at `success`.
     velocity : v > 0, length per time; it matters only with heat, ageing, grains or a delay.
-    wall_time : s; K* and F_s that are not found by then are nan, with errors of inf. None: as long as it takes.
+    wall_time : s; K* and F_s that are not found by then are nan, with errors of inf; the table of what survives,
+        which laws in time need first, is not cut short. None: as long as it takes.
 
     F(X) is followed for ten mean thresholds, with heat ten mean distances from birth to break; where generations of
     breaks do not overlap, along the first, or the first two where contacts re-form elsewhere than relaxed; and up to

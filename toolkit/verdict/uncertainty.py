@@ -96,9 +96,11 @@ def numerical_errors(verdict: Verdict) -> list[str]:
     if not (own.smoothed or own.critical_spring.lost):
         quantities["K*"] = own.critical_spring
     known = {name: _relative(one) for name, one in quantities.items() if not one.unknown}
-    most = max(known.values())
-    *before, last = known
-    said = [f"{' and '.join([*filter(None, [', '.join(before)]), last])}: at most {most:.0e}"]
+    said = ["neither force nor K* was found in time"]
+    if known:
+        *before, last = known
+        names = " and ".join([*filter(None, [", ".join(before)]), last])
+        said = [f"{names}: at most {max(known.values()):.0e}"]
     groups = dict[str, list[str]]()
     for one in own.behaviours:
         relative_error = one.error * mean / abs(one.before or np.nan)
@@ -113,7 +115,7 @@ def numerical_errors(verdict: Verdict) -> list[str]:
                 each += ", with what heat that is left out may change" * bool(one.heat_left_out)
             groups.setdefault(each, []).append(one.rule)
     said += [f"forces of the slider ({', '.join(rules)}): {each}" for each, rules in groups.items()]
-    said += _less_certain(verdict, max(most, SEEN))
+    said += _less_certain(verdict, max([*known.values(), SEEN]))
     return [
         "Numerical errors, relative to each number (all are in verdict.json)",
         *(f"  {one}" for one in said),

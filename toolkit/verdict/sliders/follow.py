@@ -280,7 +280,7 @@ def by_distribution(
             and not found.cut
         )
         goes_on = solved.success or cold or error_of(solved) <= tolerance
-        # slips of few contacts stay so, however far it is pulled
+        # resets of few contacts are all alike from the second on, however far it is pulled
         if found.kind != "undecided" or found.few_break is not None or not goes_on:
             break
         enough = np.inf

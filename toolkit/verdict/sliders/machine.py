@@ -229,8 +229,8 @@ class Behaviour:
         0 where it is stable on this spring; None, nan: not looked at, not known
     shrinks_by : part of itself by which a drop is smaller than the one before it; 0 where drops do not shrink
     left : the drop of slips that go on to shrink so at the path's end, F/(N_c <k>) (a length)
-    few_break : the largest share of the contacts that breaks in a slip, where all slips are of fewer than SLIP_FRACTION
-        (origins/drive.py), and so none of the slider, by whatever rule; None of others
+    few_break : the largest share of the contacts that breaks in a slip, where all slips are resets of fewer than
+        SLIP_FRACTION (origins/drive.py), and so none of the slider; None of others
     swings : between which the force of smooth sliding still swings there, F/(N_c <k>) (lengths); None where it hardly
         does, and where that is not known
     smaller : how many slips the numbers leave out beside main ones

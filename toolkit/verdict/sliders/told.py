@@ -76,7 +76,9 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
         silent = float(solved.path[-1] - slips.drive[-1]) / solved.period
         left = float(slips.drop[-1] * (1.0 - shrinks) ** silent)
     part = solved.regime.largest_slip
-    no_slips = kind == "undecided" and not open_why and slips.drive.size > 1
+    # by other rules contacts that break together come back together, so that such slips may grow to all of them
+    alike = rule == "reset" and slips.drive.size > 1
+    no_slips = kind == "undecided" and not open_why and alike
     drive, force = with_slips(solved, velocity)
     return Behaviour(
         rule=rule,
