@@ -105,7 +105,9 @@ def test_a_path_that_ends_before_the_first_slip_says_how_far_to_go() -> None:
     assert not result.master.slips.drive.size
     far = float(reason.partition("before X_T = ")[2].partition(";")[0])
     result = toolkit.run(scene(WIDE | {"std": 0.1}, drive=pulled | {"to": far}))
-    assert result.master.slips.drive.size and result.notes == ()
+    assert result.master.slips.drive.size
+    # behind the first slip it is known that under "instant" others shrink
+    assert all(note.startswith("the slip rule decides") for note in result.notes)
 
 
 def test_a_scan_with_gaps_says_by_which_rule_slopes_count(tmp_path: Path) -> None:

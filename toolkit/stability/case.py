@@ -287,13 +287,11 @@ def bounding_factor(replicas: int) -> float:
 def invariants(
     holding: Array, force: Array, error: float, contacts: Contacts, path: Array
 ) -> tuple[str, ...]:
-    """What cannot be, in words: shares of contacts outside 0 to 1, forces beyond the largest stretch there is."""
+    """What cannot be, in words: shares outside 0 to 1, forces beyond the largest stretch, by more than rounding."""
     if not np.isfinite(error):
         return ()
     faults, unit = list[str](), contacts.mean_threshold
-    if (
-        np.abs(holding - 0.5) > 0.5 + error + 1e-9
-    ).any():  # by more than rounding of sums over births
+    if (np.abs(holding - 0.5) > 0.5 + error + 1e-9).any():
         faults.append(f"between {holding.min():.3g} and {holding.max():.3g} of the contacts hold")
     distance = np.abs(np.diff(path, prepend=0.0)).sum() + max(map(abs, contacts.start.span))
     largest = float(np.abs(force).max()) if force.size else 0.0
