@@ -168,9 +168,8 @@ class ColdSlider:
                 curve, y = move.end_of_slip(slip.travel, slip.load, slip, self._forward)
                 self._note(move, slip, begin, float(curve.force(y)), np.nan)
                 renews = self._all_together
-                if (
-                    renews
-                ):  # born at the slip's begin, on whose way none reaches the threshold again
+                if renews:
+                    # all were born at the slip's begin, and none reaches its threshold on the way of the slip
                     self._base, y = move.direction * (begin + slip.travel), y - slip.travel
                     self._base_error += slip.begin_error + np.spacing(abs(self._base))
                     self._loaded = LoadingHistory(self.contacts.reforming)
