@@ -30,6 +30,7 @@ from toolkit.verdict.sliders.budget import at_most, without_useless_damping
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
+from toolkit.verdict.slips_in_words import swinging
 from toolkit.verdict.text.k_star import of_critical_spring
 from toolkit.verdict.text.spread import other_samples, range_of_force
 from toolkit.verdict.text.table import in_units
@@ -462,7 +463,15 @@ def test_smooth_sliding_that_is_unstable_says_so() -> None:
     assert "steady sliding grow" not in "\n".join(page(told(replace(slides, unstable_below=0.0))))
 
 
-@pytest.mark.parametrize(("part", "told_as"), [(0.0312, "3.12%"), (2e-7, "2e-05%")])
+def test_a_swing_too_small_to_be_written_is_told_by_how_wide_it_is() -> None:
+    ends, drive = (0.50001, 0.50003), np.array([0.0, 9.0])
+    slides = slips("mass", kind="smooth", slips=0, before=0.5, after=0.5, swings=ends, drive=drive)
+    answer = told(slides).own
+    said = swinging(replace(answer, machine=HEAVY), slides)
+    assert said.startswith(", still swinging by 2.0e-05 N_c<k> length after 9.0 ")
+
+
+@pytest.mark.parametrize(("part", "told_as"), [(0.0312, "3.1%"), (0.2057, "21%"), (2e-7, "2e-05%")])
 def test_drops_that_shrink_by_next_to_nothing_are_not_said_to_shrink_by_0(
     part: float, told_as: str
 ) -> None:

@@ -48,7 +48,11 @@ def swinging(answer: Answer, slider: Behaviour) -> str:
     scale, way = answer.scale, float(slider.drive[-1])
     low, high = (_short(end * scale.force, scale.force_unit) for end in slider.swings)
     slips = "" if slider.shrinks_by else after_slips(slider.slips)
-    said = f"{slips}, still swinging between {low} and {high} after {_short(way, scale.length_unit)} of the drive"
+    width = np.ptp(slider.swings) * scale.force
+    how = f"between {low} and {high}"
+    if low == high:
+        how = f"by {_short(width, scale.force_unit)}"
+    said = f"{slips}, still swinging {how} after {_short(way, scale.length_unit)} of the drive"
     waits = answer.machine.velocity * answer.contacts.waiting_time
     return f"{said}, {way / waits:,.3g} delays of its contacts" if 0.0 < waits < way else said
 

@@ -90,5 +90,5 @@ def in_the_end(finite: Finite, found: Any, machine: Machine, contacts: Contacts)
 def shrinking(slider: Finite | Behaviour) -> str:
     """That its slips shrink, of which the means of late ones tell nothing; "" where they do not."""
     part = slider.shrinks_by
-    told = f"{part:.2%}" if part >= 1e-4 else f"{100.0 * part:.1g}%"  # not "0.00%"
+    told = f"{100.0 * part:.{2 if part >= 1e-4 else 1}g}%"  # some ten drops tell no more
     return f", each drop {told} smaller than the one before" if part else ""
