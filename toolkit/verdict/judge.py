@@ -65,7 +65,7 @@ HEAVY = 0.8
 TOLERANCE = 1e-6
 # relative error of both that is not seen on the page, and not lowered with more work; of other readings, of which the
 # page has the largest and the smallest
-PRECISE, OF_RANGE = 1e-5, 1e-3
+SOLVED_TO, OF_RANGE = 1e-5, 1e-3
 # times as long as K* and F_s to the latter tolerance take to the former, of laws that take long; and part of the time
 # that is left, for them: contacts that grow and break by heat take a hundred times as long
 LONGER, OF_MORE = 12.0, 0.25
@@ -212,7 +212,7 @@ def answer_of(
         if contacts.thermal is not None and reading.own:
             without = contacts.replace(thermal=None)
             cold = kinetic_of(master.steady_state(without, velocity=velocity), without)
-        found = propensity_of(contacts, velocity, budget, PRECISE if reading.own else OF_RANGE)
+        found = propensity_of(contacts, velocity, budget, SOLVED_TO if reading.own else OF_RANGE)
         ratio, ratio_error = found.static_to_kinetic, found.static_to_kinetic_error
         static = Quantity(ratio * steady.force, ratio_error * steady.force + ratio * kinetic.error)
         critical = Quantity(found.critical_spring, found.critical_spring_error)

@@ -11,7 +11,7 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite
-from toolkit.verdict.uncertainty import PRECISE, is_vague, widest_uncertainty
+from toolkit.verdict.uncertainty import TOLD_FROM, is_vague, widest_uncertainty
 
 # part of a force by which slips, or forces along the way, differ where it is told
 WORTH_SHOWING = 0.01
@@ -238,10 +238,10 @@ def period_of(
 
 
 def with_period_error(verdict: Verdict, behaviour: Behaviour) -> tuple[str, str] | None:
-    """The period of the drive as a length and as a time, each with its error; None where that is less than PRECISE of
+    """The period of the drive as a length and as a time, each with its error; None where that is less than TOLD_FROM of
     it, or than the widest uncertainty of the forces."""
     period, error = behaviour.period or 0.0, behaviour.period_error
-    hidden = max(PRECISE, widest_uncertainty(verdict)) * period
+    hidden = max(TOLD_FROM, widest_uncertainty(verdict)) * period
     return _with_error(verdict, period, error) if hidden < error < np.inf else None
 
 

@@ -30,7 +30,7 @@ from toolkit.verdict.sliders.machine import Behaviour, critical_damping
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3
 # of a force, or of a period: a larger error of it is told beside it
-PRECISE = 1e-3
+TOLD_FROM = 1e-3
 # of a number: a wider scatter of other samples, told with two digits, leaves it two
 VAGUE = 0.1
 # of the forces: a smaller uncertainty is no news beside them
@@ -229,7 +229,7 @@ def error_beside(verdict: Verdict, answer: Answer, one: Behaviour) -> float:
     """The error of a slider's force where it is told beside that, F/(N_c <k>) (a length): where it is a thousandth or
     more, and the widest uncertainty does not hide it; else 0."""
     error = one.error * answer.contacts.mean_threshold
-    hidden = max(PRECISE, widest_uncertainty(verdict)) * abs(one.before)
+    hidden = max(TOLD_FROM, widest_uncertainty(verdict)) * abs(one.before)
     return error if hidden < error < np.inf else 0.0
 
 

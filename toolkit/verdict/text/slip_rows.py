@@ -18,7 +18,7 @@ from toolkit.verdict.slips_in_words import (
     with_period_error,
 )
 from toolkit.verdict.uncertainty import (
-    PRECISE,
+    TOLD_FROM,
     WORTH_TELLING,
     is_vague,
     to_digits,
@@ -56,7 +56,7 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
         uncertainty = max(widest_uncertainty(verdict), relative_error)
         before, drop = (behaviour.before * scale.force, drop_of(behaviour) * scale.force)
         # an error that other samples and readings do not hide is told beside its number
-        shown = relative_error > max(PRECISE, widest_uncertainty(verdict))
+        shown = relative_error > max(TOLD_FROM, widest_uncertainty(verdict))
         error = relative_error * abs(before) * shown
         values = {
             "force before a slip": _with_error(before, force, uncertainty * before, error, vague)

@@ -42,7 +42,7 @@ SAFETY = 2.0
 # Least length of a slip that is worth it, in longest lives.
 WORTH = 5.0
 # Factors on the speed of the slider as its slip is tabulated: it ends nearly as slow as it began.
-SLOWER, FASTER = 100.0, 2.0
+TABLE_DOWN_BY, TABLE_UP_TO = 100.0, 2.0
 
 
 class LongSlips(SteadySliding):
@@ -128,10 +128,10 @@ class LongSlips(SteadySliding):
     def _table_of_slip(self, speeds: Array, load: float) -> KineticTable | None:
         """F_k at these speeds, and at those that a spring with this force may give the slider."""
         of = self._machine
-        most = FASTER * (float(speeds.max()) + load / (of.spring * of.mass) ** 0.5)
+        most = TABLE_UP_TO * (float(speeds.max()) + load / (of.spring * of.mass) ** 0.5)
         needed, table = np.log([float(speeds.min()), most]), self._table
         if table is None or table.ends[0] > needed[0] or needed[1] > table.ends[1]:
-            needed[0] -= np.log(SLOWER)
+            needed[0] -= np.log(TABLE_DOWN_BY)
             error = CREEP.of_change * self._tolerance
             self._table = tabulated(self._contacts, needed, error, self._until)
         return self._table
