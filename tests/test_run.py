@@ -503,8 +503,8 @@ def test_a_run_says_nothing_of_slip_rules_that_agree_and_tells_a_small_first_sli
     stiff = {"to": 15.0, "points": 151, "spring": 2.0, "slip": "instant"}
     assert toolkit.run(scene(wide, drive=stiff, master=coarse)).notes == ()
     # slips by which all rules call it stick-slip
-    soft = {"to": 8.0, "points": 33, "spring": 0.3, "slip": "reset"}
-    alike = toolkit.run(scene(wide, drive=soft, master=coarse))
+    soft = {"to": 40.0, "points": 33, "spring": 0.3, "slip": "reset"}
+    alike = toolkit.run(scene({"kind": "identical", "value": 1.0}, drive=soft, master=coarse))
     assert alike.master.slips.drive.size and alike.notes == ()
 
 

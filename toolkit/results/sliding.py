@@ -1,4 +1,5 @@
-"""How an ensemble's sliders slide at the end of their path: their force, its scatter, and whether it still rises."""
+"""How an ensemble's sliders slide at the end of their path: their force, its scatter, whether it still rises, and
+whether they may slip again."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,9 +7,12 @@ from typing import Any
 import numpy as np
 
 from origins.thresholds.law import Array
+from toolkit.results.slips import WITHOUT, regained_at
 
 # mean thresholds of the slider's way, after which it slides; before, it may only be stretching its contacts
 SLID = 10.0
+# slips of a slider, of which the last ones tell when the next is due
+DUE = 4
 # part of what a drive adds to the spring's pull on a slider that sticks: a force that rises by more still rises
 STILL = 0.5
 # standard errors, by the scatter of the sliders, above which a rise is no chance
@@ -36,6 +40,26 @@ def mean_forces(found: Any, late: Array) -> Array:
         return np.asarray(found.forces[:, late].mean(axis=1))
     work = found.energy.drive[:, late]
     return np.asarray((work[:, -1] - work[:, 0]) / np.ptp(found.path[late]))
+
+
+def next_due(slips: Any, periods: float) -> float:
+    """The drive's place by which another slip is due, so many periods behind the last one of a slider; -inf where none
+    slipped DUE times. With a mass a slider may slide for longer than its spring takes to regain what a slip took."""
+    due = [-np.inf]
+    for replica in np.unique(slips.replica):
+        own = slips.drive[slips.replica == replica]
+        if own.size >= DUE:
+            due.append(own[-1] + periods * float(np.median(np.diff(own[-DUE:]))))
+    return float(max(due))
+
+
+def may_go_on(found: Any, spring: float, settling: float, few: int) -> bool:
+    """Whether sliders that slip, some of them more than `few` times, may do so again beyond their path: this spring has
+    not regained what a slip took, or another is due, and the slider not slid along `settling` since."""
+    if not found.slips.drive.size or found.slips.number.max() < few:
+        return False
+    over = max(regained_at(found.slips, spring, WITHOUT), next_due(found.slips, WITHOUT))
+    return over + settling > float(found.path[-1])
 
 
 def scatter_of(forces: Array) -> float:

@@ -211,14 +211,6 @@ def regained_at(slips: Any, spring: float, times: float) -> float:
     return float((slips.drive + times * slips.drop / spring).max())
 
 
-def may_go_on(found: Any, spring: float, settling: float, few: int) -> bool:
-    """Whether sliders that slip, some of them more than `few` times, may do so again beyond their path: this spring has
-    not regained what a slip took, and the slider not slid along `settling` since. One slip may begin a stick-slip."""
-    if not found.slips.drive.size or found.slips.number.max() < few:
-        return False
-    return regained_at(found.slips, spring, WITHOUT) + settling > float(found.path[-1])
-
-
 def left_of_slips(found: Any, slips: Any, shrinks: float) -> float:
     """The drop that slips of these sliders have at the path's end if each goes on to be smaller than the one before by
     so large a part of itself (a length); 0 where none does."""

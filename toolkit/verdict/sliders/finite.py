@@ -12,13 +12,12 @@ from origins.contacts import Contacts
 from origins.drive import RISE
 from origins.errors import InputError
 from origins.thresholds.law import Array
-from toolkit.results.sliding import has_slid, late_force, mean_forces, scatter_of
+from toolkit.results.sliding import has_slid, late_force, may_go_on, mean_forces, scatter_of
 from toolkit.results.slips import (
     are_fading,
     are_lasting,
     large_slips,
     main_slips,
-    may_go_on,
     regained_at,
     slips_beyond,
     swing_beyond_slips,

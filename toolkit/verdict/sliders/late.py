@@ -8,7 +8,8 @@ import numpy as np
 from origins.contacts import Contacts
 from toolkit.results.mean_of_pairs import ONE_SIGMA
 from toolkit.results.rarer import rarer
-from toolkit.results.slips import late_slips, may_go_on, shrinks_by, spread_of, still_changing
+from toolkit.results.sliding import may_go_on
+from toolkit.results.slips import late_slips, shrinks_by, spread_of, still_changing
 from toolkit.verdict.sliders.budget import MORE_TIME
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 from toolkit.verdict.sliders.steady import is_stable_with_delay
