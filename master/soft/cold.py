@@ -67,7 +67,7 @@ class ColdSlider:
         self._base, self._base_error = 0.0, 0.0
         relaxed = contacts.start.span == cold.reforming.span == (0.0, 0.0)
         self._loaded = LoadingHistory(cold.reforming if relaxed else contacts.start)
-        # whether all contacts break at one place, and are as at first then
+        # whether all contacts break at the same X, so that each slip leaves them as they were at the path's begin
         self._all_together = relaxed and drive.forward and cold.all_alike
         # resets repeat the same move, in each direction: it is solved once
         self._move_from = lru_cache(MOST_OF_LATE)(partial(Move, cold))

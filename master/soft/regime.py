@@ -165,9 +165,9 @@ def _by_slips(
         fading = f"whose drops fade ever less, perhaps to {limit:.3g}"
         return "undecided", f"{counted}, {fading}{_farther(drive, slips, count * longest)}"
     if trend is not None and trend < -STEADY:
-        lasts = drive.slip == "instant" and contacts.thresholds.atoms[1].sum() > 0.5  # in step
+        may_keep_step = drive.slip == "instant" and contacts.thresholds.atoms[1].sum() > 0.5
         fades = f"{count} slips, each drop {-trend:.2%} smaller than the last"
-        return "undecided" if lasts else "decaying transient", fades
+        return "undecided" if may_keep_step else "decaying transient", fades
     # the largest of the last third beside that of the last two thirds
     late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
     if trend is not None or late >= (1.0 - STEADY) * longer:

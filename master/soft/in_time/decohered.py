@@ -137,8 +137,8 @@ class Decohered:
         if now - slip.none_holds_since < needed:
             return False
         swing = self.swing(slip)
-        # F was no larger than now by more than a swing, and between the ends of steps by no more than another
-        # F of those decohered contacts may be a little above that of steps, which would end the slip out of balance
+        # F was no larger than now by more than a swing, and between the ends of steps by no more than another. Contacts
+        # that have decohered bear F_k, which may be above F in steps: if the spring bears less the slip ends at once.
         most = max(slip.forces[-1], self._steady_force) + 2.0 * swing + MARGIN * self._unit
         ahead = (slip.load - most) / self._spring
         if ahead <= needed:

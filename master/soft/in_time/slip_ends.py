@@ -150,7 +150,7 @@ def slip_with_births(
     at_end = imbalance(low)
     if at_end > 0.0:
         low, at_end = balance_between(imbalance, low, step_travel, contacts)
-    else:  # the slider has gone no further since, and may not be in balance there
+    else:  # contacts that were replaced by decohered ones right before may bear more than the spring pulls
         contacts.unresolved.note(OF_BALANCE, abs(at_end), contacts.now)
     contacts.take(contacts.trial(low, contacts.now), 0.0)
     _check_balance(contacts, steps, at_end)

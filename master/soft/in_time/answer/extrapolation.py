@@ -42,6 +42,7 @@ REST_OF_CHANGE = 1.0 / 3.0
 INSTANTS = 65
 # Rounding of the force in one step, in mean thresholds.
 ROUNDING = 1e-13
+# What an error is of, in messages.
 SHARE = "the share that holds"
 
 
