@@ -32,7 +32,7 @@ import master
 import origins
 from toolkit.command import main
 from toolkit.judge.closed_form import closed_form
-from toolkit.stability.case import SIGMAS, Answer, Case, Question, Row, Truth
+from toolkit.stability.case import SIGMAS, Case, CaseAnswer, Question, Row, Truth
 from toolkit.stability.cohorts import by_cohorts
 from toolkit.stability.coverage import as_lines, coverage
 from toolkit.stability.diffusing import aged_lives
@@ -75,13 +75,13 @@ def question(asked: Given) -> Question:
         drive["time"] = np.interp(at, each, drive["time"])
     claimed = [np.inf]
 
-    def ask() -> Answer:
+    def ask() -> CaseAnswer:
         found = master.solve(contacts, path, tolerance, **drive)
         claimed[0] = found.force_error
         values = found.force / mean
         if values.size == path.size:
             values = np.concatenate([values[given], values])
-        return Answer(values, claimed[0], found.success, tolerance, found.message)
+        return CaseAnswer(values, claimed[0], found.success, tolerance, found.message)
 
     def truth() -> Truth:
         # the older version fitted other thresholds to samples: their survivals differ by some 1e-10

@@ -21,14 +21,20 @@ from master.soft.followed import ErrorPart, Followed
 from master.soft.inertia import solution
 from master.soft.inertia.delayed import panel_search
 from master.soft.inertia.delayed.cohorts import Cohorts
-from master.soft.inertia.delayed.collocation import Collocation, Machine, Missed, Solved, State
+from master.soft.inertia.delayed.collocation import (
+    Collocation,
+    Missed,
+    SliderConstants,
+    SliderState,
+    Solved,
+)
 from master.soft.inertia.delayed.drive_path import DrivePath
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import BREAKS, FORCE, NODES, PLACES, STAGES, TimePanel
 from master.soft.inertia.delayed.panel_births import PanelBirths
 from master.soft.inertia.delayed.panels import Part
 from master.soft.inertia.delayed.past_breaks import PastBreaks
-from master.soft.inertia.delayed.pull import Pull, PullOnPanel, Sliding
+from master.soft.inertia.delayed.pull import ContactsAtNodes, PullOnPanel, Sliding
 from master.soft.inertia.delayed.small_swings import SmallSwings
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.growing_swings import growing_swings
@@ -150,7 +156,7 @@ def test_births_of_breaks_on_the_same_panel_are_solved_with_their_derivatives(
         cohorts, FastSliding(WIDE), width, 0.2, 0.9 * way, way, held, births, Sliding.SLOW
     )
 
-    def at(x: np.ndarray) -> Pull:
+    def at(x: np.ndarray) -> ContactsAtNodes:
         found = pulls.at(x, speed)
         assert found is not None
         return found
@@ -186,11 +192,11 @@ def test_contacts_born_on_a_panel_hold_and_pull_as_exponential_thresholds_do(way
     cohorts = Cohorts.at_start(contacts, Survival(contacts.thresholds))
     past, sliding = PastBreaks(0.5, 1.0), FastSliding(contacts.thresholds)
     past.add(TimePanel(0.0, 1.0, np.array([[0.0] * 6, [0.5 * rate] * 2 + [0.0] * 4, [0.0] * 6])))
-    search = Collocation(Machine(1e9, 0.0, 1.0, 1.0), cohorts, sliding, past, accuracy=1e-6)
+    search = Collocation(SliderConstants(1e9, 0.0, 1.0, 1.0), cohorts, sliding, past, accuracy=1e-6)
     off = []
     for width in (0.2, 0.1):
         speed = np.full(NODES.size, way)
-        solved = search.solve(State(0.5, 0.0, way), width, np.zeros(NODES.size), speed)
+        solved = search.solve(SliderState(0.5, 0.0, way), width, np.zeros(NODES.size), speed)
         assert isinstance(solved, Solved)
         y = width * NODES
         hold = np.exp(-y) + rate * -np.expm1(-y)
@@ -237,11 +243,11 @@ class Swinging:
     """A slider that SmallSwings looks at as a body: it is where the test puts it."""
 
     def __init__(self, damping: float) -> None:
-        self.machine = Machine(1e-6, damping, 1e-3, 1.0)
+        self.machine = SliderConstants(1e-6, damping, 1e-3, 1.0)
         self.drive = DrivePath(Motion(np.array([0.0, 1e5]), np.array([0.0, 1e5])))
         self.contacts = Cohorts.at_start(delayed(0.1), Survival(WIDE))
         self.past, self.energies, self.contact_force = PastBreaks(0.1, 1.0), (0.0, 0.0, 0.0), 0.5
-        self.state, self.times = State(0.0, 0.0, 1.0), np.linspace(0.0, 1e5, 11)
+        self.state, self.times = SliderState(0.0, 0.0, 1.0), np.linspace(0.0, 1e5, 11)
 
     def asked(self, begin: float, end: float) -> slice:
         return slice(int(np.searchsorted(self.times, begin, "right")), 11)
@@ -260,7 +266,7 @@ def look_at_swings(size, *, stops: bool, damping: float = 1.0):
         force = 0.5 + size(t) * np.sin(2.0 * np.pi * t / 40.0)
         speed = 1.0 + (0.99 if stops else 0.3) * np.cos(2.0 * np.pi * t / 40.0)
         body.energies = (force * t, 0.1 * t, (force - 0.1) * t)
-        body.state = State(t, t - force / 1e-3, speed)
+        body.state = SliderState(t, t - force / 1e-3, speed)
         if (found := swings.goes_on()) is not None:
             return found, record
     return None, record

@@ -11,7 +11,7 @@ from master.motion import drive_motion
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.refining import memory_of
 from master.soft.inertia.in_time.slider import HeavySlider
-from master.soft.inertia.in_time.steady_motion import Machine, SteadyMotion
+from master.soft.inertia.in_time.steady_motion import SlidingMachine, SteadyMotion
 from master.soft.inertia.in_time.steady_sliding import sliding_of
 from master.steady.kinetic_table import tabulated
 from origins import Contacts, Drive, Thermal
@@ -66,12 +66,12 @@ def test_on_the_spring_of_a_machine_it_creeps_and_slides_on(
 @pytest.mark.parametrize(
     ("machine", "speed"),
     [
-        slow(Machine(0.011, 0.0, 6.1e-3, 1.7, 1.0, 2.2, np.inf), 0.09),
-        (Machine(3.0, 3.0, 1e-2, 5.0, 1.0, 2.2, np.inf), 0.2),
-        (Machine(1e-7, 0.1, 1e-3, 2.0, 1.0, 2.2, np.inf), 1.0),
+        slow(SlidingMachine(0.011, 0.0, 6.1e-3, 1.7, 1.0, 2.2, np.inf), 0.09),
+        (SlidingMachine(3.0, 3.0, 1e-2, 5.0, 1.0, 2.2, np.inf), 0.2),
+        (SlidingMachine(1e-7, 0.1, 1e-3, 2.0, 1.0, 2.2, np.inf), 1.0),
     ],
 )
-def test_inertia_is_left_out_only_where_it_is_small(machine: Machine, speed: float) -> None:
+def test_inertia_is_left_out_only_where_it_is_small(machine: SlidingMachine, speed: float) -> None:
     """The equations of sliding, in balance or not, beside the full one integrated by scipy, and their energies."""
     table, u = tabulated(WIDE, np.log([1e-4, 1e6]), 1e-5), float(np.log(speed))
     load = float(table.force(u)) + machine.damping * speed

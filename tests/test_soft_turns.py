@@ -11,7 +11,7 @@ import master
 import origins
 from master.soft.cold_contacts import ColdContacts
 from master.soft.moves import LoadingHistory, Move
-from master.soft.turns import Leg, loss_of_breaks, remedy_of, unsteadiness
+from master.soft.turns import LegEnd, loss_of_breaks, remedy_of, unsteadiness
 
 TURNS = 14
 # of a drive whose legs are 0.6 to 3.4 loadings long, in these
@@ -120,5 +120,5 @@ def test_an_error_that_grows_at_turns_names_the_turn_at_which_to_end() -> None:
 def test_what_makes_the_error_of_turns_and_heat_smaller(
     errors: list[float], heat: float, told: str
 ) -> None:
-    legs = [Leg(float(end), error) for end, error in enumerate(errors, start=1)]
+    legs = [LegEnd(float(end), error) for end, error in enumerate(errors, start=1)]
     assert remedy_of(legs, heat, 1e-8).removeprefix("end the path at the turn ") == told

@@ -20,7 +20,7 @@ from toolkit.command import main
 from toolkit.scene.laws import THRESHOLDS
 from toolkit.scene.scene import load_scene
 from toolkit.stability import laws, sliders, speeds, surfaces, thresholds
-from toolkit.stability.case import Answer, Case, Question, Row, Truth, judged, rows
+from toolkit.stability.case import Case, CaseAnswer, Question, Row, Truth, judged, rows
 from toolkit.stability.scene_map import not_pushed, numbers, scene_map, times, trusted
 from toolkit.stability.table import VERDICTS, extreme_cases, line, stability, summary
 from toolkit.stability.work import within_work
@@ -32,30 +32,30 @@ CUT = {"just below the end of a rectangle"}  # after its 10 CPU-s
 @pytest.mark.parametrize(
     ("answer", "verdict"),
     [
-        (Answer([1.0, 2.0], 0.0), "exact"),
-        (Answer([1.0, 2.0 + 1e-7], 2e-7, True, 1e-6), "within tolerance"),
-        (Answer([1.0, 2.1], 0.2, False, 1e-6), "short, and says so"),
-        (Answer([1.0], 1e-9, False, 1e-6), "short, and says so"),
-        (Answer([1.0, np.nan], np.inf, False, 1e-6), "short, and says so"),
-        (Answer([1.0, 7.0], 3.0, False, 1e-6), "wrong"),
-        (Answer([1.0, 2.1], 0.05, False, 1e-6), "wrong"),
-        (Answer([1.0, 2.1], 0.2, True, 1e-6), "wrong"),
-        (Answer([1.0, np.nan], 1e-9, True, 1e-6), "wrong"),
-        (Answer([1.0], 1e-9, True, 1e-6), "wrong"),
-        (Answer([1.0, 2.0], 0.0, faults=("more than all contacts hold",)), "wrong"),
-        (Answer([1.0], np.inf, False, 1e-6, "stopped by wall_time"), "slow"),
-        (Answer([1.0, 2.1], 0.05, False, 1e-6, "stopped by wall_time"), "wrong"),
+        (CaseAnswer([1.0, 2.0], 0.0), "exact"),
+        (CaseAnswer([1.0, 2.0 + 1e-7], 2e-7, True, 1e-6), "within tolerance"),
+        (CaseAnswer([1.0, 2.1], 0.2, False, 1e-6), "short, and says so"),
+        (CaseAnswer([1.0], 1e-9, False, 1e-6), "short, and says so"),
+        (CaseAnswer([1.0, np.nan], np.inf, False, 1e-6), "short, and says so"),
+        (CaseAnswer([1.0, 7.0], 3.0, False, 1e-6), "wrong"),
+        (CaseAnswer([1.0, 2.1], 0.05, False, 1e-6), "wrong"),
+        (CaseAnswer([1.0, 2.1], 0.2, True, 1e-6), "wrong"),
+        (CaseAnswer([1.0, np.nan], 1e-9, True, 1e-6), "wrong"),
+        (CaseAnswer([1.0], 1e-9, True, 1e-6), "wrong"),
+        (CaseAnswer([1.0, 2.0], 0.0, faults=("more than all contacts hold",)), "wrong"),
+        (CaseAnswer([1.0], np.inf, False, 1e-6, "stopped by wall_time"), "slow"),
+        (CaseAnswer([1.0, 2.1], 0.05, False, 1e-6, "stopped by wall_time"), "wrong"),
     ],
 )
-def test_the_judge_tells_what_is_wrong_from_what_is_short(answer: Answer, verdict: str) -> None:
+def test_the_judge_tells_what_is_wrong_from_what_is_short(answer: CaseAnswer, verdict: str) -> None:
     assert judged(answer, Truth([1.0, 2.0], 0.0, "by hand")).verdict == verdict
 
 
 def test_a_row_that_was_cut_tells_where_and_what_it_claims() -> None:
     """Of the rest nothing is known, so that there is no number in its place."""
 
-    def cut() -> Answer:
-        return Answer(
+    def cut() -> CaseAnswer:
+        return CaseAnswer(
             [1.0], 1e-9, False, 1e-6, "stopped at X = 1 by wall_time; error estimate 1e-9"
         )
 
@@ -66,21 +66,21 @@ def test_a_row_that_was_cut_tells_where_and_what_it_claims() -> None:
     )
     (row,) = rows(
         Question(
-            "", "", "master", lambda: Answer([1.0], 1e-9), lambda: Truth([1.0], 0.0, "by hand")
+            "", "", "master", lambda: CaseAnswer([1.0], 1e-9), lambda: Truth([1.0], 0.0, "by hand")
         )
     )
     assert line(row).endswith("by hand") and "against" not in line(row)
 
 
 def test_an_answer_without_a_second_road_is_not_called_exact() -> None:
-    found = judged(Answer([1.0, 2.0], 0.0), Truth([1.0, 2.0], np.inf, "invariants alone"))
+    found = judged(CaseAnswer([1.0, 2.0], 0.0), Truth([1.0, 2.0], np.inf, "invariants alone"))
     assert found.verdict == "within tolerance" and np.isnan(found.error)
 
 
 def test_an_infinite_truth_is_met_by_infinity_alone() -> None:
     infinite = Truth(np.inf, 0.0, "K* where all contacts break at one place")
-    assert judged(Answer(np.inf, 0.0), infinite).verdict == "exact"
-    assert judged(Answer(7.0, 0.0), infinite).verdict == "wrong"
+    assert judged(CaseAnswer(np.inf, 0.0), infinite).verdict == "exact"
+    assert judged(CaseAnswer(7.0, 0.0), infinite).verdict == "wrong"
     (asked,) = (one for one in extreme_cases() if one.name == "K* of one exact value")
     (row,) = rows(asked)
     assert (row.verdict, row.error) == ("exact", 0.0)
@@ -104,9 +104,9 @@ def test_a_wrong_answer_is_found_by_the_other_solver() -> None:
 def test_the_time_of_an_answer_is_that_of_its_work() -> None:
     """Not of the clock, which on a busy machine is many times as much."""
 
-    def ask() -> Answer:
+    def ask() -> CaseAnswer:
         time.sleep(0.2)
-        return Answer(1.0, 0.0)
+        return CaseAnswer(1.0, 0.0)
 
     (row,) = rows(Question("", "asleep", "steady_state", ask, lambda: Truth(1.0, 0.0, "known")))
     assert row.verdict == "exact" and row.run_time < 0.1

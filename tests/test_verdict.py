@@ -20,7 +20,7 @@ import eq_model
 import master
 import origins
 from master.soft import followed
-from master.soft.turns import Leg, remedy_of
+from master.soft.turns import LegEnd, remedy_of
 from origins import Contacts, Delay, InputError, gaussian, identical, mixture
 from tests.scenes import CONSTANTS, GAUSSIAN, ROUGH, said, write
 from toolkit.processes.signals import Terminated, TimeIsUp, no_longer_than
@@ -1031,7 +1031,7 @@ def test_a_refused_slider_is_told_without_a_path_to_give_and_with_units(monkeypa
         (followed.SHORTEN, "it misses"),
         (followed.LOOSEN, "it misses"),
         (followed.LEAVE_HEAT, "it misses; leave out the heat"),
-        (remedy_of([Leg(5.0, 0.2)], 1e-2, 1e-6), "it misses; leave out the heat"),
+        (remedy_of([LegEnd(5.0, 0.2)], 1e-2, 1e-6), "it misses; leave out the heat"),
     ):
         assert in_units(f"it misses; {given}", Scale()) == shown
     beside = in_units(f"it misses; {followed.LOOSEN}; heat is left out beside a mass: so", metres)

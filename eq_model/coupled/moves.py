@@ -11,7 +11,7 @@ from eq_model.coupled.queue_kernel import NOTHING, next_event
 FAR_FROM_BASE = 1 << 44
 
 
-class Ahead(NamedTuple):
+class NextEvent(NamedTuple):
     """What the slider meets next as it moves on: an event of the queue, where, and the load there."""
 
     event: int
@@ -82,7 +82,7 @@ def look_ahead(s, queue, pull):  # type: ignore[no-untyped-def]
     x = s.at if event == NOTHING else b
     force = s.force + s.stiffness * np.float64(x - s.at)
     load = force + pull.spring * np.float64(x - s.base)
-    return Ahead(event, x, load, force, np.inf if event == NOTHING else load)
+    return NextEvent(event, x, load, force, np.inf if event == NOTHING else load)
 
 
 @inlined

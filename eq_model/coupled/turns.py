@@ -27,7 +27,7 @@ from origins import Drive
 from origins.thresholds.law import Array
 
 
-class Leg(NamedTuple):
+class OneWay(NamedTuple):
     """A part of the drive that goes one way: its `direction`, 1 or -1, and its points path[first:last]; `places` are
     X_T where it begins and at its points, `clock` the times."""
 
@@ -38,7 +38,7 @@ class Leg(NamedTuple):
     clock: Array
 
 
-def legs_of(drive: Drive, begin: float) -> list[Leg]:
+def legs_of(drive: Drive, begin: float) -> list[OneWay]:
     """The legs of a drive that is at X_T = `begin` at t = 0; a rest belongs to the leg before it."""
     places, clock = np.append(begin, drive.path), np.append(0.0, drive.arrival_times(begin))
     steps = np.diff(places)
@@ -49,7 +49,7 @@ def legs_of(drive: Drive, begin: float) -> list[Leg]:
     ends = zip(np.append(0, turns).tolist(), np.append(turns, steps.size).tolist(), strict=True)
     way = -1 if moves.size and ways[0] < 0.0 else 1
     return [
-        Leg(way * (-1) ** k, i, j, places[i : j + 1], clock[i : j + 1])
+        OneWay(way * (-1) ** k, i, j, places[i : j + 1], clock[i : j + 1])
         for k, (i, j) in enumerate(ends)
     ]
 

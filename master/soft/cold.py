@@ -15,7 +15,7 @@ from master.soft.moves_without_births import MoveWithoutBirths
 from master.soft.slips import slips_of
 from master.soft.slips_ahead import nothing_ahead_known, slips_ahead
 from master.soft.too_long import MOST_SLIPS, refuse_endless_slips, refuse_long_lives
-from master.soft.turns import Leg, behind_turn, remedy_of
+from master.soft.turns import LegEnd, behind_turn, remedy_of
 from origins import Contacts
 from origins.drive import SLIP_FRACTION, Drive
 from origins.thresholds.law import Array
@@ -93,13 +93,13 @@ class ColdSlider:
         # a hold belongs to the move before it
         signs = np.sign(steps)[np.maximum.accumulate(np.where(steps, each, 0))].astype(int)
         self.force.append(np.full(np.count_nonzero(signs == 0), self._start_force))
-        legs = list[Leg]()
+        legs = list[LegEnd]()
         try:
             for points in np.split(each, np.flatnonzero(np.diff(signs)) + 1):
                 if signs[points[0]]:
                     self._move(int(signs[points[0]]), self.path[points])
                     off = max(self.error, spring * self.drive_error) / unit
-                    legs.append(Leg(float(self.path[points[-1]]), off))
+                    legs.append(LegEnd(float(self.path[points[-1]]), off))
         except StoppedError as why:
             stopped = str(why)
         force = np.concatenate(self.force)

@@ -34,14 +34,14 @@ class Misplaced(NamedTuple):
     shift: float
 
 
-class Leg(NamedTuple):
+class LegEnd(NamedTuple):
     """Where the drive turns or ends (X_T, a length), and the error of the force up to there (mean thresholds)."""
 
     end: float
     error: float
 
 
-def remedy_of(legs: Sequence[Leg], heat: float, tolerance: float) -> str:
+def remedy_of(legs: Sequence[LegEnd], heat: float, tolerance: float) -> str:
     """What the user may do to make the error smaller; it grows from turn to turn, which no looser tolerance changes.
     `heat` : what heat that is left out changes in F at a given X; all in mean thresholds."""
     last = LOOSEN if heat <= tolerance else LEAVE_OUT

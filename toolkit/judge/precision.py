@@ -12,9 +12,9 @@ import numpy as np
 from origins.errors import InputError
 from toolkit.judge.frontier import as_words, cheapest, of_claims, of_threads, slope
 from toolkit.judge.reference import (
-    Answer,
+    MethodAnswer,
     Reference,
-    Run,
+    TimedAnswer,
     compared,
     exact_force,
     finest,
@@ -141,7 +141,9 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     }
 
 
-def _comparable(method: str, runs: list[Run], reference: Reference, notes: list[str]) -> list[Run]:
+def _comparable(
+    method: str, runs: list[TimedAnswer], reference: Reference, notes: list[str]
+) -> list[TimedAnswer]:
     """The runs but those whose sliders slip at so different places that little is left to compare, which are noted."""
     least = _FEWEST * reference.counted.sum()
     kept = [run for run in runs if compared(run.answer, reference).sum() >= least]
@@ -162,7 +164,7 @@ def _with_path(scene: Scene, notes: list[str]) -> Scene:
     return on_rigid_slider(scene)
 
 
-def _on_threads(work: Callable[..., Answer], runs: list[Run]) -> list[dict[str, Any]]:
+def _on_threads(work: Callable[..., MethodAnswer], runs: list[TimedAnswer]) -> list[dict[str, Any]]:
     """The largest ensemble that takes no longer than REPEATED, on one thread and on up to as many as there are cores,
     twice as many each time."""
     small = [run for run in runs if run.run_time <= REPEATED]
@@ -183,7 +185,7 @@ def _line(cells: Any) -> str:
     return "  ".join(f"{cell:>9}" for cell in texts)
 
 
-def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[..., Answer]]:
+def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[..., MethodAnswer]]:
     """What finds the force at a setting, by the name of each method that takes the scene; those that are left out are
     noted."""
     import master
@@ -192,28 +194,28 @@ def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[..., Answer]]
     contacts, path, unit = scene.contacts, scene.path, scene.contacts.mean_threshold
     asked = scene.eq or EqTable()
 
-    def solve(tolerance: float) -> Answer:
+    def solve(tolerance: float) -> MethodAnswer:
         solved: Any = solve_master(scene, tolerance)
-        return Answer(solved.force, float(solved.force_error) * unit, solved)
+        return MethodAnswer(solved.force, float(solved.force_error) * unit, solved)
 
-    def step(number: float) -> Answer:
-        return Answer(master.explicit(contacts, path, step=unit / number).force, None)
+    def step(number: float) -> MethodAnswer:
+        return MethodAnswer(master.explicit(contacts, path, step=unit / number).force, None)
 
-    def simulate(size: float, threads: int = 1) -> Answer:
+    def simulate(size: float, threads: int = 1) -> MethodAnswer:
         small: dict[str, Any] = {"n_contacts": int(size), "n_replicas": 1, "histograms": ()}
         small |= {"tolerance": None, "wall_time": None, "threads": threads}
         if scene.drive.spring is None:
             found: Any = follow(make_ensemble(scene, asked, None, **small))
             error = found.force_standard_error + found.step_error
-            return Answer(found.force, float(error.max()), found)
+            return MethodAnswer(found.force, float(error.max()), found)
         check_one_way(scene.drive)
         found = follow(make_ensemble(scene, asked, None, **small | {"n_replicas": SLIDERS}))
         slips = slips_so_far(found, scene.drive)
         scatter = found.force_standard_error[alike(slips, slips)]
-        return Answer(found.force, float(scatter.max(initial=0.0)), found, slips)
+        return MethodAnswer(found.force, float(scatter.max(initial=0.0)), found, slips)
 
-    def pick(size: float) -> Answer:
-        return Answer(closest(contacts, path, n_contacts=int(size), seed=asked.seed)[0], None)
+    def pick(size: float) -> MethodAnswer:
+        return MethodAnswer(closest(contacts, path, n_contacts=int(size), seed=asked.seed)[0], None)
 
     methods = {"master": solve, "explicit": step, "ensemble": simulate, "closest": pick}
     why = "" if scene.drive.forward else "they take a path that does not turn round"
@@ -231,10 +233,10 @@ def _methods(scene: Scene, notes: list[str]) -> dict[str, Callable[..., Answer]]
 
 
 def _climb(
-    method: str, work: Callable[[float], Answer], notes: list[str], warm_up: dict[str, float]
-) -> list[Run]:
+    method: str, work: Callable[[float], MethodAnswer], notes: list[str], warm_up: dict[str, float]
+) -> list[TimedAnswer]:
     """The runs of a method, rung by rung while CPU time is left. One that refuses the scene has none, and is noted."""
-    runs, spent = list[Run](), 0.0
+    runs, spent = list[TimedAnswer](), 0.0
     setting, limit, began = RUNGS[method][0], _WARM, time.process_time()
     try:
         with no_longer_than(limit, TooMuchWork):
@@ -268,14 +270,16 @@ def _climb(
     return runs
 
 
-def _is_same(one: Answer, other: Answer) -> bool:
+def _is_same(one: MethodAnswer, other: MethodAnswer) -> bool:
     """Whether two tolerances gave one answer, as where each lets the solver take the same panels or steps."""
     return one.claimed == other.claimed and np.array_equal(one.force, other.force)
 
 
 def _timed(
-    work: Callable[[float], Answer], setting: float, clock: Callable[[], float] = time.process_time
-) -> Run:
+    work: Callable[[float], MethodAnswer],
+    setting: float,
+    clock: Callable[[], float] = time.process_time,
+) -> TimedAnswer:
     """The answer at a setting, and the median of its run times, repeated where it takes little. CPU time of the one
     thread hardly hangs on what else the machine does. Raises TooMuchWork beyond _SECONDS."""
     began = clock()
@@ -284,11 +288,11 @@ def _timed(
     ):  # within, the system counts CPU time in steps of some ms
         answer = work(setting)
     if (took := clock() - began) >= REPEATED:
-        return Run(setting, answer, took, 1)
+        return TimedAnswer(setting, answer, took, 1)
     times = list[float]()
     # a system that counts in steps may tell 0 of a short run, and of most of five: then their mean is told
     while (len(times) < 5 and sum(times) < REPEATED) or sum(times) <= 0.0:
         began = clock()
         answer = work(setting)
         times.append(clock() - began)
-    return Run(setting, answer, median(times) or fmean(times), len(times))
+    return TimedAnswer(setting, answer, median(times) or fmean(times), len(times))

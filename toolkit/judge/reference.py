@@ -16,7 +16,7 @@ from toolkit.scene.scene import Scene
 LEAST = 1e-17
 
 
-class Answer(NamedTuple):
+class MethodAnswer(NamedTuple):
     """A method's force at the points of the path that it reaches, and the error that it claims, both in lengths; None
     where it claims none. `found` is the solver's own answer; `slips`, of the ensemble on a spring, are those so far at
     each point."""
@@ -27,11 +27,11 @@ class Answer(NamedTuple):
     slips: Counts | None = None
 
 
-class Run(NamedTuple):
+class TimedAnswer(NamedTuple):
     """A method's answer at a setting, and its median run time in s of so many `runs`."""
 
     setting: float
-    answer: Answer
+    answer: MethodAnswer
     run_time: float
     runs: int
 
@@ -65,12 +65,12 @@ def exact_force(scene: Scene) -> Reference | None:
     return Reference(force, error, words, np.ones(force.size, bool))
 
 
-def best_of(solved: list[Run]) -> Run:
+def best_of(solved: list[TimedAnswer]) -> TimedAnswer:
     """The run that claims the smallest error, of several the one with the tightest setting."""
     return min(reversed(solved), key=lambda run: run.answer.claimed or 0.0)
 
 
-def finest(scene: Scene, solved: list[Run], sampled: list[Run]) -> Reference:
+def finest(scene: Scene, solved: list[TimedAnswer], sampled: list[TimedAnswer]) -> Reference:
     """The run of the master equation that claims the smallest error, or else the ensemble's largest. On a spring the
     points of the path next to a slip tell nothing, as there a slip that comes a little early is an error as large as
     its drop."""
@@ -102,7 +102,7 @@ def with_error_in(unit: float, reference: Reference, mean_threshold: float) -> R
     return reference._replace(error=max(reference.error, LEAST) * mean_threshold / unit)
 
 
-def compared(answer: Answer, reference: Reference) -> Any:
+def compared(answer: MethodAnswer, reference: Reference) -> Any:
     """At which points, of those that both reach, an answer can be compared with the reference."""
     both = min(answer.force.size, reference.force.size)
     counted = reference.counted[:both]
@@ -111,7 +111,7 @@ def compared(answer: Answer, reference: Reference) -> Any:
     return counted
 
 
-def largest_error(answer: Answer, reference: Reference, unit: float) -> float | None:
+def largest_error(answer: MethodAnswer, reference: Reference, unit: float) -> float | None:
     """The largest difference in a `unit` of forces (a length) where both are known, as the paper's closure of ageing
     may end before the path does; None for the reference's own bits, of which it tells nothing."""
     if np.array_equal(answer.force, reference.force):
@@ -122,7 +122,7 @@ def largest_error(answer: Answer, reference: Reference, unit: float) -> float | 
 
 
 def witness_of(
-    sampled: Run, solved: list[Run], mean_threshold: float, unit: float
+    sampled: TimedAnswer, solved: list[TimedAnswer], mean_threshold: float, unit: float
 ) -> dict[str, Any]:
     """The ensemble's largest run beside the master equation's finest: `contacts`, its largest `standard_error` in a
     `unit` of forces (a length), and the `worst_deviation` of both in standard errors, None where too few contacts broke
@@ -134,7 +134,7 @@ def witness_of(
 
 
 def of_witness(
-    witness: dict[str, Any] | None, solved: list[Run], sampled: list[Run], unit: str
+    witness: dict[str, Any] | None, solved: list[TimedAnswer], sampled: list[TimedAnswer], unit: str
 ) -> list[str]:
     """In words what an independent road says of a reference that is the finest run of one of the two solvers. On a
     spring there is no witness: contacts that are finitely many slip late by more than the scatter tells."""

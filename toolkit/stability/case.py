@@ -43,7 +43,7 @@ class Truth:
 
 
 @dataclass(frozen=True)
-class Answer:
+class CaseAnswer:
     """What the toolkit says.
 
     values : (n,); error : a bound of their error, a number or (n,)
@@ -111,7 +111,7 @@ class Question:
     group: str
     name: str
     solver: str
-    ask: Callable[[], Answer]
+    ask: Callable[[], CaseAnswer]
     truth: Callable[[], Truth]
 
 
@@ -126,7 +126,7 @@ class Judgement:
     said: str
 
 
-def judged(answer: Answer, truth: Truth) -> Judgement:
+def judged(answer: CaseAnswer, truth: Truth) -> Judgement:
     """The verdict on an answer, with the numbers at its largest error, or where that is farthest beyond the claim.
 
     Wrong is: an error above the claim and the truth's own error together, a claim of success beside an error above
@@ -167,7 +167,7 @@ def judged(answer: Answer, truth: Truth) -> Judgement:
     return Judgement(verdict, error, float(floors[worst]), claim, said)
 
 
-def _short(answer: Answer) -> Verdict:
+def _short(answer: CaseAnswer) -> Verdict:
     """An answer that lacks something must say so; where it was cut for want of time it is slow."""
     if answer.success:
         return "wrong"
@@ -199,18 +199,18 @@ def rows(case: Case | Question) -> list[Row]:
     return out
 
 
-def _timed(ask: Callable[[], Answer]) -> tuple[Answer | str, float]:
+def _timed(ask: Callable[[], CaseAnswer]) -> tuple[CaseAnswer | str, float]:
     """An answer, or the text of its refusal, and its CPU time in s, as a busy machine takes longer by the clock."""
     began = time.process_time()
     try:
-        answer: Answer | str = ask()
+        answer: CaseAnswer | str = ask()
     except InputError as refusal:
         answer = str(refusal)
     return answer, time.process_time() - began
 
 
 def _row(
-    case: Case | Question, solver: str, found: tuple[Answer | str, float], truth: Truth | None
+    case: Case | Question, solver: str, found: tuple[CaseAnswer | str, float], truth: Truth | None
 ) -> Row:
     answer, took = found
     if isinstance(answer, str) or truth is None:
@@ -223,19 +223,19 @@ def _row(
     )
 
 
-def _witness(name: str, answer: Answer | str) -> Truth | None:
+def _witness(name: str, answer: CaseAnswer | str) -> Truth | None:
     """What the other solver says, if it says anything; where its path is cut nothing is known of the rest."""
     if isinstance(answer, str) or not answer.values.size or not np.isfinite(answer.error).all():
         return None
     return Truth(answer.values, answer.error, WITNESSES[name])
 
 
-def _no_witness(answer: Answer | str) -> Truth | None:
+def _no_witness(answer: CaseAnswer | str) -> Truth | None:
     """No second road: invariants alone are checked."""
     return None if isinstance(answer, str) else Truth(answer.values, np.inf, "invariants alone")
 
 
-def solved(case: Case, contacts: Contacts, path: Array) -> Answer:
+def solved(case: Case, contacts: Contacts, path: Array) -> CaseAnswer:
     """The master equation's forces, in mean thresholds."""
     import master
 
@@ -243,7 +243,7 @@ def solved(case: Case, contacts: Contacts, path: Array) -> Answer:
     found = within_work(solve, LONGEST)
     unit, pulled = contacts.mean_threshold, _bounded(case, found.force)
     faults = invariants(found.holding, pulled / unit, float(found.force_error), contacts, path)
-    return Answer(
+    return CaseAnswer(
         found.force / unit,
         float(found.force_error),
         bool(found.success),
@@ -253,7 +253,7 @@ def solved(case: Case, contacts: Contacts, path: Array) -> Answer:
     )
 
 
-def simulated(case: Case, contacts: Contacts, path: Array, longest: float = LONGEST) -> Answer:
+def simulated(case: Case, contacts: Contacts, path: Array, longest: float = LONGEST) -> CaseAnswer:
     """The ensemble's forces, in mean thresholds; of soft sliders from so many replicas that their scatter is known."""
     import eq_model
 
@@ -268,7 +268,7 @@ def simulated(case: Case, contacts: Contacts, path: Array, longest: float = LONG
     unseen = UNSEEN / found.contacts * stretch
     error = (by_chance + unseen + found.step_error + IN_UNITS * np.abs(path).max()) / unit
     faults = invariants(found.holding, pulled / unit, 0.0, contacts, path)
-    return Answer(found.force / unit, error, bool(found.success), None, found.message, faults)
+    return CaseAnswer(found.force / unit, error, bool(found.success), None, found.message, faults)
 
 
 def _bounded(case: Case, force: Array) -> Array:

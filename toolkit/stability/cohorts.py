@@ -78,12 +78,12 @@ def _force(contacts: Contacts, path: Array, clock: Array, parts: int) -> Array:
         np.linspace(0.0, path.size - 1.0, (path.size - 1) * parts + 1),
     )
     place, now = np.interp(ends, points, path), np.interp(ends, points, clock)
-    cohorts = Cohorts(contacts, place[0], now[0], parts)
+    cohorts = SteppedCohorts(contacts, place[0], now[0], parts)
     moves = [cohorts.move(*step) for step in zip(place[1:], now[1:], strict=True)]
     return np.array([cohorts.force_at_first, *moves])
 
 
-class Cohorts:
+class SteppedCohorts:
     """All contacts of a slider by the steps in which they formed, moved step by step.
 
     force_at_first : F at the start, a length, where the slider stands at `place` at the time `now`

@@ -6,7 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.stability.case import OVERRUN, ROUND_OFF, SIGMAS, Answer, Case, Question, Row, Truth
+from toolkit.stability.case import (
+    OVERRUN,
+    ROUND_OFF,
+    SIGMAS,
+    Case,
+    CaseAnswer,
+    Question,
+    Row,
+    Truth,
+)
 from toolkit.stability.drawn import drawn
 from toolkit.stability.table import answered
 
@@ -86,16 +95,16 @@ def _ensemble(case: Case, seed: int) -> Question:
     unit = contacts.mean_threshold
     path, drive = case.path * unit, case.drive
 
-    def ask_it() -> Answer:
+    def ask_it() -> CaseAnswer:
         found: Any = eq_model.simulate(contacts, path, n_contacts=_CONTACTS, seed=seed, **drive)
         error = found.force_standard_error / unit
         tell = np.flatnonzero(error > np.sqrt(_FEWEST) / _CONTACTS)
         if not tell.size:
-            return Answer(np.empty(0), np.inf, False, None, "too few contacts broke to tell")
+            return CaseAnswer(np.empty(0), np.inf, False, None, "too few contacts broke to tell")
         at = int(np.random.default_rng(seed).choice(tell))
         place.append(at)
         bound = SIGMAS * error[at] + found.step_error[at] / unit
-        return Answer(found.force[at] / unit, bound, bool(found.success), None, found.message)
+        return CaseAnswer(found.force[at] / unit, bound, bool(found.success), None, found.message)
 
     def truth() -> Truth:
         whole = case.truth(contacts, path) if case.truth else None

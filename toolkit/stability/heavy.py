@@ -17,7 +17,7 @@ from origins.errors import InputError
 from origins.thresholds.law import Array
 from toolkit.judge.closed_form import closed_form
 from toolkit.stability.case import Truth
-from toolkit.stability.cohorts import Cohorts
+from toolkit.stability.cohorts import SteppedCohorts
 
 _STEPS = (512, 1024, 2048)  # of the whole motion
 _PARTS = 8  # nodes of the start, as those of so many steps between two points
@@ -133,7 +133,7 @@ def by_steps(contacts: Contacts, path: Array, drive: Mapping[str, Any]) -> Truth
 
 def _in_steps(contacts: Contacts, drive: Drive, steps: int) -> Array:
     """The spring's force at the path's points, a length, by so many steps of the whole motion."""
-    cohorts = Cohorts(contacts, 0.0, 0.0, _PARTS)
+    cohorts = SteppedCohorts(contacts, 0.0, 0.0, _PARTS)
     held = cohorts.force_at_first
     pulled = _Pulled.of(drive, held)
     spring, mass = drive.spring or np.inf, drive.mass or np.nan

@@ -10,7 +10,7 @@ import origins
 from origins.contacts import Contacts
 from origins.drive import SlipRule
 from toolkit.stability import truths
-from toolkit.stability.case import SIGMAS, Answer, Case, Question, Truth
+from toolkit.stability.case import SIGMAS, Case, CaseAnswer, Question, Truth
 from toolkit.stability.laws import rest
 from toolkit.stability.thresholds import FORWARD, critical
 
@@ -74,22 +74,22 @@ def springs() -> list[Case | Question]:
     return found
 
 
-def does_it_slip(contacts: Contacts, spring: float) -> Answer:
+def does_it_slip(contacts: Contacts, spring: float) -> CaseAnswer:
     """1 if the slider slips as it moves by its first 1.6 thresholds, else 0."""
     import master
 
     path = np.linspace(0.0, 1.6 + 1.6 / spring, 400)
     found: Any = master.solve(contacts, path, 1e-8, spring=spring, slip="reset")
-    return Answer(float(found.slips.drive.size > 0), 0.0, found.success, None, found.message)
+    return CaseAnswer(float(found.slips.drive.size > 0), 0.0, found.success, None, found.message)
 
 
-def first_slip(contacts: Contacts, rule: SlipRule) -> Answer:
+def first_slip(contacts: Contacts, rule: SlipRule) -> CaseAnswer:
     """F as the softest slider lets go, in mean thresholds."""
     import master
 
     found: Any = master.solve(contacts, np.linspace(0.0, 1.2e9, 50), 1e-6, spring=1e-9, slip=rule)
     before = found.slips.force_before[:1] / contacts.mean_threshold
-    return Answer(before, max(found.force_error, 1e-9), found.success, 1e-6, found.message)
+    return CaseAnswer(before, max(found.force_error, 1e-9), found.success, 1e-6, found.message)
 
 
 def masses() -> list[Case | Question]:
@@ -183,20 +183,20 @@ def numbers() -> list[Case | Question]:
     ]
 
 
-def one_contact() -> Answer:
+def one_contact() -> CaseAnswer:
     """The sawtooth of one contact with an exact threshold."""
     import eq_model
 
     path = np.array([0.3, 0.999, 1.001, 7.25])
     found = eq_model.simulate(Contacts(origins.identical(1.0)), path, n_contacts=1)
-    return Answer(found.force, 1e-12, found.success, None, found.message)
+    return CaseAnswer(found.force, 1e-12, found.success, None, found.message)
 
 
-def crowd(contacts: Contacts) -> Answer:
+def crowd(contacts: Contacts) -> CaseAnswer:
     """F of 1e9 contacts."""
     import eq_model
 
     found = eq_model.simulate(contacts, BEFORE, n_contacts=1_000_000_000, seed=1)
-    return Answer(
+    return CaseAnswer(
         found.force, SIGMAS * found.force_standard_error, found.success, None, found.message
     )

@@ -5,7 +5,7 @@ from functools import partial
 import origins
 from origins.contacts import Contacts
 from toolkit.stability import truths
-from toolkit.stability.case import Answer, Case, Question, Truth
+from toolkit.stability.case import Case, CaseAnswer, Question, Truth
 from toolkit.stability.laws import PEAK, warm
 from toolkit.stability.thresholds import FORWARD
 
@@ -61,10 +61,10 @@ def rate_and_state() -> list[Case | Question]:
     return found
 
 
-def slope(contacts: Contacts, velocity: float) -> Answer:
+def slope(contacts: Contacts, velocity: float) -> CaseAnswer:
     """a - b by the toolkit, in mean thresholds."""
     import master
 
     found = master.rate_state(contacts, velocity).a_minus_b
     unit = contacts.mean_threshold
-    return Answer(found.value / unit, found.error / unit)
+    return CaseAnswer(found.value / unit, found.error / unit)

@@ -10,7 +10,7 @@ import numpy as np
 import origins
 from origins.contacts import Contacts
 from toolkit.stability import truths
-from toolkit.stability.case import Answer, Case, Question, Truth
+from toolkit.stability.case import Case, CaseAnswer, Question, Truth
 from toolkit.stability.thresholds import BETWEEN, FORWARD
 
 POLYMER = origins.Material(
@@ -26,8 +26,8 @@ def edges() -> list[Case | Question]:
     """Origins at the ends of their range."""
     group = "ends of the origins"
 
-    def mean(law: origins.Thresholds) -> Answer:
-        return Answer(law.mean(), 1e-8 * law.mean())
+    def mean(law: origins.Thresholds) -> CaseAnswer:
+        return CaseAnswer(law.mean(), 1e-8 * law.mean())
 
     return [
         Question(
@@ -102,23 +102,23 @@ def islands() -> list[Case | Question]:
         island.rotate(1.0, "z")  # degrees
         return island
 
-    def moved() -> Answer:
+    def moved() -> CaseAnswer:
         found = origins.relaxed_barrier(turned(30), origins.substrate_calculator(square))
-        return Answer(found.barrier, found.barrier_error)
+        return CaseAnswer(found.barrier, found.barrier_error)
 
     return [
         Question(
             group,
             "ten million atoms, unrotated: the barrier",
             "triangular_barrier",
-            lambda: Answer(float(origins.triangular_barrier(1.0, 10_000, 1_000, 0.0)), 1e-8),
+            lambda: CaseAnswer(float(origins.triangular_barrier(1.0, 10_000, 1_000, 0.0)), 1e-8),
             island,
         ),
         Question(
             group,
             "one atom, valleys 1e-6 beside each other: the barrier",
             "barrier",
-            lambda: Answer(float(origins.barrier(turned(1), 0.0, shallow)), 1e-12),
+            lambda: CaseAnswer(float(origins.barrier(turned(1), 0.0, shallow)), 1e-12),
             # (cos u, cos v, cos(u + v)) is (-1, 1, -1) at its lowest and (-1, -1, 1) on the way
             lambda: Truth(4e-6, 1e-15, "the energies of both places"),
         ),

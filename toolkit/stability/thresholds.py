@@ -9,7 +9,7 @@ import scipy.stats
 import origins
 from origins.contacts import Contacts
 from toolkit.stability import truths
-from toolkit.stability.case import Answer, Case, Question, Truth
+from toolkit.stability.case import Case, CaseAnswer, Question, Truth
 
 FORWARD = np.linspace(0.3, 4.0, 12)  # mean thresholds: three cycles of breaking
 BETWEEN = np.array([0.3, 0.9, 1.5, 2.4, 3.3])  # away from where narrow laws break
@@ -79,21 +79,21 @@ def steady(group: str, name: str, law: object, exact: float) -> Question:
     )
 
 
-def kinetic(contacts: Contacts, velocity: float = 1.0) -> Answer:
+def kinetic(contacts: Contacts, velocity: float = 1.0) -> CaseAnswer:
     """F_k by the toolkit, in mean thresholds."""
     import master
 
     found = master.steady_state(contacts, velocity=velocity)
     unit = contacts.mean_threshold
-    return Answer(found.force / unit, found.force_error, found.success, 1e-6, found.message)
+    return CaseAnswer(found.force / unit, found.force_error, found.success, 1e-6, found.message)
 
 
-def critical(contacts: Contacts, tolerance: float = 1e-8) -> Answer:
+def critical(contacts: Contacts, tolerance: float = 1e-8) -> CaseAnswer:
     """K*/N<k> by the toolkit."""
     import master
 
     found = master.propensity(contacts, tolerance)
-    return Answer(
+    return CaseAnswer(
         found.critical_spring, found.critical_spring_error, found.success, tolerance, found.message
     )
 

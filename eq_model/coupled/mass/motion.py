@@ -25,7 +25,7 @@ NEAR, NEAR_FRACTION = 1e-7, 1e-15
 SLOW = 1e-9  # a share of the largest excess of speed, far below what anyone measures
 
 
-class Motion(NamedTuple):
+class OscillatorMotion(NamedTuple):
     """An oscillator that starts at t = 0; lengths in whole units, times in the user's unit."""
 
     drift: float  # w
@@ -51,7 +51,7 @@ class Moment(NamedTuple):
 def make_motion(drift, u, speed, decay, own):  # type: ignore[no-untyped-def]
     """The motion with u(0) = u and u'(0) = speed - drift."""
     beat = np.sqrt(abs(own - decay)) * np.sqrt(own + decay)
-    return Motion(drift, u, speed - drift, decay, own, beat, decay < own)
+    return OscillatorMotion(drift, u, speed - drift, decay, own, beat, decay < own)
 
 
 @bare

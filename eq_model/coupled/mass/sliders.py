@@ -36,7 +36,7 @@ class Pulled(NamedTuple):
     pull: Any
 
 
-class Legs(NamedTuple):
+class DriveLegs(NamedTuple):
     """Legs of the drive: X_T where each begins (lengths), the drive's speed on it, and the time that it takes."""
 
     places: Array
@@ -112,7 +112,7 @@ class HeavySliders:
                 "followed; give a larger mass, or points that are closer",
             )
 
-    def _legs(self, balance: float) -> Legs:
+    def _legs(self, balance: float) -> DriveLegs:
         """The legs of the drive, from the balance at t = 0 on."""
         drive = self._drive
         places = np.r_[balance, drive.path]
@@ -126,7 +126,7 @@ class HeavySliders:
         speeds = np.divide(
             displacements, lasts, out=np.zeros_like(displacements), where=lasts > 0.0
         )
-        return Legs(places[:-1], speeds, lasts)
+        return DriveLegs(places[:-1], speeds, lasts)
 
     def fields(self, state: State) -> dict[str, Any]:
         """Fields of the result."""
@@ -227,7 +227,7 @@ class HeavySliders:
         delay, points = contacts.delay, drive.path.size
         waits = 1 if delay is None else n + 1
         width = contacts.mean_threshold / self._unit / 16.0
-        own = state.Contacts(
+        own = state.BreakPlaces(
             make_nearest(n, width),
             make_nearest(n, width),
             np.empty(waits, np.int32),
@@ -236,7 +236,7 @@ class HeavySliders:
         )
         law = contacts.growing
         mean = contacts.mean_threshold / self._unit if contacts.stiffness == "linked" else 0.0
-        pull = state.Pull(
+        pull = state.PullWithMass(
             n=n,
             spring=drive.spring or 0.0,
             per_mass=1.0 / (drive.mass or 1.0),

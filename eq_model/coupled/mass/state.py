@@ -13,8 +13,8 @@ from origins.thresholds.law import Array
 
 # Of a swing down of the spring's force (`swings`): X_T as it begins, X and K (X_T - X) as it begins and ends, and more
 DRIVE, X_BEFORE, X_AFTER, F_BEFORE, F_AFTER, BREAKS, DURATION, TOP_SPEED = range(8)
-WORK, DAMPED, RELEASED, STORED = range(4)  # in Pull.energy
-# In Pull.at_points, with the energies of WORK to STORED behind them.
+WORK, DAMPED, RELEASED, STORED = range(4)  # in PullWithMass.energy
+# In PullWithMass.at_points, with the energies of WORK to STORED behind them.
 POSITION, FORCE, HOLDING, SPEED, CONTACT_FORCE, ENERGIES = range(6)
 
 # Lengths are whole units; forces of contacts, stiffness and energies of breaks are sums over the contacts with k_i in
@@ -74,7 +74,7 @@ SLIDER = np.dtype(
 )
 
 
-class Contacts(NamedTuple):
+class BreakPlaces(NamedTuple):
     """Contacts: a place ahead of which, and one behind which, the slider breaks each of them."""
 
     ahead: Nearest
@@ -84,7 +84,7 @@ class Contacts(NamedTuple):
     ages: Ages  # thresholds that grow, by number; one that forms again takes any that is free
 
 
-class Pull(NamedTuple):
+class PullWithMass(NamedTuple):
     """The drive, the slider's constants for n contacts, and arrays for the results."""
 
     n: int

@@ -34,7 +34,7 @@ from master.soft.in_time.memory import (
 )
 from master.soft.in_time.own_laws.of_life import LifeMemory
 from master.soft.in_time.own_laws.ordered import OrderedMemory
-from master.soft.in_time.threshold_cells import Leg, ThresholdCells
+from master.soft.in_time.threshold_cells import StraightMove, ThresholdCells
 from master.survival.growing import GrowingLife
 from origins import Ageing, Contacts, GrowingThresholds, InputError, OrderedThresholds
 from origins.thresholds.law import Array
@@ -95,7 +95,7 @@ class AgeingMemory(Memory):
             self._born_at, self._of_born = stretch, self.start(stretch)
         return self._of_born
 
-    def advance(self, record: Array, leg: Leg) -> Array:
+    def advance(self, record: Array, leg: StraightMove) -> Array:
         out, rise = record.copy(), np.abs(leg.end) - np.abs(leg.begin)
         # where |x| falls on the way, weights are moved at once, as what it lost before does not come back
         moves = np.full(rise.size, leg.duration > 0.0) | (rise < 0.0) | (leg.begin * leg.end < 0.0)
@@ -160,7 +160,7 @@ class GrowingMemory(Memory):
         record[:, LARGEST_HAZARD] = self._growing.lost_hazard(speed)
         return record
 
-    def advance(self, record: Array, leg: Leg) -> Array:
+    def advance(self, record: Array, leg: StraightMove) -> Array:
         """See Memory; the rate is that of thresholds in the middle of the move, the hazard that at its end, by the
         stretch and the age there."""
         out = record.copy()

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from master.numerics.averages import StretchNodes
 from master.outcome import FaultError
 from master.soft.in_time.memory import Memory
-from master.soft.in_time.threshold_cells import Leg
+from master.soft.in_time.threshold_cells import StraightMove
 from origins.thresholds.law import Array
 
 # Share of the contacts born in a cohort below which it does not matter in which step they are born: far below errors.
@@ -35,7 +35,7 @@ class Groups(NamedTuple):
         """These after the slider has moved by `travel` at one speed; those that broke still have their weight."""
         stretch = self.stretch + travel
         largest = np.maximum(self.largest, np.abs(stretch))
-        record = memory.advance(self.record, Leg(self.stretch, stretch, largest, duration))
+        record = memory.advance(self.record, StraightMove(self.stretch, stretch, largest, duration))
         return Groups(stretch, largest, self.weight, record)
 
     def check_largest(self, end: float) -> None:

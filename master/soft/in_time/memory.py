@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.soft.in_time.threshold_cells import Leg, ThresholdCells
+from master.soft.in_time.threshold_cells import StraightMove, ThresholdCells
 from master.survival.age.extent import narrowest
 from master.survival.heat import MeanRateLife
 from master.survival.life import TIE
@@ -87,7 +87,7 @@ class Memory:
         moves back; inf where it moves in no time."""
         return self.start(stretch)
 
-    def advance(self, record: Array, leg: Leg) -> Array:
+    def advance(self, record: Array, leg: StraightMove) -> Array:
         """Record after a move at one speed from leg.begin to leg.end, in the time leg.duration.
 
         Errors have to fall with the square of a step, or faster: what a memory integrates over the move it takes at
@@ -133,7 +133,7 @@ class ThresholdMemory(Memory):
     def start(self, stretch: Array) -> Array:
         return np.zeros((stretch.size, self.width))
 
-    def advance(self, record: Array, leg: Leg) -> Array:
+    def advance(self, record: Array, leg: StraightMove) -> Array:
         if not leg.duration or not self._hot:
             return record
         return np.asarray(record + self._cells.rate_integral(leg, self._cells.edges))
@@ -163,7 +163,7 @@ class MeanRateMemory(Memory):
     def start(self, stretch: Array) -> Array:
         return np.stack([np.ones(stretch.size), np.abs(stretch)], axis=1)
 
-    def advance(self, record: Array, leg: Leg) -> Array:
+    def advance(self, record: Array, leg: StraightMove) -> Array:
         """See Memory; H is averaged over the move by Simpson's rule."""
         life, (survival, born) = self._life, record.T
         ends, middle = np.abs([leg.begin, leg.end]), 0.5 * np.abs(leg.begin + leg.end)

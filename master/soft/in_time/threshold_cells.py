@@ -21,7 +21,7 @@ from origins.thresholds.numerical import clipped
 EXACT_CELL = 1e-9
 
 
-class Leg(NamedTuple):
+class StraightMove(NamedTuple):
     """A straight move of contacts at one speed.
 
     begin, end : stretches, arrays of shape (n,) (lengths)
@@ -53,7 +53,7 @@ class ThresholdCells:
         self._hot = contacts.thermal is not None
         self.width = edges.size * self._hot
 
-    def rate_integral(self, leg: Leg, thresholds: Array) -> Array:
+    def rate_integral(self, leg: StraightMove, thresholds: Array) -> Array:
         """A of one leg at thresholds (k,) or (n, k)."""
         travel, count = leg.end - leg.begin, leg.end.size
         speed, duration = float(travel[0]) / leg.duration, np.full((count, 1), leg.duration)

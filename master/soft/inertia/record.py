@@ -27,7 +27,7 @@ class Instant(NamedTuple):
     breaks: float
 
 
-class Slip(NamedTuple):
+class SlipWithMass(NamedTuple):
     """A fall of the spring's force that ended a stick, and the top speed in it along the axis of X."""
 
     begin: Instant
@@ -89,7 +89,7 @@ class Record:
         self.place, self.speed, self.contact_force = (np.full(times.size, np.nan) for _ in range(3))
         self.work, self.damped, self.on_contacts = (np.full(times.size, np.nan) for _ in range(3))
         self.stored, self.holding = np.zeros(times.size), np.ones(times.size)
-        self.slips = list[Slip]()
+        self.slips = list[SlipWithMass]()
         # where the present fall began, and the largest speed in it along the drive's way
         self._fall: Instant | None = None
         self._top_speed = 0.0
@@ -162,7 +162,7 @@ class Record:
         slips = self._stuck and at.breaks - self._broken_before >= SLIP_FRACTION
         slips &= drive_direction * (begin.force - at.force) >= self._rise
         if slips and self._top_speed >= FASTER * limit:
-            self.slips.append(Slip(begin, at, drive_direction * self._top_speed))
+            self.slips.append(SlipWithMass(begin, at, drive_direction * self._top_speed))
             self._stuck, self._rest = False, at
         elif at.breaks - begin.breaks > ANY:
             self._rest = at

@@ -54,7 +54,7 @@ class SlipArrays(NamedTuple):
     after: Array
 
 
-class Answer(NamedTuple):
+class SliderAnswer(NamedTuple):
     """What a slider answers: F in mean thresholds and the fraction that holds at times (n,), and all its slips."""
 
     force: Array
@@ -66,7 +66,7 @@ class Limit(NamedTuple):
     """An answer at step 0, the parts of the error of force and load at slips, and the error of the holding fraction, a
     share of the contacts."""
 
-    answer: Answer
+    answer: SliderAnswer
     parts: list[ErrorPart]
     of_holding: ErrorPart
 
@@ -168,14 +168,14 @@ def _near(slider: Slider, time: float) -> str:
     return f"near t = {time:.6g}, X_T = {float(slider.motion.at(np.array(time))):.6g}"
 
 
-def _answer(slider: Slider, times: Array) -> Answer:
+def _answer(slider: Slider, times: Array) -> SliderAnswer:
     """What one slider answers at times (n,)."""
     unit = slider.contacts.unit
     force, holding = read(slider.sections, times)
     if slider.contacts.delay:
         holding = read_holding(slider.sections, times, slider.contacts.delay)
     lengths = [(slip.load, slip.force_before, slip.force_after) for slip in slider.slips]
-    return Answer(force / unit, holding, SlipArrays(*np.reshape(lengths, (-1, 3)).T / unit))
+    return SliderAnswer(force / unit, holding, SlipArrays(*np.reshape(lengths, (-1, 3)).T / unit))
 
 
 def _limit(sliders: list[Slider], times: Array) -> Limit:
@@ -204,7 +204,7 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
     return Limit(answer, parts, of_holding._replace(size=min(of_holding.size, 1.0)))
 
 
-def _at_step_0(answers: list[Answer], slips: ComparedSlips) -> Answer:
+def _at_step_0(answers: list[SliderAnswer], slips: ComparedSlips) -> SliderAnswer:
     """Three answers extrapolated to step 0, slips that are compared with them; slips left over stay as they are."""
     _, middle, fine = answers
     force = fine.force + REST_OF_CHANGE * (fine.force - middle.force)
@@ -212,12 +212,12 @@ def _at_step_0(answers: list[Answer], slips: ComparedSlips) -> Answer:
     _, of_middle, of_fine = slips.lengths
     lengths = np.array(fine.slips)
     lengths[:, slips.of_last] += REST_OF_CHANGE * (of_fine - of_middle)
-    return Answer(force, holding, SlipArrays(*lengths))
+    return SliderAnswer(force, holding, SlipArrays(*lengths))
 
 
 def _of_force(
     last: Slider,
-    answers: list[Answer],
+    answers: list[SliderAnswer],
     slips: ComparedSlips,
     far: npt.NDArray[np.bool_],
     times: Array,
@@ -237,7 +237,7 @@ def _of_slips_unmatched(last: Slider, slips: ComparedSlips) -> ErrorPart:
     return ErrorPart("slips that not all halvings have", size)
 
 
-def _of_undecided_end(sliders: list[Slider], answer: Answer) -> ErrorPart | None:
+def _of_undecided_end(sliders: list[Slider], answer: SliderAnswer) -> ErrorPart | None:
     """The error where a slip may come before the drive turns, slows down or ends, or not: all that is known of F is
     that it lies between 0 and the largest. None where that is decided."""
     end = undecided_end(sliders)
@@ -260,7 +260,7 @@ def _of_steps(slider: Slider, changes: Array, times: Array, what: str) -> ErrorP
     return ErrorPart(of, float(largest[smaller]))
 
 
-def _compared(sliders: list[Slider], answers: list[Answer]) -> ComparedSlips:
+def _compared(sliders: list[Slider], answers: list[SliderAnswer]) -> ComparedSlips:
     """Which slips of each slider are compared."""
     drops = [np.abs(one.slips.before - one.slips.after) for one in answers]
     fewest = min(drop.size for drop in drops)

@@ -13,7 +13,7 @@ from master.motion import History, Motion
 from master.outcome import FaultError
 from master.soft.in_time.memory import Memory, warm_nodes
 from master.soft.in_time.own_laws.along import refuse_without_life, scales_along
-from master.soft.in_time.threshold_cells import Leg
+from master.soft.in_time.threshold_cells import StraightMove
 from master.survival.make import life_of
 from origins import Contacts, InputError
 from origins.thresholds.law import Array
@@ -58,7 +58,7 @@ class LifeMemory(Memory):
         """See Memory; those just born have no place yet: it is that of the others, from which the next step begins."""
         return np.stack([*np.full((2, stretch.size), BORN), stretch], axis=1)
 
-    def advance(self, record: Array, leg: Leg) -> Array:
+    def advance(self, record: Array, leg: StraightMove) -> Array:
         places, out = self._places, record.copy()
         here = int(record[0, 0])
         if here == BORN:  # all are new

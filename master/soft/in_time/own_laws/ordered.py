@@ -9,7 +9,7 @@ import numpy as np
 from master.motion import Motion
 from master.soft.in_time.memory import Memory, cold_nodes
 from master.soft.in_time.own_laws.along import refuse_without_life, scales_along
-from master.soft.in_time.threshold_cells import Leg
+from master.soft.in_time.threshold_cells import StraightMove
 from origins import Contacts, OrderedThresholds
 from origins.thresholds.law import Array
 
@@ -36,7 +36,7 @@ class OrderedMemory(Memory):
     def start(self, stretch: Array) -> Array:
         return np.stack([np.abs(stretch), *np.zeros((2, stretch.size))], axis=1)
 
-    def advance(self, record: Array, leg: Leg) -> Array:
+    def advance(self, record: Array, leg: StraightMove) -> Array:
         """See Memory; what is met is looked at in the middle of the move and at its end."""
         met, age, way = record.T
         middle, moved = 0.5 * (leg.begin + leg.end), np.abs(leg.end - leg.begin)

@@ -7,7 +7,7 @@ import numpy as np
 from master.outcome import NUMBERS, FaultError
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.cohorts import Cohorts
-from master.soft.inertia.delayed.collocation import Machine, State
+from master.soft.inertia.delayed.collocation import SliderConstants, SliderState
 from master.soft.inertia.delayed.drive_path import DrivePath
 from master.soft.inertia.delayed.panel import FORCE, TimePanel
 from master.soft.inertia.delayed.past_breaks import PastBreaks
@@ -73,10 +73,10 @@ class DelayedBody:
     ) -> None:
         """At rest, in balance, at t = 0; `tolerance` is that of the force, a length."""
         mass, spring = float(drive.mass or 0.0), float(drive.spring or 0.0)
-        self.machine = Machine(mass, drive.damping, spring, contacts.mean_threshold)
+        self.machine = SliderConstants(mass, drive.damping, spring, contacts.mean_threshold)
         self.drive, self._record = path, record
         self.tolerance, self.accuracy = tolerance, OF_PANEL * tolerance
-        self.state = State(0.0, 0.0, 0.0)
+        self.state = SliderState(0.0, 0.0, 0.0)
         self.contacts = Cohorts.at_start(contacts, Survival(contacts.thresholds))
         self.past = PastBreaks(contacts.waiting_time, self.contacts.unbroken())
         self.past.kink(0.0)
@@ -86,7 +86,7 @@ class DelayedBody:
     def take_panel(
         self,
         panel: TimePanel,
-        end: State,
+        end: SliderState,
         contacts: Cohorts,
         formed: float,
         spent: Energies,
@@ -130,12 +130,12 @@ class DelayedBody:
                 f"by {force:.6g}, and at the end of the panel by {expected:.6g}, a fault of the program"
             )
 
-    def take_swing(self, state: State, contacts: Cohorts, spent: Energies) -> None:
+    def take_swing(self, state: SliderState, contacts: Cohorts, spent: Energies) -> None:
         """Be where a closed motion ends, with what was spent on it."""
         self._go_to(state, contacts, spent)
 
     def _go_to(
-        self, state: State, contacts: Cohorts, spent: Energies, form_rest: bool = True
+        self, state: SliderState, contacts: Cohorts, spent: Energies, form_rest: bool = True
     ) -> None:
         """Be there, with this spent on the way; the few contacts that are due, and formed on no panel, do so now."""
         self.state, self.contacts = state, contacts
@@ -196,7 +196,7 @@ class DelayedBody:
         """The asked times."""
         return self._record.times[which]
 
-    def write(self, at: int, state: State, contacts: Cohorts, spent: Energies) -> None:
+    def write(self, at: int, state: SliderState, contacts: Cohorts, spent: Energies) -> None:
         """The results at one asked time on a motion; `spent` since the motion began."""
         record, energies = self._record, self.energies.and_then(spent)
         record.place[at], record.speed[at] = state.x, state.w

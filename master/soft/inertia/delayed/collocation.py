@@ -27,7 +27,7 @@ from master.soft.inertia.delayed.panel import (
 )
 from master.soft.inertia.delayed.panel_births import PanelBirths, SteadyBirths
 from master.soft.inertia.delayed.past_breaks import PastBreaks
-from master.soft.inertia.delayed.pull import Pull, PullOnPanel, Sliding
+from master.soft.inertia.delayed.pull import ContactsAtNodes, PullOnPanel, Sliding
 from origins.thresholds.law import Array
 
 # Most steps of Newton's method; it takes three or four.
@@ -44,7 +44,7 @@ INTEGRAL_OF_LAST = 1.0 / (2 * STAGES - 1)
 UNIT: Array = np.eye(STAGES)
 
 
-class Machine(NamedTuple):
+class SliderConstants(NamedTuple):
     """The slider: mass, damping and spring, per N_c<k>; unit : mean threshold (a length)."""
 
     mass: float
@@ -53,7 +53,7 @@ class Machine(NamedTuple):
     unit: float
 
 
-class State(NamedTuple):
+class SliderState(NamedTuple):
     """The slider at an instant: time, X and dX/dt."""
 
     t: float
@@ -98,11 +98,11 @@ class Solved(NamedTuple):
     sliding: Sliding
 
 
-class Begin(NamedTuple):
+class PanelBegin(NamedTuple):
     """A panel's beginning: the slider, the contacts' force (a length), the share that holds, and the share that would
     hold if none had broken but in lumps; less the breaks it is the share that holds."""
 
-    state: State
+    state: SliderState
     force: float
     holding: float
     if_none_broke: float
@@ -118,7 +118,7 @@ class Iterate(NamedTuple):
 
     speed: Array
     broken: Array
-    pull: Pull
+    pull: ContactsAtNodes
 
 
 class Collocation:
@@ -129,7 +129,7 @@ class Collocation:
 
     def __init__(
         self,
-        machine: Machine,
+        machine: SliderConstants,
         contacts: Cohorts,
         law: FastSliding,
         past: PastBreaks,
@@ -141,7 +141,7 @@ class Collocation:
         self._shortest = LEAST_PASSAGE * law.passage
 
     def solve(
-        self, state: State, width: float, drive: Array, guess: Array, steady: bool = False
+        self, state: SliderState, width: float, drive: Array, guess: Array, steady: bool = False
     ) -> Solved | None:
         """The motion over a time `width`, or None where that is too long to be found.
 
@@ -151,7 +151,7 @@ class Collocation:
         """
         response, past = self._contacts.response(np.array([state.x])), self._past
         force, holding = float(response.force[0]), float(response.holding[0])
-        begin = Begin(state, force, holding, past.holding(past.formed, 0.0))
+        begin = PanelBegin(state, force, holding, past.holding(past.formed, 0.0))
         births: PanelBirths | SteadyBirths = PanelBirths(past, state.t, width)
         distance = width * abs(float(TO_NODES[-1] @ guess))
         sliding = Sliding.SLOW
@@ -175,7 +175,7 @@ class Collocation:
 
     def _newton(
         self,
-        begin: Begin,
+        begin: PanelBegin,
         width: float,
         drive: Array,
         guess: Array,
@@ -210,7 +210,7 @@ class Collocation:
         return None
 
     def _judged(
-        self, begin: Begin, width: float, found: Iterate, contacts: PullOnPanel
+        self, begin: PanelBegin, width: float, found: Iterate, contacts: PullOnPanel
     ) -> Solved | None:
         """The panel, and what it misses; None where one with fast sliding is too short to be one."""
         t, x_0, _ = begin.state
@@ -225,7 +225,7 @@ class Collocation:
         return Solved(panel, contacts.births.rate, missed, contacts.sliding)
 
     def _missed(
-        self, begin: Begin, panel: TimePanel, found: Iterate, contacts: PullOnPanel
+        self, begin: PanelBegin, panel: TimePanel, found: Iterate, contacts: PullOnPanel
     ) -> Missed:
         """What a panel misses of the force.
 

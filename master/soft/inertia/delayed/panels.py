@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from master.soft.inertia.delayed.body import DelayedBody, Energies
 from master.soft.inertia.delayed.cohorts import Cohorts
-from master.soft.inertia.delayed.collocation import Solved, State
+from master.soft.inertia.delayed.collocation import SliderState, Solved
 from master.soft.inertia.delayed.fast_sliding import FastSliding
 from master.soft.inertia.delayed.panel import (
     BREAKS,
@@ -55,10 +55,10 @@ class Part(NamedTuple):
         weights = np.vander(2.0 * at - 1.0, NODES.size) @ to_powers
         return np.asarray(weights @ self.solved.birth_rate)
 
-    def end(self, speed: float | None = None) -> State:
+    def end(self, speed: float | None = None) -> SliderState:
         """The slider at its end; with this speed, if one is given."""
         x, w = self.panel.nodes(POSITION)[-1], self.panel.slope(self.panel.times, POSITION)[-1]
-        return State(self.panel.end, float(x), float(w) if speed is None else speed)
+        return SliderState(self.panel.end, float(x), float(w) if speed is None else speed)
 
 
 class OnPanels:

@@ -29,7 +29,7 @@ class Sliding(Enum):
     STEADY = "steady"
 
 
-class Pull(NamedTuple):
+class ContactsAtNodes(NamedTuple):
     """What all contacts do at the nodes i of a panel.
 
     holding, force : share that holds, and force (a length), shape (n,)
@@ -72,7 +72,7 @@ class PullOnPanel:
         self._width, self._delay, self._holding_before = width, delay, holding_before
         self._first_place, self._first_speed = first_place, first_speed
 
-    def at(self, x: Array, w: Array) -> Pull | None:
+    def at(self, x: Array, w: Array) -> ContactsAtNodes | None:
         """At the places X and speeds at the nodes; None where contacts cannot be followed so. In nearly steady sliding
         the speeds tell the births, too."""
         if isinstance(self.births, SteadyBirths):
@@ -81,7 +81,7 @@ class PullOnPanel:
             return self._fast(x, w, self.births.rate)
         return self._slow(x, self.births)
 
-    def _steady(self, w: Array, births: SteadyBirths) -> Pull | None:
+    def _steady(self, w: Array, births: SteadyBirths) -> ContactsAtNodes | None:
         """Where sliding is nearly steady; None where the slider turns, or its speed changes by much while contacts live
         and wait."""
         direction = _direction(w)
@@ -95,7 +95,7 @@ class PullOnPanel:
         if (found.change > MOST_CHANGE).any():
             return None
         births.take(found.birth_rate)
-        return Pull(
+        return ContactsAtNodes(
             holding=found.holding,
             force=direction * found.force,
             by_place=np.zeros((w.size, w.size)),
@@ -103,7 +103,7 @@ class PullOnPanel:
             missed=float(found.missed.max()),
         )
 
-    def _fast(self, x: Array, w: Array, birth_rate: Array) -> Pull | None:
+    def _fast(self, x: Array, w: Array, birth_rate: Array) -> ContactsAtNodes | None:
         """The contacts' pull at the places X and speeds, where those born on the panel break on it; None where the
         slider turns."""
         travel, direction = self._width * TO_NODES @ w, _direction(w)
@@ -113,9 +113,11 @@ class PullOnPanel:
         new = self._law.at(direction * travel, birth_rate, direction * w, self._width)
         drag = -new.force / np.abs(w)
         force = old.force + direction * new.force
-        return Pull(old.holding + new.holding, force, np.diag(old.slope), np.diag(drag), new.missed)
+        return ContactsAtNodes(
+            old.holding + new.holding, force, np.diag(old.slope), np.diag(drag), new.missed
+        )
 
-    def _slow(self, x: Array, births: PanelBirths) -> Pull | None:
+    def _slow(self, x: Array, births: PanelBirths) -> ContactsAtNodes | None:
         """The contacts' pull at the places X where those born on the panel are summed node by node, with births that
         are the breaks one delay before also where these are on the panel.
 
@@ -129,7 +131,7 @@ class PullOnPanel:
         old = self._contacts.response(x)
         if births.all_before and not births.born[-1]:
             no_drag = np.zeros((x.size, x.size))
-            return Pull(old.holding, old.force, np.diag(old.slope), no_drag)
+            return ContactsAtNodes(old.holding, old.force, np.diag(old.slope), no_drag)
         direction = 1.0 if x[-1] >= self._first_place else -1.0
         stretch = direction * (x[:, None] - x)
         survival, density = self._contacts.survival.sf_and_pdf(np.abs(stretch))
@@ -153,7 +155,7 @@ class PullOnPanel:
         if not births.all_before:
             holding_by_place = _of_differences(-direction * counted * density, old.of_holding)
             by_place = by_place - to_force @ to_births @ holding_by_place
-        return Pull(
+        return ContactsAtNodes(
             holding=old.holding + to_holding @ births.born,
             force=old.force + to_force @ births.born,
             by_place=by_place,

@@ -8,7 +8,7 @@ import numpy as np
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.closed_falls import watch_closed
 from master.soft.inertia.delayed.body import DelayedBody, Energies
-from master.soft.inertia.delayed.collocation import State
+from master.soft.inertia.delayed.collocation import SliderState
 from master.soft.inertia.delayed.past_breaks import EPSILON
 from master.soft.inertia.oscillation import Oscillation
 from master.soft.inertia.reaction import ALIKE
@@ -138,7 +138,7 @@ class Swinging:
         on_contacts = force * y + 0.5 * holding * y**2
         spent = [Energies(*some) for some in np.stack([given, damped, on_contacts], 1).tolist()]
         ends = [
-            State(state.t + dt, state.x + dx, speed)
+            SliderState(state.t + dt, state.x + dx, speed)
             for dt, dx, speed in zip(at.tolist(), y.tolist(), w.tolist(), strict=True)
         ]
         for index in range(which.start, which.stop):

@@ -4,7 +4,7 @@ import numpy as np
 
 from master.motion import Motion
 from master.soft.inertia.in_time.node import HeavyNode
-from master.soft.inertia.record import Instant, Record, Slip, Watched, crossing
+from master.soft.inertia.record import Instant, Record, SlipWithMass, Watched, crossing
 from origins.thresholds.law import Array
 
 # Times on a step at which the slider is looked at, its ends among them.
@@ -22,7 +22,7 @@ class Falls:
         self._direction = int(np.sign(moving[0])) if moving.size else 1
 
     @property
-    def slips(self) -> list[Slip]:
+    def slips(self) -> list[SlipWithMass]:
         """In order."""
         return self._record.slips
 

@@ -24,7 +24,7 @@ from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.groups import Groups
 from master.soft.in_time.memory import Memory
 from master.soft.in_time.steps import CONTROL
-from master.soft.in_time.threshold_cells import Leg
+from master.soft.in_time.threshold_cells import StraightMove
 from master.soft.inertia.oscillation import Oscillation
 from origins.drive import Drive
 from origins.thresholds.law import Array
@@ -157,7 +157,7 @@ class Formed(NamedTuple):
         record = [
             memory.advance(
                 memory.start(np.zeros(1)),
-                Leg(np.zeros(1), stretch[[k]], largest[some[[k]]], float(lasts[k])),
+                StraightMove(np.zeros(1), stretch[[k]], largest[some[[k]]], float(lasts[k])),
             )
             for k in range(some.size)
         ]
@@ -174,7 +174,7 @@ class Formed(NamedTuple):
         return np.maximum(most - place, place - least)
 
 
-class Way(NamedTuple):
+class FlightNodes(NamedTuple):
     """Nodes of a flight, arrays of shape (n,), and the contacts that formed on it.
 
     times, sizes, held : since its begin, of the intervals so far, and the share of the contacts that holds
@@ -250,7 +250,7 @@ class Flights:
         held[-1] = landed.survival_and_force(contacts.memory)[0] @ landed.weight
         return Flight(time, place, pace, way.sizes, work, damped, held, landed, way.bound)
 
-    def _way(self, motion: Oscillation, lasts: float, kept: Bound) -> Way:
+    def _way(self, motion: Oscillation, lasts: float, kept: Bound) -> FlightNodes:
         """The nodes of this motion, for this time at most, or until too many contacts may hold; `kept`: of those that
         hold as it begins."""
         contacts, survival, rates = self._contacts, self._survival, np.abs(motion.roots)
@@ -280,7 +280,7 @@ class Flights:
             times.append(until)
             sizes.append(sizes[-1] + (until - t) / step)
             held.append(formed.holding(survival))
-        return Way(np.array(times), np.array(sizes), np.array(held), largest, formed)
+        return FlightNodes(np.array(times), np.array(sizes), np.array(held), largest, formed)
 
     def _is_weak(self, motion: Oscillation, t: float, bound: Bound) -> bool:
         """Whether contacts that do no more than this do not hold the slider at this time."""

@@ -24,7 +24,7 @@ from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.creep import CREEP
 from master.soft.inertia.in_time.node import HeavyNode
 from master.soft.inertia.in_time.steady_motion import SlipMotion
-from master.soft.inertia.in_time.steady_sliding import Begin, Slid, SteadySliding
+from master.soft.inertia.in_time.steady_sliding import Slid, SlidingBegin, SteadySliding
 from master.steady.kinetic_table import KineticTable, tabulated
 from origins import Contacts, Drive
 from origins.laws.proportional import ProportionalGrowth
@@ -94,7 +94,7 @@ class LongSlips(SteadySliding):
         assert isinstance(growth, ProportionalGrowth)
         return fresh * float(growth.factor(fresh / speed))
 
-    def _of_spring(self, slid: Slid, begin: Begin, distance: float) -> float:
+    def _of_spring(self, slid: Slid, begin: SlidingBegin, distance: float) -> float:
         """The error of the spring's force S behind a slip (a length), as F lags behind F_k(V). That takes the energy W
         from the slider: its integral over X, l |dF_k|, and on the first part of the way, as long as that before, what F
         is off by at its begin. As the slider stops, (S - F)^2/2K is off by W."""
@@ -105,7 +105,7 @@ class LongSlips(SteadySliding):
         pulled = abs(self._load(last) - sign * last.force)
         return SAFETY * min(most, of.spring * energy / pulled if pulled else np.inf)
 
-    def _in_slip(self, way: list[HeavyNode], distance: float) -> Begin | None:
+    def _in_slip(self, way: list[HeavyNode], distance: float) -> SlidingBegin | None:
         """The begin of sliding in a slip; None where F is not known to be F_k(V)."""
         last, sign, of = way[-1], self._sign, self._machine
         position, force, speed = sign * np.array([(n.position, n.force, n.speed) for n in way]).T
@@ -123,7 +123,7 @@ class LongSlips(SteadySliding):
         lag = of.lag(u, faster, table)
         if variation > VARIATION * self._tolerance or lag > of.allowed_lag:
             return None
-        return Begin(u, table, max(abs(float(offsets.mean())), lag) + variation)
+        return SlidingBegin(u, table, max(abs(float(offsets.mean())), lag) + variation)
 
     def _table_of_slip(self, speeds: Array, load: float) -> KineticTable | None:
         """F_k at these speeds, and at those that a spring with this force may give the slider."""

@@ -23,7 +23,7 @@ MOST_CHANGE = 0.5
 TINY = 1e-300
 
 
-class Machine(NamedTuple):
+class SlidingMachine(NamedTuple):
     """A slider of mass M and damping γ on a spring K, per N_c<k>, whose drive has this speed.
 
     unit, life : mean threshold, and the longest life (lengths)
@@ -66,7 +66,7 @@ class SteadyMotion:
     `swings`: whether inertia mattered anywhere.
     """
 
-    def __init__(self, machine: Machine, table: KineticTable, duration: float) -> None:
+    def __init__(self, machine: SlidingMachine, table: KineticTable, duration: float) -> None:
         self._of, self._table, self._of_time = machine, table, FEWEST / duration
         self._in_balance = self.swings = False
 

@@ -29,7 +29,7 @@ from master.soft.in_time.creep import CREEP, Creep, may_creep
 from master.soft.in_time.decohered import LONGER_LIVED, longest_life
 from master.soft.in_time.steps import Node
 from master.soft.inertia.in_time.node import HeavyNode
-from master.soft.inertia.in_time.steady_motion import Machine, SteadyMotion
+from master.soft.inertia.in_time.steady_motion import SlidingMachine, SteadyMotion
 from master.steady.kinetic_table import KineticTable
 from origins import Contacts, Drive
 from origins.thresholds.law import Array
@@ -60,7 +60,7 @@ class Slid(NamedTuple):
     of_contacts: float = 0.0
 
 
-class Begin(NamedTuple):
+class SlidingBegin(NamedTuple):
     """Where steady sliding begins: ln V, the table of F_k, and the error of F there (a length)."""
 
     u: float
@@ -81,7 +81,7 @@ class SteadySliding(Creep):
     ) -> None:
         """See Creep."""
         super().__init__(contacts, drive, motion, tolerance, until)
-        self._machine = Machine(
+        self._machine = SlidingMachine(
             mass=float(drive.mass or 0.0),
             damping=drive.damping,
             spring=self._spring,
@@ -110,7 +110,7 @@ class SteadySliding(Creep):
         begin = self._in_balance(way, distance)
         return None if begin is None else self._slid(last, begin, contacts, SteadyMotion)
 
-    def _in_balance(self, way: list[HeavyNode], distance: float) -> Begin | None:
+    def _in_balance(self, way: list[HeavyNode], distance: float) -> SlidingBegin | None:
         """The begin of sliding in balance, by the rules of steady creep; None where it is not known to be so."""
         steady = self._steady([Node(*node[:5]) for node in way], distance)
         if steady is None:
@@ -135,7 +135,7 @@ class SteadySliding(Creep):
             return None
         error = max(steady.offset.at_step_0(self._offset_of_longer_steps), steady.lag)
         self._offset_of_longer_steps = steady.offset
-        return Begin(u, table, float(error + steady.offset.variation))
+        return SlidingBegin(u, table, float(error + steady.offset.variation))
 
     def _load(self, node: HeavyNode) -> float:
         """The spring's force (a length)."""
@@ -145,7 +145,7 @@ class SteadySliding(Creep):
     def _slid(
         self,
         last: HeavyNode,
-        begin: Begin,
+        begin: SlidingBegin,
         contacts: ContactsInSteps,
         equations: type[SteadyMotion],
     ) -> Slid:
