@@ -20,7 +20,8 @@ from origins.errors import InputError
 from toolkit.judge.describe import Description, describe, onset_in_words, table_of
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.results.report import report
-from toolkit.scene.interfaces import Number, of_linked, of_temperature, remarks, with_error
+from toolkit.scene.barriers import of_cold
+from toolkit.scene.interfaces import Number, doubts, of_linked, of_temperature, remarks, with_error
 from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import (
     of_machine,
@@ -588,12 +589,20 @@ def test_in_heat_the_barriers_of_islands_stand_beside_those_that_heat_overcomes(
     joules, period = 1.380649e-23 * 300.0, 2.46e-10
     at_break = 32.0 * np.mean(np.square(barriers / (32.0 * period))) / 2.0
     (note,) = of_temperature(loaded.contacts)
-    assert (
-        f"own barriers, of which x_s alone is made, are {barriers.mean() / joules:.2g} k_BT" in note
-    )
-    (told,) = re.findall(r"on average (\S+) k_BT", note)
+    own = barriers.mean() / joules
+    assert note.startswith(f"the islands' own barriers are on average {own:.2g} k_BT, and heat")
+    (told,) = re.findall(r"overcomes (\S+) k_BT", note)
     assert float(told) == pytest.approx(at_break / joules, rel=0.05)  # two digits, of a smooth law
+    assert doubts(loaded.contacts) == [note]  # e³ times as often, or more: before the answer
+    (width,) = re.findall(r"width = (\S+) has their mean barrier", note)
+    assert 1.0 / float(width) == pytest.approx(own, rel=0.05)
+    alike = loaded.contacts.replace(
+        thermal=origins.Thermal("eyring", width=1.0 / own, attempt_frequency=1e10)
+    )
+    assert not of_temperature(alike) and not doubts(alike)
     (cold,) = of_temperature(loaded.contacts.replace(thermal=None))
+    (headline,) = of_cold(loaded.contacts.replace(thermal=None))
+    assert f"{own:.2g} k_BT" in headline and not of_cold(loaded.contacts)
     known = f"all is told at T = 0: the islands' own barriers are on average {barriers.mean() / joules:.2g} k_BT"
     assert cold.startswith(f"{known} at 300 K")
     # nothing is said where they are too high for heat
@@ -601,7 +610,7 @@ def test_in_heat_the_barriers_of_islands_stand_beside_those_that_heat_overcomes(
     high = {"thresholds": law, "interface": stated}
     loaded = toolkit.load_scene({"contacts": high}, solved=False)
     assert loaded.contacts.thresholds.domains.barriers.mean() > 30.0 * joules
-    assert not of_temperature(loaded.contacts)
+    assert not of_temperature(loaded.contacts) and not of_cold(loaded.contacts)
 
 
 @pytest.mark.parametrize("seed", range(30))

@@ -46,7 +46,8 @@ from toolkit.verdict.sliders.machine import (
 )
 from toolkit.verdict.sliders.ways import lives_in_a_slip, loading_of
 from toolkit.verdict.text import kinds, of_delay
-from toolkit.verdict.text.hangs_on import dependence, why_above
+from toolkit.verdict.text.above_static import why_above
+from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.spread import widest
 from toolkit.verdict.text.table import in_units, table
 from toolkit.verdict.text.words import page, sentence
@@ -594,6 +595,9 @@ def test_a_cause_is_told_only_where_it_was_followed() -> None:
     assert "; all contacts hold one that sticks" in line and line in page(
         replace(told, answers=(warm,))
     )
+    at_once = replace(warm, contacts=warm.contacts.replace(delay=None))
+    (line,) = why_above(replace(told, answers=(at_once,)))
+    assert line.endswith("; heat, which lowers F_s, is left out of the slips")  # nothing waits
     followed = replace(warm, behaviours=(replace(found, heat_left_out=None),))
     assert "; heat breaks weak" in " ".join(why_above(replace(told, answers=(followed,))))
     # 2 (K M)^(1/2) = 2e-4 is critical

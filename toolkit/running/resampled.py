@@ -2,6 +2,7 @@
 
 import math
 import time
+import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
@@ -11,6 +12,7 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.errors import refuse
 from origins.laws.proportional import ProportionalGrowth
+from origins.laws.temperature import TooHot
 from origins.samples.from_samples import Sampled, bootstrap_law
 from origins.thresholds.law import Array, Thresholds
 from origins.thresholds.mixture import Mixture
@@ -65,15 +67,18 @@ def of_resampled(
     """
     found = list[T]()
     pool = ThreadPoolExecutor(min(cores_of(None), count))
-    try:
-        for one in pool.map(lambda replica: work(bootstrap_law(law, replica)), range(count)):
-            found.append(one)
-            if progress is not None:
-                progress(len(found), count)
-            if time.monotonic() > until:
-                break
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    with warnings.catch_warnings():
+        # what holds of the law of the samples themselves is told of these
+        warnings.simplefilter("ignore", TooHot)
+        try:
+            for one in pool.map(lambda replica: work(bootstrap_law(law, replica)), range(count)):
+                found.append(one)
+                if progress is not None:
+                    progress(len(found), count)
+                if time.monotonic() > until:
+                    break
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
     return found
 
 

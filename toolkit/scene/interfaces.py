@@ -12,6 +12,7 @@ from origins.roughness.interface import Interface
 from origins.roughness.stated import InSI
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
+from toolkit.scene.barriers import of_barriers, of_other_barriers
 from toolkit.scene.of_samples import of_islands, of_samples
 from toolkit.scene.scale import (
     length_unit_of,
@@ -33,9 +34,8 @@ _UNITS |= {"mean_force_threshold": "N", "contact_density": "1/m2", "mean_stiffne
 _MOSTLY = 0.5
 # numbers that are temperatures of a room in °C, and no usual ones in K; 0 °C in K
 _ROOM, _ZERO_CELSIUS = (10.0, 40.0), 273.15
-# K, at which barriers are told where no temperature is given, and in k_BT there those that heat overcomes in a minute
-# at 1e12 attempts a second, about
-_WARM, _OVERCOME = 300.0, 30.0
+# K, between which a temperature is one that was given as such
+_KELVINS = 0.1, 1e4
 # of F_k: what linked stiffness adds below it is no news
 _NO_NEWS = 0.01
 
@@ -144,9 +144,25 @@ def doubts(contacts: Contacts) -> list[str]:
     caution = surface.plastic_caution if isinstance(surface, Interface) else ""
     if caution and (surface.plastic_load_fraction or 0.0) > _MOSTLY:
         said.append(f'{caution}: take regime = "mixed", or "plastic"')
+    said += of_other_barriers(contacts)
     if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:
-        said += filter(None, [too_hot(contacts.thermal.temperature, law)])
+        said += filter(None, [too_hot_for(contacts, contacts.thermal.temperature)])
     return said
+
+
+def too_hot_for(contacts: Contacts, temperature: float) -> str:
+    """That nothing holds at this temperature, k_BT/<k> (a length squared), in kelvins where it is plausible as such; ""
+    of a lower one."""
+    law, surface = contacts.thresholds, contacts.interface
+    said = too_hot(temperature, law)
+    kelvin = temperature / surface.temperature(kelvin=1.0) if surface is not None else 0.0
+    if not said or not _KELVINS[0] < kelvin < _KELVINS[1]:
+        return said  # probably none in kelvins
+    barrier = law.moment(2) / (2.0 * temperature)
+    return (
+        f"at {kelvin:.4g} K the barriers k x_s²/2 are {barrier:.1g} k_BT, so that contacts break as often as they "
+        f"attempt, whatever their stretch and threshold: is <x_s> = {written(law.mean(), 'm')} right?"
+    )
 
 
 def of_linked(contacts: Contacts) -> list[str]:
@@ -172,37 +188,18 @@ def of_laws(contacts: Contacts) -> list[str]:
 
 
 def of_temperature(contacts: Contacts) -> list[str]:
-    """Notes on a temperature in kelvins that is one of a room in degrees Celsius, and on the barriers of islands, which
-    are not those that heat overcomes, or which it would where none is given; else none."""
-    law, thermal, said = contacts.thresholds, contacts.thermal, list[str]()
-    surface = law.interface
-    if thermal is None and surface is not None and law.domains is not None:
-        room = surface.mean_stiffness * surface.temperature(kelvin=_WARM)
-        own = law.domains.barriers[law.domains.barriers > 0.0].mean() / room
-        if own < _OVERCOME:
-            said.append(
-                f"all is told at T = 0: the islands' own barriers are on average {own:.2g} k_BT at {_WARM:.0f} K, "
-                "which heat overcomes: give contacts.thermal.temperature"
-            )
-    if not isinstance(thermal, Thermal) or thermal.temperature is None:
-        return said
-    temperature = thermal.temperature
-    kelvin = np.nan if surface is None else temperature / surface.temperature(kelvin=1.0)
+    """Notes on a temperature in kelvins that is one of a room in degrees Celsius, and on the barriers of islands; else
+    none."""
+    surface, thermal = contacts.interface, contacts.thermal
+    if not isinstance(thermal, Thermal) or thermal.temperature is None or surface is None:
+        return of_barriers(contacts)
+    kelvin, said = thermal.temperature / surface.temperature(kelvin=1.0), list[str]()
     if _ROOM[0] <= kelvin <= _ROOM[1]:
         hint = f"if {kelvin:.4g} °C is meant, write kelvin = {kelvin + _ZERO_CELSIUS:.5g}"
         said.append(
             f"the temperature is {kelvin:.4g} K, which is {kelvin - _ZERO_CELSIUS:.0f} °C: {hint}"
         )
-    if law.domains is not None:
-        stiffness = law.domains.mean_stiffness if surface is None else surface.mean_stiffness
-        own = law.domains.barriers[law.domains.barriers > 0.0].mean() / (stiffness * temperature)
-        linked = contacts.stiffness == "linked"
-        square = law.moment(3) / law.mean() if linked else law.moment(2)
-        said.append(
-            f"heat has to overcome k x_s²/2, on average {square / (2.0 * temperature):.2g} k_BT, the energy at which a "
-            f"contact breaks; the islands' own barriers, of which x_s alone is made, are {own:.2g} k_BT"
-        )
-    return said
+    return of_barriers(contacts) + said
 
 
 def foreseen(scene: Scene) -> list[str]:
@@ -224,7 +221,7 @@ def foreseen(scene: Scene) -> list[str]:
     if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:
         swept = {} if scene.sweep is None else scene.sweep.at
         hottest = np.max(swept.get("temperature", contacts.thermal.temperature))
-        said += filter(None, [too_hot(float(hottest), law)])
+        said += filter(None, [too_hot_for(contacts, float(hottest))])
         said += of_temperature(contacts)
     reforming = [] if contacts.reforming is None else [(contacts.reforming.law, "form again")]
     for own, they in [(contacts.start, "start"), *reforming]:

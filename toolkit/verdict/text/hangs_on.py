@@ -5,10 +5,10 @@ from itertools import chain
 
 import numpy as np
 
-from origins.contacts import Contacts
 from origins.drive import RISE
 from origins.roughness.interface import Interface
-from toolkit.scene.interfaces import of_laws, remarks
+from toolkit.scene.barriers import of_barriers
+from toolkit.scene.interfaces import doubts, of_laws, remarks
 from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import apart, late_force_of
@@ -32,8 +32,6 @@ from toolkit.verdict.text.table import HOLDING
 from toolkit.verdict.text.undone import RULE, of_errors, of_readings, unanswered, with_rules
 from toolkit.verdict.uncertainty import uncertainties_of
 
-# of F_s: by more than that a slip begins above it, and not by rounding or an error
-ABOVE_STATIC = 1e-3
 # N K³, K in N_c<k>, above which sliding on springs stiffer than K* is smooth (docs/sliders.md)
 SMOOTH_ABOVE = 50.0
 
@@ -70,7 +68,10 @@ def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
         yield Line(
             TURNS if decides else UNSIZED, f"the speed: {given}; {what}: give drive.velocity"
         )
-    yield from (Line(UNSIZED, one) for one in of_laws(own.contacts))
+    barriers, first = of_barriers(own.contacts), doubts(own.contacts)
+    for one in of_laws(own.contacts):
+        if one not in first:
+            yield Line(TURNS if one in barriers else UNSIZED, one)
 
 
 def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
@@ -92,39 +93,6 @@ def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
             "K* is where the force of new contacts falls most steeply. On which springs steady sliding of contacts "
             "that have grown stronger is unstable, `mesofriction rate-state` tells (the critical spring)",
         )
-
-
-def why_above(verdict: Verdict) -> list[str]:
-    """Why slips begin above F_s, in a sentence that stands below the table, beside both; none where they do not."""
-    own = verdict.own
-    slipping = [one for one in own.behaviours if one.slips and one.kind != "smooth"]
-    highest = max((abs(one.before) for one in slipping), default=0.0)
-    if own.machine is None or not highest > (1.0 + ABOVE_STATIC) * own.static.value:
-        return []
-    followed = own.contacts
-    if all(one.without_heat for one in slipping):
-        followed = followed.replace(thermal=None)  # heat is no cause of what was found without it
-    if own.contacts.in_time:
-        whose = "F_s is that of a rigid slider as fast as the drive"
-        return [f"the force before a slip is above F_s: {whose}; {_why_above(followed)}"]
-    if own.contacts.start.is_single:
-        return []
-    return [
-        "slips begin above F_s, which is of contacts as they start, with different stretches: after a slip all start "
-        "again at x = 0, and break more nearly together"
-    ]
-
-
-def _why_above(contacts: Contacts) -> str:
-    """Why contacts on which time acts hold a slider that sticks to more than F_s."""
-    if set(contacts.held_in_time) - {"thermal"}:
-        return "contacts grow stronger while one sticks"
-    if contacts.thermal is not None:
-        return (
-            "heat breaks weak contacts while one sticks, and those that hold until the slip are "
-            "mostly strong"
-        )
-    return "all contacts hold one that sticks, and some wait where it slides"
 
 
 def _of_waiting(own: Answer) -> str:

@@ -153,7 +153,10 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
         unknown = not turned_found or cast(Behaviour, verdict.turned).kind == "undecided"
         if not given and (delay_decides(verdict) or unknown):
             said = "none is given, so that they form again at once; give [contacts.delay]"
-            yield Line(TURNS, f"the contacts' delay: {said}{_untried(verdict)}")
+            swings = _untried(verdict) * (
+                not would_swing(verdict)
+            )  # which stands beside the answer
+            yield Line(TURNS, f"the contacts' delay: {said}{swings}")
         elif delay_decides(verdict):
             said = f"another one may change the answer{of_short_delays(own)}"
             yield Line(TURNS, f"the contacts' delay: {said}")
@@ -164,8 +167,9 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
                 what = f"with one of {spoken(long_delay_of(own), own.scale.time_unit)}"
             yield _same_with(verdict, other, what)
         elif would_swing(verdict):
-            said = f"another one may change the answer{_untried(verdict)}"
-            yield Line(TURNS, f"the contacts' delay: {said}")
+            yield Line(
+                TURNS, "the contacts' delay: another one may change the answer, as told above"
+            )
 
 
 def _of_agreeing(own: Answer) -> Line:
@@ -192,8 +196,9 @@ def _same_with(verdict: Verdict, other: Behaviour, what: str) -> Line:
     (one,), scale, mean = own.behaviours, own.scale, own.contacts.mean_threshold
     change = abs(other.before - one.before)
     least = max(WORTH_TELLING * abs(one.before), (one.error + other.error) * mean)
-    swings = _untried(verdict)
-    size = TURNS if would_swing(verdict) else change / abs(one.before)
+    swings, size = _untried(verdict), change / abs(one.before)
+    if would_swing(verdict):
+        swings, size = "; other delays, told above, may change the answer", TURNS
     if one.kind == other.kind and change <= least:
         if swings:
             return Line(size, f"the contacts' delay: {what} it does the same{swings}")

@@ -75,6 +75,16 @@ def way_to(slider: Behaviour) -> str:
     return f" in the end (the way there was {how})"
 
 
+def of_small_falls(answer: Answer, slider: Behaviour) -> str:
+    """Which falls count as no slips, where these are larger than the force of a smooth slider, as in strong heat; ""
+    where they are not, or where it is told between which forces the slider swings."""
+    small, scale = RISE * answer.contacts.mean_threshold, answer.scale
+    if not 0.0 < abs(slider.after) < small or slider.swings is not None:
+        return ""
+    size = written(small * scale.force, scale.force_unit, digits=2)
+    return f", where swings of less than {size} would count as no slips"
+
+
 def stability(answer: Answer, slider: Behaviour) -> str:
     """Whether steady sliding is stable, of a slider in heat that is not decided; "" where that is not known."""
     below = slider.unstable_below

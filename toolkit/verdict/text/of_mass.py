@@ -21,8 +21,7 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             part = behaviour.damping / critical_damping(own.machine)
             yield Line(
                 UNSIZED,
-                f"the damping: none is given, and without one the slider rings for too long; it is assumed to be "
-                f"{part:.0%} of critical, {behaviour.damping * own.scale.spring:.3g} {unit}: give drive.damping, the "
+                "the damping: none is given, and without one the slider rings for too long: give drive.damping, the "
                 f"machine's own. {_why_so_damped(part)}. With less the force falls farther in a slip, and the slider "
                 f"rings longer; F_k and F_s are the same{_of_too_little(own, behaviour.damping)}",
             )
@@ -61,11 +60,13 @@ def why_no_more_slips(own: Answer) -> str:
 
 
 def _why_so_damped(part: float) -> str:
-    """Why this part of the critical damping was taken, see DAMPED."""
-    least = min(DAMPED)
-    if part < 0.5 * (least + max(DAMPED)):
-        return f"{least:.0%} is what is tried first, and no property of the machine"
-    return f"With {least:.0%}, which is tried first, it rings for too long on these contacts, too"
+    """Why this part of the critical damping was taken, see DAMPED, which the answer tells."""
+    assumed = "The assumed one is no property of the machine"
+    if part < 0.5 * (min(DAMPED) + max(DAMPED)):
+        return assumed
+    return (
+        f"{assumed}: with less, which is tried first, it rings for too long on these contacts, too"
+    )
 
 
 def _of_too_little(own: Answer, damping: float) -> str:

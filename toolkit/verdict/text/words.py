@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from toolkit.scene.barriers import of_cold
 from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import (
     guarded,
@@ -33,8 +34,9 @@ from toolkit.verdict.slips_in_words import (
     still_changing,
     swinging,
 )
+from toolkit.verdict.text.above_static import why_above
 from toolkit.verdict.text.border import on_the_border
-from toolkit.verdict.text.hangs_on import dependence, why_above, why_smooth
+from toolkit.verdict.text.hangs_on import dependence, why_smooth
 from toolkit.verdict.text.k_star import without_spring
 from toolkit.verdict.text.kinds import (
     a_slip,
@@ -47,7 +49,7 @@ from toolkit.verdict.text.kinds import (
     without_delay,
 )
 from toolkit.verdict.text.of_delay import delay_decides, of_extremes, would_swing
-from toolkit.verdict.text.of_heat import stability, way_to
+from toolkit.verdict.text.of_heat import of_small_falls, stability, way_to
 from toolkit.verdict.text.slip_rows import drop_of
 from toolkit.verdict.text.spread import other_samples, widest
 from toolkit.verdict.text.table import first_alike, table
@@ -88,10 +90,10 @@ def warnings(verdict: Verdict) -> list[str]:
 
 
 def sentence(verdict: Verdict) -> str:
-    """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides; and
-    how many readings it is not known of."""
+    """The answer in one short sentence; where the number of contacts, readings or rules disagree, what decides; how
+    many readings it is not known of; and that islands are told without the heat that would break them."""
     said = [_answered(verdict), *on_the_border(verdict), *unsure_of_springs(verdict.own)]
-    return "; ".join([*said, *undecided_readings(verdict)])
+    return "; ".join([*said, *undecided_readings(verdict), *of_cold(verdict.own.contacts)])
 
 
 def _answered(verdict: Verdict) -> str:
@@ -274,7 +276,7 @@ def _behaved(
         if bare:
             return said
         beside = whom + of_damping(answer, last, differs) + way_to(last)
-        beside += once_over(answer, last) + swinging(answer, last)
+        beside += once_over(answer, last) + swinging(answer, last) + of_small_falls(answer, last)
         beside += of_fluctuations(verdict, last) * (answer is verdict.own)
         said = f"smooth at {said}{beside}{of_assumed_damping(answer, last)}"
         return without_delay(answer, last) + said
