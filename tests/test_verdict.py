@@ -1668,6 +1668,17 @@ def test_the_areas_own_contacts_stand_in_the_headline_and_in_the_table() -> None
         assert rows[f"force before a slip{whose} (reset)"] == "800 mN"
 
 
+def test_the_areas_own_contacts_stand_in_the_headline_where_they_are_known_far_better() -> None:
+    """Of infinitely many 0.8 ± 0.05, of the area's 0.79 ± 0.001; not where heat is left out, of both of them."""
+    own = replace(infinite("stick-slip", 5), error=0.05)
+    for error, heat, told in ((1e-3, None, True), (0.02, None, False), (1e-3, 0.05, False)):
+        finite = Finite(own.rule, 300, "stick-slip", 0.79, error, 0.0, 0.0, 5.0, period=70.0)
+        said = sentence(with_contacts(replace(own, heat_left_out=heat), finite))
+        alone = "stick-slip: 800 ± 50 mN down to "
+        assert said.startswith("stick-slip: 790 ± 1 mN down to 0 N" if told else alone), said
+        assert ("(800 ± 50 mN down to 500 mN for infinitely many)" in said) is told, said
+
+
 def test_the_scatter_of_the_areas_contacts_is_told_as_scatter_and_not_as_an_error() -> None:
     """Beside a mean that is that of infinitely many, too; where slips are of several kinds by the range of their falls,
     and where they are alike by a standard deviation."""

@@ -18,7 +18,7 @@ from toolkit.results.records import Result
 from toolkit.running.runner import solve
 from toolkit.running.solvers import within
 from toolkit.scene.drive import has_path, machine_number
-from toolkit.scene.interfaces import Number
+from toolkit.scene.interfaces import Number, of_a_scan
 from toolkit.scene.laws import inside
 from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import SHARED, scale_of
@@ -74,7 +74,8 @@ class ComparedScene:
     and more on which its numbers depend, why K* is infinite and what is at the limits of the law, and what describes
     it; those `left_out` have a reason. `evidence` is the ensemble's: its force over the exact F_k, with one standard
     error, where the master equation's force is largest (its own, without [master]), the master's there, and the
-    largest difference of both over the path in standard errors, or why there is none; None without [eq].
+    largest difference of both over the path in standard errors, or why there is none; None without [eq]. `of_a_scan`
+    tells whether its thresholds are those of one patch of a surface, which leave K* two digits.
     """
 
     name: str
@@ -85,6 +86,7 @@ class ComparedScene:
     evidence: dict[str, Any] | None
     found: Description
     result: Result
+    of_a_scan: bool = False
 
     @property
     def own(self) -> Read:
@@ -175,6 +177,7 @@ def _judge(scene: Scene, comm: Any, progress: bool) -> ComparedScene:
         evidence=_evidence(result, kinetic),
         found=found,
         result=result,
+        of_a_scan=of_a_scan(scene.contacts.thresholds),
     )
 
 

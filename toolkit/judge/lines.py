@@ -1,6 +1,6 @@
 """The comparison of scenes as lines of text."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from toolkit.scene.interfaces import Number, with_error
 from toolkit.scene.scale import SHARED, guarded
 from toolkit.verdict.answers import Quantity
 from toolkit.verdict.text.table import in_columns, row
+from toolkit.verdict.uncertainty import two_digits
 
 # of a number: a larger error stands beside it
 PRECISE = 1e-3
@@ -31,7 +32,8 @@ def table(compared: Sequence[ComparedScene]) -> list[str]:
         own, ranges = [*scene.conditions, *scene.cautions], list[str]()
         cells, many = [str(rank), scene.name], len(scene.readings)
         for name in names:
-            value, over = _cells([one.numbers[name] for one in scene.readings])
+            write = _writer_of(scene) if name in SPRINGS.values() else guarded
+            value, over = _cells([one.numbers[name] for one in scene.readings], write)
             if name in SPRINGS.values() and any(one.unknown for one in scene.readings):
                 value, over = _of_answered(scene, name)
             if name == "onset_power" and value:
@@ -79,10 +81,17 @@ def table(compared: Sequence[ComparedScene]) -> list[str]:
     return [*first, head, "-" * len(head), *lines, *said]
 
 
-def _cells(each: Sequence[Number]) -> tuple[str, str]:
-    """A number by the scene's own reading, with its error where that is seen, and its range over all readings."""
+def _writer_of(scene: ComparedScene) -> Callable[[float, str, float], str]:
+    """How K* of a scene is written: of a scan with two digits, as in its verdict, as another patch or step may change
+    it by orders of magnitude."""
+    return two_digits if scene.of_a_scan else guarded
+
+
+def _cells(each: Sequence[Number], write: Callable[[float, str, float], str]) -> tuple[str, str]:
+    """A number by the scene's own reading, with its error where that is seen, and its range over all readings; `write`
+    as `row` takes it."""
     own, quantities = each[0], [Quantity(one.value, one.error or 0.0) for one in each]
-    _, value, _, ranges = row("", quantities, [1.0] * len(each), "")
+    _, value, _, ranges = row("", quantities, [1.0] * len(each), "", write=write)
     if quantities[0].error > PRECISE * abs(own.value):
         value = with_error(own.value, quantities[0].error, 4)
     return {"inf": "infinite", "not known": ""}.get(value, value), ranges
@@ -92,7 +101,7 @@ def _of_answered(scene: ComparedScene, name: str) -> tuple[str, str]:
     """K*, and its range over the readings, where it is not known by some: these are in no range, and of the scene's own
     reading it is told below which value it is."""
     answered = [one.numbers[name] for one in scene.readings if not one.unknown]
-    value, over = _cells(answered) if answered else ("", "not known")
+    value, over = _cells(answered, _writer_of(scene)) if answered else ("", "not known")
     if scene.own.smoothed:
         value = "hangs on smoothing"
     elif scene.own.unknown:
@@ -137,7 +146,8 @@ def undecided_order(compared: Sequence[ComparedScene]) -> list[str]:
         named |= {*alike}
         readings_by_span = dict[str, list[str]]()
         for one in alike:
-            each_end = (guarded(end, unit, np.ptp(ends[one])) for end in ends[one])
+            write = _writer_of(next(scene for scene in compared if scene.name == one))
+            each_end = (write(end, unit, float(np.ptp(ends[one]))) for end in ends[one])
             span = " to ".join(dict.fromkeys(each_end))
             readings_by_span.setdefault(span, []).append(one)
         each = "; ".join(

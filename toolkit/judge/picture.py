@@ -159,7 +159,8 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
         if np.ptp(ends) > _SEEN * ends[1]:  # below the bar, whose number is beside it
             bars = {"xerr": np.ptp(ends) / 2.0, "color": "0.2", "capsize": 4}
             axes.errorbar(np.mean(ends), row + 0.4, **bars)
-        shared = written(value, "", off) if off > _SEEN * value else f"{value:.3g}"
+        digits = 2 if one.scene.of_a_scan else 3  # as in the table
+        shared = written(value, "", off) if off > _SEEN * value else f"{value:.{digits}g}"
         text = "infinite" if np.isinf(value) else shared if unit == SHARED else ""
         beyond = {"xytext": (12 if np.isinf(value) else 5, 0), "textcoords": "offset points"}
         place = (min(max(value, low), high), row)
@@ -168,7 +169,7 @@ def _springs(axes: Any, styled: list[_Styled]) -> None:
             text = f"not known, below {most:.2g}" if unit == SHARED else ""
             text = text or f"not known, below {written(most, unit, digits=2)}"
             beyond["xytext"] = (20, 0)
-        axes.annotate(text or written(value, unit, off), place, **beyond, **small)
+        axes.annotate(text or written(value, unit, off, digits), place, **beyond, **small)
         if np.isinf(value):
             axes.plot(high, row, ">", color=color, ms=18, clip_on=False)
     axes.set_yticks(range(len(styled)), [one.name for one in styled])

@@ -188,10 +188,10 @@ def open_scan(
                 if channel >= len(reader.channels):
                     refuse("channel", channel, f"must be 0 to {len(reader.channels) - 1}")
                 scan = reader.topography(channel_index=channel, **said)
-            if getattr(scan, "unit", None) not in METRES:
-                refuse(
-                    "unit", unit, 'is no unit of length; write "nm", or take a channel of heights'
-                )
+            if (its := getattr(scan, "unit", None)) not in METRES:
+                hint = 'write such as unit = "nm", or take a channel of heights'
+                why = "is no unit of length" if unit else f"the file has {its or 'none'}"
+                refuse("unit", unit, f"{why}; {hint}")
             return as_topography(scan)
         except ImportError:
             refuse("file", file, "needs SurfaceTopography; install mesofriction[topography]")

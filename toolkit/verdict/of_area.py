@@ -27,11 +27,13 @@ from toolkit.verdict.slips_in_words import (
     spacings,
     still_changing,
 )
-from toolkit.verdict.uncertainty import SEEN
+from toolkit.verdict.uncertainty import SEEN, error_beside
 
 # standard errors by which few contacts differ from infinitely many where it is told; the scatter of four sliders is
 # known to some 40 %
 CLEARLY = 4.0
+# times as large an error of infinitely many contacts that those of the area are told in their place
+BETTER = 10.0
 
 
 def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
@@ -41,7 +43,7 @@ def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
 
 def apart(verdict: Verdict) -> dict[str, Finite]:
     """What as many contacts as there are do, by the rules under which that is something else than what infinitely many
-    do, or the same at forces that differ by more than the errors of both, or that scatter."""
+    do, or the same at forces that differ by more than the errors of both, scatter, or are known far better."""
     by_rule = dict[str, Finite]()
     for one, finite in _pairs(verdict):
         if (
@@ -50,6 +52,7 @@ def apart(verdict: Verdict) -> dict[str, Finite]:
             or _slips_differ(verdict, one, finite)
             or _slides_apart(finite, verdict.own.kinetic.value, _error_of(verdict, one))
             or scatters(finite)
+            or _better_known(verdict, one, finite)
         ):
             # where none slips, no rule acts: what is left between rules is chance
             alike = [other for other in by_rule.values() if _slide_alike(finite, other)]
@@ -93,6 +96,14 @@ def _slides_apart(finite: Finite, kinetic: float, error: float = 0.0) -> bool:
     with its numerical `error` (lengths): on soft springs by N^(-2/3) <x_s> times 2 to 9, or more (docs/sliders.md)."""
     margin = max(CLEARLY * finite.late_error, WORTH_SHOWING * kinetic, error)
     return bool(abs(finite.late - kinetic) > margin)
+
+
+def _better_known(verdict: Verdict, one: Behaviour, finite: Finite) -> bool:
+    """Whether slips of the contacts of the area are known BETTER times as well, and the error of infinitely many would
+    stand in the answer; not where heat was left out of both."""
+    if not one.kind == finite.kind == "stick-slip" or one.heat_left_out is not None:
+        return False
+    return error_beside(verdict, verdict.own, one) > BETTER * finite.before_error
 
 
 def _error_of(verdict: Verdict, one: Behaviour) -> float:

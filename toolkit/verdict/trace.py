@@ -105,6 +105,8 @@ def _draw_line(
     text, letters = label
     shown = slice(0 if since is None else int(np.searchsorted(one.drive, since)), None)
     drive, force = one.drive[shown], one.force[shown]
+    if not drive.size:  # its path ends before the last cycles of another one
+        return
     if one.rule == "mass" and hides_swings(drive, force):
         text += "; dots, as its swings are too many to be drawn"
         style = style | {"ls": "", "marker": ".", "ms": 2.5}

@@ -270,4 +270,9 @@ def writer_of_springs(answer: Answer) -> Callable[[float, str, float], str]:
     unsure = bool(sampled_parts(law)) and answer.critical_spring.sampling is None
     if not (of_a_scan(law) or unsure):
         return spring_to_digits
-    return lambda value, unit, uncertainty: written(value, unit, digits=2)
+    return two_digits
+
+
+def two_digits(value: float, unit: str, uncertainty: float = 0.0) -> str:
+    """As `guarded`, of a number whose uncertainty nobody knows."""
+    return written(value, unit, digits=2)

@@ -30,7 +30,7 @@ from toolkit.verdict.text.of_delay import of_rules
 from toolkit.verdict.text.of_mass import of_a_mass, why_no_more_slips
 from toolkit.verdict.text.table import HOLDING
 from toolkit.verdict.text.undone import RULE, of_errors, of_readings, unanswered, with_rules
-from toolkit.verdict.uncertainty import uncertainties_of
+from toolkit.verdict.uncertainty import WORTH_TELLING, uncertainties_of, widest_uncertainty
 
 # N K³, K in N_c<k>, above which sliding on springs stiffer than K* is smooth (docs/sliders.md)
 SMOOTH_ABOVE = 50.0
@@ -134,6 +134,9 @@ def why_smooth(verdict: Verdict) -> list[str]:
         return []
     force, unit = own.scale.force, own.scale.force_unit
     fall = own.static.value - own.kinetic.value
+    # a difference of two forces is known less well than either
+    digits = 2 if widest_uncertainty(verdict) > WORTH_TELLING else 3
+    small_fall = written(fall * force, unit, digits=digits)
     rules = (
         "" if len(smooth) == len(own.behaviours) else f" if {named([one.rule for one in smooth])}"
     )
@@ -145,14 +148,14 @@ def why_smooth(verdict: Verdict) -> list[str]:
     small = RISE * own.contacts.mean_threshold
     if all(one.rule == "mass" and not one.slips for one in smooth) and cold and fall < small:
         return [
-            f"{said}the fall from F_s to F_k, {written(fall * force, unit)}, is too small to count as a slip of a "
+            f"{said}the fall from F_s to F_k, {small_fall}, is too small to count as a slip of a "
             f"slider with mass (from {written(small * force, unit)} on, {RISE:g} <x_s>)"
         ]
     if not cold and not any(one.slips for one in smooth):
         return [
             f"{said}contacts break by themselves, and the slider creeps, ever faster, up to the speed of its drive"
         ]
-    ends = f"F_s, {written(fall * force, unit)} above F_k," if fall > 0.0 else "a rise to F_k"
+    ends = f"F_s, {small_fall} above F_k," if fall > 0.0 else "a rise to F_k"
     after = f"after {ends} " * cold
     seen = [
         *(one.slips for one in smooth),

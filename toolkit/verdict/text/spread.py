@@ -3,7 +3,7 @@
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
 from toolkit.running.resampled import RATHER_LARGE, known_to
-from toolkit.scene.scale import written
+from toolkit.scene.scale import with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.uncertainty import (
@@ -59,6 +59,10 @@ def range_of_force(verdict: Verdict, whose: str = "") -> str:
     said = f"{what} is {' to '.join(dict.fromkeys(ends))}"
     # readings between both ends may be known less well, as of a few contacts that stand for many
     force, error = max(forces, key=lambda one: one[1])
+    (low, _), (high, _) = min(forces), max(forces)
+    if error > max(high - low, WORTH_TELLING * force):  # which are no ends of a range
+        middle = with_scatter(0.5 * (low + high), error, scale.force_unit)
+        return f"{what} is {middle} (the error of the one that is known least)"
     if error > WORTH_TELLING * force:
         said += f", each known to ± {written(error, scale.force_unit, digits=2)} or better"
     return said
