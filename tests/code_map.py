@@ -94,9 +94,10 @@ QUESTIONS = {
         "toolkit:LateSlips",
     ),
     "the period for a verdict; on its page": ("toolkit:behaviour_of", "toolkit:period_of"),
-    "the rule of a slip at T = 0: reset; reform-after, in the slip and its births; instant": (
+    "the rule of a slip at T = 0: reset; reform-after, its end and its births; instant": (
         "master:ColdSlider.reset",
         "master:ColdSlider.reform_after",
+        "master:MoveWithoutBirths.end_of_slip",
         "master:March.postpone_births",
         "master:Move.end_of_slip",
     ),
@@ -201,6 +202,23 @@ QUESTIONS = {
         "toolkit:Asked.planned",
         "toolkit:follow_finite",
         "toolkit/verdict/sliders/ensemble.py:sliders",
+    ),
+    "energies of a slider with mass in the ensemble: on a move; of breaks; of spring and motion; their balance": (
+        "eq_model/coupled/mass/state.py:pass_time",
+        "eq_model/coupled/mass/kernel.py:_break",
+        "eq_model:HeavySliders.follow",
+        "eq_model/result.py:Energy.imbalance",
+    ),
+    "the time of a verdict: shared by readings; by rules; by a rule's solvers; for the area's contacts": (
+        "toolkit/verdict/judge.py:verdict",
+        "toolkit:answer_of",
+        "toolkit/verdict/sliders/follow.py:follow",
+        "toolkit:part_of_sliders",
+    ),
+    "who tells in a verdict's headline: the ensemble for master; where master does not decide; where both differ": (
+        "toolkit/verdict/sliders/follow.py:follow",
+        "toolkit:with_more",
+        "toolkit/verdict/text/words.py:_disagreement",
     ),
     "heat on a spring in the ensemble: proposed breaks; windows": (
         "eq_model:proposed",

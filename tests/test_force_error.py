@@ -173,6 +173,10 @@ def test_cohorts_agree_with_closed_forms_and_the_renewal_equation() -> None:
         exact = (gaussian if contacts is spread else by_renewal)(contacts, path)
         found = by_cohorts(contacts, path, 1.0 * path)
         assert np.abs(found.values - exact.values).max() < found.error + exact.error < 2e-3
+    # at speed 1 the clock runs on where the path turns back
+    back = np.append(path, path[-2::-1])
+    found, timed = (by_cohorts(wait, back, *time) for time in ((), (3.0 / 16.0 * np.arange(33.0),)))
+    assert np.abs(found.values - timed.values).max() < 1e-9
     with pytest.raises(origins.InputError):
         by_cohorts(origins.Contacts(origins.gaussian(1.0, 0.1), stiffness="linked"), path)
     with pytest.raises(origins.InputError, match="a step would be longer"):

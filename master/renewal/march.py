@@ -286,7 +286,8 @@ class March:
         return other
 
     def postpone_births(self, begin: float, end: float) -> None:
-        """For master/soft, too: all that are broken up to the end are born there together, as a lump. Of the two panels
+        """For master/soft, where contacts that broke in a slip form at its end: all that are out at `end` are born
+        there together, as a lump. Of the two panels
         from begin to end, without births, the last is short: `_numbers_at_edge` looks back over half of it."""
         number, _ = self.enter_and_sum_at(np.array([[end]]))
         leg_start_path = float(self.motion.times[self.motion.leg(0.5 * (begin + end))])

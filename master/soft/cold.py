@@ -234,7 +234,8 @@ class ColdSlider:
         return self._broken.get(key, np.nan)
 
     def _slide(self, move: Move, slip: SlipBegin) -> tuple[MoveWithoutBirths, SlipEnd]:
-        """The way of a slip in which broken contacts stay out, and where it ends."""
+        """The way of a slip in which broken contacts stay out, and where it ends. The load there is counted from where
+        the slide begins: K times the travel before is taken off."""
         loaded = move.stopped(slip.travel, slip.error)
         slide = MoveWithoutBirths(self.contacts, move.direction, loaded)
         return slide, slide.end_of_slip(0.0, slip.load - self.spring * slip.travel, slip)

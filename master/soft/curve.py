@@ -6,7 +6,8 @@ With y the travel of the slider, and F along the motion,
 
 The drive at X_T balances the load K X_T, counted from the move's beginning. The slider follows the
 drive as long as the load rises. Where its slope falls below zero, or contacts at one exact threshold
-break together, it slips; it stops at the first y where the load has the same value again.
+break together, it slips in no time: the drive stands, so that it stops at the first y where the
+load has the same value again.
 """
 
 from dataclasses import dataclass, replace

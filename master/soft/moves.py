@@ -143,8 +143,8 @@ class Move:
     ) -> SlipEnd:
         """The curve, and the travel at the end of the slip that begins at the travel `after` with this load; `goes_on`:
         the slider never turns later, so that of contacts that have decohered only the force matters."""
-        falling = min(BEHIND_BEGIN * begin.begin_error, OF_TRAVEL * begin.curve.to_travel)
-        travel, searched, rises = after, after + falling, np.inf
+        beside_begin = min(BEHIND_BEGIN * begin.begin_error, OF_TRAVEL * begin.curve.to_travel)
+        travel, searched, rises = after, after + beside_begin, np.inf
         while True:
             curve = self.curve_to(travel)
             # panels that were searched before are not searched again: a slip may pass thousands

@@ -43,13 +43,14 @@ class MoveWithoutBirths(Move):
         return SteadyForce(0.0, 0.0) if self._holding <= NO_SURVIVAL else None
 
     def holds_none(self, y: float) -> bool:
-        """Whether no contact holds any more after the travel y."""
+        """Whether no contact holds any more after the travel y: none does behind the last panel."""
         return self._steady is not None and self.travel_of_state(y) < y
 
     def end_of_slip(
         self, after: float, load: float, begin: SlipBegin, goes_on: bool = False
     ) -> SlipEnd:
-        """See Move."""
+        """As of Move; the load is kept for `_pass_without_balance`, which passes at once a way on which it cannot be
+        reached."""
         self._end_load = load
         return super().end_of_slip(after, load, begin, goes_on)
 

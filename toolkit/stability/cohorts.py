@@ -39,7 +39,7 @@ def by_cohorts(contacts: Contacts, path: Array, time: Array | None = None) -> Tr
         raise InputError("contacts: by cohorts their thresholds stay as drawn, or grow")
     if contacts.thresholds.atoms[0].size:
         raise InputError("contacts: their F jumps at exact thresholds, which no steps resolve")
-    clock = path - path[0] if time is None else time
+    clock = np.abs(np.diff(path, prepend=path[0])).cumsum() if time is None else time
     # a step is shorter than a delay, also where the slider rests
     wait = contacts.waiting_time
     times = 1 + int(np.diff(clock).max() / (_PARTS[0] * wait)) if wait else 1

@@ -28,8 +28,8 @@ def extreme_cases() -> list[Case | Question]:
     """All cases that are shipped."""
     from toolkit.stability import laws, sliders, speeds, surfaces, thresholds
 
-    rooms = (thresholds, surfaces, laws, speeds, sliders)
-    return [case for room in rooms for case in room.cases()]
+    files = (thresholds, surfaces, laws, speeds, sliders)
+    return [case for file in files for case in file.cases()]
 
 
 def uncounted(done: int, expected: int) -> None:

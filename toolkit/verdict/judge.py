@@ -59,6 +59,8 @@ from toolkit.verdict.with_mass import (
 
 # of the time that is left, for the scene's own reading
 OWN = 0.5
+# of it, for its slider with mass and the other delay, which takes a moment as a rule
+OF_OTHER_DELAY = 0.5
 # of a reading's time for a slider with mass; where that does not do, slip rules have the rest
 HEAVY = 0.8
 # of K* and F_s of readings other than the scene's own
@@ -102,7 +104,8 @@ def verdict(
         # the area's contacts. It gets all where it is the only one and a law depends on time, or contacts wait and the
         # scene gives a wall_time
         waits = scene.wall_time is not None and bool(scene.contacts.waiting_time)
-        # nor where slips may end after hundreds of delays, which all contacts are followed for, if in time
+        # it also gets all where it is the only one, contacts wait and steady sliding is stable: slips may end after
+        # hundreds of delays, along which all contacts are followed, if in time
         machine = machine_of(table, scene.contacts)
         slides = machine is not None and is_stable_with_delay(machine, scene.contacts)
         waits |= bool(scene.contacts.waiting_time) and slides
@@ -131,12 +134,12 @@ def verdict(
             left_out[reading.name] = str(error)
         if reading.own:
             # first what takes a moment: sliders of all contacts may take all of the time
-            turned = budget.spend(OWN, partial(with_other_delay, answers[0]))
+            turned = budget.spend(OF_OTHER_DELAY, partial(with_other_delay, answers[0]))
             share = part_of_sliders(scene.contacts, many > 1)
             finite = finite_sliders(scene, answers[0], budget, budget.part(share), progress)
             answers[0] = with_finite(answers[0], finite)
             if turned is None and answers[0].behaviours[:1] and answers[0].behaviours[0].instead:
-                turned = budget.spend(OWN, partial(with_other_delay, answers[0]))
+                turned = budget.spend(OF_OTHER_DELAY, partial(with_other_delay, answers[0]))
             answers[0] = with_a_slip(answers[0], budget)
     if scene.units == SHARED:  # that of its own reading for all, so that they can be compared
         own = answers[0].scale

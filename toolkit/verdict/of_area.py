@@ -220,9 +220,9 @@ def tells_instead(behaviour: Behaviour, finite: Finite) -> bool:
 
 
 def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
-    """A behaviour that fewer sliders of the ensemble told, or that is not decided, with the numbers of these, of more
-    contacts, or of all; `unit`: the mean threshold, a length. Where they are all that there are, their error is that
-    of their scatter alone."""
+    """The behaviour with the numbers of the area's contacts, in two cases: fewer contacts told it before, or the master
+    equation does not decide and they do (then `instead` says why); else as it is. `unit`: the mean threshold, a length.
+    Where all contacts of the area were followed, the error is that of their scatter alone."""
     fewer, slip = behaviour.contacts, finite.kind == "stick-slip" and finite.period is not None
     more = slip and fewer is not None and behaviour.kind == "stick-slip" and finite.contacts > fewer
     instead = tells_instead(behaviour, finite)

@@ -6,7 +6,7 @@ from eq_model.compiling import bare, entry, inlined, unsigned
 from eq_model.coupled.heat import leave, time_to_next
 from eq_model.coupled.mass.heat import begin_heat, propose, reach_of, stiffness_by_places
 from eq_model.coupled.mass.motion import first_passage, first_top
-from eq_model.coupled.mass.moves import MOVED, damped_move, motion_of, quick_move, slow_move
+from eq_model.coupled.mass.moves import MOVED, closed_move, damped_move, motion_of, quick_move
 from eq_model.coupled.mass.nearest import (
     FAR,
     FETCHED,
@@ -101,8 +101,8 @@ def _move_if_grown(s, contacts, i, pull):  # type: ignore[no-untyped-def]
 
 @inlined
 def _met(s, contacts, side, pull):  # type: ignore[no-untyped-def]
-    """The slider is at the nearest place ahead (side 1) or behind (-1). Returns the number of the contact that breaks
-    there, or -1 as it holds on."""
+    """Move the slider to the very place ahead (side 1) or behind (-1) that it has reached. Returns the number of the
+    contact that breaks there, or -1 as it holds on."""
     if side > 0:
         if contacts.ahead.at[NEXT] >= contacts.ahead.at[FETCHED]:
             fetch(contacts.ahead, contacts.behind)
@@ -222,7 +222,7 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                         t, side, most, s.tried = early, 0, early, s.loose
                 if side == 0 or (known if side > 0 else known_behind):
                     travel = ahead if side > 0 else -behind
-                    slow_move(s, pull, motion, t, side, travel)
+                    closed_move(s, pull, motion, t, side, travel)
         forms = breaks = np.int64(-1)
         # at a bound, where the slider has not moved yet, the places are looked up
         if side > 0 and not known:

@@ -33,9 +33,9 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     if v < 0.0:
         side, level = -1, -behind
     drive, per_mass, rate = pull.speeds[unsigned(s.leg)], pull.per_mass, pull.rate
-    slow = 1.0 / v if v != 0.0 else np.inf
-    ends = level * slow >= most
-    t = most if ends else level * slow
+    per_length = 1.0 / v if v != 0.0 else np.inf
+    ends = level * per_length >= most
+    t = most if ends else level * per_length
     square, a2 = stiffness * per_mass, net * per_mass - rate * v
     # the first term left out is below 1e-15 of |a2| t², and so below 1e-16 of the way
     soon = square * t * t < 2.5e-5 and rate * t < 5e-3
@@ -47,7 +47,7 @@ def quick_move(s, pull, ahead, behind, most, net, stiffness):  # type: ignore[no
     a5 = -square * a3 - rate * a4
     b2, b3, b4, b5 = 0.5 * a2, a3 * (1.0 / 6.0), a4 * (1.0 / 24.0), a5 * (1.0 / 120.0)
     b6 = (-square * a4 - rate * a5) * (1.0 / 720.0)
-    t -= 0.0 if ends else b2 * t * t * slow
+    t -= 0.0 if ends else b2 * t * t * per_length
     step = 0.0
     for _ in range(8):
         travel = t * (v + t * (b2 + t * (b3 + t * (b4 + t * (b5 + t * b6)))))
@@ -163,7 +163,7 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def slow_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
+def closed_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
     """Move for a time t in closed form, then a break (side 1 or -1) at `travel`."""
     there, drive = moment_at(motion, t), pull.speeds[unsigned(s.leg)]
     speed = there.speed

@@ -264,7 +264,7 @@ class HeavySliders:
         return Pulled(slider, own, pull)
 
     def _scales(self) -> Array:
-        """The user's units of the rows of Pull.at_points, shape (rows, 1)."""
+        """The user's units of the rows of PullWithMass.at_points, shape (rows, 1)."""
         each, square = 1.0 / self._n, self._unit * self._unit
         curves = self._unit, self._unit, each, self._unit, self._unit
         return np.array([*curves, square, square, each * square, each * square])[:, None]

@@ -17,8 +17,8 @@ WORK, DAMPED, RELEASED, STORED = range(4)  # in PullWithMass.energy
 # In PullWithMass.at_points, with the energies of WORK to STORED behind them.
 POSITION, FORCE, HOLDING, SPEED, CONTACT_FORCE, ENERGIES = range(6)
 
-# Lengths are whole units; forces of contacts, stiffness and energies of breaks are sums over the contacts with k_i in
-# units of <k>.
+# Lengths are whole units (`unit_of` in coupled/ensemble.py: 2^-28 mean thresholds, or more); forces of contacts,
+# stiffness and energies of breaks are sums over the contacts with k_i in units of <k>.
 SLIDER = np.dtype(
     [
         ("at", np.int64),  # X is at + off

@@ -14,8 +14,8 @@ from origins.thresholds.law import Array
 
 # Share of the tolerance below which ringing counts as rest.
 QUIET = 0.02
-# The same, in that, for a slider that is followed slowly and for one that is not yet: both far enough from 1 that the
-# two modes do not alternate.
+# Factors on that share below which a slider stays in the mode `following`, and below which it leaves `moving` for it:
+# both far enough from 1 that the two modes do not alternate.
 STAYS_SLOW, GETS_SLOW = 2.0, 0.5
 RINGS = "stopped as the slider rings for too long; give a damping, or a larger one"
 
@@ -28,6 +28,7 @@ class Body:
 
     record : results at the asked times, and slips
     t, leg : time, and index of the leg of the drive's motion
+    stiff, quiet : K + 1, and the force of a swing (a length) up to which it counts as rest
     move, base : the contacts' present move, and X where it began
     y, w : travel on it, and speed along it
     work, damped, on_contacts : see Record

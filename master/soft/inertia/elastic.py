@@ -95,7 +95,8 @@ class Elastic(Body):
         rate, until_leg_end = self.spring * self._speed, self._leg_end() - t
         motion = Oscillation.of(mass, damping, self.stiff, pull, rate, self.y, self.w)
         until_quiet = motion.time_until(self.quiet / self.stiff)
-        # a time that is lost in rounding would bring the same state again, without end: the swing is then over
+        # The ringing counts as rest: it is below `quiet` already, or would be after a time that is lost in rounding,
+        # which would bring the same state again, without end. Then the slider only drifts.
         is_quiet = t + until_quiet <= t
         if is_quiet:
             balance, speed = motion.centre, motion.drift

@@ -105,7 +105,7 @@ class Budget:
         return 0.0 if self.stops.by else (self._seconds - used) * pace
 
     def part(self, fraction: float) -> "Budget":
-        """A budget from now on, of this fraction of what remains."""
+        """A budget from now on, of this fraction of what remains; what it does not use stays in this one."""
         used, pace = self._used()
         return Budget(fraction * (self._seconds - used), self._strict, pace, self.stops)
 

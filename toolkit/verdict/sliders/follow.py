@@ -99,6 +99,8 @@ def follow(
     none does
     What the solver does not take is "undecided", and its message says why. Where the master equation does not decide in
     time, the ensemble does, or F_k of contacts that have forgotten their start; an undamped slider is damped a little.
+    Roads, in order: the master equation for a part of the time (in heat, steady sliding and contacts without heat in
+    between); the ensemble, where it takes them; F_k after forgetting; a slider with some damping.
     """
     end = time.monotonic() + wall_time
     loading = loading_of(machine, contacts, rigid.static)

@@ -210,19 +210,19 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
         seen = first_alike(verdict, answer, one)
         if one.kind == "undecided":
             seen = one.rule if one.slips else "first" if one.message == first.message else ""
-        own = behaved(verdict, few[one.rule]) if one.rule in few else ""
-        own += followed_instead(answer, one)
-        key = (one.kind, seen, own, whom_of(verdict, one))
+        of_area = behaved(verdict, few[one.rule]) if one.rule in few else ""
+        of_area += followed_instead(answer, one)
+        key = (one.kind, seen, of_area, whom_of(verdict, one))
         groups.setdefault(key, []).append(one)
     parts = list[str]()
     # last what is told of slips that are none of the slider
     each = sorted(groups.items(), key=lambda group: group[1][0].few_break is not None)
-    for (kind, _, own, whom), alike in each:
-        said = _behaved(verdict, answer, kind, alike, bare=own.startswith(kind), whom=whom)
-        if own:
+    for (kind, _, of_area, whom), alike in each:
+        said = _behaved(verdict, answer, kind, alike, bare=of_area.startswith(kind), whom=whom)
+        if of_area:
             # of those that are followed in place of infinitely many nothing else is known
             no_more = all(one.instead or one.sliders is few[one.rule] for one in alike)
-            said = own if no_more else f"{own} ({said} for infinitely many)"
+            said = of_area if no_more else f"{of_area} ({said} for infinitely many)"
         parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
     elsewhere = bool(not_decided(verdict)) or answer is not verdict.own
     return parts if elsewhere else [*parts, *widest(verdict)]
