@@ -77,9 +77,10 @@ QUESTIONS = {
         "master:slips_of",
     ),
     "slips of a soft slider; where laws depend on time": ("master:ColdSlider", "master:Slider"),
-    "stick-slip, smooth or undecided: of a solution; the same by its slips": (
+    "stick-slip, smooth or undecided: of a solution; the same by its slips; swings that are none": (
         "master:regime",
         "master:_by_slips",
+        "master:unfed_swings",
     ),
     "the same in one word; for a verdict": (
         "toolkit:kind_of",

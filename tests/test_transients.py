@@ -578,23 +578,6 @@ def test_on_the_border_of_steady_sliding_chance_decides_on_slips(part: float) ->
     assert "on the border" not in sentence(on_area(SLIDES, many, machine, contacts))
 
 
-def test_an_undamped_mass_on_a_stiff_spring_swings_and_that_is_said() -> None:
-    """Above K* nothing slips without a mass: the swings of one without damping were told as slips, and no more."""
-    machine, few = Machine(2.0, 0.5, 0.0, 0.25), Finite("mass", 300, "smooth")
-    swings = replace(SLIDES, kind="stick-slip", after=-0.1, slips=9, period=9.09)
-
-    def said(machine: Machine, contacts: Contacts, one: Behaviour = swings) -> bool:
-        text = "\n".join(page(replace(on_area(one, few, machine, contacts), finite=())))
-        return "the swing of the mass about F_k, by 0.250 N_c<k> length or less" in text
-
-    contacts = Contacts(WIDE)
-    assert said(machine, contacts)
-    assert not said(replace(machine, damping=0.1), contacts)
-    assert not said(replace(machine, spring=0.1, mass=10.0), contacts)  # below K*: slips
-    assert not said(machine, Contacts(WIDE, delay=Delay(3.0)))
-    assert not said(machine, contacts, SLIDES)
-
-
 def test_the_force_of_few_contacts_that_slide_beside_a_mass_fluctuates() -> None:
     """ "smooth at 7.45 ± 0.03 mN" stood for 39 contacts whose force goes from 3.6 to 10.2 mN: the ± is of the mean."""
     machine, contacts = Machine(2.0, 0.5, 0.3, 0.25), Contacts(WIDE)

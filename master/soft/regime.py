@@ -7,19 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from master.motion import drive_motion
+from master.soft.drops import FEWEST, STEADY, closes_in, limit_of, trend_of
 from master.soft.followed import NOTHING_KNOWN, UNRELIABLE, Followed
 from master.soft.slips import Slips
+from master.soft.unfed_swings import unfed_swings
 from master.stick_slip.extremes import extremes
 from master.survival.make import why_no_life
 from origins import Contacts
 from origins.drive import SLIP_FRACTION, Drive
-from origins.thresholds.law import Array
 
 Verdict = Literal["smooth", "stick-slip", "decaying transient", "undecided"]
 
-# Fewest slips that have a trend, and relative change of the drop from one slip to the next below
-# which drops do not fade.
-FEWEST, STEADY = 4, 1e-3
 # Part of the last drop above which the limit of drops that fade ever less is no end of the slips: those that fade as
 # one over their number have an apparent limit of a half.
 LASTING = 0.6
@@ -63,7 +61,7 @@ def regime(
 ) -> Regime:
     """Judge the slips along the drive's path; K* is looked for up to the reading `until` of time.monotonic()."""
     spring, slips = float(drive.spring or 0.0), found.slips
-    count, trend = slips.drive.size, _trend(slips.drop)
+    count, trend = slips.drive.size, trend_of(slips.drop)
     motion = drive_motion(drive, found.balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
     unsolved = bool(why_no_life(contacts))  # on a rigid slider
@@ -103,6 +101,9 @@ def regime(
         verdict, reason = _by_slips(contacts, drive, found, trend)
         if verdict != "decaying transient" and (ahead := found.slips_ahead()).all_found:
             verdict, reason = "decaying transient", ahead.behind(count)
+        unfed = verdict == "stick-slip" and unfed_swings(contacts, drive, slips, critical)
+        if unfed:
+            verdict, reason = "undecided", f"{reason}; {unfed}"
         fractions = found.fractions_broken[np.isfinite(found.fractions_broken)]
         if fractions.size:
             most = float(fractions.max())
@@ -161,7 +162,7 @@ def _by_slips(
             "undecided",
             f"{counted}, which may fade by less than their error; tighten the tolerance",
         )
-    if trend is not None and trend < -STEADY and (limit := _limit(drops)) > LASTING * drops[-1]:
+    if trend is not None and trend < -STEADY and (limit := limit_of(drops)) > LASTING * drops[-1]:
         fading = f"whose drops fade ever less, perhaps to {limit:.3g}"
         return "undecided", f"{counted}, {fading}{_farther(drive, slips, count * longest)}"
     if trend is not None and trend < -STEADY:
@@ -172,7 +173,7 @@ def _by_slips(
     late, longer = float(drops[-(count // 3) :].max()), float(drops[count // 3 :].max())
     if trend is not None or late >= (1.0 - STEADY) * longer:
         return "stick-slip", f"{counted}, their drops not fading: the largest of late is {late:.3g}"
-    if _closes_in(drops) and unsure <= OF_DROP * drops[-1]:
+    if closes_in(drops) and unsure <= OF_DROP * drops[-1]:
         return "stick-slip", f"{counted}, each drop between the two before it"
     return "undecided", f"{counted}, whose drops go up and down: lengthen it"
 
@@ -184,13 +185,6 @@ def _farther(drive: Drive, slips: Slips, way: float) -> str:
         return ""
     last = float(slips.drive[-1])
     return f"; drive to about X_T = {last + np.sign(last) * way:.3g}"
-
-
-def _closes_in(drops: Array) -> bool:
-    """Whether late |drops| go up and down, each between the two before it, as a short slip follows a long one."""
-    late = drops[-FEWEST:]
-    low, high = np.minimum(late[:-2], late[1:-1]), np.maximum(late[:-2], late[1:-1])
-    return bool(((low < late[2:]) & (late[2:] < high)).all())
 
 
 def _begins_anew(contacts: Contacts, drive: Drive, found: Followed) -> NDArray[np.int64]:
@@ -280,21 +274,3 @@ def _lacking(
     if force[-1] > force[:-1].max(initial=0.0) + rise:
         return ", where the force still rises as high as never before; lengthen it"
     return ""
-
-
-def _limit(drops: Array) -> float:
-    """What the last three |drops| lead to if each change is the same part of the one before (Aitken); 0 where changes
-    do not get smaller."""
-    first, second = -np.diff(drops[-3:])
-    return float(drops[-1] - second**2 / (first - second)) if first > second > 0.0 else 0.0
-
-
-def _trend(drop: Array) -> float | None:
-    """Relative change of |drop| a slip, fitted over the later half; None where not monotone."""
-    late = np.abs(drop[drop.size // 2 :])
-    if drop.size < FEWEST or not (late > 0.0).all():
-        return None
-    change = np.diff(np.log(late))
-    if change.max() > STEADY and change.min() < -STEADY:
-        return None
-    return float(np.expm1(np.polyfit(np.arange(late.size), np.log(late), 1)[0]))

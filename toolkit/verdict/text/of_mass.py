@@ -6,14 +6,14 @@ from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.follow import DAMPED
 from toolkit.verdict.sliders.late import EVER_RARER
-from toolkit.verdict.sliders.machine import Behaviour, critical_damping
+from toolkit.verdict.sliders.machine import critical_damping
 from toolkit.verdict.sliders.steady import friction_decides, friction_falls
-from toolkit.verdict.text.kinds import GENERAL, TURNS, UNSIZED, Line
+from toolkit.verdict.text.kinds import GENERAL, UNSIZED, Line
 from toolkit.verdict.text.slip_rows import drop_of, regained_by
 
 
 def of_a_mass(verdict: Verdict) -> Iterator[Line]:
-    """The damping that was taken, or none; and the swing after a slip."""
+    """The damping that was taken, where none is given; and the swing after a slip."""
     own = verdict.own
     unit = own.scale.damping_unit
     for behaviour in own.behaviours:
@@ -25,7 +25,6 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
                 f"machine's own. {_why_so_damped(part)}. With less the force falls farther in a slip, and the slider "
                 f"rings longer; F_k and F_s are the same{_of_too_little(own, behaviour.damping)}",
             )
-        yield from _of_a_swing(own, behaviour)
         if behaviour.kind == EVER_RARER and own.machine is not None:
             each = friction_falls(own.machine, own.contacts), own.machine.damping
             falls, rises = (f"{one * own.scale.spring:.3g} {unit}" for one in each)
@@ -85,21 +84,3 @@ def _of_too_little(own: Answer, damping: float) -> str:
         f". Below {least} friction of contacts with this delay{cold} falls with the speed by more than the damping "
         "rises: steady sliding is unstable"
     )
-
-
-def _of_a_swing(own: Answer, behaviour: Behaviour) -> Iterator[Line]:
-    """That an undamped mass on a spring above K* swings for ever, with v (K M)^(1/2) of force, and sticks at turns."""
-    machine = own.machine
-    if machine is None or machine.mass is None or machine.damping or behaviour.damping is not None:
-        return
-    # contacts that wait may slip above K*, which is of a slider as fast as the drive
-    if own.contacts.waiting_time:
-        return
-    if behaviour.kind == "stick-slip" and machine.spring >= own.critical_spring.value:
-        swing = machine.velocity * (machine.spring * machine.mass) ** 0.5 * own.scale.force
-        yield Line(
-            TURNS,
-            "the damping: none is given; the spring is above K*, and what is told as slips is the swing of the mass "
-            f"about F_k, by {written(swing, own.scale.force_unit)} or less, which contacts stop at its turns and "
-            "nothing damps: give drive.damping",
-        )

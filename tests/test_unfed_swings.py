@@ -1,0 +1,72 @@
+"""A mass that swings from its start on, on contacts that form at once: its swings are no stick-slip, as nothing feeds
+them, and they were told as slips that go on for ever."""
+
+import numpy as np
+import pytest
+
+import eq_model
+import master
+from master.soft.slips import Slips
+from master.soft.unfed_swings import unfed_swings
+from origins import Contacts, Delay, Thermal, gaussian, identical
+from origins.drive import Drive
+
+WIDE = Contacts(gaussian(1.0, 0.2))
+
+
+def heavy(spring: float, part: float) -> dict[str, float]:
+    """A mass of 1/K, whose swing has the time 2π/K and the force v at v = 1, with this part of critical damping."""
+    return {"spring": spring, "mass": 1.0 / spring, "damping": 2.0 * part}
+
+
+@pytest.mark.parametrize(
+    ("spring", "part", "end", "says"),
+    [
+        (3.1, 0.0, 20.0, "without damping nothing ends them: give one"),
+        (3.1, 1e-4, 20.0, "lessens them by e on each 3.23e+03 of the drive"),
+        (10.4, 1e-4, 20.0, "lessens them by e on each 962 of the drive"),
+        (0.05, 1e-4, 1000.0, "lessens them by e on each 2e+05 of the drive"),
+    ],
+)
+def test_swings_of_the_start_are_no_stick_slip(
+    spring: float, part: float, end: float, says: str
+) -> None:
+    """On springs above K* = 1.04 and below: each slip is one swing, all of one size."""
+    found = master.solve(WIDE, np.linspace(0.1, end, 50), 1e-4, **heavy(spring, part))
+    assert found.success and found.slips.drive.size > 5
+    assert found.period == pytest.approx(2.0 * np.pi / spring, rel=0.01)
+    assert found.regime.verdict == "undecided"
+    assert "swings of the mass about F_k" in found.regime.reason and says in found.regime.reason
+
+
+def test_swings_of_the_start_end_where_they_are_damped() -> None:
+    """By single contacts: six time constants of the swing later none of 20,000 slips is left, and F is F_k and what the
+    damping bears."""
+    part, spring = 0.003, 3.1
+    end = 6.0 / (part * spring)
+    path = np.linspace(0.0, end, 2_000)
+    given = {"n_contacts": 10_000, "n_replicas": 2, "seed": 1}
+    found = eq_model.simulate(WIDE, path, **heavy(spring, part), **given)
+    assert found.slips.drive.size > 20 and found.slips.drive.max() < 0.5 * end
+    late = found.forces[:, path > 0.9 * end]
+    assert late.mean() == pytest.approx(0.52 + 2.0 * part, abs=0.01) and np.ptp(late) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("changed", "unfed"),
+    [
+        ({}, True),
+        ({"delay": Delay(0.1)}, False),  # friction falls with the speed
+        ({"thermal": Thermal("soft", 0.02, 1.0)}, False),
+        ({"thresholds": identical(1.0)}, False),  # keep their order
+        ({"spring": 0.9}, True),
+        ({"spring": 0.9, "period": 7.4}, False),  # 6 % longer than a swing: it sticks in between
+        ({"period": 7.4}, True),
+    ],
+)
+def test_what_may_feed_a_swing_is_judged_by_its_slips(changed: dict, unfed: bool) -> None:
+    given = {"spring": 1.1, "period": 2.0 * np.pi / changed.get("spring", 1.1)} | changed
+    spring, period = given.pop("spring"), given.pop("period")
+    drive, at = Drive([20.0], **heavy(spring, 0.0)), period * np.arange(5.0)
+    slips = Slips(at, at, at + 1.0, 1.0 + 0.0 * at, 0.0 * at, 1e-6)
+    assert bool(unfed_swings(WIDE.replace(**given), drive, slips, critical=1.0)) is unfed
