@@ -201,6 +201,45 @@ def test_the_last_part_of_a_way_of_few_cycles_is_a_part_of_it() -> None:
     assert begin is not None and 1.0 <= 6.6 - begin <= 2.0
 
 
+def test_without_a_machine_the_springs_have_an_axis_of_short_ticks_and_infinity_is_a_word() -> None:
+    """K* known to 1e-9 had ticks of ten digits, on one another; an infinite one stood as inf N_c<k>."""
+    for value in (0.4401, np.inf):
+        own = replace(told().own, critical_spring=answers.Quantity(value, 1e-9), machine=None)
+        found = replace(told(), answers=(own,))
+        figure, text = draw_verdict(found), "\n".join(page(found))
+        figure.canvas.draw()
+        low, high = figure.axes[-1].get_xlim()
+        assert high > 9.0 * low
+        shown = figure.axes[-1].get_xticklabels(which="both")
+        assert max(len(one.get_text()) for one in shown) <= 4
+        every = "slips on every spring, as K* is infinite; give drive.spring"
+        assert (every in text) is bool(np.isinf(value)) and "K* = inf" not in text
+        assert "What it hangs on" not in text  # nothing
+    narrow = Contacts(gaussian(1.0, 1e-3))
+    own = replace(own, contacts=narrow)
+    law = draw_verdict(replace(found, answers=(own,))).axes[0]
+    low, high = law.get_xlim()  # a peak in the middle, not at the left of a long axis
+    assert 0.3 < (1.0 - low) / (high - low) < 0.6
+
+
+def test_the_picture_ends_behind_what_happens_and_its_title_is_short() -> None:
+    """A slider that slides smoothly behind a tenth of its path; slips go on to the end."""
+    drive = np.linspace(0.0, 60.0, 6001)
+    slides = slips("mass", kind="smooth", before=0.5, after=0.5, slips=0, drive=drive, damping=2e-4)
+    slides = replace(slides, force=np.minimum(0.1 * drive, 0.5))
+    figure = draw_verdict(told(slides, machine=HEAVY))
+    trace = figure.axes[0]
+    assert trace.get_xlim()[1] == pytest.approx(10.0, rel=0.05)
+    assert [one.get_text() for one in trace.texts] == [
+        "all goes on like this up to 60 units of length"
+    ]
+    assert "assumed damping" not in figure.get_suptitle()
+    stick = slips("reset", drive=drive, force=drive % 2.0, period=2.0)
+    for each in ((stick,), (stick, replace(slides, rule="instant"))):
+        trace = draw_verdict(told(*each)).axes[0]
+        assert trace.get_xlim()[1] > 60.0 and not trace.texts
+
+
 def test_the_last_cycles_are_drawn_where_another_path_ends_before_them() -> None:
     """Of a mass: 60 cycles of infinitely many contacts, 10 of the area's, which slip from a larger force."""
     drive = np.linspace(0.0, 60.0, 6001)

@@ -72,8 +72,7 @@ def name_axis(axis: Any, name: str, unit: str, beside: Any = None) -> None:
     if not (unit in PREFIXED or inverse):
         said, power = _OWN.get(unit, unit), 0
         log = axis.get_scale() == "log"
-        # within a decade ticks of a logarithmic axis would be products such as 6 x 10^-1
-        if not log or high < 10.0 * low:
+        if not log or high < 10.0**_MOST_DECADES * low:  # else ticks are powers of ten anyway
             power = _plain_power(max(abs(low), abs(high)))
             (_set_ticks if log else _without_offset)(axis, power)
         if power:

@@ -31,6 +31,10 @@ _NAMED = 5
 _HIGH, _MOST = 1.5, 0.98
 # of the panels below the trace: heights with one reading, and more for each other one (in)
 _LOW, _EACH = 2.8, 0.2
+# letters of a line of the title, beyond which an answer is cut
+_LONG = 110
+# of an axis of springs, its least width as a factor: numerical errors alone would make ticks of many digits
+_LEAST_WIDTH = 30.0
 # widths of P_c and the springs, of one reading and of several
 _ONE_WIDE, _WIDE = (2.2, 1.0), (1.0, 1.0)
 
@@ -60,15 +64,21 @@ def draw_verdict(verdict: Verdict) -> Any:
     if len(verdict.answers) > 1:
         handles, labels = places["thresholds"].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
-    # the page has the rest: numbers of infinitely many contacts and of other readings, and why not to trust it
-    answer = re.sub(r" \([^()]*for infinitely many\)", "", sentence(verdict)).partition("; ")[0]
-    if answer.count("(") > answer.count(")"):  # a reason that goes on behind what was cut
-        answer = answer.partition(" (")[0]
     doubt = ["do not trust this: the page says why"] * bool(warnings(verdict))
-    doubt = [*doubt, answer, *([] if pulled else _why_not_drawn(verdict))]
+    doubt = [*doubt, _in_short(sentence(verdict)), *([] if pulled else _why_not_drawn(verdict))]
     title = "\n".join(map(in_lines, [verdict.title, *doubt]))
     figure.suptitle(title, fontsize="medium", parse_math=False)
     return figure
+
+
+def _in_short(answer: str) -> str:
+    """The answer as a title. The page has the rest: numbers of infinitely many contacts and of other readings, scatter,
+    an assumed damping, and of an answer that is long the period."""
+    answer = re.sub(r" \([^()]*(?:for infinitely many|scatter|of critical)[^()]*\)", "", answer)
+    answer = answer.partition("; ")[0].partition(", with an assumed damping")[0]
+    if answer.count("(") > answer.count(")"):  # a reason that goes on behind what was cut
+        answer = answer.partition(" (")[0]
+    return answer if len(answer) <= _LONG else answer.partition(" every ")[0]
 
 
 def _row(
@@ -138,7 +148,7 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
     axes.set_xscale("log")
     axes.set_ylim(0.0, 1.1 * top or 1.0)
     name_axis(axes.xaxis, "threshold $x_s$", verdict.own.scale.length_unit)
-    axes.set_ylabel(r"$x_s\,P_c(x_s)$, per unit of $\ln x_s$")
+    axes.set_ylabel("$x_s\\,P_c(x_s)$\nper unit of $\\ln x_s$")
 
 
 def _style_of(number: int, verdict: Verdict) -> dict[str, Any]:
@@ -161,7 +171,8 @@ def _density(contacts: Contacts) -> tuple[Any, Any]:
     """x and x P_c(x), the density of ln x."""
     law = contacts.thresholds
     low, high = float(law.ppf(1e-3)), float(law.isf(1e-4))
-    low, high = max(low, 1e-6 * high), 1.05 * high
+    beyond = 0.05 * (high - low) or 0.05 * high  # one exact value has no width
+    low, high = max(low - beyond * (low == high), 1e-6 * high), high + beyond
     # a peak may be narrower than a step of the axis: quantiles lie as close as its weight asks for
     dense = law.ppf(np.linspace(1e-3, 1.0 - 1e-4, _DENSITY_POINTS))
     beside = np.multiply.outer([1.0 - _BESIDE, 1.0 + _BESIDE], law.breakpoints).ravel()
@@ -189,6 +200,10 @@ def draw_springs(axes: Any, verdict: Verdict) -> None:
         style: dict[str, Any] = {"color": "0.3", "ms": 14, "label": "the machine's spring $K$"}
         axes.plot(springs, [row for row, one in rows if one.machine], "|", **style)
     axes.margins(x=0.1)
+    low, high = axes.get_xlim()
+    if axes.containers and high < _LEAST_WIDTH * low:
+        middle, half = np.sqrt(low * high), _LEAST_WIDTH**0.5
+        axes.set_xlim(middle / half, middle * half)
     legend_above(axes)
     unit = scale.spring_unit
     name = {"N/m": "$K^*$", "N/m³": "$K^*/A$"}.get(unit, r"$K^*/(N_c\langle k\rangle)$")

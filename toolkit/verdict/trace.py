@@ -29,6 +29,9 @@ _ALIKE = 2e-3
 # cycles on a path beyond which the last few of them are drawn again, as each is some 3 mm wide; and part of a path
 # without cycles whose swings are too many to be drawn; of one with few the last part shows no more than that, or one
 _MANY, _LAST, _LAST_PART, _MOST_SHOWN = 45, 6, 0.05, 0.25
+# of the range of a force: a smaller change is not seen in the picture; of a path, the part up to which it is cut where
+# nothing happens any more
+_SEEN, _MOST_OF_A_PATH = 0.01, 0.7
 Traced = TypeVar("Traced", Behaviour, Finite)
 
 
@@ -81,6 +84,8 @@ def draw_trace(axes: Any, verdict: Verdict, letters: int, since: float | None = 
             style["ls"] = DASHES[(number - number_of_rules) % len(DASHES)]
         _draw_line(axes, verdict, one, (label, letters), style, since)
     axes.margins(x=0.01, y=0.05)
+    if since is None:
+        _end_behind_events(axes, verdict)
     name, unit = force_name(scale)
     name_axis(axes.xaxis, "drive $X_T$", scale.length_unit)
     name_axis(axes.yaxis, name.replace("force", "spring force"), unit)
@@ -90,6 +95,25 @@ def draw_trace(axes: Any, verdict: Verdict, letters: int, since: float | None = 
         legend_above(axes, letters=letters)
     else:
         axes.set_title("the last part of the way", fontsize="small", loc="left")
+
+
+def _end_behind_events(axes: Any, verdict: Verdict) -> None:
+    """The axis of the drive ends at twice the way on which something happens, and says how far all goes on alike."""
+    each = [one for one, *_ in traces_of(verdict)]
+    begin, way = axes.get_xlim()[0], max(float(one.drive[-1]) for one in each)
+    end = 2.0 * max(_last_event(one) for one in each)
+    if not 0.0 < end < _MOST_OF_A_PATH * way:
+        return
+    axes.set_xlim(begin, end)
+    until = spoken(way, verdict.own.scale.length_unit)
+    place: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "fontsize": "small"}
+    axes.text(0.99, 0.04, f"all goes on like this up to {until}", **place)
+
+
+def _last_event(one: Behaviour | Finite) -> float:
+    """Where along the drive (a length) a force is last off that at the end of its way by more than can be seen."""
+    off = np.abs(one.force - one.force[-1]) > _SEEN * np.ptp(one.force)
+    return float(one.drive[np.flatnonzero(off)[-1]]) if off.any() else 0.0
 
 
 def _draw_line(

@@ -47,11 +47,17 @@ def without_spring(verdict: Verdict) -> str:
     )
     to_digits = writer_of_springs(verdict.own)
     said = f"{whose or 'slips on a spring softer than'} K* = {to_digits(own, unit, spread)}"
+    if np.isinf(own):
+        said = (
+            "the force of a rigid slider falls at one place" if whose else "slips on every spring"
+        )
+        said += ", as K* is infinite"
     if sampling >= own:
         said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
     if len(springs) > 1:
-        ends = " to ".join(to_digits(one, unit, spread) for one in (min(springs), max(springs)))
-        said += f" (from {ends} over {len(springs)} readings)"
+        ends = {to_digits(one, unit, spread): one for one in (min(springs), max(springs))}
+        over = f"from {' to '.join(ends)}" if len(ends) > 1 else "the same"
+        said += f" ({over} over {len(springs)} readings)"
     if whose:
         said += "; on a softer spring a slider may slip, or creep and slide smoothly"
     return f"{said}; give drive.spring for a verdict on a machine"

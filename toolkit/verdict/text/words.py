@@ -75,8 +75,9 @@ def page(verdict: Verdict) -> list[str]:
     lines += [*(f"  {line}" for line in beside), ""]
     lines += [*table(verdict), *other_samples(verdict), *why_above(verdict)]
     lines += [*why_smooth(verdict), *against_k_star(verdict), ""]
-    lines += [*numerical_errors(verdict), "", "What it hangs on"]
-    lines += [f"  {line}" for line in dependence(verdict)]
+    lines += numerical_errors(verdict)
+    if assumed := dependence(verdict):
+        lines += ["", "What it hangs on", *(f"  {line}" for line in assumed)]
     return [*lines, "", f"run time {verdict.run_time:.1f} s"]
 
 
