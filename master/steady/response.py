@@ -16,6 +16,7 @@ slider forgets), none does if K + G(iq) does not pass the negative real axis as 
 
 import numpy as np
 
+from master.outcome import stop_after
 from master.steady.growing_response import growing_response
 from origins import Contacts
 from origins.laws.proportional import ProportionalGrowth
@@ -102,8 +103,10 @@ def response(contacts: Contacts, velocity: float, waves: Array) -> Array:
     return np.asarray(wave / length * (pulled - answered * first / survival))
 
 
-def is_stable(contacts: Contacts, velocity: float, spring: float) -> bool:
-    """Whether small disturbances of steady sliding at this speed decay on a spring K/(N_c <k>), clearly."""
+def is_stable(contacts: Contacts, velocity: float, spring: float, until: float = np.inf) -> bool:
+    """Whether small disturbances of steady sliding at this speed decay on a spring K/(N_c <k>), clearly. StoppedError
+    after `until`, a reading of time.monotonic(): creep asks this of a hundred speeds, for seconds together."""
+    stop_after(until)
     answer = spring + response(contacts, velocity, _WAVES / contacts.mean_threshold)
     back = ~(answer.real >= 0.0)  # or not known
     return bool((answer.imag[back] > _CLEAR * np.abs(answer[back])).all())

@@ -10,8 +10,7 @@ Files, to be read in this order; of each the equation that it is about. The firs
     groups.py        contacts born together at a stretch      F = sum over groups of weight * [force of one]
     breaks.py        births follow from breaks                J(t) = B(t - delay)
     contacts.py      where a step leads all contacts          kept + survival (J - J_0) + B - J = 1, and so B, J, F
-    steps.py         a step at whose end forces balance       I = K (X_T - X) - F = 0 for its part in time τ
-    time_units.py    the measure of that part                 rate t + c ln(1 + t/first)
+    steps/           a step at whose end forces balance       I = K (X_T - X) - F = 0 for its part in time τ
     slider.py        step by step, and slip after slip        from one section of the drive to the next
     slip_begins.py   no longer step takes more time           dτ/ds = 0
     slip_ends.py     the next balance in no time              K (X_T - X) = F at one X_T

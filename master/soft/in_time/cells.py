@@ -60,6 +60,9 @@ class CellControl(NamedTuple):
     growth : of the width of cells with the distance from y = 0
     widest : cell up to where the bulk of the thresholds ends, in narrowest widths; errors in space then equal those in
         time for steps of a quarter of such a width
+    of_widest, near_level : part of the widest cell that cells are up to so many narrowest widths from y = 0. A slider
+        that creeps ages its contacts: |x| then lies up to some six widths below the thresholds that they age to, where
+        the density rises by e^2 and more on the widest cell, and its slope at |x| says when the slider slips
     beyond_bulk : fraction of thresholds beyond the bulk, where tails are smooth
     growth_beyond : of the width of the widest cell with the distance from there
     quantiles : of fresh thresholds, over which the rate of breaking by heat is averaged
@@ -75,6 +78,8 @@ class CellControl(NamedTuple):
     thinner: float = 8.0
     growth: float = 0.3
     widest: float = 0.4
+    of_widest: float = 0.25
+    near_level: float = 8.0
     beyond_bulk: float = 1e-4
     growth_beyond: float = 0.05
     quantiles: int = 200
@@ -228,6 +233,7 @@ def _cell_edges(
     edges = [0.0]
     while edges[-1] < largest:
         widest = CELLS.widest * width + CELLS.growth_beyond * max(edges[-1] - bulk, 0.0)
+        widest *= CELLS.of_widest if edges[-1] < CELLS.near_level * width else 1.0
         near = first_cell + CELLS.growth * edges[-1]
         # about the smaller of both
         edges.append(edges[-1] + factor / (1.0 / near + 1.0 / widest))

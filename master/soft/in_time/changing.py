@@ -51,6 +51,11 @@ FIRST_OF_AGEING, FIRST_OF_GROWTH = 1e-3, 0.05
 # Cells of thresholds that age are coarser than steps by this many halvings: their errors are then a tenth of those of
 # steps (measured on springs of 1e-6 and 1 N_c<k>), and with every halving of cells a step takes 1.7 times as long.
 COARSER_CELLS = 1
+# Widths below the mean of the thresholds that they age to from which on steps resolve how a slider creeps; cells are
+# then coarser by so many halvings, as |x| has no thin layer, and steps at most this part of the way to a slip: of K =
+# 1e-6, D = 1e-2 and w = 0.02 the force at a slip is off by 2e-4, 4e-5 and 9e-6 with three halvings (by 2e-3, 8e-4 and
+# 3e-5 by other steps).
+CREEPING, COARSER_IN_CREEP, NEARING_IN_CREEP = 3.5, 2, 0.5
 # Largest root of the hazard at an edge: the survival there is 2e-14. Cells on the coarsest steps; they are halved with
 # every second one.
 LARGEST_ROOT, COARSEST_CELLS = 5.6, 48
@@ -78,6 +83,7 @@ class AgeingMemory(Memory):
     def __init__(self, contacts: Contacts, halvings: int, fastest: float) -> None:
         ageing = contacts.ageing
         assert ageing is not None
+        self._made_of = contacts, halvings, fastest
         self._cells = cells = Cells(contacts, halvings - COARSER_CELLS, fastest)
         self.width = cells.edges.size
         self.largest_stretch = min(law.support()[1] for law in (contacts.thresholds, ageing.final))
@@ -85,6 +91,27 @@ class AgeingMemory(Memory):
         self._born_at = self._of_born = np.empty(0)
         shortest = FIRST_OF_AGEING * cells.width**2 / ageing.rate
         self.scales = Scales(WIDTHS_OF_BIRTHS * cells.width, shortest, cells.heat_rate)
+
+    @property
+    def length_in_slips(self) -> float:
+        """See Memory."""
+        return WIDTHS_OF_BIRTHS * self._cells.width
+
+    def resolve_creep(self, speed: float) -> None:
+        """See Memory. Thresholds that have aged to a law of the width w pass the level |x|, by g widths below their
+        mean, at the rate D/w² g e^(-g²/2)/(2 pi)^(1/2) (Kramers). On a slider of the speed V most break about where
+        g² = 2 ln[D/(w V (2 pi)^(1/2))], and their rate grows by e on the travel w/g."""
+        width, (contacts, halvings, fastest) = self._cells.width, self._made_of
+        ageing = contacts.ageing
+        assert ageing is not None
+        passed = ageing.rate / (width * speed * (2.0 * np.pi) ** 0.5)
+        widths_below = (2.0 * np.log(max(passed, 1.0))) ** 0.5
+        if widths_below < CREEPING:
+            return
+        length = self.length_in_slips / float(widths_below)
+        self.scales, self.nearing = self.scales._replace(length=length), NEARING_IN_CREEP
+        self._cells = Cells(contacts, halvings - COARSER_IN_CREEP, fastest)
+        self.width = self._cells.edges.size
 
     def start(self, stretch: Array) -> Array:
         return np.append(self._cells.fresh(stretch), np.zeros((stretch.size, 1)), axis=1)

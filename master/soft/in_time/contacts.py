@@ -43,8 +43,8 @@ FORMED_NODES, MORE_FORMED_NODES = 8, 4
 DEAD = 1e-19
 # Most steps, and most operations in them: a minute or less. A group costs as many operations in a step as numbers in
 # its record and FIXED_WORK. A step of a slip, one trial, counts as OF_SLIP: others try four or more for their balance.
-# An interval of a flight, in closed form, counts as OF_FLIGHT.
-MOST_STEPS, MOST_WORK, FIXED_WORK, OF_SLIP, OF_FLIGHT = 8e3, 1e9, 60, 0.25, 0.05
+# An interval of a flight, in closed form, counts as OF_FLIGHT, one that is repeated, without any work, as OF_REPEATED.
+MOST_STEPS, MOST_WORK, FIXED_WORK, OF_SLIP, OF_FLIGHT, OF_REPEATED = 8e3, 1e9, 60, 0.25, 0.05, 0.05
 # An error estimate needs as many sliders, each with its steps halved once more, so that the coarser ones may take only
 # a part of that.
 COMPARED = 3
@@ -265,7 +265,7 @@ class ContactsInSteps:
 
     def repeat(self, steps: int, now: float) -> None:
         """Go to this time in as many steps as new contacts took before, and replace all; StoppedError as `take`."""
-        self.steps, self.cost, self.now = self.steps + steps, self.cost + steps, now
+        self.steps, self.cost, self.now = self.steps + steps, self.cost + OF_REPEATED * steps, now
         self._stop_at_limits()
         self.relax()
 

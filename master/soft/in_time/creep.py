@@ -222,7 +222,7 @@ class Creep:
         for at in [*np.arange(drive, log_speed, decade).tolist(), log_speed]:
             if at not in self._stable_at:
                 speed = float(np.exp(at))
-                self._stable_at[at] = is_stable(self._contacts, speed, self._spring)
+                self._stable_at[at] = is_stable(self._contacts, speed, self._spring, self._until)
             if not self._stable_at[at]:
                 return False
         return True

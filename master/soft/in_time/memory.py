@@ -78,6 +78,15 @@ class Memory:
     scales: Scales
     starts: int
 
+    @property
+    def length_in_slips(self) -> float:
+        """As scales.length, in a slip, in which no time goes by (a length)."""
+        return self.scales.length
+
+    def resolve_creep(self, speed: float) -> None:
+        """Make `scales.length` that of a slider which moves at this speed, above 0, while its contacts hold. Here it
+        does not depend on the speed."""
+
     def start(self, stretch: Array) -> Array:
         """Record of contacts with stretches (n,) at t = 0."""
         raise NotImplementedError

@@ -80,10 +80,12 @@ def refined(
         refuse_long_delays(contacts, drive)
     motion, asked = drive_motion(drive, balance), drive.arrival_times(balance)
     fastest = 0.0 if motion is None else float(np.abs(motion.speeds).max())
+    slowest = slowest_stuck(drive, motion)
     sliders, best, halvings = list[Slider](), None, 0
     creep = creep_of(contacts, drive, motion, tolerance, until)
     while True:
         memory = memory_of(contacts, halvings, fastest, motion)
+        memory.resolve_creep(slowest)
         needed = halvings_needed(memory, drive, tolerance)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
         least_drop = UNLISTED * tolerance * contacts.mean_threshold
@@ -130,6 +132,13 @@ def _creeping(slider: Slider, motion: Motion | None) -> dict[str, Any]:
     steady_from = end + motion.speeds[-1] * (slider.steady_from - motion.times[-1])
     note = f"from X_T = {since:.6g} on it creeps, at the speed at which F is that of steady sliding"
     return {"note": note, "steady_from": float(steady_from)}
+
+
+def slowest_stuck(drive: Drive, motion: Motion | None) -> float:
+    """The lowest speed of a slider that sticks to a drive which moves; inf where it never does."""
+    speeds = np.abs([] if motion is None else motion.speeds)
+    spring = float(drive.spring or 0.0)
+    return spring / (1.0 + spring) * float(speeds[speeds > 0.0].min(initial=np.inf))
 
 
 def halvings_needed(memory: Memory, drive: Drive, tolerance: float) -> int:

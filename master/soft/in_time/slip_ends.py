@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from master.soft.in_time.contacts import ContactsInSteps
 from master.soft.in_time.decohered import Decohered, SlipSoFar
 from master.soft.in_time.groups import UNACCOUNTED
-from master.soft.in_time.steps import Node, Steps
+from master.soft.in_time.steps import CONTROL, Node, Steps
 from master.soft.in_time.unresolved import OF_BALANCE
 
 # Travels, in halves of the length over which births change, that are tried for the begin of a slip: with heat F may
@@ -63,7 +63,7 @@ def _check_balance(contacts: ContactsInSteps, steps: Steps, imbalance: float) ->
 
 def travel_to_balance(contacts: ContactsInSteps, steps: Steps) -> tuple[float, float]:
     """The travel to the first balance of a slip without births (a length, of either sign), and the imbalance there."""
-    length = contacts.memory.scales.length
+    length = contacts.memory.length_in_slips
     shortest = SHORTEST_STEP * length
 
     def imbalance(travel: float) -> float:
@@ -109,7 +109,8 @@ def slip_with_births(
     - there, too, once it is sure that breaks will be steady before: some way after all contacts are `decohered`.
     """
     # travels are of the sign of X here, so that a slip backward has negative ones
-    step_travel, near = size * steps.sign * steps.length, 0.5 * contacts.memory.scales.length
+    length = contacts.memory.length_in_slips
+    step_travel, near = size * steps.sign * CONTROL.coarsest * length, 0.5 * length
     so_far = SlipSoFar(contacts, steps.sign)
 
     def imbalance(travel: float) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 from master.motion import Motion
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.in_time.steps import CONTROL, FIRST_FRACTION, Guess, Steps
-from master.soft.in_time.time_units import TimeUnits
+from master.soft.in_time.steps.time_units import TimeUnits
 from origins.drive import Drive
 
 # Least part of a step's size that is time where a speed is told; a shorter step is taken for one of that time, so that

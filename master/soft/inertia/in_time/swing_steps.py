@@ -18,7 +18,7 @@ from master.motion import Motion
 from master.outcome import FaultError, StoppedError
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.in_time.steps import CONTROL, Guess, Root, Steps
-from master.soft.in_time.time_units import TimeUnits
+from master.soft.in_time.steps.time_units import TimeUnits
 from master.soft.inertia.oscillation import Oscillation
 from origins.drive import Drive
 from origins.thresholds.numerical import clipped

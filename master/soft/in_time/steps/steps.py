@@ -1,31 +1,16 @@
-"""Steps: one step of a slider that a spring pulls, at whose end the forces balance, K (X_T - X) = F.
+"""Steps of a chosen size on one leg of the drive's motion, at whose ends the forces balance."""
 
-A step has a size, and two parts that add up to it: the travel of the slider, in units of `Steps.length`, and the time
-that it takes, in time units (see TimeUnits). The size is chosen; the balance of forces decides how much of it is time.
-So steps are even both where the slider creeps, and nearly all is time, and just before a slip, where dX/dt diverges and
-nearly all is travel (pseudo-arclength continuation).
-
-Steps of the size s = 1 on K = 0.2 at v = 1, of P_c(1, 0.2) with heat ("soft", 0.05, 0.1), from rest; `length` 0.1013
-(a test computes these numbers). Travel is (s - τ) `length`:
-
-    step 1:  τ = 0.215, the time 0.477, travel 0.0796, F = K (X_T - X) = 0.0796: stuck, the drive stretches the spring
-    step 10: τ = 0.079, the time 0.181, travel 0.0933, F = 0.6896: contacts break, the slider moves ever faster
-    step 11: τ < 0: no balance, as even in no time F falls below the pull of the spring: a slip
-"""
-
-from collections.abc import Callable
 from functools import partial
-from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from master.motion import Motion
 from master.outcome import FaultError
 from master.soft.in_time.contacts import ContactsInSteps, Trial
 from master.soft.in_time.groups import UNACCOUNTED
-from master.soft.in_time.time_units import TimeUnits
+from master.soft.in_time.steps.balance import Root, TriedStep, before_exact, secant
+from master.soft.in_time.steps.time_units import TimeUnits
 
 
 class StepControl(NamedTuple):
@@ -56,13 +41,8 @@ class StepControl(NamedTuple):
 CONTROL = StepControl()
 # Fraction of a section's first step that is time, as long as none is known: travel and time count alike.
 FIRST_FRACTION = 0.5
-# Factor on the next move of the secant method where the imbalance falls as the time grows; what no move exceeds.
-LONGER_MOVE, LONGEST_MOVE = 4.0, 1e300
-# Longest moves that measure the slope near the root, in accuracies of a balance: a ten-thousandth of a step, on which
-# the imbalance is straight, and far above the rounding of both.
-NEAR = 1e5
-# Steps of the secant method after which a bracket is left to brentq, and most where there is none.
-SOON, MOST_SECANTS = 12, 40
+# What may be left of the imbalance, in mean thresholds: it counts as an error of F.
+BALANCED = 1e-8
 # Of K X_T, rounding of K (X_T - X), where X is a sum over thousands of steps.
 ROUNDED_LOAD = 1e-12
 
@@ -92,40 +72,6 @@ class Guess(NamedTuple):
 
     time_fraction: float
     slope: float
-
-
-class TriedStep(NamedTuple):
-    """A step of a chosen size, so much of it time, the rest travel.
-
-    time_part : how much of its size is time, in time units, as it was tried: where the section ends before, the step
-        is cut there, and its size, `Steps.size`, is less. Below 0, which no step takes, the step of no time is tried,
-        and the imbalance is that of a straight line from there, of the slope that is guessed. So each search finds a
-        root; one below 0 says that forces balance after no step of this size.
-    trial : where it leads to
-    imbalance : of the forces at its end, see Steps.imbalance (a length)
-    """
-
-    time_part: float
-    trial: Trial
-    imbalance: float
-
-
-class Root(NamedTuple):
-    """What a search for a balanced step found.
-
-    step : the balanced step, or where it did not converge the last one tried
-    slope : there, of the imbalance over the time units (a length), for the next guess
-    converged : whether the step's forces balance; if not, SlipBegins counts its imbalance as an error of the force
-    """
-
-    step: TriedStep
-    slope: float
-    converged: bool
-
-    @property
-    def has_balance(self) -> bool:
-        """Whether there is a balance after a step of this size; else a slip begins within it, or at once."""
-        return self.step.time_part > 0.0
 
 
 class Steps:
@@ -234,67 +180,16 @@ class Steps:
         tried = partial(self.tried, size, slope=slope)
         small = accuracy * self.first_guess.slope
         root = secant(tried, guess.time_fraction * size, slope, accuracy, small)
+        # where contacts break fast, and time units are long, F changes by much on a tiny part of a step
+        finer = (
+            accuracy * BALANCED * here.unit / max(abs(root.step.imbalance), BALANCED * here.unit)
+        )
+        finer = max(finer, self._time_units.last_digits(here.now))
+        if root.converged and finer < accuracy:
+            small *= finer / accuracy
+            root = secant(tried, root.step.time_part, root.slope, finer, small)
         if root.step.time_part < 0.0 and self.contacts.memory.exact:
             # F jumps where exact thresholds break: the secant may have passed a balance just before that
-            before = _before_exact(tried, size, accuracy)
+            before = before_exact(tried, size * np.array(CONTROL.time_fractions), accuracy)
             return root if before is None else Root(before, root.slope, converged=True)
         return root
-
-
-def _before_exact(
-    tried: Callable[[float], TriedStep], size: float, accuracy: float
-) -> TriedStep | None:
-    """The step of this size to the last balance before exact thresholds break; None where there is none.
-
-    With less time and more travel contacts pull more, until exact thresholds break and F falls. So at the first of the
-    fractions, from the latest on, at which they pull more than the spring, a balance lies between it and the one
-    before; unless they do so at the latest, without travel: then that step is the last one."""
-    time_part = size * np.array(CONTROL.time_fractions)
-    for high, low in pairwise(time_part.tolist()):
-        if tried(low).imbalance < 0.0:
-            last = tried(high)
-            if last.imbalance <= 0.0:
-                return last
-            return tried(float(brentq(lambda at: tried(at).imbalance, low, high, xtol=accuracy)))
-    return None
-
-
-def secant(
-    tried: Callable[[float], TriedStep], guess: float, slope: float, accuracy: float, small: float
-) -> Root:
-    """The step at which the imbalance crosses 0, from below to above as the time grows, and the slope there.
-
-    Both are found from guesses by the secant method. Where the imbalance is not `small`, the slope has to be measured
-    near the step before that counts as converged: its guess is that of another step, after a slip off by orders of
-    magnitude. Where the imbalance falls as the time grows, as just after a slip, moves become longer. A step that
-    leaves the bracket of the root is replaced by bisection. A bracket in which the secant method is slow is left to
-    brentq. Of MOST_SECANTS the last has not converged, nor has that before moves so long that no imbalance is known."""
-    low, high, measured = -np.inf, np.inf, False
-    last = step = tried(guess)
-    for count in range(MOST_SECANTS):
-        at, value = step.time_part, step.imbalance
-        if not abs(value) / LONGEST_MOVE <= abs(slope):  # nor is nan
-            return Root(last, slope, converged=False)
-        low, high = (at, high) if value < 0.0 else (low, at)
-        move = -value / slope
-        if abs(move) <= accuracy:
-            if measured or abs(value) <= small:
-                return Root(step, slope, converged=True)
-            move = float(np.copysign(2.0 * accuracy, move))
-        bracketed = np.isfinite(high - low)
-        if bracketed and count >= SOON:
-            given: dict[str, Any] = {"xtol": accuracy, "full_output": True, "disp": False}
-            found, how = brentq(lambda at: tried(at).imbalance, low, high, **given)
-            return Root(tried(float(found)), slope, converged=bool(how.converged))
-        after = at + move
-        if bracketed and not low < after < high:
-            after = 0.5 * (low + high)
-        # the move is below the last digit of the step, and no number lies in a closed bracket
-        if after == at:
-            closed = high - low <= 2.0 * np.spacing(abs(at))
-            return Root(step, slope, converged=measured or bool(closed))
-        last, step = step, tried(after)
-        rise = (step.imbalance - value) / (after - at)
-        slope = rise if rise > 0.0 else slope / LONGER_MOVE
-        measured = rise > 0.0 and abs(after - at) <= NEAR * accuracy
-    return Root(step, slope, converged=False)

@@ -1,0 +1,96 @@
+"""Sliders that creep on the spring of a machine, while their contacts age or heat breaks them: what steps in time must
+resolve there, and when they stop."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import pbdv
+
+import master
+import origins
+from master.soft.in_time.cells import Cells
+from master.steady import response
+from origins import Ageing, Contacts, Thermal, gaussian
+
+SOFTEST = 1e-6
+# They age to thresholds of one width, in the unit of time D/w^2 = 1.
+TO_OLD = Contacts(gaussian(0.5, 0.05), ageing=Ageing(gaussian(1.0, 0.02), 4e-4))
+
+
+@pytest.mark.parametrize(("widths_below", "within"), [(3.0, 1e-4), (5.0, 5e-3), (6.0, 3e-2)])
+def test_old_contacts_meet_a_level_far_below_their_thresholds_at_the_rate_of_an_eigenvalue(
+    widths_below: float, within: float
+) -> None:
+    """Of an Ornstein-Uhlenbeck process before a level that absorbs it: D_nu(-g) = 0, on the coarsest cells. With ones
+    that are as wide near the level as elsewhere the rate at 6 widths was off by a half."""
+    rate = brentq(lambda nu: pbdv(nu, -widths_below)[0], 1e-14, 0.5, xtol=1e-20)
+    cells, relaxed = Cells(TO_OLD, -1, 1.0), np.zeros(1)
+    level = np.array([1.0 - 0.02 * widths_below])
+    old = cells.stepped(cells.fresh(relaxed), relaxed, relaxed, 50.0)
+    left = [cells.stepped(old, relaxed, level, 1e-3)]
+    while len(left) < 41:
+        left.append(cells.stepped(left[-1], level, level, 1.0))
+    found = np.log(left[20].sum() / left[40].sum()) / 20.0
+    assert found == pytest.approx(rate, rel=within)
+
+
+@pytest.mark.slow
+def test_three_slips_of_contacts_that_age_fast_on_the_spring_of_a_machine() -> None:
+    """They creep before each slip, on which their rate of breaking grows by e on a fifth of a width. The force at a
+    slip is that of steps halved four times, 0.88105; each reset is as the first."""
+    young = Contacts(gaussian(0.5, 0.05), ageing=Ageing(gaussian(1.0, 0.02), 1e-2))
+    path = np.linspace(0.0, 2.8e6, 50)[1:]
+    found = master.solve(young, path, 1e-4, spring=SOFTEST, slip="reset")
+    assert found.success and found.slips.drive.size == 3, found.message
+    assert found.slips.force_before == pytest.approx(0.881051, abs=0.5 * found.force_error)
+    assert found.slips.force_before == pytest.approx(0.881051, abs=1e-5)
+
+
+@pytest.mark.slow
+def test_a_slip_with_fast_attempts_of_heat_on_the_spring_of_a_machine() -> None:
+    """Breaks follow each other fast as the slip begins: F changed by 1e-4 within the accuracy of a step's balance."""
+    hot = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.01, 1e3))
+    path = np.linspace(0.0, 1.8e6, 50)[1:]
+    found = master.solve(hot, path, 1e-4, spring=SOFTEST, slip="instant")
+    assert found.success and found.slips.drive.size == 1, found.message
+    kinetic = master.steady_state(hot, velocity=1.0).force
+    assert abs(found.force[-1] - kinetic) <= found.force_error
+
+
+def test_resets_that_are_repeated_take_no_steps() -> None:
+    """Eighty slips in heat, each of which leaves all contacts new, are those of the first few."""
+    hot = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.01, 1e-2))
+    asked: dict[str, Any] = {"spring": SOFTEST, "slip": "reset"}
+    few = master.solve(hot, [2.0e6], 1e-2, **asked)
+    many = master.solve(hot, [5.4e7], 1e-2, **asked)
+    assert many.success and many.slips.drive.size > 80, many.message
+    periods, off = np.diff(many.slips.drive), few.slips.period_error
+    assert np.ptp(periods) < 1e-9 * periods[0]
+    assert periods[0] == pytest.approx(few.slips.period, abs=off)
+
+
+def test_wall_time_ends_the_search_for_speeds_at_which_creep_is_stable(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By a clock that tells how often the answer to a disturbance was asked for: a fast drive asks at each decade of
+    the speed down to that of the slider."""
+    contacts = Contacts(gaussian(1.0, 0.2), thermal=Thermal("eyring", width=0.03))
+    answered, answer = list[float](), response.response
+
+    def counted(contacts: origins.Contacts, velocity: float, waves: np.ndarray) -> np.ndarray:
+        answered.append(velocity)
+        return answer(contacts, velocity, waves)
+
+    monkeypatch.setattr(response, "response", counted)
+    monkeypatch.setattr("time.monotonic", lambda: float(len(answered)))
+    asked: dict[str, Any] = {"velocity": 1e-4, "spring": 3e-3, "slip": "instant"}
+    path = [0.0, 192.0, 1920.0]
+    assert master.solve(contacts, path, 1e-2, wall_time=1e9, **asked).success
+    assert len(answered) > 3
+    answered.clear()
+    found = master.solve(contacts, path, 1e-2, wall_time=1.5, **asked)
+    assert not found.success and "wall_time" in found.message and len(answered) <= 2
