@@ -198,7 +198,7 @@ def test_the_last_part_of_a_way_of_few_cycles_is_a_part_of_it() -> None:
     drive = np.linspace(0.0, 6.6, 400)
     force = np.where(np.arange(400) % 2, 0.5, -0.3)
     begin = last_cycles(told(slips("mass", drive=drive, force=force, period=1.0), machine=HEAVY))
-    assert begin is not None and 1.0 <= 6.6 - begin <= 2.0
+    assert begin is not None and 1.4 <= 6.6 - begin <= 2.0  # so that one slip is among them
 
 
 def test_without_a_machine_the_springs_have_an_axis_of_short_ticks_and_infinity_is_a_word() -> None:
@@ -234,6 +234,10 @@ def test_the_picture_ends_behind_what_happens_and_its_title_is_short() -> None:
         "all goes on like this up to 60 units of length"
     ]
     assert "assumed damping" not in figure.get_suptitle()
+    # the error of a trace is a force, and no formula that lines of the legend would break
+    rough = draw_verdict(told(replace(slides, error=0.01, success=False), machine=HEAVY)).axes[0]
+    (label,) = (one.get_text() for one in rough.get_legend().get_texts())
+    assert label.replace("\n", " ").endswith(": smooth, error 0.010 N_c<k> length")
     stick = slips("reset", drive=drive, force=drive % 2.0, period=2.0)
     for each in ((stick,), (stick, replace(slides, rule="instant"))):
         trace = draw_verdict(told(*each)).axes[0]

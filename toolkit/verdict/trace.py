@@ -14,7 +14,7 @@ from toolkit.pictures.axes import (
     name_axis,
 )
 from toolkit.pictures.traces import hides_swings
-from toolkit.scene.scale import of_contacts, spoken
+from toolkit.scene.scale import of_contacts, spoken, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.of_area import apart
 from toolkit.verdict.sliders.machine import Behaviour, Finite
@@ -28,7 +28,8 @@ UNKNOWN = 0.1
 _ALIKE = 2e-3
 # cycles on a path beyond which the last few of them are drawn again, as each is some 3 mm wide; and part of a path
 # without cycles whose swings are too many to be drawn; of one with few the last part shows no more than that, or one
-_MANY, _LAST, _LAST_PART, _MOST_SHOWN = 45, 6, 0.05, 0.25
+# and a half, in which there is a slip
+_MANY, _LAST, _LAST_PART, _MOST_SHOWN, _A_CYCLE = 45, 6, 0.05, 0.25, 1.5
 # of the range of a force: a smaller change is not seen in the picture; of a path, the part up to which it is cut where
 # nothing happens any more
 _SEEN, _MOST_OF_A_PATH = 0.01, 0.7
@@ -59,7 +60,7 @@ def last_cycles(verdict: Verdict) -> float | None:
         end, way = float(one.drive[-1]), float(np.ptp(one.drive))
         last = _LAST_PART * way
         if one.period:
-            last = max(min(_LAST * one.period, _MOST_SHOWN * way), one.period)
+            last = max(min(_LAST * one.period, _MOST_SHOWN * way), _A_CYCLE * one.period)
         crowded = one.rule == "mass" and hides_swings(one.drive, one.force)
         if crowded or (one.period and way > _MANY * one.period):
             begin = min(end - min(last, way), np.inf if begin is None else begin)
@@ -146,7 +147,9 @@ def _of_rule(verdict: Verdict, behaviour: Behaviour) -> str:
         long = spoken(lasts, verdict.own.scale.time_unit)
         label += f" (below 0 the slider swings after a slip, {long} long)"
     if not behaviour.success or behaviour.error >= UNKNOWN:
-        label += f", error {behaviour.error:.0e} $\\langle x_s\\rangle$"
+        own = verdict.own
+        error = behaviour.error * own.contacts.mean_threshold * own.scale.force
+        label += f", error {written(error, own.scale.force_unit, digits=2)}"
     return label
 
 
