@@ -548,12 +548,11 @@ def test_threads_give_the_same_bits_and_are_no_other_run() -> None:
 
 def test_no_slip_is_written_of_a_force_that_is_not_known(monkeypatch: Any) -> None:
     """Slips of steps too coarse to tell them are no figures of slips.csv, the summary, the report or a sweep."""
-    solve = master.solve
+    solve, why = master.solve, "neither force nor slips are known"
 
     def rough(*arguments: Any, **named: Any) -> Any:
         found = solve(*arguments, **named)
         drifting = dataclasses.replace(found.slips, drive_error=np.inf)
-        why = "neither force nor slips are known"
         told = dataclasses.replace(found, success=False, force_error=np.inf, message=why)
         return dataclasses.replace(told, slips=drifting, holding=0.5 * found.holding)
 
@@ -570,6 +569,9 @@ def test_no_slip_is_written_of_a_force_that_is_not_known(monkeypatch: Any) -> No
     assert told["eq"]["slips_beside"] == [] and told["eq"]["slips"] > 0
     lines = "\n".join(report(result))
     assert "period" not in lines and "an unknown number of the master equation" in lines
+    # told in a word, not as an error inf beside a regime of which nothing is known either; the command ends with why
+    assert "master  not solved  run time" in lines
+    assert "error inf" not in lines and "regime" not in lines and why not in lines
     axes = toolkit.plot(result).axes
     drawn = [line for own in axes[:2] for line in own.lines if line.get_color() == INK["master"]]
     assert sum(line.get_xdata().size for line in drawn) == 0

@@ -3,6 +3,8 @@
 from collections import Counter
 from typing import Any
 
+import numpy as np
+
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.numbers import in_words
@@ -25,11 +27,15 @@ def report(result: Any) -> list[str]:
         without = "without the sweep: " if swept else ""
         lines.append(f"surface {without}{in_a_line(result.interface)}")
         lines += in_words(result)
+    nothing = solved is not None and not np.isfinite(solved.force_error)
     if solved is not None:
-        error = result.scale.error(solved.force_error, result.mean_threshold)
+        error = f"error {result.scale.error(solved.force_error, result.mean_threshold)}"
         took = f"{solved.run_time:.4f} s"
-        lines.append(f"master  error {error}  run time {took}  {solved.path.size} points")
-    if solved is not None and solved.slips is not None:
+        known = (
+            "not solved" if nothing else error
+        )  # its message, which the command ends with, says why
+        lines.append(f"master  {known}  run time {took}  {solved.path.size} points")
+    if solved is not None and solved.slips is not None and not nothing:
         error = solved.slips.period_error
         period = with_error(solved.period, error, 9)
         if result.thresholds.in_metres:
