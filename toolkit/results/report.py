@@ -34,7 +34,7 @@ def report(result: Any) -> list[str]:
         known = (
             "not solved" if nothing else error
         )  # its message, which the command ends with, says why
-        lines.append(f"master  {known}  run time {took}  {solved.path.size} points")
+        lines.append(f"master  {accuracy}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None and not nothing:
         error = solved.slips.period_error
         period = with_error(solved.period, error, 9)
