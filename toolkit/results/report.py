@@ -31,9 +31,8 @@ def report(result: Any) -> list[str]:
     if solved is not None:
         error = f"error {result.scale.error(solved.force_error, result.mean_threshold)}"
         took = f"{solved.run_time:.4f} s"
-        known = (
-            "not solved" if nothing else error
-        )  # its message, which the command ends with, says why
+        # its message, which the command ends with, says why
+        accuracy = "not solved" if nothing else error
         lines.append(f"master  {accuracy}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None and not nothing:
         error = solved.slips.period_error
