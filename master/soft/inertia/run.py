@@ -90,6 +90,7 @@ class Run:
     record, balance : results at the path's points, and X_T at t = 0; force : of the spring, as far as it was followed
     tolerance : what is asked of it; stopped : why it was not followed to the end
     stored_first : energy of the contacts at t = 0
+    waits : delay after which contacts form again (a time)
     goes_on : what small swings change that are not followed, None where all are
     """
 
@@ -102,7 +103,7 @@ class Run:
         # the motion hangs on F itself, and not on F' as slips without a mass do
         of_panels = OF_PANELS * tolerance * unit / cold.life.largest_stretch
         cold.of_panels = max(of_panels, LEAST_OF_PANELS)
-        self._spring, self._unit, self._waits = spring, unit, contacts.waiting_time
+        self._spring, self._unit, self.waits = spring, unit, contacts.waiting_time
         self.tolerance = tolerance
         self.balance = cold.force_of(contacts.start) / spring
         if abs(drive.path[0] - self.balance) <= AT_BALANCE * unit:
@@ -179,7 +180,7 @@ class Run:
             np.stack([ours.time, theirs.time]),
             np.stack([ours.duration, theirs.duration]),
         )
-        ends += begins + self._waits
+        ends += begins + self.waits
         apart = np.abs(np.diff(begins, axis=0))[0]
         for begin, end in zip(begins.min(axis=0) - apart, ends.max(axis=0) + apart, strict=True):
             beside |= (times >= begin) & (times <= end)
@@ -194,7 +195,7 @@ class Run:
         count = self.force.size
         times, speed = self.record.times[:count, None], self.record.speed[:count, None]
         end = ours.time + ours.duration + apart
-        inside = (times >= ours.time - apart) & (times <= end + self._waits)
+        inside = (times >= ours.time - apart) & (times <= end + self.waits)
         part = np.minimum(2.0 * apart / np.maximum(ours.duration, apart), 1.0)
         off = np.abs(ours.drop) * np.where(apart > 0.0, part, 0.0)
         # of a drive that goes down, all speeds are below 0

@@ -26,7 +26,7 @@ from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.small_swings import UNRESOLVED
 from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.growing_swings import growing_swings
-from master.soft.inertia.heat_left_out import heat_decides
+from master.soft.inertia.heat_left_out import beside_slips, heat_decides
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
@@ -178,6 +178,7 @@ def solve_inertial(
     of_all = of_force_and_load + neglected + of_slips
     drive_error = of_all * unit / spring
     beside = error - of_force_and_load if np.isfinite(error) else 0.0
+    by_heat = beside_slips(best, drive, idle.effect * unit if idle.message else 0.0)
     found = Followed(
         balance=best.balance,
         force=best.force,
@@ -193,7 +194,9 @@ def solve_inertial(
             ErrorPart(OF_UNSURE_SLIP, of_slips, LEAVE_OUT),
         ),
         beside_slips=ErrorPart(
-            "points beside a slip, where the two runs differ by its time", beside, ELSEWHERE
+            "points beside a slip, where the two runs differ by its time, or heat that is left out may move it",
+            beside + by_heat.force / unit,
+            ELSEWHERE,
         ),
         note="; ".join(notes),
     )
@@ -209,7 +212,9 @@ def solve_inertial(
         run_time=time.perf_counter() - began,
         velocity=record.speed[solved],
         contact_force=record.contact_force[solved],
-        contact_force_error=float(of_contacts + neglected + of_slips),
+        contact_force_error=float(
+            of_contacts + by_heat.contact_force / unit + neglected + of_slips
+        ),
         energy=_energy(record, found, spring, float(drive.mass or 0.0), best.stored_first),
     )
 
