@@ -14,7 +14,7 @@ import master
 import origins
 from master.soft.in_time.cells import Cells
 from master.steady import response
-from origins import Ageing, Contacts, Thermal, gaussian
+from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian
 
 SOFTEST = 1e-6
 # They age to thresholds of one width, in the unit of time D/w^2 = 1.
@@ -94,3 +94,17 @@ def test_wall_time_ends_the_search_for_speeds_at_which_creep_is_stable(
     answered.clear()
     found = master.solve(contacts, path, 1e-2, wall_time=1.5, **asked)
     assert not found.success and "wall_time" in found.message and len(answered) <= 2
+
+
+@pytest.mark.parametrize("slip", ["reform-after", "instant"])
+def test_a_long_delay_on_a_soft_spring_in_heat_is_refused_before_the_work(slip: Any) -> None:
+    """Steps would take thousands of them, and a shorter delay is followed."""
+    heat, path = Thermal("soft", 0.01, 1e-2), [2e4]
+    slow = Contacts(gaussian(1.0, 0.2), thermal=heat, delay=Delay(1e3))
+    asked: dict[str, Any] = {"spring": 1e-4, "slip": slip, "wall_time": 60.0}
+    told = r"path\[-1\] = 20000.*: contacts come back one by one .* moves by 1e\+03 mean .* from 900 on"
+    with pytest.raises(InputError, match=told + '; end the path before .* or take "reset"'):
+        master.solve(slow, path, 1e-2, **asked)
+    # a shorter one is followed, or one of which heat breaks the contacts before a slip
+    quick = slow.replace(delay=Delay(1.0))
+    assert np.isfinite(master.solve(quick, [5e3], 1e-2, **asked).force_error)
