@@ -303,7 +303,7 @@ def test_a_path_of_too_many_steps_says_how_little_heat_does() -> None:
     cold, pulled = hot.replace(thermal=None), {"spring": 0.022, "slip": "reset"}
     path = np.linspace(0.0, 3e4, 30)[1:]
     with pytest.raises(origins.InputError) as refusal:
-        master.solve(hot, path, 1e-2, **pulled)
+        master.solve(hot, 30.0 * path, 1e-2, **pulled)
     said = re.search(r"contacts.thermal, which .* by at most (\S+) mean", str(refusal.value))
     assert said is not None, str(refusal.value)
     assert master.solve(cold, path, 1e-2, **pulled).success
@@ -399,5 +399,5 @@ def test_late_on_a_path_a_short_time_is_not_lost_in_its_digits() -> None:
     """Contacts that change within 1e-14 from X_T = 972 on: their first time was rounded to 0, and divided by."""
     contacts = Contacts(origins.gaussian(1.0, 0.2), thermal=Thermal("soft", 4.3e-5, 1e14))
     path: Any = np.linspace(0.0, 1000.0, 601)
-    with pytest.raises(InputError, match="2000 steps lead to t = 972"):
+    with pytest.raises(InputError, match="steps lead to t = 972"):
         master.solve(contacts, path, 1e-3, spring=0.005)
