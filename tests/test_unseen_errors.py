@@ -9,11 +9,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conftest import slow
+from scipy import special, stats
 from solving import gauss
 
 import master
 from master.motion import Motion
+from master.numerics import polynomials
 from master.outcome import unheard
+from master.renewal.present import BETWEEN_CHECKS
 from master.rigid import march_of, motion_of, solve_rigid
 from master.survival.life import ColdLife, Survivors
 from master.survival.make import steady_life
@@ -140,6 +143,35 @@ def test_loose_tolerances_of_narrow_thresholds(std: float, tolerance: float) -> 
     exact, _ = closed_form(contacts, path)
     assert found.success
     assert np.abs(found.force - exact).max() < found.force_error
+
+
+@pytest.mark.parametrize("power", [-0.15, -0.05, 0.3])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_an_error_next_to_the_end_of_a_panel_is_seen(power: float, tolerance: float) -> None:
+    """Where P_c, from 1/2 to 1, ends as (1 - x)^power, so do the first breaks at the end of a panel, in whose last gap
+    between nodes F was off by 7.2e-4 beside a claim of 6.0e-4. Before X = 1 no contact breaks twice: F is X less the
+    thresholds of those that broke."""
+    last = power + 1.0
+    law = stats.beta(3.0, last, loc=0.5, scale=0.5)
+    place = 1.0 - np.geomspace(0.5, 1e-5, 60)
+    path = 0.5 + 0.5 * place
+    passed = 0.5 * 3.0 / (3.0 + last) * special.betainc(4.0, last, place)
+    exact = path - (0.5 * law.cdf(path) + passed)
+    contacts = Contacts(law)
+    found = master.solve(contacts, path, tolerance)
+    off = np.abs(found.force - exact).max() / contacts.mean_threshold
+    assert 1e-6 < 2.0 * off < found.force_error < tolerance
+
+
+@pytest.mark.parametrize("power", [0.5, 0.9, 1.2, 2.5])
+def test_check_points_tell_of_bends_at_either_end_of_a_panel(power: float) -> None:
+    """The largest residual of a polynomial through the nodes is within their factor, wherever on the panel it is."""
+    place = np.linspace(0.0, 1.0, 20_001)
+    for bent in (lambda at: at**power, lambda at: (1.0 - at) ** power):
+        at_nodes = bent(np.append(0.0, polynomials.NODES))
+        everywhere = np.abs(polynomials.values(place) @ at_nodes - bent(place)).max()
+        at_checks = np.abs(polynomials.AT_CHECKS @ at_nodes - bent(polynomials.CHECKS)).max()
+        assert everywhere < BETWEEN_CHECKS * at_checks
 
 
 def test_points_just_before_a_panel_are_read_on_the_one_before() -> None:

@@ -90,8 +90,10 @@ def lobatto(size: int) -> Points:
 FEW_VALUES = 8
 # Right Radau nodes on (0, 1].
 NODES: Array = np.append(0.5 * (roots_jacobi(DEGREE - 1, 1, 0)[0] + 1.0), 1.0)
-# Places midway between nodes, throughout the panel, at which its error is sampled.
-CHECKS: Array = 0.5 * (NODES[:-1:3] + NODES[1::3])
+# Places midway between nodes, throughout the panel, at which its error is sampled, in the first and the last gap, too:
+# bends lie at the ends of panels, and where a density ends by a power the largest error is in the last gap.
+_BEFORE_CHECKS = np.ceil(np.linspace(0.0, DEGREE - 2.0, 5)).astype(int)
+CHECKS: Array = 0.5 * (NODES[:-1] + NODES[1:])[_BEFORE_CHECKS]
 # Matrix from values at the place 0 and at the nodes to coefficients of Legendre polynomials.
 TO_LEGENDRE = np.linalg.inv(legendre.legvander(2.0 * np.append(0.0, NODES) - 1.0, DEGREE))
 
