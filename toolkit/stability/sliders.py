@@ -10,11 +10,20 @@ import origins
 from origins.contacts import Contacts
 from origins.drive import SlipRule
 from toolkit.stability import truths
-from toolkit.stability.case import SIGMAS, Case, CaseAnswer, Question, Truth
+from toolkit.stability.case import (
+    REPLICAS,
+    SIGMAS,
+    Case,
+    CaseAnswer,
+    Question,
+    Truth,
+    bounding_factor,
+)
 from toolkit.stability.laws import rest
 from toolkit.stability.thresholds import FORWARD, critical
 
 NARROW, WIDE = origins.gaussian(1.0, 0.05), origins.gaussian(1.0, 0.2)
+_MANY = 100_000  # contacts of a soft slider, which slip late by 2e-3 mean thresholds at most
 BEFORE = np.array([0.5, 0.95])  # mean thresholds: before and within the first breaks
 
 
@@ -69,7 +78,16 @@ def springs() -> list[Case | Question]:
                 partial(first_slip, contacts, rule),
                 lambda: truths.first_maximum(contacts),
             ),
-            Case(group, f"K = 1e9, {rule}", lambda: contacts, FORWARD, rigid, drive, n_contacts=0),
+            Question(
+                group,
+                f"K = 1e-9, {rule}: first slip of 1e5 contacts",
+                "ensemble",
+                partial(first_slip_of_contacts, contacts, rule),
+                partial(_late, contacts),
+            ),
+            Case(
+                group, f"K = 1e9, {rule}", lambda: contacts, FORWARD, rigid, drive, n_contacts=2_000
+            ),
         ]
     return found
 
@@ -90,6 +108,26 @@ def first_slip(contacts: Contacts, rule: SlipRule) -> CaseAnswer:
     found: Any = master.solve(contacts, np.linspace(0.0, 1.2e9, 50), 1e-6, spring=1e-9, slip=rule)
     before = found.slips.force_before[:1] / contacts.mean_threshold
     return CaseAnswer(before, max(found.force_error, 1e-9), found.success, 1e-6, found.message)
+
+
+def first_slip_of_contacts(contacts: Contacts, rule: SlipRule) -> CaseAnswer:
+    """The same of sliders of single contacts, whose forces scatter."""
+    import eq_model
+
+    many = {"n_contacts": _MANY, "n_replicas": REPLICAS, "seed": 1}
+    path = np.linspace(0.0, 1.0e9, 50)
+    found: Any = eq_model.simulate(contacts, path, spring=1e-9, slip=rule, **many)
+    forces = found.slips.force_before[found.slips.number == 0] / contacts.mean_threshold
+    scatter = float(forces.std(ddof=1)) / REPLICAS**0.5
+    error = bounding_factor(REPLICAS) * scatter
+    return CaseAnswer(forces.mean(), error, found.success and forces.size == REPLICAS)
+
+
+def _late(contacts: Contacts) -> Truth:
+    """The first maximum of F, which the fluctuations of N contacts pass by some 0.3 N^(-2/3) mean thresholds."""
+    exact = truths.first_maximum(contacts)
+    late = _MANY ** (-2.0 / 3.0)
+    return Truth(exact.values, exact.error + late, f"{exact.road}, to N^(-2/3)")
 
 
 def masses() -> list[Case | Question]:
@@ -132,7 +170,7 @@ def motions() -> list[Case | Question]:
             lambda: Contacts(NARROW),
             [0.5, 1e6],
             truths.steady_at_last,
-            n_contacts=0,
+            n_contacts=100,
         ),
         Case(long, "1e4 periods", lambda: Contacts(WIDE), [0.5, 1e4], n_contacts=1_000),
         Case(
