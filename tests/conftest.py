@@ -62,6 +62,37 @@ def _compiled_before() -> Generator[None, None, None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _compiled_once(tmp_path_factory: pytest.TempPathFactory) -> Generator[None, None, None]:
+    """Workers that need a kernel at the same time wait for the one that compiles it, and take it from disk: else each
+    compiles it, and of two kernels of one function that are kept at once, one is lost and compiled again."""
+    if sys.platform == "win32":  # where files have other locks
+        yield
+        return
+    import fcntl
+
+    from numba.core.dispatcher import Dispatcher
+
+    alone, shared = Dispatcher.compile, tmp_path_factory.getbasetemp().parent
+    held = set[str]()  # a function that calls itself does not wait for itself
+
+    def in_turn(self: Any, signature: Any) -> Any:
+        name = f"{self.py_func.__module__}.{self.py_func.__qualname__}"
+        if not hasattr(self._cache, "_cache_file") or name in held:
+            return alone(self, signature)
+        with (shared / f"{name}.compiling").open("w") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            held.add(name)
+            try:
+                return alone(self, signature)
+            finally:
+                held.discard(name)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Dispatcher, "compile", in_turn)
+        yield
+
+
 @pytest.fixture
 def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are composed, but not rendered, which often takes longer than all the rest: where no test looks at the

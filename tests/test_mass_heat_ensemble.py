@@ -223,7 +223,7 @@ def test_the_slip_is_that_of_the_master_equation(heat: str) -> None:
 def test_kernels_are_compiled_at_the_speed_of_the_rates(mass: float | None) -> None:
     """By two contacts before the first replica: at a speed of 1 they would break by heat more often than any path may
     take, and a call with fast rates on a fast drive was refused."""
-    heat = Thermal("eyring", width=0.2, attempt_frequency=1e12)
+    heat = Thermal("soft", 0.1, 1e12)
     machine: dict[str, Any] = (
         {"slip": "reset"} if mass is None else {"mass": mass, "damping": 1e-12}
     )
