@@ -70,9 +70,13 @@ def test_k_star_of_a_scan_has_two_digits_in_the_sentence_too() -> None:
     scene = write(contacts={"thresholds": ROUGH}, drive={"area": 1e-6}, master=None)
     found = verdict(load_scene(scene, False))
     lines = page(found)
-    assert lines[2].startswith("slips on a spring softer than K* = ")
+    assert lines[2].startswith("slips at least once on a spring softer than K* = ")
     (row,) = (line for line in lines if line.startswith("slips at least once below the spring K*"))
-    number = lines[2].removeprefix("slips on a spring softer than K* = ").partition(" (")[0]
+    number = (
+        lines[2]
+        .removeprefix("slips at least once on a spring softer than K* = ")
+        .partition(" (")[0]
+    )
     assert number in row and re.fullmatch(r"(?:\d\.\d|[1-9]\d0?) k?N/m", number)
 
 

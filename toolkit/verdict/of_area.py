@@ -154,7 +154,8 @@ def behaved(verdict: Verdict, finite: Finite) -> str:
     if finite.kind == EVER_RARER:
         return ever_rarer(verdict, finite, whose)
     if finite.kind == "now and then":
-        return f"{does(finite)}, from {fall_of(finite, scale)} {whose}{left_out(finite)}"
+        seen = f"{finite.slips:.2g} a slider on the way that was followed"
+        return f"{does(finite)}, from {fall_of(finite, scale)}, {seen}, {whose}{left_out(finite)}"
     said = f"stick-slip: {fall_of(finite, scale)}"
     if shrinks := shrinking(finite):  # the forces are those of late slips, not of those to come
         whose += f"{shrinks}, so that they may die out"
@@ -182,7 +183,7 @@ def rows_of(verdict: Verdict, finite: Finite) -> dict[str, str]:
     if not np.isfinite(finite.before):
         return {f"slips of {whose}": f"none{beside}"}
     rows = {f"slips of {whose}, from": fall_of(finite, scale) + left_out(finite)}
-    if finite.kind == "stick-slip" and finite.slips < ENOUGH_SLIPS:
+    if finite.slips < ENOUGH_SLIPS:
         few = (
             f"{finite.slips:.3g} of each of {SLIDERS} sliders, few: their scatter is in the errors"
         )

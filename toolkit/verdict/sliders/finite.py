@@ -264,6 +264,9 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         main = found.slips if settles else main_slips(found.slips)
         smaller = 0 if settles else all_slips - main.drive.size
         finite = with_late_slips(replace(finite, smaller=smaller), main)
+        # by chance beside infinitely many that slide: where not all have slipped again none is known to recur
+        if kind == "stick-slip" and infinite.kind == "smooth" and finite.period is None:
+            finite = replace(finite, kind="now and then")
         if not settles and (kind != "smooth" or infinite.kind != "undecided"):
             lasting = kind == "stick-slip" and rule == "mass" and not message
             asked_of = replace(found, slips=main)

@@ -139,11 +139,11 @@ class Finite:
     """What sliders of `contacts` contacts each do under a slip rule.
 
     contacts : of each slider; fewer than there are where these take too long, see `message`
-    kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide, "smooth"
-        where none does, on a way of some 40 mean thresholds, "now and then" between; "ever rarer" where slips get
-        rarer along the way and steady sliding is stable; "unknown" where they were not followed, or not until it is
-        known whether the `slips` that were seen go on, or slip where nobody knows how often infinitely many do, for the
-        reason in `message`
+    kind : "stick-slip" where each slider slips, more often than infinitely many do before these slide (and again, where
+        they do), "smooth" where none does, on a way of some 40 mean thresholds, "now and then" between; "ever rarer"
+        where slips get rarer along the way and steady sliding is stable; "unknown" where they were not followed, or not
+        until it is known whether the `slips` that were seen go on, or slip where nobody knows how often infinitely many
+        do, for the reason in `message`
     before, after : mean spring force before and after late slips (`late_slips`), F/(N_c <k>) (lengths), with standard
         errors
     slips : number of slips of a slider, mean

@@ -16,6 +16,7 @@ from toolkit.verdict.sliders.finite import ABOVE
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Finite
 from toolkit.verdict.slips_in_words import after_slips, does, fall_of, fluctuating
+from toolkit.verdict.text.k_star import SMOOTH_ABOVE
 from toolkit.verdict.text.kinds import (
     GENERAL,
     NOTHING,
@@ -31,9 +32,6 @@ from toolkit.verdict.text.of_mass import of_a_mass, why_no_more_slips
 from toolkit.verdict.text.table import HOLDING
 from toolkit.verdict.text.undone import RULE, of_errors, of_readings, unanswered, with_rules
 from toolkit.verdict.uncertainty import WORTH_TELLING, uncertainties_of, widest_uncertainty
-
-# N K³, K in N_c<k>, above which sliding on springs stiffer than K* is smooth (docs/sliders.md)
-SMOOTH_ABOVE = 50.0
 
 
 def dependence(verdict: Verdict) -> list[str]:

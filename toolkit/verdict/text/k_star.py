@@ -2,10 +2,13 @@
 
 import numpy as np
 
-from toolkit.scene.scale import written
+from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import NO_FORCES
-from toolkit.verdict.uncertainty import writer_of_springs
+from toolkit.verdict.uncertainty import two_digits, writer_of_springs
+
+# N K³, K in N_c<k>, above which sliding on springs stiffer than K* is smooth (docs/sliders.md)
+SMOOTH_ABOVE = 50.0
 
 
 def of_critical_spring(own: Answer) -> str:
@@ -17,6 +20,19 @@ def of_critical_spring(own: Answer) -> str:
     if own.machine is not None and own.machine.mass:
         return "balance unstable somewhere on springs below K*"
     return "slips at least once below the spring K*"
+
+
+def of_chance(own: Answer) -> tuple[str, str] | None:
+    """How many contacts the area holds, and up to about which spring, above K*, so many may slip by chance, as written:
+    up to N K³ = SMOOTH_ABOVE. None where their number is not known, where that is below K*, and where time acts on the
+    contacts, of which the rule tells nothing."""
+    number, critical = own.scale.contacts, own.critical_spring
+    if number is None or own.contacts.in_time or critical.unknown or critical.lost:
+        return None
+    stiffest = (SMOOTH_ABOVE / number) ** (1.0 / 3.0)
+    if stiffest <= critical.value:
+        return None
+    return of_contacts(number), two_digits(stiffest * own.scale.spring, own.scale.spring_unit)
 
 
 def without_spring(verdict: Verdict) -> str:
@@ -46,10 +62,12 @@ def without_spring(verdict: Verdict) -> str:
         "the force of a rigid slider falls most steeply at" if verdict.own.contacts.in_time else ""
     )
     to_digits = writer_of_springs(verdict.own)
-    said = f"{whose or 'slips on a spring softer than'} K* = {to_digits(own, unit, spread)}"
+    said = f"{whose or 'slips at least once on a spring softer than'} K* = {to_digits(own, unit, spread)}"
     if np.isinf(own):
         said = (
-            "the force of a rigid slider falls at one place" if whose else "slips on every spring"
+            "the force of a rigid slider falls at one place"
+            if whose
+            else "slips at least once on every spring"
         )
         said += ", as K* is infinite"
     if sampling >= own:
@@ -58,6 +76,14 @@ def without_spring(verdict: Verdict) -> str:
         ends = {to_digits(one, unit, spread): one for one in (min(springs), max(springs))}
         over = f"from {' to '.join(ends)}" if len(ends) > 1 else "the same"
         said += f" ({over} over {len(springs)} readings)"
+    ask = "give drive.spring for a verdict on a machine"
     if whose:
-        said += "; on a softer spring a slider may slip, or creep and slide smoothly"
-    return f"{said}; give drive.spring for a verdict on a machine"
+        return f"{said}; on a softer spring a slider may slip, or creep and slide smoothly; {ask}"
+    if chance := of_chance(verdict.own):
+        said += (
+            f", if contacts are infinitely many; the {chance[0]} of the area may slip by chance "
+        )
+        said += f"on stiffer ones, too, ever more rarely, up to some {chance[1]}"
+    return (
+        f"{said}; whether slips go on hangs on mass, damping and delay, or on the slip rule: {ask}"
+    )

@@ -8,10 +8,12 @@ import numpy as np
 
 from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.of_area import counted, disagreeing, verb
 from toolkit.verdict.readings import STRETCHED
 from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.sliders.machine import NAMED, RULES, Behaviour
 from toolkit.verdict.sliders.steady import friction_decides, unstable_delays
+from toolkit.verdict.slips_in_words import does
 from toolkit.verdict.text.kinds import (
     NOTHING,
     TURNS,
@@ -134,21 +136,21 @@ def of_extremes(verdict: Verdict) -> str:
 def of_rules(verdict: Verdict) -> Iterator[Line]:
     """What hangs on the slip rule, or on the delay that decides in its place."""
     own = verdict.own
-    does = {one.rule: in_a_word(one) for one in own.behaviours}
-    if own.contacts.reforming is not None and does.keys() & set(RULES):
+    words = {one.rule: in_a_word(one) for one in own.behaviours}
+    if own.contacts.reforming is not None and words.keys() & set(RULES):
         yield Line(
             UNSIZED, f"not every slip rule: {STRETCHED}, which no solver takes and is left out"
         )
-    if len(set(does.values())) > 1:
-        light = by_reason((kind, rule) for rule, kind in does.items() if rule != "mass")
+    if len(set(words.values())) > 1:
+        light = by_reason((kind, rule) for rule, kind in words.items() if rule != "mass")
         each = ", ".join(f"{kind} if {named(rules)}" for kind, rules in light.items())
         yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
-    elif len(does) > 1 and "undecided" not in {one.kind for one in own.behaviours}:
-        yield _of_agreeing(own)
+    elif len(words) > 1 and "undecided" not in {one.kind for one in own.behaviours}:
+        yield _of_so_many(verdict) or _of_agreeing(own)
     elif own.extremes:
         said = "a slider with this one was not followed far enough"
         yield Line(TURNS, f"the contacts' delay: {said}{of_short_delays(own)}")
-    elif len(does) == 1 and own.machine and own.machine.mass:
+    elif len(words) == 1 and own.machine and own.machine.mass:
         given, turned_found = bool(own.contacts.waiting_time), verdict.turned is not None
         unknown = not turned_found or cast(Behaviour, verdict.turned).kind == "undecided"
         if not given and (delay_decides(verdict) or unknown):
@@ -170,6 +172,20 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
             yield Line(
                 TURNS, "the contacts' delay: another one may change the answer, as told above"
             )
+
+
+def _of_so_many(verdict: Verdict) -> Line | None:
+    """That the slip rule decides what the contacts of the area do, though for infinitely many all agree; None where it
+    does not."""
+    if not (differ := disagreeing(verdict)):
+        return None
+    told = [(does(one).replace("unknown", "not known"), one.rule) for one in verdict.finite]
+    if len(kinds := by_reason(told)) < 2:
+        return None
+    each = ", ".join(f"{kind} if {named(rules)}" for kind, rules in kinds.items())
+    said = f"the slip rule, for {counted(verdict, differ[0][1])}: {each}"
+    alike = f"infinitely many {verb({one.kind for one, _ in differ})}"
+    return Line(TURNS, f"{said}; {alike}. {_what_decides(verdict.own)}")
 
 
 def _of_agreeing(own: Answer) -> Line:

@@ -10,7 +10,7 @@ from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import PREFIXED, Scale, guarded, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.machine import Behaviour
-from toolkit.verdict.text.k_star import of_critical_spring
+from toolkit.verdict.text.k_star import of_chance, of_critical_spring
 from toolkit.verdict.text.slip_rows import rows_of_slips
 from toolkit.verdict.text.spread import other_samples
 from toolkit.verdict.uncertainty import (
@@ -87,6 +87,9 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         critical = [one.critical_spring for one in with_spring]
         springs = [one.scale.spring for one in with_spring]
         yield row(name, critical, springs, scale.spring_unit, write=writer_of_springs(own))
+    if own.machine is None and (chance := of_chance(own)):
+        # beside a machine a line tells whether its own spring is among these
+        yield [f"{chance[0]} may slip by chance up to about", chance[1], "", ""]
     if own.machine is not None:
         springs = [one.scale.spring for one in answers]
         each = [Quantity(one.machine.spring if one.machine else 0.0, 0.0) for one in answers]

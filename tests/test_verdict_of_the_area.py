@@ -1,0 +1,77 @@
+"""What a verdict says of the contacts of the area where they slip by chance, and infinitely many do not."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from scipy import stats
+
+from origins import Contacts
+from tests.test_verdict_words import slips, told
+from toolkit.verdict import answers
+from toolkit.verdict.sliders.finite import follow_finite
+from toolkit.verdict.sliders.machine import Finite, Machine
+from toolkit.verdict.text.words import page, sentence
+
+pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
+
+SMOOTH: dict[str, Any] = {"kind": "smooth", "before": 0.5, "after": 0.5, "slips": 0}
+RULES = "reset", "reform-after", "instant"
+
+
+def of_the_area(number: float, critical: float, finite: tuple[Finite, ...]) -> answers.Verdict:
+    """The verdict on so many contacts, with this K*/(N_c <k>), of which infinitely many slide under all rules."""
+    found = told(*(slips(rule, **SMOOTH) for rule in RULES))
+    scale = replace(found.own.scale, contacts=number)
+    own = replace(found.own, scale=scale, critical_spring=answers.Quantity(critical, 1e-9))
+    return replace(found, answers=(own,), finite=finite)
+
+
+def test_without_a_spring_it_says_up_to_which_one_the_areas_contacts_may_slip() -> None:
+    """Up to N K³ = 50, of 400,000 K = 0.05, which is above a K* of 0.01, and not above one of 0.1."""
+    for critical, by_chance in ((0.01, True), (0.1, False)):
+        found = of_the_area(4e5, critical, ())
+        found = replace(found, answers=(replace(found.own, machine=None, behaviours=()),))
+        said, text = sentence(found), page(found)
+        assert said.startswith(
+            f"slips at least once on a spring softer than K* = {critical:#.4g} N"
+        )
+        assert "; whether slips go on hangs on mass, damping and delay, or on the slip rule" in said
+        many = (
+            "if contacts are infinitely many; the 400,000 contacts of the area may slip by chance"
+        )
+        assert (many in said and "up to some 0.050 N_c<k>;" in said) is by_chance
+        rows = [one for one in text if one.startswith("400,000 contacts may slip by chance up to")]
+        assert [one.split()[-2] for one in rows] == ["0.050"] * by_chance
+
+
+def test_the_slip_rule_decides_what_the_areas_contacts_do_where_infinitely_many_agree() -> None:
+    """The page said that it does not, for infinitely many contacts, of which its answer is not."""
+    each = [
+        Finite(rule, 4000, "stick-slip", 0.6, 1e-3, 0.0, 0.0, 5.0, period=70.0) for rule in RULES
+    ]
+    few = (*each[:2], Finite("instant", 4000, "smooth", late=0.5, late_error=1e-4))
+    text = page(of_the_area(4e3, 0.0, few))
+    decides = (
+        "  the slip rule, for the 4,000 contacts of the area: stick-slip if a slip renews all "
+    )
+    decides += "contacts or contacts re-form after the slip, smooth if contacts re-form at once; infinitely many slide "
+    assert [one for one in text if one.startswith(f"{decides}smoothly. In nature mass")]
+    assert not any("all rules agree" in one for one in text)
+    alike = page(of_the_area(4e3, 0.0, tuple(each)))
+    assert any("all rules agree" in one for one in alike)
+    assert not any("the slip rule, for the 4,000" in one for one in alike)
+
+
+def test_slips_that_do_not_recur_are_no_stick_slip() -> None:
+    """With exponential thresholds and N K³ = 45 some sliders slip twice, and some once; at 15 all go on to slip."""
+    smooth = slips("reset", kind="smooth", before=1.0, after=1.0, slips=0)
+    for crowd, kind in ((45.0, "now and then"), (15.0, "stick-slip")):
+        machine = Machine((crowd / 1e3) ** (1.0 / 3.0), None, 0.0, 1.0)
+        few = follow_finite(machine, Contacts(stats.expon()), 1e3, smooth, 1.0, 1e4)
+        assert few.kind == kind and (few.period is None) is (kind == "now and then")
+        if few.period is None:
+            found = page(of_the_area(1e3, 0.0, (few,)))
+            assert found[2].startswith("1,000 contacts slip now and then, from 1.04 N_c<k> length")
+            assert f", {few.slips:.2g} a slider on the way that was followed, with" in found[3]
+            assert not any(one.startswith("period") or "stick-slip" in one for one in found)
