@@ -240,7 +240,11 @@ PLANTED: dict[str, tuple[str, float, str]] = {
         1e12,
         r"a slip that may come .*X_T = 4\.2; turn or end the",
     ),
-    "steps": ("steps.MOST_SECANTS", 3, "steps, by which F and loads at slips changed as they"),
+    "steps": (
+        "steps.balance.MOST_SECANTS",
+        3,
+        "steps, by which F and loads at slips changed as they",
+    ),
 }
 
 
