@@ -21,6 +21,7 @@ from toolkit.results.slips import are_lasting, late_slips, slips_beyond
 from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers
 from toolkit.verdict.files import plain
+from toolkit.verdict.mean_force import mean_of_contacts, mean_over_slips
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.sliders.ensemble import follow_by_contacts
 from toolkit.verdict.sliders.finite import follow_finite
@@ -36,7 +37,6 @@ from toolkit.verdict.sliders.machine import (
 )
 from toolkit.verdict.sliders.steady import friction_falls, is_stable_with_delay
 from toolkit.verdict.sliders.told import behaviour_of
-from toolkit.verdict.slips_in_words import mean_over_slips
 from toolkit.verdict.text.words import page, sentence
 
 WIDE = gaussian(1.0, 0.4)
@@ -330,6 +330,22 @@ def test_the_mean_force_is_that_of_as_many_long_periods_as_short_ones() -> None:
         slider, kind="stick-slip", period=2.5, drive=np.array(drive), force=np.array(force)
     )
     assert mean_over_slips(slider) == pytest.approx(1.0 - 0.05 * 13.0 / 5.0)
+
+
+def test_the_mean_force_of_contacts_is_that_of_their_own_cycles() -> None:
+    """A sawtooth between 1 and 0 has 0.5, however its periods scatter; one that slides on has none told."""
+    gaps = 10.0 + np.random.default_rng(3).normal(0.0, 0.5, 12)
+    drive = np.repeat(np.cumsum(gaps), 2)
+    force = np.tile([1.0, 0.0], gaps.size)
+    ends = np.append(drive, drive[-1] + 4.0), np.append(force, 0.4)
+    saw = Finite("reset", 100, "stick-slip", 1.0, 0.01, 0.0, 0.01, period=10.0, drive=ends[0])
+    found = mean_of_contacts(replace(saw, force=ends[1]))
+    assert found is not None and found == (pytest.approx(0.5), 0.01)
+    uneven = replace(saw, force=ends[1] * (1.0 + 0.2 * np.cos(np.arange(ends[1].size))))
+    found = mean_of_contacts(uneven)
+    assert found is not None and abs(found.force - 0.5) < 3.0 * found.error < 0.1
+    assert mean_of_contacts(replace(saw, drive=ends[0][:3], force=ends[1][:3])) is None
+    assert mean_of_contacts(replace(saw, before=1.0, after=0.9, force=ends[1])) is None
 
 
 @pytest.mark.parametrize("number", [2, 4, 6, 12])

@@ -7,6 +7,7 @@ import numpy as np
 
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.mean_force import mean_of_contacts, mean_over_slips
 from toolkit.verdict.of_area import apart
 from toolkit.verdict.sliders.machine import Finite
 from toolkit.verdict.text.hangs_on import dependence
@@ -69,6 +70,8 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
     spreads = {name: getattr(finite, name) for name in ("befores", "drops")}
     out |= {name: one and asdict(one.times(force)) for name, one in spreads.items()}
     out |= {name: out[name] * force for name in forces}
+    mean = mean_of_contacts(finite)
+    out["mean_force"] = mean and {"value": mean.force * force, "error": mean.error * force}
     return out | {"still_changing": [one * force for one in finite.still_changing]}
 
 
@@ -79,6 +82,8 @@ def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
     not_written = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders", "left")
     out = {name: value for name, value in asdict(behaviour).items() if name not in not_written}
     out |= {name: out[name] * force for name in ("before", "after")}
+    mean_force = mean_over_slips(behaviour)
+    out["mean_force"] = mean_force and mean_force * force
     out["first_forces"] = [one * force for one in behaviour.first_forces or ()] or None
     return out | {"force_error": behaviour.error * mean * force}
 

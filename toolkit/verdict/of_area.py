@@ -9,6 +9,7 @@ import numpy as np
 from origins.drive import RISE
 from toolkit.scene.scale import Scale, of_contacts, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.mean_force import mean_of_contacts
 from toolkit.verdict.sliders.ensemble import by_sliders
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
@@ -20,7 +21,6 @@ from toolkit.verdict.slips_in_words import (
     fall_of,
     fluctuating,
     left_out,
-    mean_over_slips,
     period_with_scatter,
     scatters,
     sliding_force,
@@ -190,11 +190,11 @@ def rows_of(verdict: Verdict, finite: Finite) -> dict[str, str]:
         rows[f"slips seen of {whose}"] = few + still_changing(finite, scale)
     if finite.kind == "stick-slip" and finite.period is not None:
         rows[f"period of {whose}"] = ", ".join(period_with_scatter(verdict, finite))
-    if (mean_force := mean_over_slips(finite)) is not None:
-        error = finite.force_error * scale.force
+    if (found := mean_of_contacts(finite)) is not None:
+        mean_force, error = found.force * scale.force, found.error * scale.force
         if load:
-            over = f", {written(mean_force * scale.force / load, '', error / load)} of the load"
-        told = with_scatter(mean_force * scale.force, error, scale.force_unit)
+            over = f", {written(mean_force / load, '', error / load)} of the load"
+        told = with_scatter(mean_force, error, scale.force_unit)
         rows[f"mean force of stick-slip of {whose}"] = told + over
     if fewer := spacings(finite, scale):
         rows[f"slips of {whose} get ever rarer"] = fewer

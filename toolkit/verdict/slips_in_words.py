@@ -15,8 +15,6 @@ from toolkit.verdict.uncertainty import TOLD_FROM, is_vague, widest_uncertainty
 
 # part of a force by which slips, or forces along the way, differ where it is told
 WORTH_SHOWING = 0.01
-# of a path, its first part, over which the force of stick-slip is not averaged: contacts began together there
-FORGOTTEN = 1.0 / 3.0
 # of a mean: a standard deviation from slip to slip above which the range is told, as slips may be of several kinds
 WIDE = 0.3
 
@@ -103,24 +101,6 @@ def still_changing(finite: Finite | None, scale: Scale) -> str:
         return ""
     what, unit = "growing" if each[-1] > each[0] else "shrinking", scale.force_unit
     return f", still {what}: {', '.join(written(one * scale.force, unit) for one in each)}"
-
-
-def mean_over_slips(one: Behaviour | Finite) -> float | None:
-    """The mean force over the last periods of stick-slip, F/(N_c <k>) (a length), of one slider where so many contacts
-    are told of; None where none is seen."""
-    drive, period = one.drive, one.period
-    if one.kind != "stick-slip" or not period or not drive.size:
-        return None
-    many = max(int((1.0 - FORGOTTEN) * (drive[-1] - drive[0]) / period), 1)
-    # of periods in turn long and short as many of each
-    many -= many % 2 if many > 1 else 0
-    begin = drive[-1] - many * period
-    if begin < drive[0]:
-        return None
-    later = drive > begin
-    places = np.append(begin, drive[later])
-    force = np.append(np.interp(begin, drive, one.force), one.force[later])
-    return float(np.trapezoid(force, places) / (many * period))
 
 
 def plain_fall(finite: Finite, force: float, unit: str) -> str:

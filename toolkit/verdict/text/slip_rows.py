@@ -6,13 +6,13 @@ import numpy as np
 
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Verdict
+from toolkit.verdict.mean_force import mean_over_slips
 from toolkit.verdict.of_area import apart, rows_of
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.slips_in_words import (
     falls,
-    mean_over_slips,
     period_of,
     still_changing,
     with_period_error,
