@@ -30,7 +30,8 @@ from toolkit.verdict.sliders.budget import at_most, without_useless_damping
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
-from toolkit.verdict.slips_in_words import swinging
+from toolkit.verdict.slips_in_words import hidden_by, swinging
+from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.k_star import of_critical_spring
 from toolkit.verdict.text.spread import other_samples, range_of_force
 from toolkit.verdict.text.table import in_units
@@ -538,3 +539,21 @@ def test_drops_that_shrink_by_next_to_nothing_are_not_said_to_shrink_by_0(
     said = shrinking(slips("mass", shrinks_by=part))
     assert said == f", each drop {told_as} smaller than the one before"
     assert not shrinking(slips("mass"))
+
+
+def test_a_force_that_its_error_hides_is_told_by_the_largest_that_it_may_be() -> None:
+    """12 µN ± 220 µN is no number; one above its error is."""
+    assert hidden_by(0.22e-3, [12e-6], "N") == "less than 300 µN"
+    assert hidden_by(0.22e-3, [12e-6, 0.3e-3], "N") == hidden_by(0.22e-3, [0.0], "N") == ""
+
+
+@pytest.mark.parametrize(("damping", "ask"), [(0.0, "drive.damping"), (1e-3, "a larger damping")])
+def test_a_mass_that_rings_too_long_asks_for_a_damping(damping: float, ask: str) -> None:
+    """And for no delay, which would not end it."""
+    rings = not_followed(
+        "mass", "after a slip the slider rings 2e+06 times, and at most 1e+06 may come"
+    )
+    machine = Machine(1e-2, 1e-4, damping, 1.0)
+    once = slips("instant", kind="smooth", after=0.6)
+    said = " ".join(dependence(told(rings, slips("reset"), once, machine=machine)))
+    assert f"was not followed; give {ask}" in said

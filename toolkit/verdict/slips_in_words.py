@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.results.slips import QUARTERED, Spread
-from toolkit.scene.scale import Scale, guarded, of_contacts, with_scatter, written
+from toolkit.scene.scale import Scale, guarded, of_contacts, rounded_up, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import LONGER
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
@@ -264,6 +264,13 @@ def fall_of(finite: Finite, scale: Scale) -> str:
         fall = written(drop, unit, finite.drops.std * factor, 4) if alike else _short(drop, unit)
         return f"{high}{scatter[0]} down by {fall}{scatter[1]}"
     return falls(high, low, drop, unit, scatter[0])
+
+
+def hidden_by(error: float, forces: Sequence[float], unit: str) -> str:
+    """Forces after slips that are all within this error of 0, by the largest that they may be; "" where one is not."""
+    largest = max(map(abs, forces))
+    most = written(rounded_up(largest + error), unit, digits=1)
+    return f"less than {most}" if 0.0 < largest < error else ""
 
 
 def falls(high: str, low: str, drop: float, unit: str, scatter: str = "") -> str:

@@ -34,6 +34,8 @@ from toolkit.verdict.uncertainty import WORTH_TELLING
 APART = 10.0
 # part by which heat changes F_k, above which friction without heat tells nothing of it
 HEAT_MATTERS = 0.1
+# what both solvers say of a mass that a damping would let end
+_RINGS = "the slider rings"
 
 
 def delay_decides(verdict: Verdict) -> bool:
@@ -238,6 +240,8 @@ def _what_decides(own: Answer) -> str:
         # where it is refused its message says what to do, and more of the machine may not help
         if followed.refused:
             give = ", for the reason told here"
+        if _RINGS in followed.message:
+            give = f"; give {'a larger damping' if own.machine.damping else 'drive.damping'}"
         said = f"That is without the mass: the slider with it, which would decide, was not followed{give}"
         return said + of_short_delays(own) * (not delay)
     give = (

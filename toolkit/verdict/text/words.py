@@ -6,13 +6,7 @@ import numpy as np
 
 from toolkit.scene.barriers import of_cold
 from toolkit.scene.interfaces import doubts
-from toolkit.scene.scale import (
-    guarded,
-    of_machine,
-    of_stretch,
-    spoken,
-    with_scatter,
-)
+from toolkit.scene.scale import guarded, of_machine, of_stretch, spoken, with_scatter
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import (
     apart,
@@ -26,6 +20,7 @@ from toolkit.verdict.sliders.late import EVER_RARER, shrinking
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.slips_in_words import (
     falls,
+    hidden_by,
     left_out,
     of_fluctuations,
     periods,
@@ -284,8 +279,9 @@ def _behaved(
     high = with_error([one.before * scale.force for one in alike])
     # an error that hides beside the force before a slip may be much of what is left after it
     own = error if error > uncertainty * min(map(abs, after)) else 0.0
-    low = span(after, scale.force_unit, shown_error or own)
-    fall = falls(high, low, drop_of(last) * scale.force, scale.force_unit)
+    unit = scale.force_unit
+    low = hidden_by(own, after, unit) or span(after, unit, shown_error or own)
+    fall = falls(high, low, drop_of(last) * scale.force, unit)
     if kind == "undecided":
         return seen_slips(last, fall)
     if bare:
