@@ -77,9 +77,9 @@ def way_to(slider: Behaviour) -> str:
 
 def of_small_falls(answer: Answer, slider: Behaviour) -> str:
     """Which falls count as no slips, where these are larger than the force of a smooth slider, as in strong heat; ""
-    where they are not, or where it is told between which forces the slider swings."""
+    where they are not, or where it is told between which forces the slider swings, or that it may by more."""
     small, scale = RISE * answer.contacts.mean_threshold, answer.scale
-    if not 0.0 < abs(slider.after) < small or slider.swings is not None:
+    if not 0.0 < abs(slider.after) < small or slider.swings is not None or slider.error > RISE:
         return ""
     size = written(small * scale.force, scale.force_unit, digits=2)
     return f", where swings of less than {size} would count as no slips"
