@@ -9,6 +9,7 @@ import pytest
 from conftest import slow
 from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
+from scipy.optimize import brentq
 from solving import oscillator
 
 import eq_model
@@ -228,6 +229,54 @@ def test_identical_contacts_move_as_one() -> None:
     assert np.abs(found.slips.drive - drawn.slips.drive).max() < 1e-6 and drawn.breaks > 200
 
 
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
+def test_a_lagging_slider_passes_an_exact_threshold_where_the_oscillator_does(
+    tolerance: float,
+) -> None:
+    """Damping makes it lag behind its balance, which passes the threshold first: the contacts break when it comes."""
+    spring, mass, damping, weak, share = 1.9933, 6.72e-4, 0.0366, 0.52, 0.3
+    contacts = origins.Contacts(
+        origins.mixture([origins.identical(1.0), origins.identical(weak)], [1.0 - share, share])
+    )
+    machine = {"spring": spring, "mass": mass, "damping": damping}
+    found = master.solve(contacts, np.linspace(0.02, 1.0, 50), tolerance, **machine)
+    stiff = 1.0 + spring
+    # the slider lags by damping * speed / stiff as the first contacts break, and swings from there
+    reaches = weak * stiff / spring + damping / stiff
+    decay = damping / (2.0 * mass)
+    turning, swing = (stiff / mass - decay**2) ** 0.5, share * weak / stiff
+    top = swing * stiff / (mass * turning)
+
+    def faster(t: float) -> float:
+        """Than the drive, so long after the threshold."""
+        return float(top * np.exp(-decay * t) * np.sin(turning * t) - (1.0 - spring / stiff))
+
+    lasts = brentq(faster, 0.0, 0.5 / turning)
+    drive = reaches + lasts
+    part = np.cos(turning * lasts) + decay / turning * np.sin(turning * lasts)
+    place = weak + lasts * spring / stiff + swing * (1.0 - np.exp(-decay * lasts) * part)
+    assert found.success, found.message
+    assert abs(found.slips.drive[0] - drive) < found.slips.drive_error
+    assert abs(found.slips.force_before[0] - spring * (drive - place)) < found.force_error
+
+
+@pytest.mark.parametrize("tolerance", [slow(1e-2), 1e-3])
+def test_an_exact_threshold_beside_a_width_is_passed_as_late_as_the_slider_lags(
+    tolerance: float,
+) -> None:
+    """Runs with other tolerances that go on from the balance, and not from the slider, agree on what is false."""
+    exact = origins.identical(1.0), origins.identical(0.52065141)
+    contacts = origins.Contacts(
+        origins.mixture([*exact, origins.gaussian(1.2, 0.2)], [0.3, 0.3, 0.4])
+    )
+    machine = {"spring": 1.9933, "mass": 6.72e-4, "damping": 0.0366}
+    path = np.linspace(0.05, 1.6, 30)
+    found, finer = (master.solve(contacts, path, asked, **machine) for asked in (tolerance, 1e-6))
+    assert found.success and finer.success and found.slips.drive.size == finer.slips.drive.size
+    assert np.abs(found.force - finer.force).max() < found.force_error + finer.force_error
+    assert np.abs(found.slips.drive - finer.slips.drive).max() < found.slips.drive_error
+
+
 @pytest.mark.parametrize("draws", [2, slow(24)])
 def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     """Seeded machines and laws: the error of a coarse solution is at most its claim."""
@@ -277,7 +326,7 @@ def test_points_in_a_slip_are_known_no_better_than_when_it_begins() -> None:
         # also on a drive that goes down, where speeds are below 0
         for sign in (1.0, -1.0):
             record = SimpleNamespace(times=np.array(times), speed=np.full(len(times), 0.1 * sign))
-            run: Any = SimpleNamespace(record=record, force=np.array(times), _waits=waits)
+            run: Any = SimpleNamespace(record=record, force=np.array(times), waits=waits)
             one = replace(ours, top_speed=sign * lasts)
             assert Run.unknown_fall(run, one, apart) == pytest.approx(off)
     # the contacts' force, by so much before a slip and behind its begin

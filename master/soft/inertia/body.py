@@ -105,6 +105,11 @@ class Body:
         """F along the move at the travel y."""
         return self.move.panel_at(y).force(y)
 
+    def _break_here(self) -> None:
+        """Contacts that break together at this very travel break: F is that behind its drop."""
+        if (self.move.curve.drops == self.y).any():
+            self.y = float(np.nextafter(self.y, np.inf))
+
     @property
     def _error(self) -> float:
         """Error of the force of the contacts."""

@@ -117,6 +117,7 @@ class Elastic(Body):
             self.y = self._high
         else:
             next_mode = self._switch()
+        self._break_here()
         # one that does not swing gets to where contacts break as slowly as its drive
         return self.following if is_quiet else next_mode
 

@@ -57,7 +57,14 @@ class Following(Body):
         if not slow.missed[0] <= part * self.quiet:
             return False
         rings = force - slow.inertia[0], np.sqrt(m * slope) * (slow.speed[0] - self.w)
-        return bool(np.hypot(*rings) <= part * self.quiet)
+        return bool(np.hypot(*rings) <= part * self.quiet) and not self._lags_before_drop()
+
+    def _lags_before_drop(self) -> bool:
+        """Whether the balance has passed a drop of F that the slider has not reached."""
+        drop, curve = self.move.next_drop(self.y), self.move.curve
+        if drop == np.inf:
+            return False
+        return float(self._pull(self.t)) > float(curve.force(drop)) + self.spring * drop
 
     def following(self) -> Mode:
         """Follow the drive slowly, until it turns or the slider gets fast."""
@@ -87,8 +94,8 @@ class Following(Body):
         if arrival >= end:
             self._next_leg()
             return self.following
-        if ahead.drops:
-            self.y = float(np.nextafter(ahead.travel, np.inf))
+        # the balance is at the drop; the slider lags behind it, and moves on to the drop by itself
+        self._break_here()
         return self.moving if ahead.drops or ahead.fast else self.following
 
     def _look_ahead(self, rate: float) -> Ahead:
