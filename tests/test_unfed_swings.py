@@ -8,7 +8,7 @@ import eq_model
 import master
 from master.soft.slips import Slips
 from master.soft.unfed_swings import unfed_swings
-from origins import Contacts, Delay, Thermal, gaussian, identical
+from origins import Contacts, Delay, Thermal, gaussian, identical, mixture
 from origins.drive import Drive
 
 WIDE = Contacts(gaussian(1.0, 0.2))
@@ -69,4 +69,41 @@ def test_what_may_feed_a_swing_is_judged_by_its_slips(changed: dict, unfed: bool
     spring, period = given.pop("spring"), given.pop("period")
     drive, at = Drive([20.0], **heavy(spring, 0.0)), period * np.arange(5.0)
     slips = Slips(at, at, at + 1.0, 1.0 + 0.0 * at, 0.0 * at, 1e-6)
-    assert bool(unfed_swings(WIDE.replace(**given), drive, slips, critical=1.0)) is unfed
+    found = unfed_swings(WIDE.replace(**given), drive, slips, 1.0, np.ones(1), None)
+    assert bool(found) is unfed
+
+
+TINY_WAIT = WIDE.replace(delay=Delay(1e-6))
+FEW_EXACT = Contacts(mixture([gaussian(1.0, 0.2), identical(1.0)], [0.99, 0.01]))
+THERE = np.linspace(0.1, 20.0, 50)
+
+
+@pytest.mark.parametrize(
+    ("contacts", "path", "more"),
+    [
+        pytest.param(TINY_WAIT, THERE, {}, id="a delay that feeds less than the damping takes"),
+        pytest.param(FEW_EXACT, THERE, {}, id="few exact thresholds"),
+        pytest.param(WIDE, np.append(THERE, 19.9), {}, id="a turn at the end"),
+        pytest.param(WIDE, THERE, {"time": THERE}, id="times of the path"),
+    ],
+)
+def test_swings_that_fade_as_their_damping_lets_them_are_no_stick_slip(
+    contacts: Contacts, path: np.ndarray, more: dict
+) -> None:
+    """Other contacts, and other ways to give one drive, change no swing: its drop fades by 6.3e-4 a slip."""
+    found = master.solve(contacts, path, 1e-4, **heavy(3.1, 1e-4), **more)
+    assert found.success and found.regime.trend == pytest.approx(-6.3e-4, abs=2e-4)
+    assert found.regime.verdict == "undecided"
+    assert "swings of the mass about F_k" in found.regime.reason
+
+
+def test_swings_whose_drop_stays_are_told_by_their_slips_where_contacts_may_feed_them() -> None:
+    """A delay: with a trend of the damping they are swings, without one they may be fed."""
+    drive, at = Drive([20.0], **heavy(1.1, 1e-4)), 2.0 * np.pi / 1.1 * np.arange(5.0)
+    slips = Slips(at, at, at + 1.0, 1.0 + 0.0 * at, 0.0 * at, 1e-6)
+    waits = WIDE.replace(delay=Delay(0.1))
+    for trend, unfed in ((-6.3e-4, True), (-1e-4, False), (0.0, False), (None, False)):
+        assert bool(unfed_swings(waits, drive, slips, 1.0, np.ones(1), trend)) is unfed
+    # of two speeds, or slower than a swing, none is known to be free
+    for speeds in (np.array([1.0, 0.5]), np.array([1.2])):
+        assert not unfed_swings(waits, drive, slips, 1.0, speeds, -6.3e-4)

@@ -101,8 +101,10 @@ def regime(
         verdict, reason = _by_slips(contacts, drive, found, trend)
         if verdict != "decaying transient" and (ahead := found.slips_ahead()).all_found:
             verdict, reason = "decaying transient", ahead.behind(count)
-        unfed = verdict == "stick-slip" and unfed_swings(contacts, drive, slips, critical)
-        if unfed:
+        speeds = np.empty(0) if motion is None else motion.speeds
+        if verdict == "stick-slip" and (
+            unfed := unfed_swings(contacts, drive, slips, critical, speeds, trend)
+        ):
             verdict, reason = "undecided", f"{reason}; {unfed}"
         fractions = found.fractions_broken[np.isfinite(found.fractions_broken)]
         if fractions.size:
