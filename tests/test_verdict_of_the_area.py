@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from origins import Contacts
-from tests.test_verdict_words import slips, told
+from tests.test_verdict_words import HEAVY, slips, told
 from toolkit.verdict import answers
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.machine import Finite, Machine
@@ -75,3 +75,30 @@ def test_slips_that_do_not_recur_are_no_stick_slip() -> None:
             assert found[2].startswith("1,000 contacts slip now and then, from 1.04 N_c<k> length")
             assert f", {few.slips:.2g} a slider on the way that was followed, with" in found[3]
             assert not any(one.startswith("period") or "stick-slip" in one for one in found)
+
+
+@pytest.mark.parametrize(
+    "number, whom", [(6e4, "the 60,000 of the area"), (None, "infinitely many")]
+)
+def test_contacts_that_stand_for_more_are_told_in_the_first_sentence(
+    number: float | None, whom: str
+) -> None:
+    """It gave their forces as those of the slider, and the lines far below said that they were of a thousand."""
+    for few in (slips("mass"), slips("mass", **SMOOTH)):
+        found = told(replace(few, contacts=1000), machine=HEAVY)
+        own = replace(found.own, scale=replace(found.own.scale, contacts=number))
+        said = sentence(replace(found, answers=(own,)))
+        assert f" with 1,000 contacts in place of {whom}, followed contact by contact" in said
+        every = replace(own, scale=replace(own.scale, contacts=1000.0))
+        assert "in place of" not in sentence(replace(found, answers=(every,)))
+
+
+def test_an_assumed_damping_is_no_part_of_the_force_of_smooth_sliding() -> None:
+    """F_k = 0.5, and the damping bears 0.02: of a machine's own one the spring's force is told, with its share."""
+    slides = slips("mass", **(SMOOTH | {"before": 0.52, "after": 0.52}))
+    assumed = sentence(told(replace(slides, damping=0.02), machine=HEAVY))
+    more = "the spring's force is larger by 0.0200 N_c<k> length, which the damping bears"
+    assert f"smooth at 0.5000 N_c<k> length ({more}), with an assumed damping of " in assumed
+    given = sentence(told(slides, machine=replace(HEAVY, damping=0.02)))
+    share = "0.0200 N_c<k> length of it borne by the damping"
+    assert f"smooth at 0.5200 N_c<k> length ({share})" in given

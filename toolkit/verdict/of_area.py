@@ -118,12 +118,20 @@ def counted(verdict: Verdict, finite: Finite) -> str:
 
 
 def whom_of(verdict: Verdict, one: Behaviour) -> str:
-    """Of whom smooth sliding is told, where the contacts of the area were not followed; "" where they were, and of
-    other readings, which are of infinitely many."""
-    unknown = {few.rule for few in verdict.finite if few.kind == "unknown"}
+    """Of whom a behaviour is told: smooth sliding of infinitely many contacts, where those of the area were not
+    followed; and what so many contacts tell in the place of others. "" where the area's own tell, and of other
+    readings, which are of infinitely many."""
     own = any(one is each for each in verdict.own.behaviours)
-    told = own and one.kind == "smooth" and one.contacts is None
-    return " for infinitely many contacts" * (told and one.rule in unknown)
+    if not own or one.kind == "undecided":
+        return ""
+    if one.contacts is None:
+        unknown = {few.rule for few in verdict.finite if few.kind == "unknown"}
+        return " for infinitely many contacts" * (one.kind == "smooth" and one.rule in unknown)
+    number = verdict.own.scale.contacts
+    if one.instead or (number is not None and one.contacts >= round(number)):
+        return ""
+    place = "infinitely many" if number is None else f"the {number:,.0f} of the area"
+    return f" with {of_contacts(one.contacts)} in place of {place}, followed contact by contact"
 
 
 def subject(finite: Finite) -> str:

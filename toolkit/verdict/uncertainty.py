@@ -82,10 +82,21 @@ def sliding_force_of(verdict: Verdict, answer: Answer, one: Behaviour) -> float:
     """The force of a smooth slider, F/(N_c <k>) (a length): F_k itself where it differs from that by no more than its
     error, or than a hundredth of what is known of F_k, so that both are written alike."""
     kinetic, error = answer.kinetic.value, one.error * answer.contacts.mean_threshold
+    after = one.after - assumed_share(answer, one)
     known = max(
         error if np.isfinite(error) else 0.0, NO_NEWS * widest_uncertainty(verdict) * kinetic
     )
-    return kinetic if abs(one.after - kinetic) <= known else one.after
+    return kinetic if abs(after - kinetic) <= known else after
+
+
+def assumed_share(answer: Answer, one: Behaviour) -> float:
+    """What of the spring's force a damping that is not given bears, γv, F/(N_c <k>) (a length), of infinitely many
+    contacts that slide: it is none of the interface's force, nor of the machine's. 0 where it is given, and where the
+    spring's force still swings, which is told."""
+    slides = one.kind == "smooth" and one.swings is None and not one.instead
+    if answer.machine is None or one.damping is None or not slides:
+        return 0.0
+    return one.damping * answer.machine.velocity
 
 
 def numerical_errors(verdict: Verdict) -> list[str]:

@@ -18,7 +18,7 @@ from toolkit.verdict.sliders.machine import (
     slip_duration,
     top_speed,
 )
-from toolkit.verdict.uncertainty import WORTH_TELLING
+from toolkit.verdict.uncertainty import WORTH_TELLING, assumed_share
 
 # what turns the answer or leaves it open; what changes the forces nobody knows how much, which is taken for half of
 # them; what is said of all verdicts alike; what changes nothing
@@ -115,8 +115,10 @@ def of_damping(answer: Answer, slider: Behaviour, differs: bool) -> str:
     apart = abs(slider.after - answer.kinetic.value)
     if borne < WORTH_TELLING * abs(slider.before) and not (differs and borne > 0.5 * apart):
         return ""
-    scale = answer.scale
-    return f" ({written(borne * scale.force, scale.force_unit)} of it borne by the damping)"
+    told = written(borne * answer.scale.force, answer.scale.force_unit)
+    if assumed_share(answer, slider):
+        return f" (the spring's force is larger by {told}, which the damping bears)"
+    return f" ({told} of it borne by the damping)"
 
 
 def others(verdict: Verdict) -> dict[str, list[str]]:

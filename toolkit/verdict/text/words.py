@@ -50,6 +50,7 @@ from toolkit.verdict.text.spread import other_samples, widest
 from toolkit.verdict.text.table import first_alike, table
 from toolkit.verdict.text.undone import against_k_star, cause, followed_instead, undecided_readings
 from toolkit.verdict.uncertainty import (
+    assumed_share,
     error_beside,
     is_vague,
     numerical_errors,
@@ -260,7 +261,7 @@ def _behaved(
         ends = (with_scatter(end, error, scale.force_unit) for end in (min(values), max(values)))
         return " to ".join(dict.fromkeys(ends))
 
-    after = [one.after * scale.force for one in alike]
+    after = [(one.after - assumed_share(answer, one)) * scale.force for one in alike]
     if kind == "smooth":
         said, differs = with_error(after), False
         if last.swings or not shown_error:  # as F_k stands in the table
@@ -271,11 +272,10 @@ def _behaved(
             differs = said != span([answer.kinetic.value * scale.force], scale.force_unit)
         if bare:
             return said
-        beside = whom + of_damping(answer, last, differs) + way_to(last)
-        beside += once_over(answer, last) + swinging(answer, last) + of_small_falls(answer, last)
-        beside += of_fluctuations(verdict, last) * (answer is verdict.own)
-        said = f"smooth at {said}{beside}{of_assumed_damping(answer, last)}"
-        return without_delay(answer, last) + said
+        said += whom + of_damping(answer, last, differs) + way_to(last)
+        said += once_over(answer, last) + swinging(answer, last) + of_small_falls(answer, last)
+        said += of_fluctuations(verdict, last) * (answer is verdict.own)
+        return f"{without_delay(answer, last)}smooth at {said}{of_assumed_damping(answer, last)}"
     high = with_error([one.before * scale.force for one in alike])
     # an error that hides beside the force before a slip may be much of what is left after it
     own = error if error > uncertainty * min(map(abs, after)) else 0.0
@@ -292,5 +292,5 @@ def _behaved(
         said += f" every {every} at {scale.speed(verdict.velocity)}"
     if last.sliders is not None and (shrinks := shrinking(last.sliders)):
         said += f"{shrinks}, so that they may die out"
-    said += left_out(last.sliders or last) + still_changing(last.sliders, scale)
+    said += whom + left_out(last.sliders or last) + still_changing(last.sliders, scale)
     return said + of_assumed_damping(answer, last)
