@@ -649,8 +649,16 @@ def test_slips_stand_in_the_trace_at_their_own_places(capsys: Any) -> None:
     judged(capsys, **tables)
     with Path("mine-output/friction.csv").open(encoding="utf-8") as stream:
         head, *rows = list(csv.reader(stream))
-    assert head == ["slip rule", "drive [length]", "spring force [N_c<k> length]"]
-    drive, force = np.array([[float(word) for word in row[1:]] for row in rows]).T
+    assert head == [
+        "slip rule",
+        "drive [length]",
+        "spring force [N_c<k> length]",
+        "slider [length]",
+        "time [time]",
+    ]
+    drive, force, slider, time = np.array([[float(word) for word in row[1:]] for row in rows]).T
+    np.testing.assert_allclose(0.5 * (drive - slider), force, atol=1e-12)
+    assert (time == drive).all() and np.diff(slider).min() > -1e-12
     steps = np.diff(force)
     slips = np.flatnonzero(steps < -0.1)
     assert slips.size >= 5 and np.all(np.diff(drive)[slips] == 0.0)

@@ -91,9 +91,9 @@ def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
 def friction(verdict: Verdict) -> dict[str, list[Any]]:
     """The columns of friction.csv: the trace of the scene's own reading under each rule, a row a point; slips at their
     own places have two rows, and below them the first slip of a mass has its own; then that of one slider of the area's
-    contacts, where these do something else."""
-    scale, own = verdict.own.scale, verdict.own.behaviours
-    if not own:
+    contacts, where these do something else. The slider is where the spring's force says, F = K (X_T - X)."""
+    scale, own, machine = verdict.own.scale, verdict.own.behaviours, verdict.own.machine
+    if not own or machine is None:
         return {}
     parts = [(one.rule + ", without heat" * one.without_heat, one.drive, one.force) for one in own]
     parts += [(f"{one.rule}, its first slip", one.slip_drive, one.slip_force) for one in own]
@@ -105,4 +105,6 @@ def friction(verdict: Verdict) -> dict[str, list[Any]]:
         "slip rule": [part[0] for part in parts for _ in part[1]],
         f"drive [{scale.length_unit}]": drive.tolist(),
         f"spring force [{scale.force_unit}]": (force * scale.force).tolist(),
+        f"slider [{scale.length_unit}]": (drive - force / machine.spring).tolist(),
+        f"time [{scale.time_unit}]": (drive / verdict.velocity).tolist(),
     }
