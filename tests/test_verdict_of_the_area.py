@@ -102,3 +102,12 @@ def test_an_assumed_damping_is_no_part_of_the_force_of_smooth_sliding() -> None:
     given = sentence(told(slides, machine=replace(HEAVY, damping=0.02)))
     share = "0.0200 N_c<k> length of it borne by the damping"
     assert f"smooth at 0.5200 N_c<k> length ({share})" in given
+
+
+def test_few_contacts_slip_above_k_star_and_not_on_far_stiffer_springs() -> None:
+    """Thresholds of onset power 1 (K* = 0.035), N = 100: they slip on K = 0.4 (N K³ = 6), and not on 1.6 (400)."""
+    contacts = Contacts(stats.rayleigh())
+    smooth = slips("reset", kind="smooth", before=0.8, after=0.8, slips=0)
+    for spring, kind in ((0.4, "stick-slip"), (1.6, "smooth")):
+        machine = Machine(spring, None, 0.0, 1.0)
+        assert follow_finite(machine, contacts, 100.0, smooth, 0.8, 1e4).kind == kind

@@ -80,10 +80,9 @@ def without_spring(verdict: Verdict) -> str:
     if whose:
         return f"{said}; on a softer spring a slider may slip, or creep and slide smoothly; {ask}"
     if chance := of_chance(verdict.own):
-        said += (
-            f", if contacts are infinitely many; the {chance[0]} of the area may slip by chance "
-        )
-        said += f"on stiffer ones, too, ever more rarely, up to some {chance[1]}"
+        number, stiffest = chance
+        said += f", if contacts are infinitely many; the {number} of the area may slip by chance "
+        said += f"on stiffer ones, too, up to some {stiffest}"
     return (
         f"{said}; whether slips go on hangs on mass, damping and delay, or on the slip rule: {ask}"
     )
