@@ -277,6 +277,42 @@ def test_an_exact_threshold_beside_a_width_is_passed_as_late_as_the_slider_lags(
     assert np.abs(found.slips.drive - finer.slips.drive).max() < found.slips.drive_error
 
 
+def test_a_slip_begins_when_the_slider_gets_as_fast_as_its_drive_however_slowly() -> None:
+    """Beside scipy's integrator on the force of a rigid slider: there the balance, which it follows, is ahead of it."""
+    spring, mass, damping, velocity = 0.5, 0.03, 0.05, 0.036
+    x = np.linspace(0.0, 1.2, 2401)
+    force = make_interp_spline(x, master.solve(WIDE, x, 1e-11).force, 5)
+
+    def moved(t: float, state: np.ndarray) -> list[float]:
+        pull = spring * (velocity * t - state[0]) - force(state[0]) - damping * state[1]
+        return [state[1], float(pull) / mass]
+
+    def gets_fast(t: float, state: np.ndarray) -> float:
+        return -1.0 if t < 1.5 / velocity else state[1] - velocity
+
+    gets_fast.terminal = True  # type: ignore[attr-defined]
+    times = [0.0, 2.4 / velocity]
+    exact = solve_ivp(moved, times, [0.0, 0.0], "DOP853", events=gets_fast, rtol=1e-11, atol=1e-12)
+    machine = {"spring": spring, "mass": mass, "damping": damping, "velocity": velocity}
+    for tolerance in (1e-2, 1e-4):
+        found = master.solve(WIDE, np.linspace(0.1, 2.4, 30), tolerance, **machine)
+        assert found.success, found.message
+        off = abs(found.slips.drive[0] - velocity * exact.t[-1])
+        assert off < found.slips.drive_error
+
+
+@pytest.mark.slow  # quick: the same beside scipy's integrator, above
+def test_the_fourth_slip_begins_as_the_slider_and_not_its_balance_gets_fast() -> None:
+    """It follows its drive slowly into the slip, by the same series in both runs."""
+    laws = origins.identical(0.787691), origins.gaussian(0.907143, 0.162606)
+    contacts = origins.Contacts(origins.mixture([*laws], [0.3758, 0.6242]))
+    machine = {"spring": 0.2794, "mass": 1.04e-4, "damping": 0.0016056, "velocity": 0.0515}
+    path = np.linspace(0.1, 11.2, 40)
+    found, finer = (master.solve(contacts, path, asked, **machine) for asked in (1e-3, 1e-6))
+    assert found.success and finer.success and found.slips.drive.size == finer.slips.drive.size == 4
+    assert np.abs(found.slips.drive - finer.slips.drive).max() < found.slips.drive_error
+
+
 @pytest.mark.parametrize("draws", [2, slow(24)])
 def test_claims_hold_beside_far_finer_solutions(draws: int) -> None:
     """Seeded machines and laws: the error of a coarse solution is at most its claim."""

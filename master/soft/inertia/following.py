@@ -6,12 +6,12 @@ import numpy as np
 
 from master.soft.inertia.body import STAYS_SLOW, Body, Mode
 from master.soft.inertia.record import Instant, crossing
-from master.soft.inertia.slow import slow_motion
+from master.soft.inertia.slow import slope_of_speed, slow_motion
 from origins.thresholds.law import Array
 
 # Panels of F that are looked ahead, and points of each; and the way, in mean thresholds, that is solved ahead first.
 PANELS, POINTS, AHEAD = 40, 17, 2.0
-# F falls where F' is below this: above it is rounding.
+# The spring's force falls where F', but for the lag, is below this: above it is rounding.
 FALLS = -1e-9
 # Longest way that is looked ahead on a panel, in mean thresholds: steady breaks have an endless one.
 FURTHEST = 1e9
@@ -166,8 +166,8 @@ class Following(Body):
         return self.damping * float((half * weights * speed).sum()), on_contacts
 
     def _watch_slowly(self, stop: float, rate: float) -> None:
-        """Falls of the spring's force up to a balance: F has its extremes where the slider, which lags behind the
-        balance, is as fast as its drive."""
+        """Falls of the spring's force up to a balance: it has its extremes where the slider, and not the balance behind
+        which it lags, is as fast as its drive."""
         curve, k, limit = self.move.curve, self.spring, self._speed
         low = max(min(self.y, stop) - BEHIND * self.unit, 0.0)
         first = float(curve.travel_at(np.array([self._pull(self.t)]), low, stop)[0])
@@ -176,8 +176,11 @@ class Following(Body):
         cells = ends[:-1, None] + np.diff(ends)[:, None] * np.linspace(0.0, 1.0, WATCHED)
         places = np.unique(cells.ravel())
 
-        def rise(y: float | Array) -> Array:
-            return curve.load_slope(y) - k - FALLS
+        def slope(y: Array) -> Array:
+            return slope_of_speed(curve, y, rate, self.mass, self.damping)
+
+        def rise(y: float) -> float:
+            return float(slope(np.array([y]))[0]) - k - FALLS
 
         def time_at(y: float | Array) -> Array:
             return self.t + (curve.force(y) + k * y - float(self._pull(self.t))) / rate
@@ -189,8 +192,9 @@ class Following(Body):
             place = float(travel(np.array([y]))[0])
             return self._instant(float(time_at(y)), place, place)
 
-        speeds = rate / curve.load_slope(places)
-        speeds = np.where(rise(places) < 0.0, speeds, np.minimum(speeds, limit))
+        slopes = slope(places)
+        speeds = rate / slopes
+        speeds = np.where(slopes - k - FALLS < 0.0, speeds, np.minimum(speeds, limit))
         drives = self._drive(time_at(places))
         self.record.watch(
             self._watched(
@@ -198,6 +202,6 @@ class Following(Body):
                 (travel(places), speeds),
                 drives,
                 at,
-                lambda k: crossing(lambda y: float(rise(y)), places[k], places[k + 1]),
+                lambda k: crossing(rise, places[k], places[k + 1]),
             )
         )

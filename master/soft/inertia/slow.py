@@ -12,8 +12,14 @@ import numpy as np
 from master.soft.curve import LoadCurve
 from origins.thresholds.law import Array
 
-# Largest relative change of frequency or relaxation in a radian with which a slider follows slowly at all.
-FASTEST = 0.1
+# Largest relative change of frequency or relaxation in a radian with which a slider follows slowly at all: runs with
+# other tolerances share this end, and what the series leaves out there (at 0.1 that moved a slip by 0.11 tolerances).
+FASTEST = 0.05
+# Half the distance of two places of a panel by which F'' is compared, and the nearest to its ends, in its widths.
+APART, INSIDE = 1e-4, 1e-9
+# Largest part by which the lag may change the speed: the motion is not slow above, and the series not told by its
+# first terms.
+MOST_CHANGE = 0.5
 
 
 class Slow(NamedTuple):
@@ -46,3 +52,20 @@ def slow_motion(curve: LoadCurve, y: Array, rate: float, mass: float, damping: f
     travel = y - (damping * speed + mass * faster) / s
     drifting = speed * (1.0 + 2.0 * damping * rate * bend / s**3)
     return Slow(slope, travel, drifting, mass * faster, np.where(bad, np.inf, missed))
+
+
+def slope_of_speed(curve: LoadCurve, y: Array, rate: float, mass: float, damping: float) -> Array:
+    """r/(dX/dt) of the slow motion at balances y, as y: S, but for the lag, which grows or shrinks as S changes,
+
+    dX/dt = r/S [1 + 2 g r F''/S^3 + m r^2 (F''' - 4 F''^2/S)/S^4 + ...].
+    """
+    panel = curve.panel(y)
+    begin, width = curve.from_travel[panel], curve.width[panel]
+    low = np.maximum(y - APART * width, begin + INSIDE * width)
+    high = np.maximum(np.minimum(y + APART * width, begin + width), low + INSIDE * width)
+    bend, bends = curve.bend(y), (curve.bend(high) - curve.bend(low)) / (high - low)
+    slope = curve.load_slope(y)
+    s = np.where(slope > 0.0, slope, np.inf)
+    change = 2.0 * damping * rate * bend / s**3
+    change += mass * rate**2 * (bends - 4.0 * bend**2 / s) / s**4
+    return np.asarray(slope / (1.0 + np.clip(change, -MOST_CHANGE, MOST_CHANGE)))
