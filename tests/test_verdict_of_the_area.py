@@ -88,7 +88,7 @@ def test_contacts_that_stand_for_more_are_told_in_the_first_sentence(
         found = told(replace(few, contacts=1000), machine=HEAVY)
         own = replace(found.own, scale=replace(found.own.scale, contacts=number))
         said = sentence(replace(found, answers=(own,)))
-        assert f" with 1,000 contacts in place of {whom}, followed contact by contact" in said
+        assert f" with 1,000 contacts, followed contact by contact, in place of {whom}" in said
         every = replace(own, scale=replace(own.scale, contacts=1000.0))
         assert "in place of" not in sentence(replace(found, answers=(every,)))
 

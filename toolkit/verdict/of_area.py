@@ -131,7 +131,7 @@ def whom_of(verdict: Verdict, one: Behaviour) -> str:
     if one.instead or (number is not None and one.contacts >= round(number)):
         return ""
     place = "infinitely many" if number is None else f"the {number:,.0f} of the area"
-    return f" with {of_contacts(one.contacts)} in place of {place}, followed contact by contact"
+    return f" with {of_contacts(one.contacts)}, followed contact by contact, in place of {place}"
 
 
 def subject(finite: Finite) -> str:
