@@ -137,11 +137,18 @@ def solve_inertial(
         nodes += best.nodes
         if best.stopped != UNRESOLVED or not parts:
             break
+    effect, left_out = (idle.effect * unit, idle.error) if idle.message else (0.0, 0.0)
     coarser, stopped, parting = best, best.stopped, ""
     error = of_force_and_load = of_contacts = np.inf
     for part in parts:
         of_swings = best.goes_on.force / unit if best.goes_on is not None else 0.0
-        if stopped or error + of_swings <= sought or part * sought < LEAST:
+        # what heat that is left out may change no run lessens
+        room = sought - left_out - beside_slips(best, drive, effect).force / unit
+        if (
+            stopped
+            or error + of_swings <= (room if room > 0.0 else sought)
+            or part * sought < LEAST
+        ):
             break
         before, earlier, run = best, coarser, Run(contacts, drive, sought, part, until)
         nodes, stopped = nodes + run.nodes, run.stopped
@@ -163,9 +170,7 @@ def solve_inertial(
     if most > 1.0 + max(tolerance, best.tolerance):
         stopped = f"number is not conserved: holding reaches {most:.4g}, a fault of the program"
         error = of_force_and_load = of_contacts = np.inf
-    neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit)
-    if idle.message:
-        neglected += idle.error
+    neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit) + left_out
     if stopped and grows is not None and grows.message:
         stopped += f"; {grows.message}"
     notes, of_holding = list[str](), best.tolerance if np.isinf(error) else 0.0
@@ -189,7 +194,7 @@ def solve_inertial(
     of_all = of_force_and_load + neglected + of_slips
     drive_error = of_all * unit / spring
     beside = error - of_force_and_load if np.isfinite(error) else 0.0
-    by_heat = beside_slips(best, drive, idle.effect * unit if idle.message else 0.0)
+    by_heat = beside_slips(best, drive, effect)
     found = Followed(
         balance=best.balance,
         force=best.force,
