@@ -58,7 +58,7 @@ LEAST, ROUNDING = 1e-11, 1e-14
 # Tolerance of exact thresholds beside others, where none smaller is asked for, and the factor on the error as their
 # runs tell it: contacts that form again at once break at ever new places, and F falls there by ever smaller parts, of
 # which a coarse run passes over those that decide on a slip. (Of 70 random machines at 1e-2 to 1e-4 the errors of 12
-# were told too small, up to 60 times; of 27 at 1e-6 those of 4, up to 60 times, too.)
+# were told too small, up to 60 times; of 21 at 1e-6 those of 4, up to 60 times, too.)
 OF_EXACT, EXACT_SAFETY = 1e-6, 100.0
 # Error of the force, in mean thresholds, where it is not known whether a slip comes: all that contacts bear.
 ANYWHERE = 1.0
