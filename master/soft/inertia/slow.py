@@ -55,9 +55,11 @@ def slow_motion(curve: LoadCurve, y: Array, rate: float, mass: float, damping: f
 
 
 def slope_of_speed(curve: LoadCurve, y: Array, rate: float, mass: float, damping: float) -> Array:
-    """r/(dX/dt) of the slow motion at balances y, as y: S, but for the lag, which grows or shrinks as S changes,
+    """The slope of the load over which a slider is as fast as this one is: r divided by its speed, shape as y.
 
-    dX/dt = r/S [1 + 2 g r F''/S^3 + m r^2 (F''' - 4 F''^2/S)/S^4 + ...].
+    The balance y moves at r/S. The slider lags behind it, and its own speed differs, as the lag changes with S:
+
+        dX/dt = r/S [1 + 2 g r F''/S^3 + m r^2 (F''' - 4 F''^2/S)/S^4 + ...].
     """
     panel = curve.panel(y)
     begin, width = curve.from_travel[panel], curve.width[panel]

@@ -108,8 +108,8 @@ def solve_inertial(
 
     Heat that hardly changes the force is left out, and a bound on its effect is counted in the errors; so is a delay
     that only takes from the damping. With other laws beside thresholds, start and delay the slider is followed in steps
-    of time. Raises InputError for linked stiffness, for exact thresholds with such laws, for motions that take too
-    long, and where a drive in time does not begin at the balance.
+    of time. Exact thresholds beside others are followed to OF_EXACT. Raises InputError for linked stiffness, for exact
+    thresholds with such laws, for motions that take too long, and where a drive in time does not begin at the balance.
     """
     began, given, idle = time.perf_counter(), contacts, Idle(contacts)
     _check_laws(contacts, drive)

@@ -157,9 +157,8 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
         unknown = not turned_found or cast(Behaviour, verdict.turned).kind == "undecided"
         if not given and (delay_decides(verdict) or unknown):
             said = "none is given, so that they form again at once; give [contacts.delay]"
-            swings = _untried(verdict) * (
-                not would_swing(verdict)
-            )  # which stands beside the answer
+            # between which delays it would swing stands beside the answer
+            swings = "" if would_swing(verdict) else _untried(verdict)
             yield Line(TURNS, f"the contacts' delay: {said}{swings}")
         elif delay_decides(verdict):
             said = f"another one may change the answer{of_short_delays(own)}"
