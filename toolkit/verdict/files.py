@@ -8,7 +8,7 @@ import numpy as np
 from toolkit.scene.scale import of_contacts
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.mean_force import mean_of_contacts, mean_over_slips
-from toolkit.verdict.of_area import apart
+from toolkit.verdict.of_area import finite_told_apart
 from toolkit.verdict.sliders.machine import Finite
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.of_delay import would_swing
@@ -98,7 +98,9 @@ def friction(verdict: Verdict) -> dict[str, list[Any]]:
     parts = [(one.rule + ", without heat" * one.without_heat, one.drive, one.force) for one in own]
     parts += [(f"{one.rule}, its first slip", one.slip_drive, one.slip_force) for one in own]
     shown = [one.sliders for one in own]  # in place of infinitely many
-    few = [one for one in apart(verdict).values() if all(one is not each for each in shown)]
+    few = [
+        one for one in finite_told_apart(verdict).values() if all(one is not each for each in shown)
+    ]
     parts += [(f"{one.rule}, {of_contacts(one.contacts)}", one.drive, one.force) for one in few]
     drive, force = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
     return {

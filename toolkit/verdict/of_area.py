@@ -41,7 +41,7 @@ def disagreeing(verdict: Verdict) -> list[tuple[Behaviour, Finite]]:
     return [(one, finite) for one, finite in _pairs(verdict) if _kinds_differ(verdict, one, finite)]
 
 
-def apart(verdict: Verdict) -> dict[str, Finite]:
+def finite_told_apart(verdict: Verdict) -> dict[str, Finite]:
     """What as many contacts as there are do, by the rules under which that is something else than what infinitely many
     do, or the same at forces that differ by more than the errors of both, scatter, or are known far better."""
     by_rule = dict[str, Finite]()

@@ -16,7 +16,7 @@ from toolkit.pictures.axes import (
 from toolkit.pictures.traces import hides_swings
 from toolkit.scene.scale import of_contacts, spoken, written
 from toolkit.verdict.answers import Verdict
-from toolkit.verdict.of_area import apart
+from toolkit.verdict.of_area import finite_told_apart
 from toolkit.verdict.sliders.machine import Behaviour, Finite
 from toolkit.verdict.slips_in_words import does, kind_of_trace
 from toolkit.verdict.text.kinds import named
@@ -40,7 +40,7 @@ def traces_of(verdict: Verdict) -> list[list[Behaviour] | list[Finite]]:
     """The traces to draw, those that lie on one another together: of infinitely many contacts under each rule, and of
     one of the sliders of so many contacts where these do something else."""
     each = drawn(verdict)
-    followed = [finite for finite in apart(verdict).values() if finite.drive.size]
+    followed = [finite for finite in finite_told_apart(verdict).values() if finite.drive.size]
     # where they tell what the slider does, its trace is theirs
     followed = [one for one in followed if not any(one is own.sliders for own in each)]
     return [*_alike(each), *_alike(followed)]

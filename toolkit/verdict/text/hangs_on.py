@@ -11,7 +11,7 @@ from toolkit.scene.barriers import of_barriers
 from toolkit.scene.interfaces import doubts, of_laws, remarks
 from toolkit.scene.scale import of_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.of_area import apart, late_force_of
+from toolkit.verdict.of_area import finite_told_apart, late_force_of
 from toolkit.verdict.sliders.finite import ABOVE
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Finite
@@ -139,7 +139,7 @@ def why_smooth(verdict: Verdict) -> list[str]:
         "" if len(smooth) == len(own.behaviours) else f" if {named([one.rule for one in smooth])}"
     )
     begin = "K is below K*, and yet " * (not own.smoothed)
-    few = [apart(verdict).get(one.rule) for one in smooth]
+    few = [finite_told_apart(verdict).get(one.rule) for one in smooth]
     whose = " for infinitely many contacts" * any(one and one.kind != "smooth" for one in few)
     said = f"{begin}sliding is smooth{whose}{rules}: "
     cold = not own.contacts.held_in_time or all(one.without_heat for one in smooth)
@@ -233,7 +233,7 @@ def _change_by(verdict: Verdict, finite: Finite) -> float:
     if finite.message and np.isfinite(finite.late) and one.kind == "smooth":
         fraction = finite.contacts / (verdict.own.scale.contacts or finite.contacts)
         return abs(force - one.before) / abs(one.before) * min(fraction, 1.0) ** (2.0 / 3.0)
-    if finite.rule not in apart(verdict):
+    if finite.rule not in finite_told_apart(verdict):
         return NOTHING
     alike = one.kind == finite.kind or (one.kind == "smooth" and np.isfinite(finite.late))
     return abs(force - one.before) / abs(one.before) if alike else TURNS

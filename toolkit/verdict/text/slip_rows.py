@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.scene.scale import guarded, with_scatter, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.mean_force import mean_over_slips
-from toolkit.verdict.of_area import apart, rows_of
+from toolkit.verdict.of_area import finite_told_apart, rows_of
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Behaviour
@@ -35,7 +35,7 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
     """Rows of the slips of the own reading, first of the contacts of the area where these do something else than
     infinitely many; rules that give the same numbers share a row."""
     scale, rows = verdict.own.scale, dict[tuple[str, str], list[str]]()
-    force, load, few = scale.force_unit, scale.load, apart(verdict)
+    force, load, few = scale.force_unit, scale.load, finite_told_apart(verdict)
     vague, machine = is_vague(verdict), verdict.own.machine
     machine_spring = machine.spring if machine is not None else 0.0
     for rule, many in few.items():

@@ -9,9 +9,9 @@ from toolkit.scene.interfaces import doubts
 from toolkit.scene.scale import guarded, of_machine, of_stretch, spoken, with_scatter
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import (
-    apart,
     behaved,
     disagreeing,
+    finite_told_apart,
     subject,
     verb,
     whom_of,
@@ -201,7 +201,7 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
     """What the rules say under one reading, with its numbers. Of those that are not decided the first says why, as
     others may be followed in its place; `dependence` has the reasons of all."""
     groups = dict[tuple[str, str, str, str], list[Behaviour]]()
-    first, few = answer.behaviours[0], apart(verdict) if answer is verdict.own else {}
+    first, few = answer.behaviours[0], finite_told_apart(verdict) if answer is verdict.own else {}
     for one in answer.behaviours:
         # of those that are decided rules whose slips, or the errors of their forces, differ are told apart
         seen = first_alike(verdict, answer, one)
