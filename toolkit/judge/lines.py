@@ -94,7 +94,7 @@ def _cells(each: Sequence[Number], write: Callable[[float, str, float], str]) ->
     _, value, _, ranges = row("", quantities, [1.0] * len(each), "", write=write)
     if quantities[0].error > PRECISE * abs(own.value):
         value = with_error(own.value, quantities[0].error, 4)
-    return {"inf": "infinite", "not known": ""}.get(value, value), ranges
+    return {"not known": ""}.get(value, value), ranges
 
 
 def _of_answered(scene: ComparedScene, name: str) -> tuple[str, str]:

@@ -7,7 +7,14 @@ import numpy as np
 
 from toolkit.judge.compare import ComparedScene, common_unit
 from toolkit.judge.lines import disagreements
-from toolkit.pictures.axes import in_lines, name_axis, some_of, spring_name, style_of
+from toolkit.pictures.axes import (
+    in_lines,
+    legend_above,
+    name_axis,
+    some_of,
+    spring_name,
+    style_of,
+)
 from toolkit.pictures.thresholds import highest
 from toolkit.results.kinds import is_precise
 from toolkit.scene.scale import SHARED, written
@@ -68,7 +75,7 @@ def _thresholds(axes: Any, styled: list[_Styled]) -> None:
             own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, 1.05))
         last = max([one.mean, *curve.atoms, *curve.x[curve.survival > 2e-3]])
         lasts.append(1.05 * last / unit)
-    axes.set(title="thresholds", xlim=(0.0, max(lasts)), ylim=(0.0, 1.05 * max(tops, default=1.0)))
+    axes.set(xlim=(0.0, max(lasts)), ylim=(0.0, 1.05 * max(tops, default=1.0)))
     if max(lasts) > _APART * min(lasts):
         axes.set(xscale="log", xlim=(1e-3 * min(lasts), max(lasts)))
     if tops and max(tops) > _APART * min(tops):
@@ -109,8 +116,8 @@ def _forces(axes: Any, styled: list[_Styled]) -> None:
     if levels and max(levels) > _APART * min(levels):
         axes.set(yscale="log", ylim=(min(levels) / 100.0, 2.0 * max(levels)))
     simulated = any(one.scene.result.eq is not None for one in styled)
-    points = ", EQ ensemble (points, ±1 standard error)" if simulated else ""
-    axes.set_title(f"force: master equation (lines){points}; $F_k$ dotted")
+    points = ", points: ensemble" if simulated else ""
+    axes.set_title(f"lines: master equation{points}, dotted: $F_k$", fontsize="medium")
     if styled and styled[0].unit != SHARED:
         name_axis(axes.xaxis, "slider position $X$", "m")
         name = ("force $F$", "N") if styled[0].unit == "N/m" else ("shear stress $F/A$", "Pa")
@@ -126,64 +133,80 @@ def _stiffness(one: _Styled) -> float:
 
 
 def _springs(axes: Any, styled: list[_Styled]) -> None:
-    """K* of each scene with its error and its range over the readings, in N/m or N/m³ of surfaces, else over N_c<k>: a
-    softer driving spring is unstable. Infinite ones reach the edge."""
+    """K* of each scene as a mark, with a line over its readings and its error, in N/m or N/m³ of surfaces, else over
+    N_c<k>; the axis is logarithmic and has no zero, from which a bar could begin. Machines' springs are dashed."""
     unit = styled[0].unit if styled else SHARED
-    springs = [one.scene.own.spring(unit) for one in styled]
-    over = [[each.spring(unit).value for each in one.scene.readings] for one in styled]
     machines = [
         None if (k := one.scene.own.machine) is None else k * _stiffness(one) for one in styled
     ]
-    finite = [value for values in over for value in values if 0.0 < value < np.inf]
+    finite = [
+        value
+        for one in styled
+        for each in one.scene.readings
+        if 0.0 < (value := each.spring(unit).value) < np.inf
+    ]
     finite += [machine for machine in machines if machine]
     usual = [] if unit != SHARED and finite else [1e-3, 1.0]
     low, high = min([*finite, *usual]) / 3.0, max([*finite, *usual]) * 3.0
-    small: dict[str, Any] = {"va": "center", "fontsize": "small"}
-    for row, (spring, one, values) in enumerate(zip(springs, styled, over, strict=True)):
-        color, value, error = one.style["color"], spring.value, spring.error or 0.0
-        # dark at its edge, as there may be no bar behind it
-        mark: dict[str, Any] = {"color": "white", "mec": "0.2", "ms": 6, "zorder": 5}
-        axes.plot(low * (high / low) ** 0.03, row, one.style["marker"], **mark)
-        if machine := machines[row]:
-            axes.plot([machine] * 2, [row - 0.4, row + 0.45], "--", color="0.2", lw=1.4, zorder=4)
-        unknown = one.scene.own.unknown
-        if one.scene.own.smoothed:
-            said = "not known: it hangs on the smoothing of $P_c$"
-            beside = {"xytext": (20, 0), "textcoords": "offset points"}
-            axes.annotate(said, (low, row), **beside, **small)
-            continue
-        if not unknown:
-            axes.barh(row, min(max(value, low), high) - low, left=low, color=color, height=0.6)
-        off = error if np.isfinite(value + error) else 0.0
-        ends = np.clip([min([*values, value - off]), max([*values, value + off])], low, high)
-        if np.ptp(ends) > _SEEN * ends[1]:  # below the bar, whose number is beside it
-            bars = {"xerr": np.ptp(ends) / 2.0, "color": "0.2", "capsize": 4}
-            axes.errorbar(np.mean(ends), row + 0.4, **bars)
-        digits = 2 if one.scene.of_a_scan else 3  # as in the table
-        shared = written(value, "", off) if off > _SEEN * value else f"{value:.{digits}g}"
-        text = "infinite" if np.isinf(value) else shared if unit == SHARED else ""
-        beyond = {"xytext": (12 if np.isinf(value) else 5, 0), "textcoords": "offset points"}
-        place = (min(max(value, low), high), row)
-        if unknown:  # and its error reaches from the edge to where it is below
-            place, most = (low, row), value + error
-            text = f"not known, below {most:.2g}" if unit == SHARED else ""
-            text = text or f"not known, below {written(most, unit, digits=2)}"
-            beyond["xytext"] = (20, 0)
-        axes.annotate(text or written(value, unit, off, digits), place, **beyond, **small)
-        if np.isinf(value):
-            axes.plot(high, row, ">", color=color, ms=18, clip_on=False)
+    axes.set(xscale="log", xlim=(low, high))
+    for row, one in enumerate(styled):
+        _spring(axes, row, one)
+    for row, machine in enumerate(machines):
+        if machine:
+            axes.plot([machine] * 2, [row - 0.4, row + 0.4], "--", color="0.2", lw=1.4, zorder=4)
     axes.set_yticks(range(len(styled)), [one.name for one in styled])
-    axes.invert_yaxis()
-    room = (high / low) ** 0.2  # for the numbers behind the bars
-    axes.set(xscale="log", xlim=(low, high * room))
+    axes.set_ylim(len(styled) - 0.4, -0.6)
     name_axis(axes.xaxis, *spring_name(unit))
-    legend = ["a slider slips at least once on springs below $K^*$"]
+    _legend_of_springs(axes, styled, any(machines))
+
+
+def _spring(axes: Any, row: int, one: _Styled) -> None:
+    """One scene's K*, its number above the mark: an infinite one, and 0, as an arrow at the axis' end; one that is not
+    known as an arrow at what it is below, or in words."""
+    low, high = axes.get_xlim()
+    own, spring = one.scene.own, one.scene.own.spring(one.unit)
+    value, error = spring.value, spring.error or 0.0
+    small: dict[str, Any] = {"fontsize": "small", "textcoords": "offset points"}
+    if own.smoothed:
+        said = "not known: it hangs on the smoothing of $P_c$"
+        axes.annotate(said, (low, row), xytext=(8, 0), va="center", **small)
+        return
+    off = error if np.isfinite(value + error) else 0.0
+    values = [each.spring(one.unit).value for each in one.scene.readings]
+    ends = np.clip([min([*values, value - off]), max([*values, value + off])], low, high)
+    if np.ptp(ends) > _SEEN * ends[1]:
+        bars = {"xerr": np.ptp(ends) / 2.0, "color": "0.4", "capsize": 4, "lw": 1.2}
+        axes.errorbar(np.mean(ends), row, fmt="none", **bars)
+    digits = 2 if one.scene.of_a_scan else 3  # as in the table
+    place, mark, text = value, one.style["marker"], written(value, "", off, digits)
+    if off <= _SEEN * value:
+        text = f"{value:.{digits}g}"
+    if one.unit != SHARED:
+        text = written(value, one.unit, off, digits)
+    if own.unknown:
+        place, mark = value + error, "<"
+        most = f"{place:.2g}" if one.unit == SHARED else written(place, one.unit, digits=2)
+        text = f"not known, below {most}"
+    elif not low <= value <= high:
+        mark, text = ("<", text) if value < low else (">", "infinite" if value == np.inf else text)
+    place = float(np.clip(place, low, high))
+    axes.plot(place, row, mark, color=one.style["color"], ms=9, clip_on=False, zorder=5)
+    side = "left" if place < (low * high) ** 0.5 else "right"  # so that no number leaves the axes
+    shift = -8 if (side == "left") != (mark in "<>") else 8
+    axes.annotate(text, (place, row), xytext=(shift, 8), ha=side, **small)
+
+
+def _legend_of_springs(axes: Any, styled: list[_Styled], machines: bool) -> None:
+    """What marks, lines and dashes of the springs are."""
+    said = "slips at least once on softer springs"
     # of contacts that depend on time a slider may creep on softer springs, and slide smoothly
     if any(one.scene.conditions for one in styled):
-        legend = ["$K^*$, the steepest fall of a rigid slider's force"]
+        said = "steepest fall of a rigid slider's force"
+    axes.plot([], [], "o", color="0.4", label=f"$K^*$: {said}")
     if any(hasattr(one, "has_xerr") for one in axes.containers):
-        single = all(len(values) == 1 for values in over)
-        legend.append(f"lines: {'' if single else 'readings that were solved, and '}errors")
-    if any(machines):
-        legend.append("dashed: the machine's spring")
-    axes.set_title("\n".join([legend[0], "; ".join(legend[1:])]).strip(), fontsize="medium")
+        single = all(len(one.scene.readings) == 1 for one in styled)
+        label = "its error" if single else "over the readings, with errors"
+        axes.plot([], [], "-|", color="0.4", lw=1.2, label=label)
+    if machines:
+        axes.plot([], [], "--", color="0.2", lw=1.4, label="the machine's spring")
+    legend_above(axes, letters=70)

@@ -201,11 +201,11 @@ def of_surface(
 
 def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) -> str:
     """A value with an SI prefix before its unit, to the digit of its uncertainty, with two digits at least and
-    at most so many; units that take no prefix are written as powers of ten, and nan as "not known"."""
+    at most so many; units that take no prefix are written as powers of ten, nan as "not known", inf as "infinite"."""
     if np.isnan(value):
         return "not known"
     if not np.isfinite(value):
-        return f"{value:g} {unit}".strip()
+        return "infinite" if value > 0.0 else f"{value:g} {unit}".strip()
     significant = digits
     if value and 0.0 < uncertainty < np.inf:
         significant = int(np.clip(_significant_digits(value, uncertainty), min(2, digits), digits))
