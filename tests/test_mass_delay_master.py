@@ -473,7 +473,7 @@ def test_an_error_above_the_tolerance_says_where_the_runs_part(
     path, machine = np.linspace(0.1, 4.0, 40), {"spring": 0.5, "mass": 0.2, "damping": 0.3}
     found = []
     for tolerances in ((2000.0, 200.0), (200.0, 10.0)):
-        monkeypatch.setattr("master.soft.inertia.solution.TOLERANCES", tolerances)
+        monkeypatch.setattr("master.soft.inertia.runs.TOLERANCES", tolerances)
         found.append(solve(delayed(0.3), path, 1e-6, **machine))
     before, last = found
     said = re.search(r"the two runs part by (\S+) mean thresholds, from t = (\S+), X", last.message)
@@ -483,6 +483,24 @@ def test_an_error_above_the_tolerance_says_where_the_runs_part(
     agree = path < float(said[2]) * (1.0 - 1e-5)
     # half of the tolerance, as with a delay the difference counts twice
     assert agree[0] and off[agree].max() < 0.5e-6 < off.max()
+
+
+@pytest.mark.parametrize(
+    ("delay", "machine"),
+    [
+        (0.3, {"spring": 0.5, "mass": 0.2, "damping": 0.3}),  # a slip on the way
+        (0.02, {"spring": 1.05, "mass": 0.005, "damping": 0.05, "velocity": 0.185}),  # none
+    ],
+)
+def test_the_share_that_holds_has_an_error(delay: float, machine: dict[str, float]) -> None:
+    """New contacts bear no force, so that panels of the second machine miss births by 100 times what F misses."""
+    contacts, path = delayed(delay, origins.gw_plastic(1.0)), np.linspace(0.05, 4.0, 80)
+    fine = solve(contacts, path, 1e-5, **machine)
+    for tolerance in (2e-2, 1e-2, 1e-3):
+        coarse = solve(contacts, path, tolerance, **machine)
+        off = float(np.abs(coarse.holding - fine.holding).max())
+        assert coarse.success and 1e-6 < off <= coarse.holding_error + fine.holding_error
+        assert coarse.holding_error < 60.0 * tolerance
 
 
 @pytest.mark.slow
@@ -831,7 +849,7 @@ def test_the_error_of_a_short_delay_by_hand(
         runs.append(drive.damping)
         return SimpleNamespace(
             stopped=next(stopped),
-            differ=lambda _: Differences(differ, differ, 0.0),
+            differ=lambda _: Differences(differ, differ, 0.0, 0.0),
             slips=lambda _: slips,
             record=SimpleNamespace(speed=np.array([-0.5 * speed])),
         )
@@ -943,6 +961,13 @@ def test_swings_that_a_delay_makes_grow_by_hand() -> None:
     assert found.coarsest(1e-5) == 1e-5
     for number in (f"{falls:.4g}", "the damping is 1e-08", "with a larger one it would not"):
         assert number in found.message
+
+
+def test_a_run_that_is_stopped_says_by_how_much_sliding_swings() -> None:
+    contacts = delayed(np.float64(149.0), origins.gaussian(1.0, 0.15))
+    numbers = {"spring": 0.02, "mass": 38.7, "damping": 0.94}
+    found = growing_swings(contacts, Drive(np.linspace(1.0, 140.0, 9), 0.03312, **numbers))
+    assert found is not None and "sliding swings by some 8.8e-01 mean" in found.message
 
 
 @pytest.mark.parametrize(

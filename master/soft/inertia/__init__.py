@@ -1,9 +1,9 @@
 """A soft slider with a mass, M X'' + γ X' = K (X_T - X) - F.
 
-`solution.py` follows the slider with several tolerances (`run.py`), whose differences are the error, and makes the
-answer. At T = 0 without delay (`slider.py`) the contacts' force depends on the way alone. The state (`body.py`) is the
-time, the travel since the slider turned last, its speed, and energies; three modes of motion take turns, and each says
-which comes next:
+`solution.py` makes the answer of several runs (`run.py`) with ever smaller tolerances (`runs.py`), whose differences
+are the error. At T = 0 without delay (`slider.py`) the contacts' force depends on the way alone. The state (`body.py`)
+is the time, the travel since the slider turned last, its speed, and energies; three modes of motion take turns, and
+each says which comes next:
 
 1. `moving.py`: contacts break, and X follows an ordinary differential equation;
 2. `elastic.py`: none breaks after a turn, and the motion is a damped oscillator in closed form (`oscillation.py`);
@@ -18,6 +18,6 @@ takes from the damping, it is left out (`short_delay.py`). With any other law be
 takes steps of time. Weak heat is left out: `heat_left_out.py` says whether a slip hangs on it.
 
 In reading order: `slider.py`, `body.py`, `reaction.py`, the three modes, `record.py`, `run.py`, `short_delay.py`,
-`solution.py`; then `delayed/` and `in_time/`.
+`runs.py`, `solution.py`; then `delayed/` and `in_time/`.
 Tests: tests/test_mass_master.py, test_mass_turns.py, test_mass.py and test_mass_agreement.py.
 """

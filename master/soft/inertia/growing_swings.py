@@ -62,9 +62,11 @@ class GrowingSwings(NamedTuple):
         """What is said of a run that was stopped; "" where sliding does not swing, but sticks and slips."""
         if not np.isfinite(self.growth):
             return ""
-        large = f" by some {self.fall / self.unit:.1e} mean thresholds of force"
+        large = (
+            f" by some {self.fall / self.unit:.1e} mean thresholds of force" if self.steady else ""
+        )
         return (
-            f"sliding swings{large * self.steady}, as contacts that wait out their "
+            f"sliding swings{large}, as contacts that wait out their "
             f"delay do not hold: friction falls with the speed by {self.falls:.4g}, and the damping is "
             f"{self.damping:.4g}; with a larger one it would not, if the machine has that; else end the path sooner"
         )
@@ -83,7 +85,7 @@ def growing_swings(contacts: Contacts, drive: Drive) -> GrowingSwings | None:
         with np.errstate(over="ignore"):
             growth = float(np.exp(np.pi * grows / np.sqrt(swings**2 - grows**2)))
     excess = (falls - drive.damping) * speed
-    steady = spring <= SOFT and excess * (1.0 + growth) >= UNSTEADY * unit * spring
+    steady = spring <= SOFT and bool(excess * (1.0 + growth) >= UNSTEADY * unit * spring)
     return GrowingSwings(falls, drive.damping, excess, growth, steady, unit)
 
 

@@ -76,12 +76,13 @@ class Differences(NamedTuple):
 
     force : of the spring's force at all points, and of what `force_and_load` says
     force_and_load : of that force as slips begin and end, of K X_T there, and of the force at points not beside a slip
-    contact_force : of that of the contacts
+    contact_force : of that of the contacts; holding : of the share of them that holds (a share)
     """
 
     force: float
     force_and_load: float
     contact_force: float
+    holding: float
 
 
 class Run:
@@ -158,7 +159,7 @@ class Run:
         n = min(self.force.size, other.force.size)
         ours, theirs = self.slips(0.0), other.slips(0.0)
         if ours.drive.size != theirs.drive.size or not n:
-            return Differences(np.inf, np.inf, np.inf)
+            return Differences(np.inf, np.inf, np.inf, np.inf)
         points = np.abs(self.force[:n] - other.force[:n])
         force_and_load = max(
             float(points[~self._beside_slips(ours, theirs)[:n]].max(initial=0.0)),
@@ -170,7 +171,10 @@ class Run:
         apart = times_apart(ours, theirs, (earlier or other).slips(0.0))
         contacts = max(contacts, self.unknown_hold(ours, apart))
         both = max(force_and_load, float(points.max()), self.unknown_fall(ours, apart))
-        return Differences(*(float(off) / self._unit for off in (both, force_and_load, contacts)))
+        holding = np.abs(self.record.holding[:n] - other.record.holding[:n]).max()
+        holding = max(float(holding), self.unknown_share(ours, apart))
+        unit = self._unit
+        return Differences(both / unit, force_and_load / unit, float(contacts) / unit, holding)
 
     def _beside_slips(self, ours: SlipsInTime, theirs: SlipsInTime) -> NDArray[np.bool_]:
         """Which of the path's points lie in a slip of either run, or behind it while contacts are out, shape (n,):
@@ -207,6 +211,16 @@ class Run:
         """The same of the contacts' force, which a slip takes at its begin."""
         near = np.abs(self.record.times[: self.force.size, None] - ours.time) < apart
         return float(np.where(near, np.abs(ours.force_before), 0.0).max(initial=0.0))
+
+    def unknown_share(self, ours: SlipsInTime, apart: Array) -> float:
+        """The same of the share that holds, which contacts with a delay leave at a slip's begin and come back to one
+        delay later."""
+        if not self.waits:
+            return 0.0
+        times = self.record.times[: self.force.size, None]
+        near = np.abs(times - ours.time) < apart
+        near |= np.abs(times - self.waits - ours.time) < apart
+        return float(near.any())
 
     def duration_error(self, other: "Run", error: float) -> float:
         """Estimate from above of the largest error of the slips' durations, where that of the force is `error` (mean

@@ -25,6 +25,8 @@ SOFT = 0.03
 # another way. Of 20 random machines on springs from 1e-4 to 0.03, held beside panels of time, the true error was at
 # most a quarter of the one that is told.
 UNSTEADY = 30.0
+# Density of a normal law at its mean, per standard deviation; and a variance in place of 0 (lengths squared).
+PEAK, TINY = 0.4, 1e-300
 # Parts of the tolerance: that the error of leaving it out may have, and that of the motions with and without it, whose
 # difference need not be known well.
 OF_TOLERANCE, OF_RUN = 0.5, 0.5
@@ -36,7 +38,7 @@ class ShortDelay(NamedTuple):
     contacts, drive : without it, under the damping that it leaves
     waiting : τ/<x_s>, per speed the share of the contacts that wait, to first order
     taken : g/(γ - g), by which the energy that this damping takes is too small
-    error : of the force, in mean thresholds
+    error, of_holding : of the force, in mean thresholds, and of the share that holds
     """
 
     contacts: Contacts
@@ -44,6 +46,7 @@ class ShortDelay(NamedTuple):
     waiting: float
     taken: float
     error: float
+    of_holding: float
 
     def correct(self, record: Record) -> None:
         """What the delay changes in the results at the asked times beside the force: the share that holds, as in steady
@@ -99,7 +102,10 @@ def short_delay(
     error = changes * (2.0 * waits + UNSTEADY * unit / distance) + waiting * pulled
     if waits > MOST_WAITING or error > OF_TOLERANCE * tolerance:
         return None
-    return ShortDelay(without, damped, waiting, takes / (drive.damping - takes), error)
+    # contacts of narrow thresholds break at once, and a share of the peak of the law waits
+    width = np.sqrt(max(law.moment(2) - law.mean() ** 2, TINY))
+    of_holding = 2.0 * waits * max(1.0, PEAK * unit / width)
+    return ShortDelay(without, damped, waiting, takes / (drive.damping - takes), error, of_holding)
 
 
 def fastest_of(drive: Drive) -> float:

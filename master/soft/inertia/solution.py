@@ -1,8 +1,8 @@
 """A soft slider with a mass, M X'' + γ X' = K (X_T - X) - F, on the path of its drive.
 
-It is followed with ever smaller tolerances (TOLERANCES), until the forces of the last two runs agree. The error is
-twice their difference (SAFETY), and what both may miss alike (UNSEEN). Where contacts' laws depend on time, but for a
-delay alone, `in_time/` takes steps in time instead, halves them, and tells the error itself (`in_time/answer.py`).
+It is followed with ever smaller tolerances, until the forces of the last two runs agree (`runs.py`). Where contacts'
+laws depend on time, but for a delay alone, `in_time/` takes steps in time instead, halves them, and tells the error
+itself (`in_time/answer.py`).
 """
 
 import time
@@ -22,15 +22,13 @@ from master.soft.followed import (
 )
 from master.soft.in_time.idle_heat import Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
-from master.soft.inertia.body import QUIET
-from master.soft.inertia.delayed.small_swings import UNRESOLVED
 from master.soft.inertia.foretold import refuse_long_ringing
 from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.heat_left_out import beside_slips, heat_decides
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
-from master.soft.inertia.reaction import ALIKE
 from master.soft.inertia.record import Record
-from master.soft.inertia.run import OF_PANELS, Run
+from master.soft.inertia.run import Differences
+from master.soft.inertia.runs import HeatLeftOut, run_ever_finer
 from master.soft.inertia.short_delay import short_delay
 from master.soft.solution import SoftSolution, common_fields, without_heat
 from master.survival.life import ALL_ATOMS
@@ -40,26 +38,10 @@ from origins.drive import Drive
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 
-# Tolerances of the runs, in units of the one that is asked for: each run shows the error of the one before, and errors
-# fall about in proportion.
-TOLERANCES = 10.0, 2.0, 0.4, 0.08, 0.016
-# Parts of a run's tolerance that both runs may miss alike, so that their difference does not show them: panels, forces
-# taken as those of contacts of which none breaks or of steady breaks, and ringing that is taken as rest.
-UNSEEN = OF_PANELS + ALIKE + QUIET
-# Times the difference of two runs in the error: errors fall less regularly than tolerances, and with a delay births
-# repeat those of breaks (in 1 of 63 random machines with a delay, and 1 of 100 without, the difference alone was 1.1 to
-# 2.3 times too small).
-SAFETY = 2.0
-# And part of a run's tolerance that its error is at least told with: both runs may agree by chance (of 64 random
-# machines with a delay one was off by 0.09 of it, and 2.7 times what both differed by; of 110 without one by 0.085).
-LEAST_ERROR = 0.1
-# Smallest tolerance of a run, in mean thresholds: below it all is rounding. Rounding of the force, relative to K X_T.
-LEAST, ROUNDING = 1e-11, 1e-14
-# Tolerance of exact thresholds beside others, where none smaller is asked for, and the factor on the error as their
-# runs tell it: contacts that form again at once break at ever new places, and F falls there by ever smaller parts, of
-# which a coarse run passes over those that decide on a slip. (Of 70 random machines at 1e-2 to 1e-4 the errors of 12
-# were told too small, up to 60 times; of 21 at 1e-6 those of 4, up to 60 times, too.)
-OF_EXACT, EXACT_SAFETY = 1e-6, 100.0
+# Rounding of the force, relative to K X_T.
+ROUNDING = 1e-14
+# Least force of steady sliding, in mean thresholds: that of equal ones.
+LEAST_SLIDING = 0.5
 # Error of the force, in mean thresholds, where it is not known whether a slip comes: all that contacts bear.
 ANYWHERE = 1.0
 
@@ -91,6 +73,8 @@ class InertialSolution(SoftSolution):
     velocity : dX/dt at the points of the path, shape (n,)
     contact_force : F/(N_c<k>), shape (n,), a length; contact_force_error : estimate from above of its largest error, in
         mean thresholds: above `force_error` where the slider passes many thresholds in a slip
+    holding_error : the same of `holding`, 0 where contacts form at once; where they wait out a delay `success` does not
+        ask for it, as it hangs, as the contacts' force does, on when a slip comes
     energy : by parts; neither these nor `velocity` have an error of their own, and beside a slip, and while the slider
         rings on its contacts, they may be those of another moment of it
     """
@@ -127,85 +111,51 @@ def solve_inertial(
         contacts, drive = short.contacts, short.drive
     unit, spring = contacts.mean_threshold, float(drive.spring or 0.0)
     grows = growing_swings(contacts, drive) if contacts.waiting_time else None
-    mixed = 0.0 < contacts.thresholds.atoms[1].sum() < ALL_ATOMS
-    sought = min(tolerance / EXACT_SAFETY, OF_EXACT) if mixed else tolerance
-    coarsest = TOLERANCES[0] * sought
-    first = grows.coarsest(coarsest) / coarsest if grows else 1.0
-    parts, nodes = [first * part for part in TOLERANCES], 0
-    while True:
-        best = Run(contacts, drive, sought, parts.pop(0), until)
-        nodes += best.nodes
-        if best.stopped != UNRESOLVED or not parts:
-            break
-    effect, left_out = (idle.effect * unit, idle.error) if idle.message else (0.0, 0.0)
-    coarser, stopped, parting = best, best.stopped, ""
-    error = of_force_and_load = of_contacts = np.inf
-    for part in parts:
-        of_swings = best.goes_on.force / unit if best.goes_on is not None else 0.0
-        # what heat that is left out may change no run lessens
-        room = sought - left_out - beside_slips(best, drive, effect).force / unit
-        if (
-            stopped
-            or error + of_swings <= (room if room > 0.0 else sought)
-            or part * sought < LEAST
-        ):
-            break
-        before, earlier, run = best, coarser, Run(contacts, drive, sought, part, until)
-        nodes, stopped = nodes + run.nodes, run.stopped
-        if not stopped:
-            best, coarser = run, before
-            unseen = UNSEEN * part * sought
-            error, of_force_and_load, of_contacts = (
-                max(SAFETY * off + unseen, LEAST_ERROR * part * sought)
-                for off in best.differ(before, earlier)
-            )
-            parting = run.parting(before, (sought - unseen) / SAFETY)
-            progress(error)
-    if mixed:
-        error, of_force_and_load, of_contacts = (
-            EXACT_SAFETY * one for one in (error, of_force_and_load, of_contacts)
-        )
+    heat = HeatLeftOut(idle.effect * unit, idle.error) if idle.message else HeatLeftOut()
+    runs = run_ever_finer(contacts, drive, tolerance, until, progress, grows, heat)
+    best, errors, stopped = runs.best, runs.errors, runs.stopped
     most = float(best.record.holding[: best.force.size].max(initial=0.0))
     # a first run that was stopped has asked for less than `tolerance`, and knows no error
     if most > 1.0 + max(tolerance, best.tolerance):
         stopped = f"number is not conserved: holding reaches {most:.4g}, a fault of the program"
-        error = of_force_and_load = of_contacts = np.inf
-    neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit) + left_out
+        errors = Differences(*(np.inf for _ in errors))
+    neglected = ROUNDING * (1.0 + spring * float(np.abs(drive.path).max()) / unit) + heat.error
     if stopped and grows is not None and grows.message:
         stopped += f"; {grows.message}"
-    notes, of_holding = list[str](), best.tolerance if np.isinf(error) else 0.0
+    notes, of_contacts, of_holding = list[str](), errors.contact_force, errors.holding
     if short is not None:
         neglected += short.error
         short.correct(best.record)
+        of_holding += short.of_holding
         notes.append(short.message)
     if (swings := best.goes_on) is not None:
         neglected += swings.force / unit
         of_contacts += swings.contact_force / unit
-        of_holding = max(of_holding, swings.holding)
+        of_holding += swings.holding
         notes.append(
             f"from X_T = {swings.since:.6g} on, swings of the force by {swings.force / unit:.1e} are told by their "
             "middle, as they neither grow nor drift"
         )
     hot, of_slips = contacts.replace(thermal=given.thermal), 0.0
-    told = best.slips(of_force_and_load * unit / spring), best.record.place
-    asked = bool(idle.message) and bool(np.isfinite(of_force_and_load))
+    told = best.slips(errors.force_and_load * unit / spring), best.record.place
+    asked = bool(idle.message) and bool(np.isfinite(errors.force_and_load))
     if asked and heat_decides(hot, drive, *told, idle.effect * unit, until):
         of_slips = ANYWHERE
-    of_all = of_force_and_load + neglected + of_slips
+    of_all = errors.force_and_load + neglected + of_slips
     drive_error = of_all * unit / spring
-    beside = error - of_force_and_load if np.isfinite(error) else 0.0
-    by_heat = beside_slips(best, drive, effect)
+    beside = errors.force - errors.force_and_load if np.isfinite(errors.force) else 0.0
+    by_heat = beside_slips(best, drive, heat.effect)
     found = Followed(
         balance=best.balance,
         force=best.force,
         holding=best.record.holding[: best.force.size],
-        slips=best.slips(drive_error, best.duration_error(coarser, of_all)),
+        slips=best.slips(drive_error, best.duration_error(runs.coarser, of_all)),
         error_of_force_and_load=float(of_all),
-        of_holding=ErrorPart("the share that holds", of_holding),
-        nodes=nodes,
+        of_holding=ErrorPart("a run", best.tolerance if np.isinf(of_all) else 0.0),
+        nodes=runs.nodes,
         stopped_because=stopped,
         parts=(
-            ErrorPart(f"two runs with other tolerances{parting}", of_force_and_load),
+            ErrorPart(f"two runs with other tolerances{runs.parting}", errors.force_and_load),
             ErrorPart("rounding, and heat, a delay or swings that are left out", neglected, LOOSEN),
             ErrorPart(OF_UNSURE_SLIP, of_slips, LEAVE_OUT),
         ),
@@ -220,6 +170,10 @@ def solve_inertial(
     record.finish()
     solved = slice(0, found.force.size)
     common = common_fields((given, contacts), drive, found, tolerance, until)
+    common["holding_error"] = 0.0
+    if given.waiting_time:
+        share = of_holding + neglected + of_slips + by_heat.contact_force / (LEAST_SLIDING * unit)
+        common["holding_error"] = min(share, 1.0)
     if idle.message:
         common |= without_heat(common, idle, idle.error + of_slips)
     return InertialSolution(

@@ -22,7 +22,7 @@ friction is F_k of the present speed but for its rise: a slip of a million thres
 Small swings that neither grow nor drift are not followed to the path's end, but told by their middle (`SmallSwings`).
 
 A panel is taken if the last coefficients of its polynomials miss less than the accuracy. The error that is told follows
-from several runs with ever smaller tolerances (`master/soft/inertia/solution.py`).
+from several runs with ever smaller tolerances (`master/soft/inertia/runs.py`).
 
 In reading order: `slider.py`, `body.py` and `drive_path.py`, `panels.py`, `panel_search.py` and `width_control.py`,
 `collocation.py`, `pull.py` and `panel.py`, `cohorts.py` and `survival.py`, `past_breaks.py` and `panel_births.py`,
