@@ -16,6 +16,7 @@ from tests.scenes import ROUGH, write
 from tests.test_verdict_words import HEAVY, slips, told
 from toolkit.scene.scene import load_scene
 from toolkit.verdict.answers import Quantity
+from toolkit.verdict.files import plain
 from toolkit.verdict.judge import verdict
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import Budget
@@ -198,3 +199,34 @@ def test_a_page_says_that_no_number_was_found_in_time() -> None:
     assert "neither force nor K* was found in time" in "\n".join(
         page(replace(found, answers=(own,)))
     )
+
+
+def test_each_number_of_a_slider_has_its_unit_in_verdict_json() -> None:
+    """The swings of a sliding force, a border of stability and an assumed damping were written in solver units, beside
+    forces in newtons."""
+    lengths = {"period": 3.0, "period_error": 0.1}
+    times = {"slip_time": 0.5, "delay": 0.2}
+    one = slips(
+        "mass",
+        before=0.5,
+        after=0.25,
+        swings=(0.4, 0.6),
+        first_forces=(0.7, 0.3),
+        unstable_below=0.01,
+        damping=0.1,
+        **lengths,
+        **times,
+    )
+    verdict = told(one, machine=Machine(0.01, 1.0, 0.0, 1.0))
+    scale = replace(verdict.own.scale, force=10.0, force_unit="N", spring=1e3, spring_unit="N/m")
+    verdict = replace(verdict, answers=(replace(verdict.own, scale=scale),))
+    reading = plain(verdict)["readings"][0]
+    found = reading["behaviours"][0]
+    assert {name: found[name] for name in lengths | times} == lengths | times
+    assert (found["before"], found["after"]) == pytest.approx((5.0, 2.5))
+    assert found["swings"] == pytest.approx([4.0, 6.0])
+    assert found["first_forces"] == pytest.approx([7.0, 3.0])
+    assert (found["unstable_below"], found["damping"]) == pytest.approx((10.0, 100.0))
+    assert reading["units"]["damping"] == "N/m time"
+    none = plain(told(slips("reset")))["readings"][0]["behaviours"][0]
+    assert none["swings"] is none["unstable_below"] is none["damping"] is None

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.scene.scale import of_contacts
+from toolkit.scene.scale import Scale, of_contacts
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.mean_force import mean_of_contacts, mean_over_slips
 from toolkit.verdict.of_area import finite_told_apart
-from toolkit.verdict.sliders.machine import Finite
+from toolkit.verdict.sliders.machine import Behaviour, Finite
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.of_delay import would_swing
 from toolkit.verdict.text.words import details, sentence, turned, warnings
@@ -44,6 +44,8 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
             "force": scale.force_unit,
             "spring": scale.spring_unit,
             "length": scale.length_unit,
+            "time": scale.time_unit,
+            "damping": f"{scale.spring_unit} {scale.time_unit}",
             "error": "mean thresholds <x_s>",
         }
     }
@@ -57,8 +59,8 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
         out["critical_spring"]["hangs_on"] = "the smoothing of P_c: no number of the islands"
     out["spring"] = answer.machine and answer.machine.spring * scale.spring
     mean = answer.contacts.mean_threshold
-    out["behaviours"] = [_of_behaviour(one, scale.force, mean) for one in answer.behaviours]
-    out["extremes"] = [_of_behaviour(one, scale.force, mean) for one in answer.extremes]
+    out["behaviours"] = [_of_behaviour(one, scale, mean) for one in answer.behaviours]
+    out["extremes"] = [_of_behaviour(one, scale, mean) for one in answer.extremes]
     return out
 
 
@@ -75,16 +77,20 @@ def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
     return out | {"still_changing": [one * force for one in finite.still_changing]}
 
 
-def _of_behaviour(behaviour: Any, force: float, mean: float) -> dict[str, Any]:
-    """What the slider does under one rule, without its trace, which friction.csv has: forces with their error; `error`,
-    `heat_left_out` and `heat_on_the_way` stay in mean thresholds."""
+def _of_behaviour(behaviour: Behaviour, scale: Scale, mean: float) -> dict[str, Any]:
+    """What the slider does under one rule, in units of `scale`, without its trace, which friction.csv has: forces with
+    their error; `error`, `heat_left_out` and `heat_on_the_way` stay in mean thresholds."""
     # traces are in friction.csv, and of the sliders "finite" tells
     not_written = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders", "left")
     out = {name: value for name, value in asdict(behaviour).items() if name not in not_written}
+    force = scale.force
     out |= {name: out[name] * force for name in ("before", "after")}
+    for name, factor in (("unstable_below", scale.spring), ("damping", scale.spring)):
+        out[name] = None if out[name] is None else out[name] * factor
+    for name in ("swings", "first_forces"):
+        out[name] = [one * force for one in out[name] or ()] or None
     mean_force = mean_over_slips(behaviour)
     out["mean_force"] = mean_force and mean_force * force
-    out["first_forces"] = [one * force for one in behaviour.first_forces or ()] or None
     return out | {"force_error": behaviour.error * mean * force}
 
 
