@@ -179,11 +179,18 @@ QUESTIONS = {
         "eq_model:_end_avalanche",
         "eq_model/coupled/ensemble.py:Replicas._rules",
     ),
-    "a slider with mass in the ensemble: the next place; when it is passed; a stick; a slip": (
+    "a slider with mass in the ensemble: the next place; the way there; its time; a stick; a slip": (
         "eq_model:nearest",
+        "eq_model/coupled/mass/moves.py:quick_move",
         "eq_model:first_passage",
         "eq_model:watch",
         "eq_model:end_fall",
+    ),
+    "a delay in the ensemble on a spring: returns; with mass: a break, a return, the new contact": (
+        "eq_model:_come_back",
+        "eq_model/coupled/mass/kernel.py:_break",
+        "eq_model:_return",
+        "eq_model:_form",
     ),
     "a drive that turns on a spring in the ensemble; with mass": (
         "eq_model:turn",
@@ -210,6 +217,25 @@ QUESTIONS = {
         "eq_model:HeavySliders.follow",
         "eq_model/result.py:Energy.imbalance",
     ),
+    "a verdict: the command's work; all readings; one reading; one slip rule; its kind; the sentence; verdict.json": (
+        "toolkit:report_verdict",
+        "toolkit/verdict/judge.py:verdict",
+        "toolkit:answer_of",
+        "toolkit/verdict/sliders/follow.py:follow",
+        "toolkit:behaviour_of",
+        "toolkit:sentence",
+        "toolkit/verdict/files.py:plain",
+    ),
+    "now and then, and ever rarer: of the area's contacts; along the way": (
+        "toolkit/verdict/sliders/finite.py:_judged",
+        "toolkit:in_the_end",
+    ),
+    "the error of a slip's place, drive_error: at T = 0; in time; with mass; with mass in time": (
+        "master/soft/cold.py:ColdSlider._note",
+        "master/soft/in_time/answer/extrapolation.py:extrapolated",
+        "master/soft/inertia/solution.py:solve_inertial",
+        "master/soft/inertia/in_time/refining.py:_found",
+    ),
     "the time of a verdict: shared by readings; by rules; by a rule's solvers; for the area's contacts": (
         "toolkit/verdict/judge.py:verdict",
         "toolkit:answer_of",
@@ -234,6 +260,8 @@ QUESTIONS = {
     "how to add a law": "[extending.md](extending.md#a-new-law-by-which-contacts-break-early)",
 }
 HEAD = """# Code map: where things stand
+
+The first table is made from `QUESTIONS` in tests/code_map.py.
 
 | where is | in |
 |---|---|

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import FrameType
 
 import numpy as np
-from code_map import LABELS, NOWHERE, PAGE, ROOT, SEVERAL, page, places
+from code_map import LABELS, NOWHERE, PAGE, ROOMS, ROOT, SEVERAL, page, places
 
 import master
 import origins
@@ -46,6 +46,23 @@ def test_the_rows_on_wrong_numbers_name_files_that_are_there() -> None:
     files = re.findall(r"`([\w/]+\.py)`", section)
     missing = [f for f in files if not any((ROOT / up / f).is_file() for up in ("", "master"))]
     assert len(files) > 20 and missing == []
+
+
+def test_a_reading_order_names_each_file_of_its_folder() -> None:
+    """Where a folder says in which order to read, a file that is left out is one that nobody finds."""
+    orders = {
+        init: text
+        for room in ROOMS
+        for init in (ROOT / room).rglob("__init__.py")
+        if "In reading order" in (text := init.read_text(encoding="utf-8"))
+    }
+    missing = [
+        file.relative_to(ROOT).as_posix()
+        for init, text in orders.items()
+        for file in init.parent.glob("*.py")
+        if file != init and file.name not in text
+    ]
+    assert len(orders) > 5 and missing == []
 
 
 def test_hardly_a_word_of_the_code_means_several_things() -> None:

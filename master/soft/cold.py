@@ -246,6 +246,7 @@ class ColdSlider:
         key = move, slip.travel
         if key in self._leave_none:
             return self.reset(move, slip, begin)
+        # slips of a limit cycle that repeats are kept, and not solved again
         if (slipped := self._of_late.get(key) or self._slipped(move, slip)) is None:
             # all contacts form again where it ends, as in a reset
             self._leave_none.add(key)

@@ -43,7 +43,7 @@ PLANNED = 2.0
 # The end of a slip is looked for from so many errors of its begin on, next to which the load may still rise; at most so
 # much of the travel, as slips are longer.
 BEHIND_BEGIN, OF_TRAVEL = 10.0, 1e-4
-# Work of following a lump over one run of panels, in pieces of integrals.
+# Work of following a lump over one run of panels, in the unit of `Births.work`: one piece of an integral over births.
 WORK_OF_LUMP = 15
 # Share of the contacts above which those that break together make a slip: well above rounding. That of the force,
 # relative to the distance travelled, and on one panel, in mean thresholds.
@@ -122,7 +122,7 @@ class Move:
         return self.loaded.places[-1] + self.direction * y
 
     def next_slip(self, after: float, target: float) -> SlipBegin:
-        """The first slip after a travel, if it begins before the load reaches the target."""
+        """The first slip after a travel, if it begins before the load F + K y (a length) reaches the target."""
         if self._found and self._found[0] == after and self._found[1].load < target:
             return self._found[1]
         travel = after

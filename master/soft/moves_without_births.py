@@ -24,6 +24,8 @@ PASSED, WORTH_PASSING = 0.9, 2.0
 class MoveWithoutBirths(Move):
     """Contacts during a slip in which broken contacts stay out until the slider stops.
 
+    On panels that `_pass_without_balance` passes the force is an upper bound: it is right again from where they end.
+
     _widest : width of the widest panel that is tried next (a length)
     _together : panels that are tried together, as most of the work is the same for one and for many
     _holding, _force : share of the contacts that hold where the last panel ends, and the force along the motion there
@@ -98,7 +100,7 @@ class MoveWithoutBirths(Move):
             count = min(count, max(int(room / width), 1))
             starts = begin + width * np.arange(count)[:, None]
             sums = march.enter_and_sum_at(starts + width * TARGETS)[..., : polynomials.DEGREE + 1]
-            force = sums[1]
+            number, force = sums
             error = (
                 np.abs(force @ polynomials.TO_LEGENDRE[-2:].T).max(axis=1) / life.largest_stretch
             )
@@ -108,7 +110,7 @@ class MoveWithoutBirths(Move):
             if good:
                 break
             self._widest, count = 0.5 * width, 1
-        self._holding = float(sums[0, good - 1, -1])
+        self._holding = float(number[good - 1, -1])
         self._force = self.direction * float(force[good - 1, -1])
         # beside a panel that was too wide the next ones are, too; the error grows as the width to the power DEGREE
         if good < count:

@@ -61,6 +61,7 @@ def largest_of_late(drops: Array) -> float:
 
 
 def slips_of(rows: Array, spring: float, error: float) -> Slips:
-    """The slips with these X_T and forces before and after, shape (3, n), which the spring balances."""
+    """The slips with these X_T and forces before and after (lengths), shape (3, n), which the spring balances; `error`:
+    of X_T (a length)."""
     drive, above, below = rows
     return Slips(drive, drive - above / spring, drive - below / spring, above, below, error)

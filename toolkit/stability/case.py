@@ -32,7 +32,7 @@ OVERRUN = "claims success beside a larger error than its tolerance"
 class Truth:
     """What holds, by a road of its own.
 
-    values : (n,), in mean thresholds (or in the unit that the case names)
+    values : (n,), of a `Case` forces in mean thresholds, of a `Question` its number in the unit of its name
     error : bound of the error of these values, a number or (n,)
     road : which road it is, in words
     """
@@ -106,7 +106,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Question:
-    """A number of the toolkit (K*, F_k, <x_s> of an origin, the regime) with its truth."""
+    """A number (K*, F_k, <x_s> of an origin, the regime) with its truth; `solver`: who answers, in the table."""
 
     group: str
     name: str

@@ -57,13 +57,13 @@ from toolkit.verdict.with_mass import (
     with_other_delay,
 )
 
-# of the time that is left, for the scene's own reading
+# part of the time that is left, for the scene's own reading
 OWN = 0.5
-# of it, for its slider with mass and the other delay, which takes a moment as a rule
+# part of that reading's time, for its slider with mass and the other delay, which takes a moment as a rule
 OF_OTHER_DELAY = 0.5
-# of a reading's time for a slider with mass; where that does not do, slip rules have the rest
+# part of a reading's time for a slider with mass; where that does not do, slip rules have the rest
 HEAVY = 0.8
-# of K* and F_s of readings other than the scene's own
+# tolerance of K* and F_s of readings other than the scene's own
 TOLERANCE = 1e-6
 # relative error of both that is not seen on the page, and not lowered with more work; of other readings, of which the
 # page has the largest and the smallest

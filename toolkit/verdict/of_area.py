@@ -143,9 +143,13 @@ def verb(kinds: set[str]) -> str:
     """What sliders do of which so many kinds are told."""
     if len(kinds) > 1:
         return "slip or slide otherwise, by the slip rule"
-    verbs = {"stick-slip": "stick and slip", "smooth": "slide smoothly"}
-    verbs[EVER_RARER] = "slip ever more rarely"
-    return verbs.get(min(kinds), "slip now and then")
+    verbs = {
+        "stick-slip": "stick and slip",
+        "smooth": "slide smoothly",
+        "now and then": "slip now and then",
+        EVER_RARER: "slip ever more rarely",
+    }
+    return verbs[min(kinds)]
 
 
 def behaved(verdict: Verdict, finite: Finite) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from toolkit.results.slips import QUARTERED, Spread
 from toolkit.scene.scale import Scale, guarded, of_contacts, rounded_up, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.sliders.budget import LONGER
+from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite
 from toolkit.verdict.uncertainty import TOLD_FROM, is_vague, widest_uncertainty
@@ -78,7 +78,7 @@ def seen_slips(slider: Behaviour, fall: str) -> str:
     if slider.slips != 1:
         seen = f"{slider.slips} slips were seen{shrinking(slider)}, the last"
     few = slider.sliders.message if slider.sliders else ""
-    longer = f"; {LONGER}" * ("wall_time" in slider.message + few)
+    longer = f"; {HOW_TO_GIVE_MORE_TIME}" * ("wall_time" in slider.message + few)
     return f"not decided: {seen} from {fall}, and whether it goes on is not known{longer}"
 
 

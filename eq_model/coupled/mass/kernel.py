@@ -70,7 +70,8 @@ def _form(s, contacts, i, supply, pull, age):  # type: ignore[no-untyped-def]
     set_place(contacts.behind, i, x - s.at + r)
     stretch = np.float64(r)
     add(pull.energy, STORED, 0.5 * k * stretch * stretch)
-    # formed at a whole position beside the slider, it stores this much
+    # positions are whole numbers: formed at `at` it is stretched by `off` at once, an energy that nobody gives, which
+    # is taken off what breaks release
     add(pull.energy, RELEASED, -0.5 * k * s.off * s.off)
 
 

@@ -15,7 +15,8 @@ The force on a straight move, and what the contacts store, come from the panels 
 ring for too long.
 With a delay births depend on time: `delayed/` has a state and motions of its own. Where it is so short that it only
 takes from the damping, it is left out (`short_delay.py`). With any other law beside thresholds and start `in_time/`
-takes steps of time. Weak heat is left out: `heat_left_out.py` says whether a slip hangs on it.
+takes steps of time. Weak heat is left out: `heat_left_out.py` says whether a slip hangs on it. Whether a delay lets
+swings of steady sliding grow, and how large, is told by `growing_swings.py`.
 
 In reading order: `slider.py`, `body.py`, `reaction.py`, the three modes, `record.py`, `run.py`, `short_delay.py`,
 `runs.py`, `solution.py`; then `delayed/` and `in_time/`.

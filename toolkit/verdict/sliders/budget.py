@@ -23,7 +23,7 @@ from toolkit.verdict.sliders.ways import first_way, lives_in_a_slip, loading_of
 # s for all readings and rules together, where the scene gives none, and what to do where they do not suffice
 WALL_TIME = 60.0
 MORE_TIME = f"raise wall_time (s, {WALL_TIME:.0f} where none is given)"
-LONGER = f"the command's --set wall_time={10 * WALL_TIME:.0f} gives it ten minutes"
+HOW_TO_GIVE_MORE_TIME = f"the command's --set wall_time={10 * WALL_TIME:.0f} gives it ten minutes"
 NO_TIME = f"wall_time is used up ({WALL_TIME:.0f} s where none is given): raise it"
 INTERRUPTED = "interrupted before it was followed"
 # why nothing is told of a slider, and of a reading other than the scene's own

@@ -50,10 +50,11 @@ SWUNG = 0.05
 LATE, RINGS = 10, 2.0 * SMALL
 # times the error of fewer contacts than there are, below which their slips may be chance, and more of them slide
 SURE = 2.0
-# How often at most sliders whose slips are still those of a transient are pulled further, and how many times as far;
-# the latter where steady sliding is stable, as slips may end after hundreds of delays then. And how many times as long
-# as its share of a way the next may take.
-ROUNDS, AS_FAR, LONGER = (5, 3), (2, 4), 1.25
+# Where slips are still those of a transient: how often at most the sliders are pulled further, and how many times as
+# far each time; the second numbers hold where steady sliding is stable, as slips may end after hundreds of delays then.
+ROUNDS, AS_FAR = (5, 3), (2, 4)
+# times as long as its share of the way so far that the next way may take
+LONGER = 1.25
 NOT_SLID = "their path ended before they slid or slipped"
 ONCE = f"their path ended before they slid after a slip or all slipped again: {MORE_TIME}"
 

@@ -279,7 +279,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         return finite
     if rule == "mass":
         return _sliding_with_mass(finite, found, settled, mean)
-    late = late_force(forces, path[settled], machine.spring, SETTLED * BEYOND)
+    late = late_force(forces, path[settled], machine.spring, lives=SETTLED * BEYOND)
     moved = float((found.positions[:, -1] - found.positions[:, 0]).min())
     rises = late.rises and moved < FAR * mean
     return replace(finite, late=late.mean, late_error=late.error, rises=rises)

@@ -43,21 +43,21 @@ from toolkit.verdict.sliders.told import (
 from toolkit.verdict.sliders.ways import LOADINGS, loading_of
 from toolkit.verdict.sliders.weak_heat import by_contacts_without_heat
 
-# of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
+# tolerance of the force, in mean thresholds: at T = 0, and where a law of the contacts depends on time
 TOLERANCE, TOLERANCE_IN_TIME = 1e-6, 1e-3
-# where it is only told whether the slider slips: slips of a third of it are listed
+# tolerance where it is only told whether the slider slips: slips of a third of it are listed
 WHETHER_IT_SLIPS = 0.03
-# of a slider with mass and a delay, of which 1e-3 takes some times as long; and of one whose contacts change with their
-# age (the longest slips are those of contacts that strengthen) on a spring softer than this, in N_c<k>. There places of
-# slips are asked for, whose error adds up from slip to slip: the forces of five on a scan are known to 0.04 then, after
-# some hundred steps each
+# tolerance of a slider with mass and a delay, of which 1e-3 takes some times as long; and of one whose contacts change
+# with their age (the longest slips are those of contacts that strengthen) on a spring softer than SOFT, in N_c<k>:
+# there places of slips are asked for, whose error adds up from slip to slip, and the forces of five on a scan are known
+# to 0.04 then, after some hundred steps each
 TOLERANCE_WITH_DELAY, TOLERANCE_OF_LONG_SLIPS, SOFT = 1e-2, 0.1, 1e-2
 # lengths of the drive's path in loadings, from no force to the static one: tried one after the other
 LENGTHS = (LOADINGS, 20.0, 60.0)
-# the first with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
+# the first length with mass and a delay: the slider swings to a force below 0, and its periods are up to 2 loadings
 FIRST_WITH_DELAY = 9.0
-# the first where contacts grow stronger: it ends between the fifth slip and a sixth, on a scan, so that coarser steps,
-# which have slips a little earlier, have as many
+# the first length where contacts grow stronger: it ends between the fifth slip and a sixth, on a scan, so that coarser
+# steps, which have slips a little earlier, have as many
 FIRST_OF_LONG_SLIPS = 5.8
 # tolerance of F_s and K*, where they decide how far a slider is pulled, and of one that rings for too long
 ROUGHLY = 1e-3
@@ -65,15 +65,15 @@ ROUGHLY = 1e-3
 DAMPED, FIRST_DAMPED = {0.1: TOLERANCE, 1.0: ROUGHLY}, 0.25
 # part of a slider's force that a damping which nobody gave may bear
 ASSUMED = 0.1
-# of the time, for the master equation where something else follows if it does not end: the ensemble, a damped slider;
-# and s of it at most under a slip rule, which ordinary laws take a second for, and laws with many peaks minutes
+# part of the time for the master equation where something else follows if it does not end, the ensemble or a damped
+# slider: with mass; under a slip rule, with most s, as ordinary laws take a second there, with many peaks minutes
 FIRST_OF_MASS, FIRST_OF_RULES, ENOUGH_OF_RULES = 0.5, 0.8, 10.0
-# of the time, for the master equation with a delay shorter than a slip, of which it takes half a minute as a rule
+# the same with a delay shorter than a slip, for which the master equation takes half a minute as a rule
 FIRST_OF_SHORT = 0.65
-# and where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows; or in heat
-# beside a mass, of whose slips the master equation seldom knows the force at points near them, or takes too many steps
+# the same where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows; or in
+# heat beside a mass, as the master equation seldom knows the force at points near slips, or takes too many steps
 FIRST_OF_STABLE = 0.25
-# and in heat, of which steps are refused in a moment as a rule, or lead nowhere, before other roads are asked
+# the same in heat, of which steps are refused in a moment as a rule, or lead nowhere, before other roads are asked
 FIRST_IN_HEAT = 0.25
 # slips that tell a regime, and part of a period by which the path goes on beyond them
 ENOUGH_SLIPS, PART_OF_PERIOD = 5, 0.2

@@ -10,7 +10,7 @@ from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import counted, disagreeing, verb
 from toolkit.verdict.readings import STRETCHED
-from toolkit.verdict.sliders.budget import LONGER
+from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
 from toolkit.verdict.sliders.machine import NAMED, RULES, Behaviour
 from toolkit.verdict.sliders.steady import friction_decides, unstable_delays
 from toolkit.verdict.slips_in_words import does
@@ -132,7 +132,7 @@ def of_extremes(verdict: Verdict) -> str:
     if between := _swinging_delays(own):
         said += f"; {between} it swings or slips"
     late = "wall_time" in first.message
-    return f"not decided{' in time' * late}: {said}{f'; {LONGER}' * late}"
+    return f"not decided{' in time' * late}: {said}{f'; {HOW_TO_GIVE_MORE_TIME}' * late}"
 
 
 def of_rules(verdict: Verdict) -> Iterator[Line]:

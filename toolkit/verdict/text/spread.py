@@ -5,7 +5,7 @@ from origins.samples.from_samples import sampled_parts
 from toolkit.running.resampled import RATHER_LARGE, known_to
 from toolkit.scene.scale import with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.sliders.budget import LONGER
+from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
 from toolkit.verdict.uncertainty import (
     WORTH_TELLING,
     is_vague,
@@ -76,7 +76,9 @@ def other_samples(verdict: Verdict) -> list[str]:
             return [f"other samples: one standard error, {_by_which_road(verdict.own, drawn)}"]
         if verdict.stopped is not None:
             return [f"other samples: interrupted before the {drawn:,} thresholds were resampled"]
-        return [f"other samples: no time was left to resample the {drawn:,} thresholds; {LONGER}"]
+        return [
+            f"other samples: no time was left to resample the {drawn:,} thresholds; {HOW_TO_GIVE_MORE_TIME}"
+        ]
     if isinstance(law.interface, Interface):
         said = "other samples: one surface is one sample (n = 1), which tells nothing of others"
         return [said + _of_the_scan(verdict)]

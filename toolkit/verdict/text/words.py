@@ -94,7 +94,9 @@ def sentence(verdict: Verdict) -> str:
 
 
 def _answered(verdict: Verdict) -> str:
-    """What the sentence says of the readings that were decided."""
+    """What the sentence says of the readings that were decided. The first of these that holds: contacts of the area do
+    something else than infinitely many; a mass is not decided but at both extremes of the delay; readings or rules
+    differ in kind; else what the own reading says by its rules."""
     own = verdict.own
     if own.machine is None:
         return without_spring(verdict)
