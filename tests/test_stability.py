@@ -21,7 +21,8 @@ from toolkit.scene.laws import THRESHOLDS
 from toolkit.scene.scene import load_scene
 from toolkit.stability import laws, sliders, speeds, surfaces, thresholds
 from toolkit.stability.case import Case, CaseAnswer, Question, Row, Truth, judged, rows
-from toolkit.stability.scene_map import not_pushed, numbers, scene_map, times, trusted
+from toolkit.stability.pushes import not_pushed, numbers, searches, times
+from toolkit.stability.scene_map import scene_map, trusted
 from toolkit.stability.table import VERDICTS, extreme_cases, line, stability, summary
 from toolkit.stability.work import within_work
 
@@ -163,10 +164,11 @@ def test_a_map_without_time_says_what_it_did_not_ask(
     found = json.loads((tmp_path / "out" / "stability.json").read_text())["rows"]
     pushed = [row for row in found if row["group"] != "as it is"]
     assert pushed and {row["verdict"] for row in pushed} == {"slow"}
-    assert {row["case"][:6] for row in pushed} == {"x 1e-1", "x 1e+1"}
+    first = {"x 1e-1", "x 1e+1", "1e-06 ", "x 1e+0"}  # of a zero, and of a number of [eq]
+    assert {row["case"][:6] for row in pushed} == first
     said = capsys.readouterr().out
     assert said.count("not asked: a map has") == len(pushed)
-    assert "contacts.thresholds.mean: answered within the tolerance at 1 to 1 times" in said
+    assert "contacts.thresholds.mean: answered within the tolerance at 1 times" in said
 
 
 def _checked(found: list[Row]) -> None:
@@ -246,15 +248,68 @@ def test_numbers_of_a_scene() -> None:
         "contacts": {"thresholds": {"kind": "gaussian", "mean": 1.0, "seed": 3}, "start": 0.0},
         "drive": {"spring": "50 N/m", "to": 3.0, "points": 10, "turns": [1.0, 2.0], "damping": 0.0},
         "master": {},
-        "eq": {"contacts": 100},
+        "eq": {"contacts": 100, "seed": 2, "histograms": [0.0]},
     }
-    asked = {"contacts.thresholds.mean": 1.0, "drive.spring": "50 N/m", "master.tolerance": 1e-8}
+    asked = {"contacts.thresholds.mean": 1.0, "contacts.start": 0.0, "drive.spring": "50 N/m"}
+    asked |= {"drive.to": 3.0, "drive.turns": [1.0, 2.0], "drive.damping": 0.0}
+    asked |= {"master.tolerance": 1e-8, "eq.contacts": 100, "eq.replicas": 16}
     assert dict(numbers(scene)) == asked
+    assert dict(numbers(scene, coupled=True)) == {
+        key: value for key, value in asked.items() if key != "eq.replicas"
+    }
     kept = {line.split(": ")[1] for line in not_pushed(scene)}
-    far = "contacts.thresholds.seed, drive.to, drive.points"
-    assert kept == {far, "drive.turns", "contacts.start, drive.damping", "eq.contacts"}
+    assert kept == {"contacts.thresholds.seed, eq.seed", "drive.points", "eq.histograms"}
     assert times("50 N/m", 1e-3) == "0.05 N/m"
     assert times(0.2, 10.0) == 2.0
+    assert times([1.0, [2, 5]], 10.0) == [10.0, [20, 50]]
+
+
+def test_zeros_lists_and_numbers_of_the_ensemble_are_pushed() -> None:
+    """A zero to parts of what such a number is measured in here; the contacts that a spring couples to no few."""
+    scene = {
+        "contacts": {
+            "thresholds": {"kind": "gaussian", "mean": 4.0, "std": 0.5},
+            "start": {"kind": "gaussian", "mean": 0.0, "std": 0.1},
+        },
+        "drive": {"to": 8.0, "spring": 4.0, "mass": 9.0, "velocity": 2.0},
+        "master": {},
+        "eq": {"contacts": 500},
+    }
+    pulled = load_scene(scene)
+
+    def pushed(key: str, value: Any, scene: Any = pulled) -> list[list[tuple[str, Any]]]:
+        return [[(one.name, one.value) for one in way] for way in searches(key, value, scene)]
+
+    (way,) = pushed("contacts.start.mean", 0.0)
+    assert way[0] == ("1e-06 <x_s>: 4e-06", pytest.approx(4e-6)) and len(way) == 6
+    assert pushed("contacts.delay.time", 0)[0][-1] == ("1e-01 <x_s>/v: 0.2", pytest.approx(0.2))
+    for none in (0.0, "0 N s/m"):
+        assert pushed("drive.damping", none)[0][-1][1] == pytest.approx(0.6)
+    down, up = pushed("drive.turns", [8.0, -8.0])
+    assert down[0] == ("x 1e-1: [0.8, -0.8]", [0.8, -0.8]) and up[0][1] == [80.0, -80.0]
+    down, up = pushed("eq.contacts", 500)
+    assert not down and [value for _, value in up] == [5_000, 50_000, 500_000, 5_000_000]
+    rigid = load_scene({**scene, "drive": {"to": 8.0}})
+    down, up = pushed("eq.contacts", 500, rigid)
+    assert [value for _, value in down] == [50, 5, 1] and up[0] == ("x 1e+0: 500", 500)
+
+
+def test_an_ensemble_of_the_scenes_own_size_stands_beside_the_scene_as_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What a map tells of the numbers of [eq]; a tolerance that no ensemble of this size has is told as missed."""
+    monkeypatch.setattr("toolkit.stability.pushes.DECADES", 1)
+    thresholds = {"kind": "rectangular", "lower": 0.5, "upper": 1.5}
+    scene = {"contacts": {"thresholds": thresholds}, "drive": {"to": 1.2, "points": 5}}
+    eq = {"contacts": 1000, "replicas": 2, "tolerance": 0.05}
+    lines = list[str]()
+    found = scene_map(load_scene({**scene, "master": {"tolerance": 1e-6}, "eq": eq}), lines.append)
+    _checked(found)
+    own = {(row.group, row.case.split(":")[0]): row for row in found if row.group[:2] == "eq"}
+    assert {row.solver for row in own.values()} == {"ensemble"}
+    assert own["eq.contacts", "x 1e-1"].claim > 2.0 * own["eq.contacts", "x 1e+0"].claim
+    assert own["eq.tolerance", "x 1e-1"].verdict == "short, and says so"
+    assert "eq.tolerance: answered within the tolerance at 1 to 10 times its value" in lines
 
 
 def test_a_map_ends_where_a_number_is_refused(
@@ -330,7 +385,7 @@ def test_a_number_takes_no_more_than_its_share_of_the_wall_time(
         return [quick]
 
     monkeypatch.setattr("toolkit.stability.table.rows", endless)
-    monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 1)
+    monkeypatch.setattr("toolkit.stability.pushes.DECADES", 1)
     folder = tmp_path / "out"
     assert main(["stability", "gaussian", "--set", "wall_time=3", "--out", str(folder)]) == 0
     found = json.loads((folder / "stability.json").read_text())
@@ -376,7 +431,7 @@ def test_few_contacts_that_slip_where_infinitely_many_slide_are_no_second_road(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Above K* = 0.035, where 5,000 contacts still slip, but for N K³ > 50 they are asked."""
-    monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 0)
+    monkeypatch.setattr("toolkit.stability.pushes.DECADES", 0)
     file = tmp_path / "wide.toml"
     for spring, solvers in ((0.05, ["master"]), (0.5, ["master", "ensemble"])):
         file.write_text(
@@ -392,7 +447,7 @@ def test_a_timed_drive_is_cut_with_its_times_before_the_first_slip(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The drive of stick-slip-ends: a slider with mass that slips at X_T = 52."""
-    monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 0)
+    monkeypatch.setattr("toolkit.stability.pushes.DECADES", 0)
     file = tmp_path / "timed.toml"
     file.write_text(
         '[contacts]\nthresholds = { kind = "gaussian", mean = 1.0, std = 0.2 }\n'
@@ -408,7 +463,7 @@ def test_a_first_slip_before_the_second_point_of_the_path_is_compared_up_to_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With points 8 <x_s> apart and a slip at 1.8 the start alone was compared, as 0 = 0, and called exact."""
-    monkeypatch.setattr("toolkit.stability.scene_map.DECADES", 0)
+    monkeypatch.setattr("toolkit.stability.pushes.DECADES", 0)
     thresholds = '[contacts]\nthresholds = { kind = "gaussian", mean = 1.0, std = 0.2 }\n'
     file = tmp_path / "far.toml"
     file.write_text(f"{thresholds}[drive]\nto = 180.0\nspring = 0.8\n[master]\ntolerance = 1e-8\n")

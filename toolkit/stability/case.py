@@ -92,6 +92,7 @@ class Case:
     drive : keywords of both solvers, in the contacts' unit
     tolerance : of the master equation
     n_contacts : of the ensemble; 0 leaves it out
+    of_ensemble : other keywords of it, such as n_replicas
     """
 
     group: str
@@ -102,6 +103,7 @@ class Case:
     drive: Mapping[str, Any] = field(default_factory=dict)
     tolerance: float = 1e-6
     n_contacts: int = 100_000
+    of_ensemble: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -242,27 +244,23 @@ def solved(case: Case, contacts: Contacts, path: Array) -> CaseAnswer:
     solve = partial(master.solve, contacts, path, case.tolerance, **case.drive)
     found = within_work(solve, LONGEST)
     unit, pulled = contacts.mean_threshold, _bounded(case, found.force)
-    faults = invariants(found.holding, pulled / unit, float(found.force_error), contacts, path)
-    return CaseAnswer(
-        found.force / unit,
-        float(found.force_error),
-        bool(found.success),
-        case.tolerance,
-        found.message,
-        faults,
-    )
+    error, success = float(found.force_error), bool(found.success)
+    faults = invariants(found.holding, pulled / unit, error, contacts, path)
+    return CaseAnswer(found.force / unit, error, success, case.tolerance, found.message, faults)
 
 
 def simulated(case: Case, contacts: Contacts, path: Array, longest: float = LONGEST) -> CaseAnswer:
     """The ensemble's forces, in mean thresholds; of soft sliders from so many replicas that their scatter is known."""
     import eq_model
 
-    replicas = REPLICAS if "spring" in case.drive else 1
-    many: dict[str, Any] = {"n_contacts": case.n_contacts, "n_replicas": replicas, "seed": 1}
-    found = within_work(partial(eq_model.simulate, contacts, path, **many, **case.drive), longest)
-    replicas = found.contacts // case.n_contacts or 1  # of a slow one so many as are done
+    coupled = "spring" in case.drive
+    many = {"n_replicas": REPLICAS if coupled else 1, "seed": 1} | dict(case.of_ensemble)
+    simulate = partial(eq_model.simulate, contacts, path, n_contacts=case.n_contacts, **many)
+    found = within_work(partial(simulate, **case.drive), longest)
+    # of a slow one so many as are done; independent contacts tell their scatter by themselves
+    replicas = found.contacts // case.n_contacts if coupled else 1
     unit, pulled = contacts.mean_threshold, _bounded(case, found.force)
-    by_chance = bounding_factor(replicas) * found.force_standard_error
+    by_chance = bounding_factor(replicas or 1) * found.force_standard_error
     # a break takes the force of one contact, which is stretched by no more than the way, and by <x_s> as a rule
     stretch = np.minimum(np.maximum.accumulate(np.abs(path)), unit)
     unseen = UNSEEN / found.contacts * stretch
