@@ -52,6 +52,10 @@ def test_narrow_thresholds_slide_at_the_kinetic_force(spring: float) -> None:
     assert found.kind == "smooth" and np.ptp(found.force[-120:]) > 0.25
     assert found.before == found.after == pytest.approx(exact, rel=1e-6)
     assert abs(found.force[-1] - exact) > 0.05
+    # that swing is told by its ends, and is no error of F_k: "smooth at 0.50 ± 0.30" was told
+    assert found.error < 1e-5 and found.swings is not None
+    low, high = found.swings
+    assert low < exact - 0.05 and exact + 0.05 < high
 
 
 def test_exact_thresholds_that_keep_their_order_have_the_swing_in_their_error() -> None:

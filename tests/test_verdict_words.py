@@ -30,9 +30,10 @@ from toolkit.verdict.sliders.budget import at_most, without_useless_damping
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
-from toolkit.verdict.slips_in_words import hidden_by, swinging
+from toolkit.verdict.slips_in_words import hidden_by, kind_of_trace, swinging
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.k_star import of_critical_spring
+from toolkit.verdict.text.over_load import of_spread
 from toolkit.verdict.text.spread import other_samples, range_of_force
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.undone import with_rules
@@ -200,6 +201,40 @@ def test_the_last_part_of_a_way_of_few_cycles_is_a_part_of_it() -> None:
     force = np.where(np.arange(400) % 2, 0.5, -0.3)
     begin = last_cycles(told(slips("mass", drive=drive, force=force, period=1.0), machine=HEAVY))
     assert begin is not None and 1.4 <= 6.6 - begin <= 2.0  # so that one slip is among them
+
+
+def test_friction_over_the_load_says_how_far_it_is_from_half_of_one_contacts() -> None:
+    """By GW with "amontons" breaking forces are 0.4 of the load, and F_k/load a quarter above half of that; by Persson
+    with "paper" k is proportional to x_s, and F_k is half of it. Sums over thresholds are moments of P_c."""
+    for name, more in (("rough-gw-amontons", True), ("rough-persson-paper", False)):
+        contacts = load_scene(name).contacts
+        law, surface = contacts.thresholds, contacts.interface
+        own = replace(told().own, contacts=contacts)
+        said = of_spread(replace(told(), answers=(own,)))
+        over = surface.mean_stiffness * law.moment(2) / (law.mean() * surface.mean_force_threshold)
+        assert bool(said) is more and (over > 1.2) is more
+        for line in said:
+            assert line.startswith(
+                f"F_k/load is {over:.2f} times half of all breaking forces, 0.200"
+            )
+    linked = replace(own, contacts=contacts.replace(stiffness="linked"))
+    assert not of_spread(replace(told(), answers=(linked,)))
+
+
+def test_slips_that_go_on_to_die_out_are_not_told_as_over() -> None:
+    """Where the path ends while they still swing: "slips 11 times, and then no more" was told."""
+    dying = slips(
+        "instant",
+        kind="smooth",
+        before=0.5,
+        after=0.5,
+        slips=11,
+        shrinks_by=0.06,
+        swings=(0.3, 0.7),
+    )
+    found = told(dying)
+    assert "slips 11 times on the way that was followed, ever less" in "\n".join(page(found))
+    assert kind_of_trace(dying) == "slips that die out, smooth in the end"
 
 
 def test_without_a_machine_the_springs_have_an_axis_of_short_ticks_and_infinity_is_a_word() -> None:

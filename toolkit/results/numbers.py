@@ -94,13 +94,20 @@ def _of_slips(eq: Any, scale: Any) -> dict[str, Number]:
     return found
 
 
+def is_rough(result: Any) -> bool:
+    """Whether the contacts are those of a rough surface: another patch, step, threshold law or contact model changes
+    its forces by some per cent at least, and K* by orders of magnitude."""
+    return result.interface is not None and "area_fraction" in result.interface
+
+
 def in_words(result: Any) -> list[str]:
-    """Lines of a report on these numbers."""
+    """Lines of a report on these numbers, of a rough surface to the digits that other readings of it may leave."""
     numbers, lines = numbers_of(result), list[str]()
+    forces, springs = (3, 2) if is_rough(result) else (4, 4)
 
     def said(name: str) -> str:
-        own = numbers[name]
-        return with_uncertainty(own.value, own.error or 0.0, own.unit)
+        own, digits = numbers[name], springs if "spring" in name else forces
+        return with_uncertainty(own.value, own.error or 0.0, own.unit, digits)
 
     def over_load(name: str) -> str:
         own = numbers.get(f"{name}_over_load")

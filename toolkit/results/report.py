@@ -7,7 +7,7 @@ import numpy as np
 
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.kinds import is_coupled, is_precise
-from toolkit.results.numbers import in_words
+from toolkit.results.numbers import in_words, is_rough
 from toolkit.results.verdicts import contradiction
 from toolkit.scene.interfaces import in_a_line, with_error
 from toolkit.scene.scale import spoken, with_uncertainty
@@ -29,7 +29,9 @@ def report(result: Any) -> list[str]:
         lines += in_words(result)
     nothing = solved is not None and not np.isfinite(solved.force_error)
     if solved is not None:
-        error = f"error {result.scale.error(solved.force_error, result.mean_threshold)}"
+        error = f"numerical error {result.scale.error(solved.force_error, result.mean_threshold)}"
+        if solved.success and is_rough(result):
+            error = "solved to its tolerance (numerical errors are in summary.json)"
         took = f"{solved.run_time:.4f} s"
         # its message, which the command ends with, says why
         accuracy = "not solved" if nothing else error
@@ -38,7 +40,7 @@ def report(result: Any) -> list[str]:
         error = solved.slips.period_error
         period = with_error(solved.period, error, 9)
         if result.thresholds.in_metres:
-            period = with_uncertainty(solved.period, error, "m")
+            period = with_uncertainty(solved.period, error, "m", 3 if is_rough(result) else 4)
         periodic = is_precise(solved) and solved.slips.period is not None
         period_text = f", last period {period}" if periodic else ""
         lines.append(f"regime  {solved.regime.verdict}{period_text}: {solved.regime.reason}")
@@ -71,9 +73,13 @@ def report(result: Any) -> list[str]:
             result.scale.error(each / result.mean_threshold, result.mean_threshold)
             for each in errors
         )
-        besides = f"; of the time steps of ageing {steps}" if errors[1] else ""
+        besides = f"; of the time steps of ageing {steps}" * bool(errors[1])
+        # of sliders that slip each at its own place the mean force is that of none of them
+        whose = ""
+        if is_coupled(eq) and eq.slips.number.size:
+            whose = f", between {len(eq.forces)} sliders where some have slipped"
         lines.append(
-            f"eq      error {error} (largest standard error{besides})  run time {eq.run_time:.4f} s, "
+            f"eq      standard error {error} at most{besides}{whose}  run time {eq.run_time:.4f} s, "
             f"compiled in {eq.compile_time:.2f} s  {int(eq.breaks):,} breaks on {len(eq.breaks_per_rank)} rank(s)"
         )
     if is_coupled(eq):

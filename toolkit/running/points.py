@@ -49,7 +49,9 @@ def solve_points(
     """Solve every point of the scene's sweep. All ranks of `comm` must call; each gets the whole record.
 
     Rank r takes every size-th point from the r-th on; each rank has as many processes as its share of the node's cores.
-    A pool of mpi4py.futures would take no fewer lines, and keep rank 0 from work, as it deals the points out.
+    A pool of mpi4py.futures (MPICommExecutor, which needs no spawn) would replace one line of these by ten, as one rank
+    still needs the processes, and keeps rank 0 from work, as it deals the points out: on a node of two cores 16 points
+    of a slider in heat took 120 s on two ranks and 77 s on three, by such a pool 141 and 108 s.
     A point's numbers are those of the same solve wherever it is done. In the folder `kept` finished points are kept as
     they come, by what they depend on: another launch, on any number of ranks, solves those that are missing.
     """

@@ -85,7 +85,10 @@ def of_resampled(
 # Of 400 samples of a lognormal law of std 0.4 in ln x_s, whose K* is 0.031 N<k>, six sets gave 0.017 to 0.128 and
 # errors of 0.016 to 0.06, two of them 2.7 and 2.9 errors too large; of a normal law of std 0.2, whose K* is 1.04, six
 # sets gave 0.96 to 1.10, none off by more than 1.5 errors.
-RATHER_LARGE = "scatter of samples makes the steepest fall of F steeper: a K* far below N<k> is rather too large"
+RATHER_LARGE = (
+    "chance lumps among the samples make F fall more steeply, so that a K* far below N<k> is rather too large: more "
+    "samples, or a smooth law fitted to them, tell it better"
+)
 
 
 def scatter_of(value: float, others: Sequence[float]) -> float:

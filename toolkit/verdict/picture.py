@@ -33,8 +33,9 @@ _HIGH, _MOST = 1.5, 0.98
 _LOW, _EACH = 2.8, 0.2
 # letters of a line of the title, beyond which an answer is cut
 _LONG = 110
-# of an axis of springs, its least width as a factor: numerical errors alone would make ticks of many digits
-_LEAST_WIDTH = 30.0
+# of an axis of springs, its least width as a factor: numerical errors alone would make ticks of many digits, and on
+# less than two decades multiples of a power of ten are labelled, too, too near to one another in so narrow a panel
+_LEAST_WIDTH = 120.0
 # widths of P_c and the springs, of one reading and of several
 _ONE_WIDE, _WIDE = (2.2, 1.0), (1.0, 1.0)
 

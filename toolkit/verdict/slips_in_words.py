@@ -26,6 +26,8 @@ def does(finite: Finite) -> str:
 
 def kind_of_trace(behaviour: Behaviour) -> str:
     """What a trace shows, in words; of one that ends early, that it does."""
+    if behaviour.kind == "smooth" and behaviour.swings and behaviour.shrinks_by:
+        return "slips that die out, smooth in the end"
     if behaviour.kind != "undecided":
         return behaviour.kind
     if behaviour.few_break is not None:

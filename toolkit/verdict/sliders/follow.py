@@ -175,9 +175,10 @@ def _settled(
     found: Behaviour, machine: Machine, rigid: RigidSlider, contacts: Contacts
 ) -> Behaviour:
     """Smooth sliding whose force still changes at the path's end, or is F_k within its error, at F_k and what the
-    damping bears, to which it tends once contacts that began together have forgotten it. With a mass what still swings
-    is the error, no less than what slips that shrink leave, as contacts that come back together hold it for less than
-    from one point to the next. Exact thresholds may keep their order: the force is told as it is."""
+    damping bears, to which it tends once contacts that began together have forgotten it, with the ends between which it
+    swings until then. With a mass what still swings is the error, too, no less than what slips that shrink leave, as
+    contacts that come back together hold it for less than from one point to the next. Exact thresholds may keep their
+    order: the force is told as it is."""
     if found.kind != "smooth" or not found.drive.size:
         return found
     mean, waits = contacts.mean_threshold, machine.velocity * contacts.waiting_time
@@ -191,14 +192,15 @@ def _settled(
         return replace(found, before=steady, after=steady, error=known)
     if exact.size:
         return replace(found, error=found.error + change)
-    error = max(found.error, rigid.kinetic_error / mean)
-    if machine.mass is None:
-        return replace(found, before=steady, after=steady, error=max(error, found.left / mean))
-    error = max(error, abs(found.after - steady) / mean, found.left / mean)
+    error, left = max(found.error, rigid.kinetic_error / mean), found.left / mean
+    if machine.mass is not None:
+        error = max(error, abs(found.after - steady) / mean, left)
     ends = float(found.force[late].min()), float(found.force[late].max())
     swings = ends if change > max(found.error, SWUNG * abs(steady) / mean) else None
     found = replace(found, before=steady, after=steady, swings=swings)
-    return replace(found, error=max(error, change))
+    if machine.mass is not None:
+        return replace(found, error=max(error, change))
+    return replace(found, error=error if swings else max(error, left))
 
 
 def _damped(

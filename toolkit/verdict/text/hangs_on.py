@@ -162,6 +162,10 @@ def why_smooth(verdict: Verdict) -> list[str]:
     often = " to ".join(f"{one:,}" for one in dict.fromkeys((min(seen), max(seen))))
     words = {"0": "no more", "1": "once, and then no more", "0 to 1": "at most once"}
     often = words.get(often, f"{often} times, and then no more")
+    if any(one.swings and one.shrinks_by for one in smooth):
+        often = (
+            f"{max(seen):,} times on the way that was followed, ever less, and in the end no more"
+        )
     return [f"{said}{after}the slider slips {often}, {why_no_more_slips(own)}"]
 
 

@@ -45,6 +45,7 @@ from toolkit.verdict.text.kinds import (
 )
 from toolkit.verdict.text.of_delay import delay_decides, of_extremes, would_swing
 from toolkit.verdict.text.of_heat import of_small_falls, stability, way_to
+from toolkit.verdict.text.over_load import of_spread
 from toolkit.verdict.text.slip_rows import drop_of
 from toolkit.verdict.text.spread import other_samples, widest
 from toolkit.verdict.text.table import first_alike, table
@@ -69,7 +70,7 @@ def page(verdict: Verdict) -> list[str]:
     lines = [verdict.title, "", *early, *warnings(verdict), sentence(verdict)]
     beside = (*turned(verdict), *would_swing(verdict), *details(verdict))
     lines += [*(f"  {line}" for line in beside), ""]
-    lines += [*table(verdict), *other_samples(verdict), *why_above(verdict)]
+    lines += [*table(verdict), *of_spread(verdict), *other_samples(verdict), *why_above(verdict)]
     lines += [*why_smooth(verdict), *against_k_star(verdict), ""]
     lines += numerical_errors(verdict)
     if assumed := dependence(verdict):
