@@ -521,6 +521,26 @@ def test_a_balance_that_is_not_found_is_no_error_of_a_library() -> None:
     assert not root.converged and abs(root.step.imbalance) < 1e-5
 
 
+def test_births_are_never_beside_the_breaks_in_the_step_one_delay_before() -> None:
+    """Wide lognormal thresholds set in by orders of magnitude a step: the cubic through the ends of steps told 1.7e-7
+    births in the first one, of 1e-12 breaks, which its check took for a fault of the program."""
+    past, ends = BreaksInSteps(2.0, 0.0), (1e-12, 5.8e-8, 9.7e-6, 2.0e-4, 1.5e-3, 6.5e-3, 1.9e-2)
+    for n, breaks in enumerate(ends, 1):
+        past.add(0.28 * n, breaks, 0.25)
+    for part in np.linspace(0.05, 0.95, 7):
+        births = past.births_up_to(begin=1.96, end=2.0 + 0.28 * part).rest
+        assert 0.0 <= births <= ends[0]
+        past.check_births(1.96, 2.0 + 0.28 * part, births, births)
+
+
+def test_births_of_wide_lognormal_thresholds_that_strengthen_are_the_breaks_before() -> None:
+    """Where a cubic told others the run ended in a fault of the program."""
+    law = strengthening(stats.lognorm(0.415, scale=float(np.exp(-0.5 * 0.415**2))), 0.0128, 26.4)
+    contacts = Contacts(law, delay=Delay(2.12))
+    found = master.solve(contacts, [0.0, 9.4], 1e-2, spring=0.233, slip="instant")
+    assert found.success, found.message
+
+
 def test_a_step_that_leads_against_the_motion_is_a_fault(monkeypatch: Any) -> None:
     """Steps are counted along the motion: counted the other way their sizes are below 0, and their ends were lost."""
     monkeypatch.setattr(Steps, "turn_round", lambda self: None)

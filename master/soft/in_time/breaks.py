@@ -258,7 +258,9 @@ class BreaksInSteps:
 def _breaks_at(section: list[StepEnd], time: float) -> float:
     """Breaks up to a time in a section, from cubics of time and breaks over the sizes of steps, in which both are
     smooth. Towards a slip breaks come ever faster, and a cubic of breaks over time swung by a hundredth of all contacts
-    there: births were below 0. The section must not end before the time."""
+    there: births were below 0. Where breaks set in, by many orders of magnitude in a step, the cubic of sizes leaves
+    what they are at the ends of the step, too, between which they are, as they never fall. The section must not end
+    before the time."""
     # the step in which the time is ends here; at the section's begin, 0, it is in none
     step_end = bisect_left(section, time, key=lambda end: end.time)
     first = max(min(step_end - NODES // 2, len(section) - NODES), 0)
@@ -274,7 +276,8 @@ def _breaks_at(section: list[StepEnd], time: float) -> float:
         _check_nodes(until, later, begin, time)
         _check_nodes(broken, breaks, begin, time)
         if until(0.0) < 0.0 < until(1.0):
-            return broken(float(brentq(until, 0.0, 1.0)))
+            found = broken(float(brentq(until, 0.0, 1.0)))
+            return min(max(found, ends[begin].breaks), ends[begin + 1].breaks)
     return float(np.interp(0.0, later, breaks))  # at the end of a step, but for rounding
 
 
