@@ -133,7 +133,9 @@ class Cells:
         factor = 2.0 ** (-CELLS.finer * resolution)
         self.edges = _cell_edges(far, self.width, first_cell, bulk, factor)
         self._face_density, self._face_slope = _at_faces(self.edges)
-        self._drift = _drift(ageing, self.width, 2.0 * far)
+        self._normal = ageing.normal
+        if self._normal is None:
+            self._drift = _drift(ageing, self.width, 2.0 * far)
         self._no_breaking = np.zeros((2, self.edges.size - 1, cells_kernel.LANES))
 
     def fresh(self, stretch: Array) -> Array:
@@ -178,9 +180,7 @@ class Cells:
         # of Radau's step and cell; times, spread and level, which is |x|, (2, lanes).
         times = durations * np.ones((2, 1))
         level = level_at_begin + rise * self._kernel.STAGES[:, None]
-        flow = self._drift(level[:, None] + self.edges[:-1, None])
-        flow *= times[:, None]
-        flow += rise
+        flow = self._flow(level, times, rise)
         # so large that the layer at |x|, as thick as spread/rise, is at least as wide as the first cell, which ends at
         # edges[1], and as the thinnest in which weights do not grow: a thinner one need not be resolved
         spread = np.maximum(
@@ -194,8 +194,17 @@ class Cells:
             breaking, tilt = self._early(level, times)
             leaving = flow - tilt
             entering = flow - np.concatenate([tilt[:, :1], tilt[:, :-1]], axis=1)
-        terms = leaving, entering, breaking, spread, self._face_density, self._face_slope
+        early = self._thermal is not None
+        terms = leaving, entering, breaking, early, spread, self._face_density, self._face_slope
         return np.asarray(self._kernel.step(weights_at_begin, *terms)[:, :count].T)
+
+    def _flow(self, level: Array, times: Array, rise: Array) -> Array:
+        """See the table at the head. The drift to a normal law is a straight line, whose slope is `rate`, D/std²."""
+        faces, normal = self.edges[:-1], self._normal
+        if normal is not None:
+            below, rate = level - normal.mean, normal.rate * times
+            return np.asarray(self._kernel.flow_to_normal(below, faces, rate, rise))
+        return np.asarray(self._drift(level[:, None] + faces[:, None]) * times[:, None] + rise)
 
     def _early(self, level: Array, times: Array) -> tuple[Array, Array]:
         """Of each cell the rate of breaking, and its tilt due to the rate's slope, both times the duration: heat takes
@@ -267,11 +276,8 @@ def _at_faces(edges: Array) -> Array:
 
 
 def _drift(ageing: Ageing, width: float, far: float) -> Callable[[Array], Array]:
-    """D U' at thresholds from 0 to `far`, P_cf ~ e^-U; where the final law is not normal to some 1e-11 of it."""
-    normal, final = ageing.normal, ageing.final
-    if normal is not None:
-        # U = (x_s - mean)²/(2 std²); `ageing.rate` is D, while `normal.rate` is D/std², per time
-        return lambda threshold: (threshold - normal.mean) * (ageing.rate / normal.std**2)
+    """D U' at thresholds from 0 to `far`, P_cf ~ e^-U, of a final law that is not normal, to some 1e-11 of it."""
+    final = ageing.final
     furthest = float(np.log(far / width))
     # over ln(x_s/width) x_s U' is smooth and finite also where the law begins as a power
     at = np.linspace(min(-furthest, float(np.log(POWER_BELOW))), furthest, NODES)

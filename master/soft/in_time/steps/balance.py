@@ -71,17 +71,22 @@ def before_exact(
 
 
 def secant(
-    tried: Callable[[float], TriedStep], guess: float, slope: float, accuracy: float, small: float
+    tried: Callable[[float], TriedStep],
+    first: TriedStep,
+    slope: float,
+    accuracy: float,
+    small: float,
 ) -> Root:
     """The step at which the imbalance crosses 0, from below to above as the time grows, and the slope there.
 
-    Both are found from guesses by the secant method. Where the imbalance is not `small`, the slope has to be measured
-    near the step before that counts as converged: its guess is that of another step, after a slip off by orders of
-    magnitude. Where the imbalance falls as the time grows, as just after a slip, moves become longer. A step that
-    leaves the bracket of the root is replaced by bisection. A bracket in which the secant method is slow is left to
-    brentq. Of MOST_SECANTS the last has not converged, nor has that before moves so long that no imbalance is known."""
+    Both are found by the secant method from the `first` step and a guess of the slope. Where the imbalance is not
+    `small`, the slope has to be measured near the step before that counts as converged: its guess is that of another
+    step, after a slip off by orders of magnitude. Where the imbalance falls as the time grows, as just after a slip,
+    moves become longer. A step that leaves the bracket of the root is replaced by bisection. A bracket in which the
+    secant method is slow is left to brentq. Of MOST_SECANTS the last has not converged, nor has that before moves so
+    long that no imbalance is known."""
     low, high, measured = -np.inf, np.inf, False
-    last = step = tried(guess)
+    last = step = first
     for count in range(MOST_SECANTS):
         at, value = step.time_part, step.imbalance
         if not abs(value) / LONGEST_MOVE <= abs(slope):  # nor is nan

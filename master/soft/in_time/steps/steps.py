@@ -179,7 +179,7 @@ class Steps:
         accuracy = max(here.memory.balance * size, self._time_units.last_digits(here.now))
         tried = partial(self.tried, size, slope=slope)
         small = accuracy * self.first_guess.slope
-        root = secant(tried, guess.time_fraction * size, slope, accuracy, small)
+        root = secant(tried, tried(guess.time_fraction * size), slope, accuracy, small)
         # where contacts break fast, and time units are long, F changes by much on a tiny part of a step
         finer = (
             accuracy * BALANCED * here.unit / max(abs(root.step.imbalance), BALANCED * here.unit)
@@ -187,7 +187,7 @@ class Steps:
         finer = max(finer, self._time_units.last_digits(here.now))
         if root.converged and finer < accuracy:
             small *= finer / accuracy
-            root = secant(tried, root.step.time_part, root.slope, finer, small)
+            root = secant(tried, root.step, root.slope, finer, small)
         if root.step.time_part < 0.0 and self.contacts.memory.exact:
             # F jumps where exact thresholds break: the secant may have passed a balance just before that
             before = before_exact(tried, size * np.array(CONTROL.time_fractions), accuracy)
