@@ -73,7 +73,9 @@ def test_slips_that_do_not_recur_are_no_stick_slip() -> None:
         if few.period is None:
             found = page(of_the_area(1e3, 0.0, (few,)))
             assert found[2].startswith("1,000 contacts slip now and then, from 1.04 N_c<k> length")
-            assert f", {few.slips:.2g} a slider on the way that was followed, with" in found[3]
+            assert (
+                f", {few.slips:.2g} a slider on the way that was followed, sliding at" in found[3]
+            )
             assert not any(one.startswith("period") or "stick-slip" in one for one in found)
 
 

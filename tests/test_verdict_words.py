@@ -2,6 +2,7 @@
 
 import json
 import re
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +20,7 @@ from origins import (
     gaussian,
     strengthening,
 )
+from origins.laws.temperature import TooHot
 from tests.scenes import ROUGH, said, write
 from toolkit.results.slips import still_changing
 from toolkit.running.progress import Progress
@@ -27,7 +29,7 @@ from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import at_most, without_useless_damping
-from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.follow import STILL_SWINGS, follow
 from toolkit.verdict.sliders.late import shrinking
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
 from toolkit.verdict.slips_in_words import hidden_by, kind_of_trace, swinging
@@ -235,6 +237,26 @@ def test_slips_that_go_on_to_die_out_are_not_told_as_over() -> None:
     found = told(dying)
     assert "slips 11 times on the way that was followed, ever less" in "\n".join(page(found))
     assert kind_of_trace(dying) == "slips that die out, smooth in the end"
+
+
+def test_a_swing_that_outlives_the_path_is_named() -> None:
+    """M = 1e-4, K = 1e-2 and γ = 2e-4: a swing takes 2π(M/K)^(1/2) = 0.628, and dies away in 2M/γ = 1."""
+    drive = np.linspace(0.0, 100.0, 5000)
+    swings = replace(not_followed("mass", STILL_SWINGS), drive=drive, force=np.sin(drive))
+    page_text = "\n".join(page(told(swings, machine=HEAVY)))
+    assert "at the path's end, by 2.0 N_c<k> length: a swing takes 0.628 units of time" in page_text
+    assert "dies away by a factor e in 1 units of time, so that a larger drive.damping" in page_text
+
+
+def test_what_is_too_hot_is_told_on_the_page_alone(capsys: Any) -> None:
+    """A warning of the contacts stood above it, with the place in the code, once for each copy of them."""
+    contacts = {"thermal": {"law": "soft", "temperature": 150.0, "attempt_frequency": 1.0}}
+    contacts["thresholds"] = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
+    drive = {"spring": 0.5, "velocity": 10.0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", TooHot)
+        status, out, _ = said(capsys, "verdict", write(contacts=contacts, drive=drive))
+    assert status == 0 and "barriers are 0.003" in "\n".join(out)
 
 
 def test_without_a_machine_the_springs_have_an_axis_of_short_ticks_and_infinity_is_a_word() -> None:

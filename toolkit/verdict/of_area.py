@@ -166,7 +166,7 @@ def behaved(verdict: Verdict, finite: Finite) -> str:
     if finite.kind == EVER_RARER:
         return ever_rarer(verdict, finite, whose)
     if finite.kind == "now and then":
-        seen = f"{finite.slips:.2g} a slider on the way that was followed"
+        seen = f"{finite.slips:.2g} a slider on the way that was followed, sliding at about F_k in between"
         return f"{does(finite)}, from {fall_of(finite, scale)}, {seen}, {whose}{left_out(finite)}"
     said = f"stick-slip: {fall_of(finite, scale)}"
     if shrinks := shrinking(finite):  # the forces are those of late slips, not of those to come

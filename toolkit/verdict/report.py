@@ -4,7 +4,9 @@ from collections.abc import Mapping
 from contextlib import closing
 from functools import partial
 from typing import Any
+from warnings import catch_warnings, simplefilter
 
+from origins.laws.temperature import TooHot
 from toolkit.processes.signals import finishing
 from toolkit.results.folders import check_folder
 from toolkit.running.progress import Progress
@@ -30,7 +32,8 @@ def report_verdict(
     scene = load_scene(name, False, changes=changes)
     folder = out or f"{scene.name}-output"
     check_folder(folder)  # before the work, not after it
-    with closing(Progress("verdict", most=at_most(scene.wall_time))) as bar:
+    with closing(Progress("verdict", most=at_most(scene.wall_time))) as bar, catch_warnings():
+        simplefilter("ignore", TooHot)  # the page says it, of the scene's own contacts
         found = verdict(scene, bar.doing, keep=True)
     with finishing(f"the answer is written to {folder}", at_once=found.stopped is not None):
         lines, draw = page(found), partial(draw_verdict, found)

@@ -2,13 +2,15 @@
 
 from collections.abc import Iterator
 
-from toolkit.scene.scale import written
+import numpy as np
+
+from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.sliders.follow import DAMPED
+from toolkit.verdict.sliders.follow import DAMPED, SETTLED_IN, STILL_SWINGS
 from toolkit.verdict.sliders.late import EVER_RARER
-from toolkit.verdict.sliders.machine import critical_damping
-from toolkit.verdict.sliders.steady import friction_decides, friction_falls
-from toolkit.verdict.text.kinds import GENERAL, UNSIZED, Line
+from toolkit.verdict.sliders.machine import Behaviour, critical_damping, half_a_swing
+from toolkit.verdict.sliders.steady import friction_decides, friction_falls, time_constant
+from toolkit.verdict.text.kinds import GENERAL, UNSIZED, Line, damped
 from toolkit.verdict.text.slip_rows import drop_of, regained_by
 
 
@@ -83,4 +85,20 @@ def _of_too_little(own: Answer, damping: float) -> str:
     return (
         f". Below {least} friction of contacts with this delay{cold} falls with the speed by more than the damping "
         "rises: steady sliding is unstable"
+    )
+
+
+def of_a_swing(answer: Answer, slider: Behaviour) -> str:
+    """By how much a slider that is not decided still swings where its path ends, how long a swing takes, in which time
+    it dies away, and what ends it sooner; "" of others."""
+    if slider.message != STILL_SWINGS or not slider.drive.size:
+        return ""
+    machine, scale = damped(answer), answer.scale
+    late = slider.drive >= slider.drive[-1] - slider.drive[-1] / SETTLED_IN
+    size = written(np.ptp(slider.force[late]) * scale.force, scale.force_unit, digits=2)
+    each, lasts = 2.0 * half_a_swing(machine), time_constant(machine)
+    each_text, lasts_text = (spoken(one, scale.time_unit) for one in (each, lasts))
+    return (
+        f", by {size}: a swing takes {each_text}, and dies away by a factor e in {lasts_text}, so that a larger "
+        "drive.damping, or a smaller drive.mass, would tell"
     )

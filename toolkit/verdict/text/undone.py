@@ -26,6 +26,7 @@ from toolkit.verdict.text.kinds import (
     out_of_time,
 )
 from toolkit.verdict.text.of_heat import of_heat, of_steady_sliding, of_unstable_sliding
+from toolkit.verdict.text.of_mass import of_a_swing
 from toolkit.verdict.text.spread import range_of_force
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.uncertainty import uncertainties_of
@@ -112,7 +113,9 @@ def cause(answer: Answer) -> str:
 
 def _whole_cause(answer: Answer) -> str:
     """What the solver says of the slider under the first rule."""
-    return in_units(answer.behaviours[0].message, answer.scale, answer.contacts.mean_threshold)
+    one = answer.behaviours[0]
+    said = in_units(one.message, answer.scale, answer.contacts.mean_threshold)
+    return said + of_a_swing(answer, one)
 
 
 def against_k_star(verdict: Verdict) -> list[str]:
