@@ -20,6 +20,7 @@ from master.outcome import StoppedError
 from master.soft.followed import ErrorPart, Followed
 from master.soft.inertia import solution
 from master.soft.inertia.delayed import panel_search
+from master.soft.inertia.delayed.body import DelayedBody
 from master.soft.inertia.delayed.cohorts import Cohorts
 from master.soft.inertia.delayed.collocation import (
     Collocation,
@@ -37,6 +38,7 @@ from master.soft.inertia.delayed.past_breaks import PastBreaks
 from master.soft.inertia.delayed.pull import ContactsAtNodes, PullOnPanel, Sliding
 from master.soft.inertia.delayed.small_swings import SmallSwings
 from master.soft.inertia.delayed.survival import Survival
+from master.soft.inertia.delayed.swinging import SwingEnd, Swinging
 from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.record import Record
 from master.soft.inertia.run import Differences, Run
@@ -239,7 +241,29 @@ def test_contacts_reach_as_far_as_breaks_take_some_force_at_most(way: int) -> No
     assert lost[0] <= least < lost[1]
 
 
-class Swinging:
+def test_few_contacts_do_not_pull_a_slider_that_swings_over_a_million_of_thresholds() -> None:
+    """Those that form while the slider swings freely, some 1e-5 of all, pulled by 10 mean thresholds a million of them
+    away, where all have broken, and it was at rest after 100 of its swings. Each contact breaks once a delay at most,
+    and loses 0.52 <x_s>² on average, as thresholds are 1 ± 0.2."""
+    spring, mass, delay = 1e-6, 1e-6, 17.52 * 2.0 * np.pi
+    body = DelayedBody(
+        delayed(delay),
+        Drive(np.array([1e6]), 0.1, spring=spring, mass=mass),
+        DrivePath(Motion(np.array([0.0, 1e7]), np.array([0.0, 1e6]))),
+        Record(np.linspace(1.0, 1e4, 9), 1.0),
+        2e-2,
+    )
+    few = np.array([1e-5])
+    body.contacts = body.contacts.moved(50.0).and_born(np.zeros(1), few, 0.0)
+    body.state = SliderState(0.0, 0.0, 5e5)
+    swinging = Swinging(body, Record(np.linspace(1.0, 1e4, 9), 1.0))
+    body.past.lumps.append((0.75 * 2.0 * np.pi - delay, 0.0))
+    assert swinging.swing() is SwingEnd.LUMP_FORMS
+    assert body.state.x == pytest.approx(-5e5, rel=1e-5)
+    assert body.contacts.unbroken() == 0.0 and abs(body.energies.on_contacts) < 1e-3
+
+
+class SeenSwinging:
     """A slider that SmallSwings looks at as a body: it is where the test puts it."""
 
     def __init__(self, damping: float) -> None:
@@ -258,7 +282,7 @@ class Swinging:
 
 def look_at_swings(size, *, stops: bool, damping: float = 1.0):
     """What SmallSwings says of swings of the spring's force about 0.5, of this size by time, and the record of them."""
-    body: Any = Swinging(damping)
+    body: Any = SeenSwinging(damping)
     record = Record(body.times, 1.0)
     swings = SmallSwings(body, FastSliding(WIDE), record, 0.01)
     for t in np.arange(1.0, 2e4):

@@ -171,11 +171,19 @@ class DelayedBody:
         self.contacts = self.contacts.and_born(np.array([x]), np.array([fraction]), x)
 
     @property
+    def spring_force(self) -> float:
+        """K (X_T - X), per N_c<k> (a length)."""
+        return self.machine.spring * (float(self.drive.at(self.state.t)) - self.state.x)
+
+    @property
+    def contact_force_here(self) -> float:
+        """F by the contacts' survivals (a length)."""
+        return float(self.contacts.response(np.array([self.state.x])).force[0])
+
+    @property
     def net_force(self) -> float:
         """K (X_T - X) - F, per N_c<k> (a length)."""
-        response = self.contacts.response(np.array([self.state.x]))
-        of_spring = self.machine.spring * (float(self.drive.at(self.state.t)) - self.state.x)
-        return of_spring - float(response.force[0])
+        return self.spring_force - self.contact_force_here
 
     @property
     def hardly_any_holds(self) -> bool:

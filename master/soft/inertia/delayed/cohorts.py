@@ -193,6 +193,12 @@ class Cohorts:
             low, high = float(tried[first - 1]), float(tried[first])
         return low
 
+    def all_broken_beyond(self, x: float) -> float:
+        """How far the slider has to move from x until all have broken, either way; inf where none is there."""
+        if not self.born.size:
+            return np.inf
+        return float(np.abs(x - self.born).max()) + self.survival.longest
+
     def _to_atoms(self, x: float, direction: int, atoms: Array) -> float:
         """How far the slider can move from x before contacts at an exact threshold break together."""
         stretch = x - self.born

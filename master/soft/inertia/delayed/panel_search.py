@@ -113,7 +113,7 @@ class PanelSearch:
         speed, none = np.array([direction * w]), np.zeros(1)
         of_speed = self._law.nearly_steady(speed, none, body.past.delay)
         response = body.contacts.response(np.array([x]))
-        pull = direction * (body.net_force + float(response.force[0]))
+        pull = direction * body.spring_force
         rise = (pull - machine.damping * speed - of_speed.force) / (machine.mass + of_speed.by_rise)
         steady = self._law.nearly_steady(speed, rise, body.past.delay)
         if float(steady.change[0]) > MOST_CHANGE:

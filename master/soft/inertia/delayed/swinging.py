@@ -44,6 +44,18 @@ class Coming(NamedTuple):
     end: SwingEnd
 
 
+class Held(NamedTuple):
+    """How contacts pull on a slider while none breaks: the share that holds, which is their stiffness, and their force
+    as the motion begins (a length)."""
+
+    holding: float
+    force: float
+
+
+# So few that they bear next to nothing, on a way on which all of them break.
+NONE_HOLDS = Held(0.0, 0.0)
+
+
 class Swinging:
     """Closed motions of a body; it has no state of its own."""
 
@@ -57,15 +69,16 @@ class Swinging:
         1. A lump that is due now forms.
         2. The motion is that on the spring and the contacts that hold.
         3. If no contact breaks it ends with the leg, at the next births, or as the swing fades to rest.
-        4. It ends before where the slider gets so far that contacts break.
+        4. It ends before where the slider gets so far that contacts break; where these are so few that their force is
+           none, and all break, the motion is that on the spring alone.
         5. The body goes there, and what happens there happens to it.
         """
         body = self._body
         if body.past.next_lump <= body.state.t * (1.0 + EPSILON):
             body.form_lump()
         # just after a passage it may be below 0 by its error
-        holding = max(body.contacts.unbroken(), 0.0)
-        motion, calm = self._motion(holding)
+        held = Held(max(body.contacts.unbroken(), 0.0), body.contact_force_here)
+        motion, calm = self._motion(held)
         births = self._next_births()
         lasts, end = self._coming(births, calm)
         if lasts <= 0.0:
@@ -75,28 +88,37 @@ class Swinging:
             body.contacts.distance_to_break(x, direction, body.near(x), ALIKE * body.tolerance)
             for direction in (1, -1)
         )
+        exact = body.contacts.survival.atoms.size > 0
+        # breaks of few contacts never count, but on a longer way than this one these would pull without breaking
+        all_broken = np.inf if exact else body.contacts.all_broken_beyond(x)
         # +1 where contacts break as the slider goes forwards, -1 backwards, 0 where none does
-        lasts, breaks_at = motion.first_passing(-back, forward, lasts)
-        if breaks_at:
-            exact = body.contacts.survival.atoms.size > 0
+        ends, breaks_at = motion.first_passing(
+            -min(back, all_broken), min(forward, all_broken), lasts
+        )
+        if breaks_at and (forward if breaks_at > 0 else back) == np.inf:
+            held, breaks_at = NONE_HOLDS, 0
+            motion, calm = self._motion(held)
+            ends, end = self._coming(births, calm)
+        elif breaks_at:
             end = SwingEnd.BROKE_TOGETHER if exact else SwingEnd.BREAKS_NEXT
+        lasts = ends
         if end is SwingEnd.BREAKS_NEXT and lasts < SHORTEST * motion.period:
             return SwingEnd.TOO_SHORT
-        self._take(motion, lasts, holding)
+        self._take(motion, lasts, held)
         if end is SwingEnd.BROKE_TOGETHER:
-            body.break_together(x + (forward if breaks_at > 0 else -back), holding)
+            body.break_together(x + (forward if breaks_at > 0 else -back), held.holding)
         elif end is SwingEnd.LEG_ENDED:
             body.end_leg()
         elif end in (SwingEnd.LUMP_FORMS, SwingEnd.BIRTHS_NEXT):
             body.take_time(births)
         return end
 
-    def _motion(self, holding: float) -> tuple[Oscillation, float]:
-        """The closed motion while a share `holding` holds, and the time after which its swing counts as rest; where it
+    def _motion(self, held: Held) -> tuple[Oscillation, float]:
+        """The closed motion while these contacts hold, and the time after which its swing counts as rest; where it
         does so already the motion is without it, and that time inf."""
         body, machine = self._body, self._body.machine
-        stiff, rate = machine.spring + holding, machine.spring * body.drive.speed
-        given = machine.mass, machine.damping, stiff, body.net_force, rate
+        stiff, rate = machine.spring + held.holding, machine.spring * body.drive.speed
+        given = machine.mass, machine.damping, stiff, body.spring_force - held.force, rate
         motion = Oscillation.of(*given, 0.0, body.state.w)
         quiet = QUIET * body.tolerance / (1.0 + machine.spring)
         if motion.size <= quiet:
@@ -121,8 +143,8 @@ class Swinging:
         )
         return min(coming, key=lambda one: one.lasts)
 
-    def _take(self, motion: Oscillation, lasts: float, holding: float) -> None:
-        """Go on to the end of a closed motion on which a share `holding` holds: results at the asked times, energies
+    def _take(self, motion: Oscillation, lasts: float, held: Held) -> None:
+        """Go on to the end of a closed motion on which these contacts hold: results at the asked times, energies
         and falls on the way."""
         body, state, k = self._body, self._body.state, self._body.machine.spring
         which, v = body.asked(state.t, state.t + lasts), body.drive.speed
@@ -134,8 +156,7 @@ class Swinging:
         given = v * (mean - k * motion.departure_integral(at))
         damped = body.machine.damping * motion.squared_speed(at)
         # F is a straight line in X while none breaks
-        force = float(body.contacts.response(np.array([state.x])).force[0])
-        on_contacts = force * y + 0.5 * holding * y**2
+        on_contacts = held.force * y + 0.5 * held.holding * y**2
         spent = [Energies(*some) for some in np.stack([given, damped, on_contacts], 1).tolist()]
         ends = [
             SliderState(state.t + dt, state.x + dx, speed)
