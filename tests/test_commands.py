@@ -9,6 +9,7 @@ import runpy
 import signal
 import threading
 import time
+from argparse import Namespace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -21,6 +22,7 @@ from scenes import GAUSSIAN, ROUGH, refused, said, scene, write
 import master
 import origins
 import toolkit
+from toolkit import commands
 from toolkit.command import main
 from toolkit.running.progress import Progress
 from toolkit.scene.scale import guarded
@@ -62,6 +64,20 @@ def test_run_prints_a_line_per_solver_and_writes(capsys: Any) -> None:
     assert f"error {written['master']['force_error']:.1e} of <x_s>" in lines[1]
     assert f"error {written['eq']['largest_standard_error']:.1e} of <x_s>" in lines[2]
     assert toolkit.load("mine-output").text == Path("mine.toml").read_text()
+
+
+def test_a_reader_that_closes_its_end_does_not_cost_the_result(monkeypatch: Any) -> None:
+    """As `head -1`: hours of work were lost as the report stood before the files."""
+
+    def closed(*_: Any, **__: Any) -> None:
+        raise BrokenPipeError
+
+    asked = Namespace(scene=write(), changes=[], out=None, format=None, checkpoint=60.0)
+    asked.dry_run = False
+    monkeypatch.setattr("builtins.print", closed)
+    with pytest.raises(BrokenPipeError):
+        commands.run(asked, None)
+    assert toolkit.load("mine-output").success
 
 
 def test_a_run_whose_solvers_are_far_apart_is_status_1(capsys: Any, monkeypatch: Any) -> None:

@@ -127,8 +127,10 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
     with runner.open_checkpoint(folder, scene, comm, arguments.checkpoint) as kept:
         result, finished = runner.solve(scene, comm, kept=kept, show_progress=first)
         said_before = {f"note    {note}" for note in before}
-        print("\n".join(line for line in report(result) if line not in said_before))
-        runner.write(result, comm, kept, finished, formats)
+        try:
+            runner.write(result, comm, kept, finished, formats)
+        finally:  # a reader that has closed its end, as `head` does, must not cost the result
+            print("\n".join(line for line in report(result) if line not in said_before))
     print(f"written to {folder}")
     for name in ("master", "eq", "sweep"):
         answer = getattr(result, name)
