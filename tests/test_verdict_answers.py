@@ -21,7 +21,7 @@ from toolkit.verdict.judge import verdict
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import Budget
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.machine import Finite, Machine, RigidSlider
 from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.text.words import page, sentence
 from toolkit.verdict.uncertainty import to_digits, with_sampling
@@ -230,3 +230,16 @@ def test_each_number_of_a_slider_has_its_unit_in_verdict_json() -> None:
     assert reading["units"]["damping"] == "N/m time"
     none = plain(told(slips("reset")))["readings"][0]["behaviours"][0]
     assert none["swings"] is none["unstable_below"] is none["damping"] is None
+
+
+def test_verdict_json_says_what_its_keys_mean() -> None:
+    """Each key but the scene's and the reading's names, and errors that are told beside their numbers."""
+    few = Finite("reset", 500, "stick-slip", before=0.6, before_error=0.1)
+    found = plain(replace(told(slips("reset")), finite=(few,)))
+    reading = found["readings"][0]
+    each = [found, reading, reading["kinetic"], *reading["behaviours"], *found["finite"]]
+    keys = {name for one in each for name in one} - {"keys", "name", "title", "reading"}
+    meant = found["keys"]
+    beside = {f"{name}_error" for name in ("before", "after", "period", "late")} | {"sampling"}
+    assert all(any(f"`{name}`" in said for said in meant.values()) for name in beside)
+    assert keys - beside == set(meant) - {"interrupted"} and len(keys) > 50

@@ -8,8 +8,8 @@ puts in one word; `sliders/` chooses which solver tells, of how many contacts, a
 In reading order: `answers.py`, what a verdict holds; `sliders/`, what sliders do; `readings.py`, over what they are
 compared; `with_mass.py`, more of a slider with mass; `uncertainty.py` and `of_area.py`, how well the numbers are known,
 and what the contacts of the area do; `mean_force.py`, the force over slips; `judge.py`, which asks all of these;
-`text/` with `slips_in_words.py`, `files.py`, and `picture.py` with `trace.py`, which show what was found; `report.py`,
-which the command `verdict` calls, and which writes them.
+`text/` with `slips_in_words.py`, `files.py` with `legend.py`, and `picture.py` with `trace.py`, which show what was
+found; `report.py`, which the command `verdict` calls, and which writes them.
 
 A scene goes through them so: `commands.verdict`, `report.report_verdict`, `judge.verdict` (all readings),
 `judge.answer_of` (one reading), `sliders/follow.py:follow` (one slip rule), `sliders/told.py:behaviour_of`, which says

@@ -7,6 +7,7 @@ import numpy as np
 
 from toolkit.scene.scale import Scale, of_contacts
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.legend import KEYS
 from toolkit.verdict.mean_force import mean_of_contacts, mean_over_slips
 from toolkit.verdict.of_area import finite_told_apart
 from toolkit.verdict.sliders.machine import Behaviour, Finite
@@ -32,6 +33,7 @@ def plain(verdict: Verdict) -> dict[str, Any]:
         "finite": [_of_finite(one, verdict) for one in verdict.finite],
         "left_out": verdict.left_out,
         "readings": [_of_answer(answer) for answer in verdict.answers],
+        "keys": KEYS,
     }
 
 
