@@ -25,6 +25,7 @@ import toolkit
 from toolkit import commands
 from toolkit.command import main
 from toolkit.running.progress import Progress
+from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import guarded
 from toolkit.scene.scene import shipped_scenes
 
@@ -134,6 +135,20 @@ def test_a_scan_with_gaps_says_by_which_rule_slopes_count(tmp_path: Path) -> Non
     law = ROUGH | {"surface": {"kind": "scan", "file": str(tmp_path / "gaps.txt")}}
     notes = toolkit.run(scene(law, drive={"to": 1e-8, "points": 3})).notes
     assert any("of the scan's points are missing: a slope counts where" in note for note in notes)
+
+
+def test_sizes_of_a_scan_the_other_way_round_are_asked_about(tmp_path: Path) -> None:
+    """128 rows of 64 points, 10 nm apart both ways: swapped, they are 20 nm and 5 nm apart, and slopes are wrong."""
+    pytest.importorskip("SurfaceTopography")
+    heights = origins.self_affine_surface((128, 64), 1e-8, hurst=0.8, rms_slope=0.1, seed=1)
+    np.savetxt("swapped.txt", heights)
+    for sizes, asked in (([6.4e-7, 1.28e-6], False), ([1.28e-6, 6.4e-7], True)):
+        scan = {"kind": "scan", "file": str(tmp_path / "swapped.txt"), "physical_sizes": sizes}
+        law = ROUGH | {"surface": scan | {"unit": "m"}}
+        found = toolkit.load_scene(scene(law, drive={"to": 1e-8, "points": 3}))
+        said_of = remarks(found.contacts.thresholds)
+        assert any("is physical_sizes right" in one for one in said_of) is asked
+    assert "20.0 nm apart along x and 5.00 nm along y" in said_of[0]
 
 
 def test_a_dry_run_foretells_the_run_and_writes_nothing(capsys: Any) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from origins.contacts import Contacts, Thermal
 from origins.laws.temperature import too_hot
 from origins.roughness.interface import Interface
+from origins.roughness.moments import SpectralMoments
 from origins.roughness.stated import InSI
 from origins.thresholds.gaussian import CutGaussian
 from origins.thresholds.law import Thresholds
@@ -36,6 +37,8 @@ _MOSTLY = 0.5
 _ROOM, _ZERO_CELSIUS = (10.0, 40.0), 273.15
 # K, between which a temperature is one that was given as such
 _KELVINS = 0.1, 1e4
+# of the distances of a scan's points along both axes, by which they are uneven, and as good as even
+_UNEVEN, _EVEN = 0.1, 0.02
 # of F_k: what linked stiffness adds below it is no news
 _NO_NEWS = 0.01
 
@@ -122,12 +125,29 @@ def remarks(law: Thresholds, machine: bool = False) -> list[str]:
                 f"{zeros:.1%} of the scan's heights are exactly 0: gaps filled with 0? They make slopes and curvatures "
                 "that the surface does not have; give missing points as NaN"
             )
+        said += _of_sizes(law.interface.moments)
         if gaps := law.interface.moments.missing_fraction:
             said.append(
                 f"{gaps:.1%} of the scan's points are missing: a slope counts where the point and its next neighbours "
                 "on both axes are there; filling gaps gives other slopes, several times as large where gaps are many"
             )
     return sorted(said, key=lambda one: "?" not in one)  # whether the input is meant comes first
+
+
+def _of_sizes(moments: SpectralMoments) -> list[str]:
+    """A question where points of a scan that lie apart unevenly would be even with its two sizes the other way round;
+    else none. Square pixels tell nothing of a square scan."""
+    if moments.size is None or moments.pixel_size is None:
+        return []
+    uneven = moments.pixel_size[0] / moments.pixel_size[1]
+    swapped = uneven * (moments.size[1] / moments.size[0]) ** 2
+    if abs(uneven - 1.0) < _UNEVEN or abs(swapped - 1.0) > _EVEN:
+        return []
+    along, across = (written(one, "m") for one in moments.pixel_size)
+    return [
+        f"points of the scan are {along} apart along x and {across} along y, and evenly with its sizes the other way "
+        "round: is physical_sizes right, along a row of the matrix first?"
+    ]
 
 
 def of_a_scan(law: Thresholds) -> bool:
