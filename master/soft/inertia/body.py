@@ -29,6 +29,7 @@ class Body:
     record : results at the asked times, and slips
     t, leg : time, and index of the leg of the drive's motion
     stiff, quiet : K + 1, and the force of a swing (a length) up to which it counts as rest
+    fastest : largest change in a radian with which the slider follows slowly
     move, base : the contacts' present move, and X where it began
     y, w : travel on it, and speed along it
     work, damped, on_contacts : see Record
@@ -40,12 +41,19 @@ class Body:
     move: Reaction
 
     def __init__(
-        self, contacts: ColdContacts, drive: Drive, motion: Motion, record: Record, tolerance: float
+        self,
+        contacts: ColdContacts,
+        drive: Drive,
+        motion: Motion,
+        record: Record,
+        tolerance: float,
+        fastest: float,
     ) -> None:
         """The slider at rest, in balance, at t = 0; `tolerance` is that of the force, a length."""
         self.contacts, self.record, self.motion = contacts, record, motion
         self.mass, self.damping = float(drive.mass or 0.0), drive.damping
         self.spring, self.unit, self.tolerance = contacts.spring, contacts.unit, tolerance
+        self.fastest = fastest
         # stiffness against the slider while all contacts hold, in N_c<k>
         self.stiff, self.quiet = 1.0 + self.spring, QUIET * tolerance
         self.t, self.leg = 0.0, 0

@@ -6,7 +6,7 @@ import numpy as np
 
 from master.soft.inertia.body import STAYS_SLOW, Body, Mode
 from master.soft.inertia.record import Instant, crossing
-from master.soft.inertia.slow import slope_of_speed, slow_motion
+from master.soft.inertia.slow import Slow, slope_of_speed, slow_motion
 from origins.thresholds.law import Array
 
 # Panels of F that are looked ahead, and points of each; and the way, in mean thresholds, that is solved ahead first.
@@ -53,11 +53,16 @@ class Following(Body):
         quickly = OF_REST * part * self.quiet + OF_START * of_start
         if slope <= 0.0 or abs(force) > quickly:
             return False
-        slow = slow_motion(self.move.curve, np.array([y]), rate, m, self.damping)
+        slow = self._slow(np.array([y]), rate)
         if not slow.missed[0] <= part * self.quiet:
             return False
         rings = force - slow.inertia[0], np.sqrt(m * slope) * (slow.speed[0] - self.w)
         return bool(np.hypot(*rings) <= part * self.quiet) and not self._lags_before_drop()
+
+    def _slow(self, balance: Array, rate: float) -> Slow:
+        """The slow motion at these balances on the present move."""
+        given = rate, self.mass, self.damping, self.fastest
+        return slow_motion(self.move.curve, balance, *given)
 
     def _lags_before_drop(self) -> bool:
         """Whether the balance has passed a drop of F that the slider has not reached."""
@@ -108,7 +113,7 @@ class Following(Body):
         fractions = np.clip(np.linspace(0.0, 1.0, POINTS), JUST_INSIDE, 1.0)
         widths = np.minimum(curve.width[panels], FURTHEST * self.unit)
         places = curve.from_travel[panels, None] + widths[:, None] * fractions
-        slow = slow_motion(curve, places.ravel(), rate, self.mass, self.damping)
+        slow = self._slow(places.ravel(), rate)
         # where F' jumps, so does the speed: the slider rings
         jumps = np.abs(np.diff(slow.speed, prepend=slow.speed[0])).reshape(places.shape)
         jumps[:, 1:] = 0.0
@@ -121,7 +126,7 @@ class Following(Body):
             stop, high = max(float(ahead[k - 1]) if k else y, y), float(ahead[k])
             for _ in range(BISECTIONS):
                 middle = 0.5 * (stop + high)
-                one = slow_motion(curve, np.array([middle]), rate, self.mass, self.damping)
+                one = self._slow(np.array([middle]), rate)
                 stop, high = (middle, high) if one.missed[0] <= self.quiet else (stop, middle)
         drop = move.next_drop(y)
         return Ahead(drop, True, False) if drop <= stop else Ahead(stop, False, bool(fast.any()))
@@ -131,7 +136,7 @@ class Following(Body):
         record, move = self.record, self.move
         m, d = self.mass, move.direction
         curve, k, rate = move.curve, self.spring, self.spring * self._speed
-        slow = slow_motion(curve, balance, rate, m, self.damping)
+        slow = self._slow(balance, rate)
         if rate > 0.0 and d == self.drive_direction:
             self._watch_slowly(float(balance[-1]), rate)
         y, w = np.maximum(slow.travel, 0.0), slow.speed
@@ -186,7 +191,7 @@ class Following(Body):
             return self.t + (curve.force(y) + k * y - float(self._pull(self.t))) / rate
 
         def travel(y: Array) -> Array:
-            return slow_motion(curve, y, rate, self.mass, self.damping).travel
+            return self._slow(y, rate).travel
 
         def at(y: float) -> Instant:
             place = float(travel(np.array([y]))[0])

@@ -15,6 +15,7 @@ from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
+from master.soft.inertia.slow import FALLS_AS, FASTEST
 from master.soft.slips import Slips
 from origins import Contacts
 from origins.brief import brief
@@ -120,7 +121,8 @@ class Run:
             given = drive, motion, self.record, tolerance * unit, asked * unit
             slider = DelayedSlider(contacts, *given, until)
         else:
-            slider = InertialSlider(cold, drive, motion, self.record, tolerance * unit)
+            fastest = FASTEST * part**FALLS_AS
+            slider = InertialSlider(cold, drive, motion, self.record, tolerance * unit, fastest)
         self.stored_first = np.nan
         try:
             self.stored_first = slider.stored_first

@@ -12,9 +12,11 @@ import numpy as np
 from master.soft.curve import LoadCurve
 from origins.thresholds.law import Array
 
-# Largest relative change of frequency or relaxation in a radian with which a slider follows slowly at all: runs with
-# other tolerances share this end, and what the series leaves out there (at 0.1 that moved a slip by 0.11 tolerances).
-FASTEST = 0.05
+# Largest relative change of frequency or relaxation in a radian with which a slider follows slowly at all, in a run
+# with the tolerance that is asked for; and the power of a run's part of that with which it falls, so that runs do not
+# share this end, and what the series leaves out there, which their difference would not show (with 0.05 in all of
+# them a slip of 28 thresholds began 1.6e-4 thresholds of the drive late, at 2e-2, 4e-3 and 8e-4 alike).
+FASTEST, FALLS_AS = 0.02, 0.43
 # Half the distance of two places of a panel by which F'' is compared, and the nearest to its ends, in its widths.
 APART, INSIDE = 1e-4, 1e-9
 # Largest part by which the lag may change the speed: the motion is not slow above, and the series not told by its
@@ -36,8 +38,11 @@ class Slow(NamedTuple):
     missed: Array
 
 
-def slow_motion(curve: LoadCurve, y: Array, rate: float, mass: float, damping: float) -> Slow:
-    """The slow motion at balances y; where the slope is not above 0, or it changes too fast, `missed` is inf."""
+def slow_motion(
+    curve: LoadCurve, y: Array, rate: float, mass: float, damping: float, fastest: float
+) -> Slow:
+    """The slow motion at balances y; where the slope is not above 0, or changes faster than by `fastest` in a radian,
+    `missed` is inf."""
     slope = curve.load_slope(y)
     good = slope > 0.0
     s = np.where(good, slope, 1.0)
@@ -48,7 +53,7 @@ def slow_motion(curve: LoadCurve, y: Array, rate: float, mass: float, damping: f
     lags = damping * np.abs(bend * speed) / s**2
     missed = 3.0 * (mass * np.abs(faster) * changes + damping * np.abs(speed) * lags)
     missed += mass * np.abs(faster) * lags
-    bad = ~good | (changes > FASTEST) | (lags > FASTEST)
+    bad = ~good | (changes > fastest) | (lags > fastest)
     travel = y - (damping * speed + mass * faster) / s
     drifting = speed * (1.0 + 2.0 * damping * rate * bend / s**3)
     return Slow(slope, travel, drifting, mass * faster, np.where(bad, np.inf, missed))
