@@ -672,7 +672,9 @@ def test_where_the_slip_rule_decides_the_sentence_is_short_and_the_numbers_follo
     status, page, found = judged(capsys, drive={"spring": 0.95}, **tables)
     _, _, said, *numbers = page.splitlines()
     assert status == 0 and said == found["verdict"] and len(said) < 160
-    assert said.startswith("the assumptions decide: stick-slip if a slip renews all contacts, ")
+    assert said.startswith(
+        "what contacts do in a slip decides: stick-slip if a slip renews all contacts, "
+    )
     assert "smooth if contacts re-form after the slip or contacts re-form at once" in said
     assert [line.strip() for line in numbers[:2]] == found["numbers"]
     assert found["numbers"][0].startswith("stick-slip: ") and "smooth at 0.5" in page

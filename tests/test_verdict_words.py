@@ -39,7 +39,7 @@ from toolkit.verdict.text.over_load import of_spread
 from toolkit.verdict.text.spread import other_samples, range_of_force
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.undone import with_rules
-from toolkit.verdict.text.words import page
+from toolkit.verdict.text.words import page, sentence
 from toolkit.verdict.trace import last_cycles
 from toolkit.verdict.with_mass import closely, rests_after
 
@@ -246,6 +246,26 @@ def test_a_swing_that_outlives_the_path_is_named() -> None:
     page_text = "\n".join(page(told(swings, machine=HEAVY)))
     assert "at the path's end, by 2.0 N_c<k> length: a swing takes 0.628 units of time" in page_text
     assert "dies away by a factor e in 1 units of time, so that a larger drive.damping" in page_text
+
+
+def test_the_sentence_names_what_decides() -> None:
+    """Slip rules that tell of another reading, as its mass is not decided, said that assumptions decide on this one."""
+    heavy = slips("mass", kind="smooth", before=0.5, after=0.5, slips=0)
+    light = [slips("reset"), replace(heavy, rule="instant")]
+    found = told(heavy, machine=HEAVY)
+
+    def said(other: list[Behaviour], verdict: answers.Verdict = found) -> str:
+        both = verdict.own, replace(verdict.own, name="other", behaviours=tuple(other))
+        return sentence(replace(verdict, answers=both))
+
+    undecided = said([not_followed("mass", "late"), *light])
+    assert "decide" not in undecided.partition("; ")[0] and "smooth at 0.5" in undecided
+    begin = "the reading of the surface decides: smooth by own, stick-slip by 1 of 1 other readings"
+    assert said([slips("mass")]).startswith(begin)
+    begin = (
+        "what contacts do in a slip decides: stick-slip if a slip renews all contacts, smooth if"
+    )
+    assert said(light, told(*light)).startswith(begin)
 
 
 def test_what_is_too_hot_is_told_on_the_page_alone(capsys: Any) -> None:

@@ -133,6 +133,17 @@ def others(verdict: Verdict) -> dict[str, list[str]]:
     return differ
 
 
+def what_decides(verdict: Verdict) -> str:
+    """Which assumptions decide where what the slider does hangs on them, as the begin of a sentence; "" where all say
+    the same. Of readings those rules count alone that the scene's own is told by."""
+    own, elsewhere = verdict.own, others(verdict)
+    if len({one.kind for one in own.behaviours} - {"undecided"} | elsewhere.keys()) < 2:
+        return ""
+    each = ["what contacts do in a slip"] * (len({in_a_word(one) for one in own.behaviours}) > 1)
+    each += ["the reading of the surface"] * bool(elsewhere)
+    return f"{' and '.join(each)} decide{'s' * (len(each) == 1)}"
+
+
 def not_decided(verdict: Verdict) -> list[Answer]:
     """The other readings of which nothing is known under any rule that the scene's own reading is decided under."""
     decided_rules = {one.rule for one in verdict.own.behaviours if one.kind != "undecided"}

@@ -41,6 +41,7 @@ from toolkit.verdict.text.kinds import (
     not_decided,
     of_damping,
     others,
+    what_decides,
     without_delay,
 )
 from toolkit.verdict.text.of_delay import delay_decides, of_extremes, would_swing
@@ -103,8 +104,8 @@ def _answered(verdict: Verdict) -> str:
         return without_spring(verdict)
     if said := _disagreement(verdict) or of_extremes(verdict):
         return "; ".join([said, *_by_others(verdict)])
-    if len({one.kind for each in verdict.answers for one in each.behaviours} - {"undecided"}) > 1:
-        return f"the assumptions decide: {', '.join(_kinds(verdict))}"
+    if decides := what_decides(verdict):
+        return f"{decides}: {', '.join(_kinds(verdict))}"
     return "; ".join(_by_rules(verdict, own))
 
 
