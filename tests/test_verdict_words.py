@@ -260,7 +260,7 @@ def test_the_sentence_names_what_decides() -> None:
 
     undecided = said([not_followed("mass", "late"), *light])
     assert "decide" not in undecided.partition("; ")[0] and "smooth at 0.5" in undecided
-    begin = "the reading of the surface decides: smooth by own, stick-slip by 1 of 1 other readings"
+    begin = "the reading of the surface decides: smooth by own, stick-slip by 1 other reading"
     assert said([slips("mass")]).startswith(begin)
     begin = (
         "what contacts do in a slip decides: stick-slip if a slip renews all contacts, smooth if"

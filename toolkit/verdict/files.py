@@ -11,9 +11,10 @@ from toolkit.verdict.legend import KEYS
 from toolkit.verdict.mean_force import mean_of_contacts, mean_over_slips
 from toolkit.verdict.of_area import finite_told_apart
 from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.text.doubts import warnings
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.of_delay import would_swing
-from toolkit.verdict.text.words import details, sentence, turned, warnings
+from toolkit.verdict.text.words import details, sentence, turned
 
 
 def plain(verdict: Verdict) -> dict[str, Any]:

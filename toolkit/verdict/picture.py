@@ -18,7 +18,8 @@ from toolkit.pictures.axes import (
 from toolkit.scene.scale import SHARED, spoken
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.machine import Behaviour, Machine
-from toolkit.verdict.text.words import sentence, warnings
+from toolkit.verdict.text.doubts import warnings
+from toolkit.verdict.text.words import sentence
 from toolkit.verdict.trace import draw_trace, drawn, last_cycles, traces_of
 from toolkit.verdict.with_mass import in_its_own_time, rests_after
 

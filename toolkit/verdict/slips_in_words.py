@@ -263,7 +263,9 @@ def fall_of(finite: Finite, scale: Scale) -> str:
     if scatter[1] and finite.after and finite.drops is not None:
         # slips of one kind have a mean; of several kinds it is no more than a size
         alike = "±" in scatter[1]
-        fall = written(drop, unit, finite.drops.std * factor, 4) if alike else _short(drop, unit)
+        # as many places as the scatter beside it, which has two digits
+        own = written(drop, unit, 0.1 * finite.drops.std * factor, 4)
+        fall = own if alike else _short(drop, unit)
         return f"{high}{scatter[0]} down by {fall}{scatter[1]}"
     return falls(high, low, drop, unit, scatter[0])
 

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.scene.barriers import of_cold
-from toolkit.scene.interfaces import doubts
-from toolkit.scene.scale import guarded, of_machine, of_stretch, spoken, with_scatter
+from toolkit.scene.scale import guarded, spoken, with_scatter
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import (
     behaved,
@@ -31,6 +30,7 @@ from toolkit.verdict.slips_in_words import (
 )
 from toolkit.verdict.text.above_static import why_above
 from toolkit.verdict.text.border import on_the_border
+from toolkit.verdict.text.doubts import warnings
 from toolkit.verdict.text.hangs_on import dependence, why_smooth
 from toolkit.verdict.text.k_star import without_spring
 from toolkit.verdict.text.kinds import (
@@ -77,15 +77,6 @@ def page(verdict: Verdict) -> list[str]:
     if assumed := dependence(verdict):
         lines += ["", "What it hangs on", *(f"  {line}" for line in assumed)]
     return [*lines, "", f"run time {verdict.run_time:.1f} s"]
-
-
-def warnings(verdict: Verdict) -> list[str]:
-    """Why no number of the verdict can be trusted, before all else; empty as a rule."""
-    own, found = verdict.own, doubts(verdict.own.contacts)
-    if own.machine is not None:
-        found += of_stretch(own.contacts, own.machine.spring)
-        found += of_machine(own.scale, own.machine.mass)
-    return [f"do not trust this: {doubt}" for doubt in found]
 
 
 def sentence(verdict: Verdict) -> str:
@@ -162,8 +153,9 @@ def _kinds(verdict: Verdict) -> list[str]:
 
 def _by_others(verdict: Verdict) -> list[str]:
     """How many of the other readings say something else than the scene's own, by what they say."""
-    of_all = f"of {len(verdict.answers) - 1} other readings"
-    return [f"{kind} by {len(names)} {of_all}" for kind, names in others(verdict).items()]
+    many = len(verdict.answers) - 1
+    each = f" of {many} other readings" if many > 1 else " other reading"
+    return [f"{kind} by {len(names)}{each}" for kind, names in others(verdict).items()]
 
 
 def _rules(alike: Sequence[Behaviour]) -> str:
