@@ -39,6 +39,7 @@ from master.soft.inertia.delayed.pull import ContactsAtNodes, PullOnPanel, Slidi
 from master.soft.inertia.delayed.small_swings import SmallSwings
 from master.soft.inertia.delayed.survival import Survival
 from master.soft.inertia.delayed.swinging import SwingEnd, Swinging
+from master.soft.inertia.foretold import refuse_endless_swings
 from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.record import Record
 from master.soft.inertia.run import Differences, Run
@@ -1010,3 +1011,28 @@ def test_only_swings_below_a_slip_that_grow_fast_are_followed_finely(
     found = growing_swings(*unstable(**changed))
     assert (found is not None) is grows
     assert found is None or (found.coarsest(0.1) < 0.1) is refined
+
+
+# 4e4 swings in 3,800 delays after the first slip: it went on for minutes, and was then told to take a damping
+ENDLESS = {"spring": 1e-6, "mass": 6.3e-9}
+
+
+@pytest.mark.parametrize(
+    ("delay", "path", "changed"),
+    [
+        (5.0, [1e6, 2.6e6], {"damping": 1e-6}),
+        (5.0, [0.6e6], {}),  # before the slip
+        (5.0, [1e6, 1.1e6], {}),  # soon behind it
+        (5e3, [1e6, 2.6e6], {}),  # four delays
+        (1e-8, [1e6, 2.6e6], {}),  # each contact may break so often that it brakes
+        (5.0, [1e6, 2.6e6], {"spring": 0.5}),  # no slip
+    ],
+)
+def test_an_undamped_slider_that_swings_on_while_contacts_wait_is_refused_before_the_work(
+    delay: float, path: list[float], changed: dict[str, float]
+) -> None:
+    told = r"^mass = 6\.3e-09: without damping the slider swings 3\.\de\+04 times .*a damping \("
+    with pytest.raises(origins.InputError, match=told):
+        master.solve(delayed(5.0), [1e6, 2.6e6], 1e-3, velocity=100.0, **ENDLESS)
+    drive = Drive(path, 100.0, **(ENDLESS | changed))
+    refuse_endless_swings(delayed(delay), drive, np.inf)

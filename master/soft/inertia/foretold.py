@@ -1,7 +1,9 @@
-"""Sliders with mass that ring without end on contacts that form at once: told before the work."""
+"""Sliders with mass that ring without end on contacts that form at once, or swing without end while contacts wait out
+their delay: told before the work."""
 
 import numpy as np
 
+from master.soft.first_fall import first_fall, path_beyond
 from master.stick_slip.extremes import extremes
 from origins import Contacts
 from origins.drive import Drive
@@ -13,6 +15,11 @@ from origins.errors import refuse
 MOST_OSCILLATIONS = 1e6
 # Ringing fades by so many e-folds until it counts as rest.
 FADES = 10.0
+# Swings on the spring and delays after the first slip beyond which an undamped slider is refused. Contacts come back
+# after each delay, and break on some hundred panels: of 300 delays none was followed within 30 CPU-seconds a run.
+MOST_SWINGS, MOST_DELAYS = 1e4, 300.0
+# Part of the largest F by which the first slip may begin below it: behind that F never comes back to where it was.
+BELOW_HIGHEST = 0.01
 # Accuracy of the steepest fall of F and of its largest value.
 OF_EXTREMES = 1e-3
 
@@ -62,5 +69,41 @@ def refuse_long_ringing(contacts: Contacts, drive: Drive) -> None:
     turns, latest = oscillations(contacts, drive)
     if turns:
         fault = f"after a slip the slider rings {turns:.1e} times, and at most {MOST_OSCILLATIONS:.0e} may come"
+        hint = f"give a damping ({enough_damping(drive)}), or end the path before {latest:.4g}"
+        refuse("mass", drive.mass, f"{fault}; {hint}")
+
+
+def refuse_endless_swings(contacts: Contacts, drive: Drive, until: float) -> None:
+    """InputError where an undamped slider surely slips, and then swings on its spring for too long while contacts wait.
+
+    It slips from the largest force A of contacts that form at once, as they do while it sticks, and is left with the
+    energy A²/2K. Contacts that form where it turns stop it where they bear the spring's force on the whole way, no more
+    than some half of A: before a fourth of that energy is gone it swings on. Nor does a slip end before a fourth of
+    4 F_k (A - F_k)/2K is gone, what one of contacts that form at once takes. A break takes x_s²/2, and each contact
+    breaks once a delay at most.
+    """
+    mass, spring = float(drive.mass or 0.0), float(drive.spring or 0.0)
+    delay, law = contacts.waiting_time, contacts.thresholds
+    swing = 2.0 * np.pi * np.sqrt(mass / spring)
+    least = max(MOST_SWINGS * swing, MOST_DELAYS * delay)
+    if drive.damping or law.atoms[0].size or float(drive.arrival_times(0.0)[-1]) < least:
+        return
+    at_once = contacts.replace(delay=None)
+    latest, left = _after_first_slip(at_once, drive)
+    if left < least:
+        return
+    found = extremes(at_once, drive.velocity, OF_EXTREMES)
+    steepest, highest = found.fall.position, found.force.value
+    first = first_fall(at_once, path_beyond(at_once, steepest), spring, drive.velocity, until)
+    kinetic = 0.5 * law.moment(2) / contacts.mean_threshold
+    if first is None or not first.force >= (1.0 - BELOW_HIGHEST) * highest:
+        return
+    lost = min(0.25 * first.force**2, kinetic * (first.force - kinetic)) / (2.0 * spring)
+    lasts = min(left, delay * lost / (0.5 * law.moment(2)))
+    if lasts >= least:
+        fault = (
+            f"without damping the slider swings {lasts / swing:.1e} times after its first slip, as each contact breaks "
+            f"once a delay at most, and no more than {MOST_SWINGS:.0e} may come"
+        )
         hint = f"give a damping ({enough_damping(drive)}), or end the path before {latest:.4g}"
         refuse("mass", drive.mass, f"{fault}; {hint}")

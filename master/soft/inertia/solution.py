@@ -22,7 +22,7 @@ from master.soft.followed import (
 )
 from master.soft.in_time.idle_heat import Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
-from master.soft.inertia.foretold import refuse_long_ringing
+from master.soft.inertia.foretold import refuse_endless_swings, refuse_long_ringing
 from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.heat_left_out import beside_slips, heat_decides
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
@@ -105,7 +105,7 @@ def solve_inertial(
         in_steps = follow_in_steps(contacts, drive, tolerance, progress, until)
         common = common_fields((given, contacts), drive, in_steps.followed, tolerance, until)
         return _in_steps(in_steps, common, drive, began)
-    _check(contacts, drive)
+    _check(contacts, drive, until)
     short = short_delay(contacts, drive, tolerance, until) if contacts.waiting_time else None
     if short is not None:
         contacts, drive = short.contacts, short.drive
@@ -225,7 +225,7 @@ def _check_laws(contacts: Contacts, drive: Drive) -> None:
         raise InputError(f"contacts: {fault} {laws}; give the exact values a width")
 
 
-def _check(contacts: Contacts, drive: Drive) -> None:
+def _check(contacts: Contacts, drive: Drive, until: float) -> None:
     """Refuse contacts without laws but a delay whose motion with a mass is not solved."""
     if contacts.delay is None:
         refuse_long_ringing(contacts, drive)
@@ -236,6 +236,7 @@ def _check(contacts: Contacts, drive: Drive) -> None:
         raise InputError(
             f"contacts: with a mass and a delay {fault}; give the exact values a width"
         )
+    refuse_endless_swings(contacts, drive, until)
 
 
 def _energy(
