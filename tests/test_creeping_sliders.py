@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import slow
 from scipy.optimize import brentq
 from scipy.special import pbdv
 
 import master
 import origins
 from master.soft.in_time.cells import Cells
+from master.soft.in_time.decohered import Decohered
 from master.steady import response
 from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian
 
@@ -59,6 +61,43 @@ def test_a_slip_with_fast_attempts_of_heat_on_the_spring_of_a_machine() -> None:
     assert found.success and found.slips.drive.size == 1, found.message
     kinetic = master.steady_state(hot, velocity=1.0).force
     assert abs(found.force[-1] - kinetic) <= found.force_error
+
+
+@pytest.mark.parametrize(
+    ("width", "temperature", "attempts"), [(0.2, 0.02, 1e-3), slow(0.3, 0.05, 1e-2)]
+)
+def test_behind_a_long_slip_in_weak_heat_the_slider_goes_on_with_its_drive(
+    width: float, temperature: float, attempts: float
+) -> None:
+    """In steps F is a little off F_k, which it sought in a hundred small slips, more than one path may have; heat
+    changes F_k by 1e-5 at most. The slip is that of `finer` steps, and F behind it <x_s^2>/(2 <x_s>)."""
+    law = gaussian(1.0, width)
+    warm = Contacts(law, thermal=Thermal("soft", temperature, attempts))
+    asked: dict[str, Any] = {"spring": SOFTEST, "slip": "instant"}
+    path = np.array([1.0e6, 2.0e6, 3.0e6])
+    found, finer = (master.solve(warm, path, tolerance, **asked) for tolerance in (1e-3, 2e-4))
+    assert found.success and found.slips.drive.size == 1, found.message
+    at_slip = found.slips.drive_error + finer.slips.drive_error
+    assert found.slips.drive == pytest.approx(finer.slips.drive, abs=at_slip)
+    assert found.force == pytest.approx(law.moment(2) / (2.0 * law.mean()), abs=2e-5)
+
+
+@pytest.mark.slow
+def test_behind_a_long_slip_on_a_stiffer_spring_steps_lead_to_the_same_force(
+    monkeypatch: Any,
+) -> None:
+    """A slip of eighty thresholds, of which steps go on to F_k; and one of a drive that goes back."""
+    warm = Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.02, 1e-3))
+    asked: dict[str, Any] = {"spring": 2e-3, "slip": "instant"}
+    path = np.linspace(0.0, 400.0, 31)
+    at_once = master.solve(warm, path, 2e-3, **asked)
+    back = master.solve(warm, -path, 2e-3, **asked)
+    monkeypatch.setattr(Decohered, "slid_to_end", lambda *asked: None)
+    in_steps = master.solve(warm, path, 2e-3, **asked)
+    assert at_once.success and in_steps.success and at_once.nodes < 0.5 * in_steps.nodes
+    off = at_once.force_error + in_steps.force_error
+    assert at_once.force == pytest.approx(in_steps.force, abs=off)
+    assert back.force == pytest.approx(-at_once.force, abs=1e-9)
 
 
 def test_resets_that_are_repeated_take_no_steps() -> None:

@@ -939,7 +939,7 @@ def test_after_a_long_slip_contacts_pull_as_in_steady_sliding_back_where_it_went
     """F_k = <x_s²>/(2 <x_s>), of the sign of the motion, but for the 1e-9 that hold for longer than the nodes reach."""
     contacts = CASES["heat"]
     cohorts = ContactsInSteps(contacts, memory_of(contacts, 0, 1.0), 0, np.inf)
-    slip = decohered(contacts, Drive(np.array([1e3]), spring=1e-3, slip="instant"), 16)
+    slip = decohered(contacts, Drive(np.array([1e3]), spring=1e-3, slip="instant"), 16, 1e-3)
     assert slip is not None
     cohorts.decohere(slip.start, sign)
     assert cohorts.holding == pytest.approx(1.0, abs=1e-12)

@@ -183,10 +183,10 @@ class ContactsInSteps:
         """Take the step, of this size (0 in a slip): its groups, with the births in it, become those of the contacts;
         the trial stays as it is. StoppedError where there are too many steps."""
         sums, weight = trial.survival_and_force, trial.groups.weight.copy()
-        begin = self.now
-        self.are_new = False
-        self.steps, self.cost = self.steps + 1, self.cost + (1.0 if size else OF_SLIP)
-        self.work += weight.size * (self.memory.width + FIXED_WORK)
+        begin, self.are_new = self.now, False
+        self.steps, part = self.steps + 1, 1.0 if size else OF_SLIP
+        self.cost += part
+        self.work += part * weight.size * (self.memory.width + FIXED_WORK)
         self._stop_at_limits()
         new = (trial.births - self.births) * self._per_birth
         weight[self._last_two] += new

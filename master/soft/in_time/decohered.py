@@ -25,9 +25,14 @@ from functools import cached_property
 
 import numpy as np
 
+from master.motion import Motion
 from master.numerics.averages import StretchNodes, stretch_nodes
 from master.soft.in_time.contacts import ContactsInSteps
+from master.soft.in_time.creep import Crept
+from master.soft.in_time.steps import Node
 from master.steady.cycle import Cycle
+from master.steady.kinetic import kinetic_curve
+from master.steady.response import has_response, is_stable
 from master.stick_slip.roots import decoherence_length
 from master.survival.life import ColdLife
 from origins import Contacts, Drive
@@ -45,6 +50,8 @@ COMPARED_ALONG, UNDISTURBED = 1.1, 2.2
 AFTER = 1.5
 # The first mode may be hidden by this factor in the range of F (as in soft/moves.py).
 HIDDEN = 100.0
+# Part of the tolerance by which heat may change F_k at the speed of a drive that is then slid with at once.
+OF_HEAT = 0.1
 
 
 class SlipSoFar:
@@ -96,8 +103,8 @@ class Decohered:
         rest of the slip is one move
     """
 
-    def __init__(self, contacts: Contacts, spring: float, nodes: int) -> None:
-        law = contacts.thresholds
+    def __init__(self, contacts: Contacts, spring: float, nodes: int, tolerance: float) -> None:
+        law, self._contacts, self._tolerance = contacts.thresholds, contacts, tolerance
         self._cold, self._spring = Contacts(law, stiffness=contacts.stiffness), spring
         self._unit, self.life = law.mean(), longest_life(law)
         self.distance_after, self._nodes = AFTER * self.life, nodes
@@ -145,13 +152,34 @@ class Decohered:
             return False
         return HIDDEN * swing * np.exp(-ahead / self._length) <= REMAINING * self._unit
 
+    def slid_to_end(self, begin: Node, motion: Motion, until: float) -> Crept | None:
+        """How the slider goes on from a slip that left such contacts, on the last leg of its drive: with the drive at
+        once, where heat changes F_k by next to nothing at its speed, and so by less at all above it, and where steady
+        sliding is stable there. None elsewhere. In steps of finite size F is a little off F_k, and the slider would
+        seek it in a hundred small slips. `until`: reading of time.monotonic() after which StoppedError comes."""
+        speed, sign = abs(float(motion.speeds[-1])), float(np.sign(motion.speeds[-1]))
+        if not has_response(self._contacts) or self._contacts.changing is not None or not speed:
+            return None
+        curve = kinetic_curve(self._contacts, np.array([speed]))
+        force, missed = float(curve.force[0]), float(curve.force_error[0]) * self._unit
+        error = abs(self._steady_force - force) + missed
+        if not error <= OF_HEAT * self._tolerance * self._unit:
+            return None
+        if not is_stable(self._contacts, speed, self._spring, until):
+            return None
+        ends = np.array([begin.time, motion.times[-1]])
+        position = motion.at(ends) - sign * force / self._spring
+        rows = zip((0.0, 1.0), ends.tolist(), position.tolist(), strict=True)
+        nodes = [Node(size, time, sign * force, 1.0, place) for size, time, place in rows]
+        return Crept([nodes], error, begin.time)
+
 
 def longest_life(law: Thresholds) -> float:
     """The way on which all but LONGER_LIVED of the contacts break (a length)."""
     return min(float(law.support()[1]), float(law.isf(LONGER_LIVED)))
 
 
-def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:
+def decohered(contacts: Contacts, drive: Drive, nodes: int, tolerance: float) -> Decohered | None:
     """What a long slip leads to under "instant", by so many nodes. None under other rules, with a delay, where
     thresholds change as contacts form, by a law of one's own, or have grown at X = 0, where contacts form again
     stretched or break as in the closure "paper"; and for laws with exact thresholds, whose order may last, or without a
@@ -164,4 +192,4 @@ def decohered(contacts: Contacts, drive: Drive, nodes: int) -> Decohered | None:
         return None
     if not stays or law.atoms[0].size or not np.isfinite(law.moment(3)):
         return None
-    return Decohered(contacts, float(drive.spring or 0.0), nodes)
+    return Decohered(contacts, float(drive.spring or 0.0), nodes, tolerance)

@@ -92,7 +92,7 @@ def refined(
         needed = halvings_needed(memory, drive, tolerance)
         cohorts = ContactsInSteps(contacts, memory, halvings, until)
         least_drop = UNLISTED * tolerance * contacts.mean_threshold
-        after_long_slips = decohered(contacts, drive, memory.starts)
+        after_long_slips = decohered(contacts, drive, memory.starts, tolerance)
         slider = Slider(cohorts, drive, motion, needed, least_drop, after_long_slips, creep)
         try:
             slider.run()

@@ -76,6 +76,7 @@ class Slider:
         # share of the contacts of which it is unknown whether they are out as a slip begins; and the error of F by that
         # (a length), the largest of all slips
         self._unknown_out = self._error_of_delay = 0.0
+        self._has_decohered = False  # whether the last slip was so long
         self.sections = list[list[Node]]()
         # the sections of this leg from where all contacts were new to a slip that left all contacts new again
         self._stick_and_slip = list[list[Node]]()
@@ -158,9 +159,13 @@ class Slider:
         """Let the slider creep steadily from the last of these nodes of a section to the end of the path, if it does
         so; whether it did. Then it is at the end, and no steps are left to take."""
         contacts, creep, motion = self.contacts, self._creep, self.motion
-        if creep is None or motion is None or nodes[0].time < motion.times[-2]:
+        if motion is None or nodes[0].time < motion.times[-2]:
             return False
-        crept = creep.from_here(nodes, contacts.most_steps - contacts.cost)
+        crept = None
+        if self._decohered and self._has_decohered and len(nodes) == 1:
+            crept = self._decohered.slid_to_end(nodes[0], motion, contacts.until)
+        if crept is None and creep is not None:
+            crept = creep.from_here(nodes, contacts.most_steps - contacts.cost)
         if crept is None:
             return False
         self.creeps_from, self.steady_from = contacts.now, crept.steady_from
@@ -273,7 +278,8 @@ class Slider:
             slip_without_births(contacts, self._steps)
             self._bound_error_of_delay_after_slip()
         else:
-            slip_with_births(contacts, self._steps, self._size, self._decohered)
+            size, decohered = self._size, self._decohered
+            self._has_decohered = slip_with_births(contacts, self._steps, size, decohered)
         self._list_slip(force)
 
     def _list_slip(self, before: float) -> None:

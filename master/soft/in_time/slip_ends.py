@@ -100,8 +100,9 @@ def balance_between(
 
 def slip_with_births(
     contacts: ContactsInSteps, steps: Steps, size: float, decohered: Decohered | None
-) -> None:
-    """Move the slider to the first balance, in steps of this size; broken contacts re-form at once. It ends
+) -> bool:
+    """Move the slider to the first balance, in steps of this size; broken contacts re-form at once. Returns whether it
+    was so long that its breaks were steady, or all contacts were replaced by those to which that leads. It ends
 
     - at once, as good as, where no small travel leads to a pull of the spring;
     - on the first step at whose end the spring pulls no more, once the slider is away from the balance at the begin;
@@ -121,7 +122,8 @@ def slip_with_births(
         trial = contacts.trial(NO_SLIP_OF_STEP * step_travel, contacts.now)
         pull = steps.imbalance(trial)
         contacts.take(trial, 0.0)
-        return _check_balance(contacts, steps, pull)
+        _check_balance(contacts, steps, pull)
+        return False
     # a travel on the next step at which the slider still moves on: the slip ends between it and the step's end
     low = first
     # Whether the slider is already past the balance at which the slip began, as it is where a step goes beyond `first`.
@@ -142,7 +144,8 @@ def slip_with_births(
         error = _error_of_rest(so_far, to_end, contacts.unit, decohered)
         if error is not None:
             contacts.slide_steadily(steps.sign * to_end, error)
-            return _check_balance(contacts, steps, 0.0)
+            _check_balance(contacts, steps, 0.0)
+            return True
         if decohered and np.isinf(so_far.decohered_since) and decohered.is_sure(so_far):
             # steps of finite size have a steady force a little off F_k. The steps after the slip would seek it anew, as
             # further small slips, so that F is let go there first.
@@ -155,6 +158,7 @@ def slip_with_births(
         contacts.unresolved.note(OF_BALANCE, abs(at_end), contacts.now)
     contacts.take(contacts.trial(low, contacts.now), 0.0)
     _check_balance(contacts, steps, at_end)
+    return bool(np.isfinite(so_far.decohered_since))
 
 
 def _error_of_rest(
