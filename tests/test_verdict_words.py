@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from master import steady_state
 from origins import (
     Contacts,
     Delay,
@@ -205,6 +206,15 @@ def test_the_last_part_of_a_way_of_few_cycles_is_a_part_of_it() -> None:
     assert begin is not None and 1.4 <= 6.6 - begin <= 2.0  # so that one slip is among them
 
 
+def test_forces_of_slips_say_that_they_were_not_resampled() -> None:
+    """An empty cell beside F_s ± 5.7 µN was read as a force that other samples do not change."""
+    vague = answers.Quantity(0.5123, 1e-9, 0.015)
+    rows = page(told(slips("reset"), kinetic=vague))
+    (before,) = (row for row in rows if row.startswith("force before a slip (reset)"))
+    assert before.endswith("not resampled")
+    assert not any("not resampled" in row for row in page(told(slips("reset"))))
+
+
 def test_friction_over_the_load_says_how_far_it_is_from_half_of_one_contacts() -> None:
     """By GW with "amontons" breaking forces are 0.4 of the load, and F_k/load a quarter above half of that; by Persson
     with "paper" k is proportional to x_s, and F_k is half of it. Sums over thresholds are moments of P_c."""
@@ -219,6 +229,9 @@ def test_friction_over_the_load_says_how_far_it_is_from_half_of_one_contacts() -
             assert line.startswith(
                 f"F_k/load is {over:.2f} times half of all breaking forces, 0.200"
             )
+            linked = steady_state(contacts.replace(stiffness="linked"), velocity=1.0).force
+            times = linked / steady_state(contacts, velocity=1.0).force
+            assert line.endswith(f'"linked", F_k is {times:.2f} times this') and times > 2.0
     linked = replace(own, contacts=contacts.replace(stiffness="linked"))
     assert not of_spread(replace(told(), answers=(linked,)))
 

@@ -22,7 +22,11 @@ def of_spread(verdict: Verdict) -> list[str]:
     over = surface.friction_coefficient / half
     if abs(over - 1.0) < _APART:
         return []
+    law = own.contacts.thresholds
+    if_linked = law.moment(3) / law.mean() / law.moment(2)
     return [
         f"F_k/load is {over:.2f} times half of all breaking forces, {written(half, '')} of the load: strong contacts "
-        "hold over a longer way than weak ones, and each contact has the mean stiffness <k>, whatever its threshold"
+        "hold over a longer way than weak ones, and each contact has the mean stiffness <k>, whatever its threshold; "
+        'if strong contacts are stiffer in proportion, contacts.stiffness = "linked", '
+        f"F_k is {if_linked:.2f} times this"
     ]

@@ -27,6 +27,8 @@ from toolkit.verdict.uncertainty import (
 
 # a drop that is longer by this share than the spring regains over a period: the slider has swung back after the slip
 _RUNG = 0.05
+# the row that says how many slips there were, where they are few
+SLIPS_SEEN = "slips seen"
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
 WAITING = 0.02
 
@@ -80,7 +82,7 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
             values["period"] = ", ".join(with_period_error(verdict, behaviour) or beside_forces)
         if behaviour.kind == "stick-slip" and behaviour.slips < ENOUGH_SLIPS:
             told = _of_few_slips(behaviour) + still_changing(behaviour.sliders, scale)
-            values["slips seen"] = told
+            values[SLIPS_SEEN] = told
         if behaviour.slip_time is not None:
             values["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
         whose = ", infinitely many contacts" * (behaviour.rule in few)

@@ -11,7 +11,7 @@ from toolkit.scene.scale import PREFIXED, Scale, guarded, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.text.k_star import of_chance, of_critical_spring
-from toolkit.verdict.text.slip_rows import rows_of_slips
+from toolkit.verdict.text.slip_rows import SLIPS_SEEN, rows_of_slips
 from toolkit.verdict.text.spread import other_samples
 from toolkit.verdict.uncertainty import (
     VAGUE,
@@ -23,6 +23,8 @@ from toolkit.verdict.uncertainty import (
 
 # of the contacts: where no more of them hold, F_k is told with their share
 HOLDING = 0.9
+# in the column of other samples, where these would change a number, and nobody knows by how much
+NOT_RESAMPLED = "not resampled"
 # errors of the force in a solver's message, in mean thresholds
 _ERRORS = re.compile(r"(error estimate |(?:above|within) the tolerance )(\d\S*\d)")
 # what a solver advises where its error is above the tolerance
@@ -100,7 +102,10 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         range_text = " to ".join(ends) if len(ends) > 1 else "the same" * (len(numbers) > 1)
         # as in sentences, which name the number of those that are followed
         yield ["contacts on the area", f"{numbers[0]:,.0f}", "", range_text]
-    yield from rows_of_slips(verdict)
+    resampled = bool(own.kinetic.sampling)
+    for name, value, *_ in rows_of_slips(verdict):
+        seen = name.startswith(SLIPS_SEEN)
+        yield [name, value, NOT_RESAMPLED if resampled and not seen else "", ""]
 
 
 def row(
