@@ -515,6 +515,10 @@ def test_a_power_that_few_samples_leave_open_is_told_from_where_to_where() -> No
     told = [onset_in_words(Number(0.0, error, ""), 8) for error in (0.0, 0.04, 12.3, np.inf)]
     assert told == ["0", "0 ± 0.04", "0 to 12", "0, error not known"]
     assert onset_in_words(Number(3.0, 2.0, ""), 8) == "1 to 5"
+    assert onset_in_words(Number(np.inf, 0.0, ""), 8) == "infinite"
+    endless = {"critical_spring": Number(np.inf, 0.0, "N_c<k>")}
+    line, _ = table_of(Description(endless, (), True, False, 1.0), (), ())
+    assert line.split() == ["critical", "spring", "infinite"]
 
 
 def test_an_error_that_is_not_known_is_told_behind_the_unit() -> None:

@@ -228,6 +228,8 @@ def onset_in_words(number: Number, digits: int) -> str:
     """The onset power m, to so many digits; of few samples, which leave more than one power open, from where to where
     it may lie."""
     value, error = number.value, number.error or 0.0
+    if value == np.inf:
+        return "infinite"
     if np.isfinite(value) and error == np.inf:
         return f"{value:g}, error not known"
     if not (np.isfinite(value) and error >= 1.0):
@@ -261,6 +263,8 @@ def table_of(
             value, unit = "not known: it hangs on the smoothing of P_c", ""
         elif name.startswith("critical_spring") and not found.sampled and number.lost:
             value, unit = "not known", ""
+        elif np.isinf(number.value):
+            value, unit = "infinite", ""
         elif surface and (number.error or 0.0) <= SEEN * abs(number.value):
             # F_s - F_k is a small part of F_s
             digits = 5 if name == "static_to_kinetic" else 3

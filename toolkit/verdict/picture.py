@@ -126,8 +126,9 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
     for number, answer in enumerate(verdict.answers):
         x, density = _density(answer.contacts)
         style = _style_of(number, verdict) | {"lw": 1.3 if number else 2.2, "ms": 4}
-        # marks of different curves at different places, at even distances on the axes
+        # marks of different curves at different places, at even distances on the axes; one curve needs none
         style["markevery"] = (0.013 * (number % 8), 0.1)
+        style["marker"] = style["marker"] if len(verdict.answers) > 1 else ""
         label = answer.name
         if number and len(verdict.answers) > _NAMED:
             style |= {"lw": 0.8, "marker": "", "zorder": 1}
