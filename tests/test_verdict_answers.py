@@ -92,8 +92,13 @@ def test_the_first_slip_of_a_mass_has_its_forces(kind: str) -> None:
     assert len(rows) == 1
     assert rows[0].split(maxsplit=3)[-1] == "0.610 N_c<k> length down to -0.300 N_c<k> length"
     alike = replace(first, first_forces=(later["before"], later["after"]))
-    shown = any("first slip (mass)" in line for line in page(told(alike, machine=HEAVY)))
-    assert shown is (kind == "smooth")
+    unknown = replace(first, first_error=0.5)
+    for one in (alike, unknown) if kind == "stick-slip" else (alike,):
+        shown = any("first slip (mass)" in line for line in page(told(one, machine=HEAVY)))
+        assert shown is (kind == "smooth")
+    chance = page(told(replace(first, first_error=0.02), machine=HEAVY))
+    (row,) = (line for line in chance if line.startswith("first slip (mass)"))
+    assert "0.61 ± 0.02 N_c<k> length down to -0.30 ± 0.02 N_c<k> length" in row
 
 
 def test_a_mass_tells_the_forces_of_its_first_slip() -> None:
@@ -212,6 +217,7 @@ def test_each_number_of_a_slider_has_its_unit_in_verdict_json() -> None:
         after=0.25,
         swings=(0.4, 0.6),
         first_forces=(0.7, 0.3),
+        first_error=0.01,
         unstable_below=0.01,
         damping=0.1,
         **lengths,
@@ -226,6 +232,7 @@ def test_each_number_of_a_slider_has_its_unit_in_verdict_json() -> None:
     assert (found["before"], found["after"]) == pytest.approx((5.0, 2.5))
     assert found["swings"] == pytest.approx([4.0, 6.0])
     assert found["first_forces"] == pytest.approx([7.0, 3.0])
+    assert found["first_error"] == pytest.approx(0.1)
     assert (found["unstable_below"], found["damping"]) == pytest.approx((10.0, 100.0))
     assert reading["units"]["damping"] == "N/m time"
     none = plain(told(slips("reset")))["readings"][0]["behaviours"][0]
@@ -240,6 +247,7 @@ def test_verdict_json_says_what_its_keys_mean() -> None:
     each = [found, reading, reading["kinetic"], *reading["behaviours"], *found["finite"]]
     keys = {name for one in each for name in one} - {"keys", "name", "title", "reading"}
     meant = found["keys"]
-    beside = {f"{name}_error" for name in ("before", "after", "period", "late")} | {"sampling"}
+    beside = {f"{name}_error" for name in ("before", "after", "period", "late", "first")}
+    beside |= {"sampling"}
     assert all(any(f"`{name}`" in said for said in meant.values()) for name in beside)
     assert keys - beside == set(meant) - {"interrupted"} and len(keys) > 50

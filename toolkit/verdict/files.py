@@ -69,7 +69,8 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
 
 def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
     """What so many contacts do, forces in the unit of the own reading."""
-    out = {name: one for name, one in asdict(finite).items() if name not in ("drive", "force")}
+    not_written = ("drive", "force", "in_time")  # friction.csv and the behaviours have them
+    out = {name: one for name, one in asdict(finite).items() if name not in not_written}
     force = verdict.own.scale.force
     forces = ("before", "before_error", "after", "after_error", "late", "late_error", "fluctuation")
     spreads = {name: getattr(finite, name) for name in ("befores", "drops")}
@@ -87,7 +88,7 @@ def _of_behaviour(behaviour: Behaviour, scale: Scale, mean: float) -> dict[str, 
     not_written = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders", "left")
     out = {name: value for name, value in asdict(behaviour).items() if name not in not_written}
     force = scale.force
-    out |= {name: out[name] * force for name in ("before", "after")}
+    out |= {name: out[name] * force for name in ("before", "after", "first_error")}
     for name, factor in (("unstable_below", scale.spring), ("damping", scale.spring)):
         out[name] = None if out[name] is None else out[name] * factor
     for name in ("swings", "first_forces"):

@@ -37,7 +37,7 @@ KEYS = {
     "message": "what the solver says of it",
     "slip_time": "how long the last slip took [time]; null: no time",
     "top_speed": "of the slider in the last slip [length/time]",
-    "first_forces": "before and after the first slip [force]",
+    "first_forces": "before and after the first slip [force]; `first_error`: one standard error between sliders",
     "damping": "what was taken where none is given [damping]; null: as given",
     "delay": "of the contacts, where another one than theirs was tried [time]",
     "cut": "whether the path was not followed to its end",

@@ -264,6 +264,7 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
         sliders=finite,
         drive=finite.drive,
         force=finite.force,
+        **finite.in_time,
     )
 
 

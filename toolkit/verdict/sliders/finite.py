@@ -36,6 +36,7 @@ from toolkit.verdict.sliders.ensemble import (
 from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
+from toolkit.verdict.sliders.slips_in_time import of_slips_in_time
 from toolkit.verdict.sliders.steady import settling_distance
 from toolkit.verdict.sliders.ways import breaks_until
 
@@ -205,6 +206,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         found = replace(found, slips=large_slips(found.slips, RISE * mean))
     if slips:
         found = replace(found, slips=main_slips(found.slips))
+    in_time = of_slips_in_time(main_slips(found.slips))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, present, "unknown", message=NOT_SLID)
@@ -259,7 +261,9 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
                 other = "do what is not known of infinitely many"
             message = f"{present:,} take too long, and {followed:,} {other}: {kind}"
             return Finite(rule, present, "unknown", message=message)
-    finite = Finite(rule, followed, kind, message=message, drive=drive, force=force)
+    finite = Finite(
+        rule, followed, kind, message=message, drive=drive, force=force, in_time=in_time
+    )
     if counts.any():
         main = found.slips if settles else main_slips(found.slips)
         smaller = 0 if settles else all_slips - main.drive.size

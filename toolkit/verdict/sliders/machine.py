@@ -163,6 +163,7 @@ class Finite:
     shrinks_by : part of itself by which a drop is smaller than the one before it, see `shrinks_by`; 0 where it is not
     rarer : how slips get rarer along the way; None where they do not
     still_changing : forces before slips in order, F/(N_c <k>) (lengths), where few slips still grow, or shrink
+    in_time : fields of a Behaviour that these sliders tell, see `of_slips_in_time`; empty where nobody asked
     """
 
     rule: str
@@ -189,6 +190,7 @@ class Finite:
     shrinks_by: float = 0.0
     rarer: Rarer | None = None
     still_changing: tuple[float, ...] = ()
+    in_time: dict[str, Any] = field(default_factory=dict)
 
     @property
     def force_error(self) -> float:
@@ -214,7 +216,7 @@ class Behaviour:
     instead : why the master equation does not decide, where sliders of all contacts do in its place; "" where it does
     slip_time, top_speed : of the last slip; None where slips take no time
     first_slip, first_forces : X_T as the first main slip begins, and the spring force before and after it (lengths),
-        where slips take time
+        where slips take time; first_error : of these forces, one standard error between sliders (a length), 0 of one
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above, with the standard error of the mean drop where slips
@@ -253,6 +255,7 @@ class Behaviour:
     top_speed: float | None = None
     first_slip: float | None = None
     first_forces: tuple[float, float] | None = None
+    first_error: float = 0.0
     damping: float | None = None
     contacts: int | None = None
     sliders: Finite | None = None

@@ -2,15 +2,20 @@
 
 from typing import Any
 
+import numpy as np
+
 
 def of_slips_in_time(slips: Any) -> dict[str, Any]:
     """Fields of a Behaviour: how long the last slip takes and its top speed; where the first one begins, and the forces
-    before and after it. All None where slips take no time, and where there is none."""
+    before and after it, with their error. All None, and the error 0, where slips take no time, and where there is none.
+    """
+    forces, error = _first_forces(slips) if _take_time(slips) else (None, 0.0)
     return {
         "slip_time": _last_of(slips, "duration"),
         "top_speed": _last_of(slips, "top_speed"),
         "first_slip": first_of(slips),
-        "first_forces": _first_forces(slips),
+        "first_forces": forces,
+        "first_error": error,
     }
 
 
@@ -24,13 +29,15 @@ def first_of(slips: Any) -> float | None:
     return float(slips.drive[slips.main[0]])
 
 
-def _first_forces(slips: Any) -> tuple[float, float] | None:
-    """The force before the first slip of all contacts, and after it (lengths); of an ensemble their means over sliders.
-    None as in `first_of`."""
-    if not _take_time(slips):
-        return None
+def _first_forces(slips: Any) -> tuple[tuple[float, float], float]:
+    """The force before the first slip of all contacts, and after it (lengths), of slips that take time; of an ensemble
+    their means over sliders, and the larger standard error of both (0 of one slider)."""
     first = slips.number == 0 if hasattr(slips, "replica") else slips.main[:1]
-    return float(slips.force_before[first].mean()), float(slips.force_after[first].mean())
+    both = np.array([slips.force_before[first], slips.force_after[first]])
+    before, after = both.mean(axis=1).tolist()
+    many = both.shape[1]
+    error = float(both.std(axis=1, ddof=1).max()) / many**0.5 if many > 1 else 0.0
+    return (before, after), error
 
 
 def _take_time(slips: Any) -> bool:

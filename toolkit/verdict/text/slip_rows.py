@@ -129,18 +129,24 @@ def _unfinished(behaviour: Behaviour) -> str:
 
 def _first_slip(verdict: Verdict, behaviour: Behaviour) -> str:
     """The forces before and after the first slip of a mass, of contacts that began together; "" without one, and where
-    those of the slips that are told differ by less than is worth telling."""
+    those of the slips that are told differ by less than is worth telling, or than is known."""
     if behaviour.first_forces is None:
         return ""
     scale, (before, after) = verdict.own.scale, behaviour.first_forces
     each = (before, behaviour.before), (after, behaviour.after)
-    least = WORTH_TELLING * abs(before)
+    mean, uncertainty = verdict.own.contacts.mean_threshold, widest_uncertainty(verdict)
+    error = behaviour.error * mean if behaviour.error < np.inf else 0.0
+    least = max(WORTH_TELLING * abs(before), error + behaviour.first_error)
     if behaviour.kind != "smooth" and all(abs(one - other) <= least for one, other in each):
         return ""
-    mean, uncertainty = verdict.own.contacts.mean_threshold, widest_uncertainty(verdict)
-    off = max(behaviour.error * mean if behaviour.error < np.inf else 0.0, uncertainty * before)
+    chance = max(error, behaviour.first_error) if behaviour.first_error else 0.0  # of sliders
+    off = max(error, uncertainty * abs(before)) * scale.force
+    shown = chance * scale.force * (chance > max(TOLD_FROM, uncertainty) * abs(before))
     high, low = (
-        written(one * scale.force, scale.force_unit, off * scale.force) for one in (before, after)
+        with_scatter(one * scale.force, shown, scale.force_unit)
+        if shown
+        else written(one * scale.force, scale.force_unit, off)
+        for one in (before, after)
     )
     return falls(high, low, (before - after) * scale.force, scale.force_unit)
 
