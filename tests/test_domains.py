@@ -14,6 +14,7 @@ import master
 import origins
 import toolkit
 from origins import Contacts
+from toolkit.scene.interfaces import doubts
 from toolkit.scene.of_samples import of_islands
 
 A = 2.5
@@ -197,3 +198,39 @@ def test_islands_whose_atoms_follow() -> None:
     direct = origins.relaxed_barrier(atoms, calculator, rigid=False)
     assert found[0] == pytest.approx(direct.barrier, abs=1e-9)
     assert abs(found[0] - origins.triangular_barrier(2.5, 2, 1, 0.3)) > 1e-3
+
+
+def _stacked(*layers: tuple[str, float]) -> ase.Atoms:
+    """Layers of one element each at heights z, laid out as three rows of three, from below."""
+    made = ase.Atoms()
+    for element, z in layers:
+        layer = origins.triangular_island(2.6, 3, 3)
+        layer.set_chemical_symbols([element] * len(layer))
+        layer.translate((0.0, 0.0, z))
+        made += layer
+    return made
+
+
+@pytest.mark.parametrize(
+    ("layers", "said", "doubted"),
+    [
+        ([("C", 0.0)], "", False),
+        ([("Au", 0.0), ("C", 3.35)], "18 atoms, C9Au9, in 2 layers, Au9 below C9: is the", True),
+        ([("Au", 0.0), ("Au", 2.4), ("C", 5.7)], "in 3 layers, Au18 below C9: is the", True),
+        # one material, and one whose layers are bonded to each other, as those of MoS2
+        ([("C", 0.0), ("C", 3.35)], "18 atoms, C18, in 2 layers, and all of them meet", False),
+        ([("S", 0.0), ("Mo", 1.5), ("S", 3.0)], "Mo9S18, in 3 layers, and all of them", False),
+    ],
+)
+def test_an_island_that_may_hold_its_substrate_is_doubted(
+    layers: list[tuple[str, float]], said: str, doubted: bool
+) -> None:
+    """All atoms of a file are the island, also those of a slab: F_k was 35 times too large, and nothing said so."""
+    for unit in (1.0, 1e-10):
+        island = _stacked(*layers)
+        island.positions *= unit
+        substrate = origins.hexagonal_substrate(1.0, 2.46 * unit)
+        law = origins.domains(islands=[island], substrate=substrate, stiffness=1.0, samples=50)
+        notes = [note for note in of_islands(law) if "layers" in note]
+        assert len(notes) == bool(said) and all(said in note for note in notes)
+        assert [note for note in doubts(Contacts(law)) if note in notes] == notes * doubted

@@ -3,6 +3,7 @@
 A barrier depends on the outline, so the outline is an input. Any other ase.Atoms serves as an island too.
 """
 
+from dataclasses import dataclass
 from math import ceil, sqrt
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -19,6 +20,24 @@ Atoms: TypeAlias = "ase.Atoms"
 # in lattice constants: the shift of odd rows, and the distance of rows
 LATTICES = {"triangular": (0.5, 0.5 * sqrt(3.0)), "square": (0.0, 1.0)}
 _MOST_ATOMS = 100_000_000
+# of the shortest distance of two atoms: a gap in z beyond which another layer begins
+_GAP = 0.5
+
+
+@dataclass(frozen=True)
+class Layers:
+    """How the atoms of an island lie one above the other, which no barrier of a rigid one sees.
+
+    atoms, formula : their number, and their elements, such as "C103Au289"
+    layers : how many there are, along z
+    apart : from below, the formulas of parts of other elements that no bond joins, such as a flake and a slab below it:
+        the nearest neighbour of each atom is in its own part; one formula where there is but one part
+    """
+
+    atoms: int
+    formula: str
+    layers: int
+    apart: tuple[str, ...]
 
 
 def triangular_island(lattice_constant: float, n_i: int, n_j: int) -> Atoms:
@@ -147,3 +166,29 @@ def positions_of(atoms: Atoms) -> Array:
     flat = points[:, :2] - points[:, :2].mean(axis=0)
     centred: Array = flat - (masses / masses.sum()) @ flat
     return centred
+
+
+def layers_of(atoms: Atoms) -> Layers:
+    """The layers of the atoms of an island, and its parts of other elements, one above the other."""
+    order = np.argsort(atoms.positions[:, 2], kind="stable")
+    points, formula = atoms.positions[order], atoms.get_chemical_formula()
+    steps = np.diff(points[:, 2])
+    if not steps.any():
+        return Layers(len(points), formula, 1, (formula,))
+    import scipy
+
+    distances, nearest = scipy.spatial.cKDTree(points).query(points, k=2)
+    gaps = steps > _GAP * distances[:, 1].min()
+    # how many atoms have their nearest neighbour on the other side of each step in z
+    own, other = np.arange(len(points)), nearest[:, 1]
+    begins, ends = (
+        np.bincount(each(own, other), minlength=len(points)) for each in (np.minimum, np.maximum)
+    )
+    joined = np.cumsum(begins - ends)[:-1] > 0
+    parts = [order[:0]]
+    for part in np.split(order, np.flatnonzero(gaps & ~joined) + 1):
+        if {*atoms.numbers[parts[-1]]} == {*atoms.numbers[part]}:
+            part = np.concatenate([parts.pop(), part])
+        parts.append(part)
+    apart = tuple(atoms[part].get_chemical_formula() for part in parts[1:])
+    return Layers(len(points), formula, int(gaps.sum()) + 1, apart)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from origins.domains.angle_thresholds import angle_thresholds
 from origins.domains.barriers import Island, radians
-from origins.domains.islands import Atoms
+from origins.domains.islands import Atoms, Layers, layers_of
 from origins.domains.lowest_saddle import Whole
 from origins.domains.substrates import Substrate, checked_substrate, vectors
 from origins.errors import (
@@ -137,7 +137,10 @@ def domains(
     else:
         thresholds = from_samples(lengths)
     mean_stiffness = float((barriers[resisting] / period / lengths).mean())
-    thresholds.domains = DomainSamples(barriers, turned, n_atoms[kinds], period, mean_stiffness)
+    layers = tuple(map(layers_of, islands or ()))
+    thresholds.domains = DomainSamples(
+        barriers, turned, n_atoms[kinds], period, mean_stiffness, layers
+    )
     return thresholds
 
 
@@ -208,6 +211,7 @@ class DomainSamples:
 
     barriers, angles, n_atoms : epsilon_a, energies, 0 for islands that slide freely; radians; N_a; shape (samples,).
     period, mean_stiffness : a_s, the substrate's shortest period, a length; <k> of those that resist, force per length.
+    layers : of `islands` that are given as atoms, one each, how these lie one above the other; else none.
     """
 
     barriers: Array
@@ -215,6 +219,7 @@ class DomainSamples:
     n_atoms: npt.NDArray[np.int64]
     period: float
     mean_stiffness: float
+    layers: tuple[Layers, ...] = ()
 
     @property
     def forces(self) -> Array:

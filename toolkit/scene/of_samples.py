@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from origins.domains.islands import Layers
 from origins.samples.from_samples import Sampled, sampled_parts
 from origins.thresholds.law import Thresholds
 
@@ -10,10 +11,31 @@ NO_NEWS = 0.1
 
 
 def of_islands(law: Thresholds, machine: bool = False) -> list[str]:
-    """Notes on thresholds from islands: K* is infinite, with the slips of some springs but beside a `machine` of its
-    own, or depends on smoothing."""
+    """Notes on thresholds from islands: layers of their atoms; K* is infinite, with the slips of some springs but
+    beside a `machine` of its own, or depends on smoothing."""
     if law.domains is None:
         return []
+    layered = [_of_layers(island) for island in law.domains.layers if island.layers > 1]
+    return layered + _of_angles(law, machine)
+
+
+def _of_layers(island: Layers) -> str:
+    """What is said of an island of several layers, whose atoms all meet the substrate alike, and what is asked where
+    one of them may be the substrate itself."""
+    what = f"the island is {island.atoms:,} atoms, {island.formula}, in {island.layers} layers"
+    if len(island.apart) > 1:
+        return (
+            f"{what}, {' below '.join(island.apart)}: is the substrate among them? Each of these atoms is taken as one "
+            "of the island: leave those of the substrate out of the file, as the table substrate states it"
+        )
+    return (
+        f"{what}, and all of them meet the substrate alike, whatever their z: leave those that do not touch it out of "
+        "the file"
+    )
+
+
+def _of_angles(law: Thresholds, machine: bool) -> list[str]:
+    """Notes on the angles of islands, and on K* of the P_c that they have."""
     angles = law.domains.angles
     if angles.max() > 1.0 and (angles == angles.round()).all():
         return ["angles are in radians, and all of them are whole numbers: are degrees meant?"]
