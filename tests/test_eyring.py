@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import slow
 from scenes import ROUGH, scene
 from scipy import integrate
 
@@ -63,8 +62,9 @@ def test_the_logarithm_ends_where_contacts_creep_and_where_all_reach_their_thres
 
 @pytest.mark.parametrize(
     ("speed", "number", "most"),
-    [(1e-6, 5_000, 6e-3), slow(1e-6, 50_000, 2e-3), slow(1e-2, 50_000, 2e-3)],
+    [(1e-6, 5_000, 6e-3), (1e-6, 50_000, 2e-3), (1e-2, 50_000, 2e-3)],
 )
+@pytest.mark.slow  # its kernel, which no quick test needs, is compiled for 7 s
 def test_the_ensemble_slides_with_the_same_force(speed: float, number: int, most: float) -> None:
     path = np.linspace(30.0, 32.0, 5)
     run = eq_model.simulate(CONTACTS, path, velocity=speed, n_contacts=number, n_replicas=6, seed=3)

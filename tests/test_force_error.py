@@ -32,7 +32,7 @@ import master
 import origins
 from toolkit.command import main
 from toolkit.judge.closed_form import closed_form
-from toolkit.stability.case import SIGMAS, Case, CaseAnswer, Question, Row, Truth
+from toolkit.stability.case import SIGMAS, Case, CaseAnswer, Question, Row, Truth, bounding_factor
 from toolkit.stability.cohorts import by_cohorts
 from toolkit.stability.coverage import as_lines, coverage
 from toolkit.stability.diffusing import aged_lives
@@ -400,6 +400,12 @@ def test_errors_beyond_their_bars_are_told() -> None:
 
     assert coverage(of_ensemble(1.0)).sigmas_kept
     assert not coverage(of_ensemble(0.75)).sigmas_kept
+    few = np.random.default_rng(5).standard_t(
+        15, 1000
+    )  # of 16 replicas on a spring, beside their own scatter
+    on_spring = [row("ensemble", "within tolerance", abs(t), bounding_factor(16)) for t in few]
+    assert not coverage(on_spring).sigmas_kept
+    assert coverage([dataclasses.replace(one, group="spring") for one in on_spring]).sigmas_kept
     good = [row("master", "within tolerance", 1e-9, 1e-8)] * 49
     assert coverage(good).promise_kept
     wrong, refused = row("master", "wrong", 1e-7, 1e-8), row("master", "refused", np.nan, np.nan)

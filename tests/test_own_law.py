@@ -306,7 +306,8 @@ class OfRoot(Strengthening):
         )
 
 
-@pytest.mark.parametrize(("number", "power"), [(1000, 0.1), slow(4000, 0.05)])
+@pytest.mark.slow  # its kernel, which no other test needs, is compiled for 8 s
+@pytest.mark.parametrize(("number", "power"), [(1000, 0.1), (4000, 0.05)])
 def test_a_law_made_from_a_compiled_one_is_not_taken_for_it(number, power):
     """Nor that for it: its kernel stood on disk in place of the other's, for all processes that came later. A law of
     one's own is called, as no kernel on disk is told apart by its source."""

@@ -501,9 +501,16 @@ def test_a_law_that_is_absent_costs_no_work(solver: str) -> None:
         assert calls(**{name: idle}) == plain, name
     for name in ("thermal", "ageing", "delay", "thresholds"):
         assert calls(**{name: STRONG[name]}) != plain, name
-    for name, law in (STRONG | {"thermal": EYRING}).items():
-        if name in ("ageing", "thermal", "thresholds"):
-            assert [file for file, _ in calls(**{name: law}) if OF_LAWS.search(file)], name
+    for name in ("ageing", "thermal", "thresholds"):
+        assert [file for file, _ in calls(**{name: STRONG[name]}) if OF_LAWS.search(file)], name
+
+
+# the ensemble's kernel is compiled for 7 s
+@pytest.mark.parametrize("solver", ["master", slow("eq_model")])
+def test_a_law_of_heat_costs_work_of_its_own(solver: str) -> None:
+    """That of stress-assisted breaking."""
+    found = calls_of(SOLVERS[solver], thermal=EYRING)
+    assert [file for file, _ in found if OF_LAWS.search(file)]
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

@@ -313,8 +313,9 @@ def test_an_ensemble_of_the_scenes_own_size_stands_beside_the_scene_as_it_is(
 
 
 def test_a_map_ends_where_a_number_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.setattr("toolkit.stability.pushes.DECADES", 2)
     file = tmp_path / "narrow.toml"
     file.write_text(
         '[contacts]\nthresholds = { kind = "rectangular", lower = 0.5, upper = 1.5 }\n'

@@ -188,6 +188,7 @@ def test_finitely_many_contacts_slide_as_steady_sliding_tells(
     assert np.all(few.slips.drive < 8.0) and few.slips.drive.size == 4 * slips
 
 
+@pytest.mark.slow  # its kernel, which no other test needs, is compiled for 7 s
 def test_heat_that_steadies_sliding_changes_forces_by_more_than_a_slip() -> None:
     """Samples of molecular dynamics at 300 K were not decided. F_k rises with the speed, and F_s is above it by less
     than without heat; 500 contacts bear the force that is told in the end."""

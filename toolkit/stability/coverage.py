@@ -5,7 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy import special
 
+from origins.thresholds.law import Array
+from toolkit.stability import truths
 from toolkit.stability.case import (
     OVERRUN,
     ROUND_OFF,
@@ -15,6 +18,7 @@ from toolkit.stability.case import (
     Question,
     Row,
     Truth,
+    bounding_factor,
 )
 from toolkit.stability.drawn import drawn
 from toolkit.stability.table import answered
@@ -23,7 +27,12 @@ PROMISED = 0.99  # of the cases have an error within the claim
 EXPECTED = (0.6827, 0.9545, 0.9973)  # of normal errors lie within 1, 2, 3 standard errors
 _COUNTED = 3.0  # counting errors that a fraction may be off by
 _CONTACTS = 4_000  # of the ensemble in a case
-_FEWEST = 30  # broken contacts without which errors are not normal
+# on a spring: so many that their mean is that of infinitely many, to a part of the scatter of the replicas
+_COUPLED, _REPLICAS = 100_000, 16
+_FEWEST = 30  # broken contacts, of a replica, without which errors are not normal
+# of an error by chance that the truth may be off by
+_SURE = 0.1
+_SLIPS = 0.01  # mean thresholds of K X_T, 10 times what F scatters by: so near a slip some replicas have slipped
 
 
 @dataclass(frozen=True)
@@ -82,8 +91,7 @@ def ask(cases: int, seed: int, found: list[Row], count: Callable[[int, int], Non
     for number in range(cases):
         case = drawn(seed, number)
         found += answered(case)
-        if "spring" not in case.drive:  # whose contacts depend on each other
-            found += answered(_ensemble(case, seed + number))
+        found += answered(_ensemble(case, seed + number))
         count(number + 1, cases)
 
 
@@ -94,25 +102,66 @@ def _ensemble(case: Case, seed: int) -> Question:
     contacts, place = case.contacts(), list[int]()
     unit = contacts.mean_threshold
     path, drive = case.path * unit, case.drive
+    many: dict[str, Any] = {"n_contacts": _CONTACTS, "n_replicas": 1, "seed": seed}
+    if "spring" in drive:
+        many |= {"n_contacts": _COUPLED, "n_replicas": _REPLICAS}
+
+    def whole() -> Truth:
+        found = case.truth(contacts, path) if case.truth else None
+        assert found is not None
+        return found
 
     def ask_it() -> CaseAnswer:
-        found: Any = eq_model.simulate(contacts, path, n_contacts=_CONTACTS, seed=seed, **drive)
+        found: Any = eq_model.simulate(contacts, path, **many, **drive)
         error = found.force_standard_error / unit
-        tell = np.flatnonzero(error > np.sqrt(_FEWEST) / _CONTACTS)
+        if "spring" in drive:
+            enough = _tells_on_spring(case, whole(), error)
+        else:
+            enough = error > np.sqrt(_FEWEST) / _CONTACTS
+        tell = np.flatnonzero(enough)
         if not tell.size:
             return CaseAnswer(np.empty(0), np.inf, False, None, "too few contacts broke to tell")
         at = int(np.random.default_rng(seed).choice(tell))
         place.append(at)
-        bound = SIGMAS * error[at] + found.step_error[at] / unit
+        bound = _factor(case.group) * error[at] + found.step_error[at] / unit
         return CaseAnswer(found.force[at] / unit, bound, bool(found.success), None, found.message)
 
     def truth() -> Truth:
-        whole = case.truth(contacts, path) if case.truth else None
-        assert whole is not None
-        error, at = np.broadcast_to(whole.error, whole.values.shape), place or [0]
-        return Truth(whole.values[at], error[at], whole.road)
+        along, at = whole(), place or [0]
+        error = np.broadcast_to(along.error, along.values.shape)
+        return Truth(along.values[at], error[at], along.road)
 
     return Question(case.group, case.name, "ensemble", ask_it, truth)
+
+
+def _tells_on_spring(case: Case, truth: Truth, error: Array) -> Array:
+    """At which points replicas have scattered enough, about a force that is known far better; without a mass none near
+    slips, to which some replicas come before the point and some after it."""
+    contacts, spring = case.contacts(), case.drive["spring"]
+    broken = np.sqrt(_FEWEST / _REPLICAS) / _COUPLED * spring / (1.0 + spring)
+    enough = (error > broken) & (truth.error < _SURE * error)
+    if "mass" in case.drive:
+        return np.asarray(enough)
+    path = case.path * contacts.mean_threshold
+    apart = truths.pulled(spring, contacts, path, _SLIPS)
+    return np.asarray(enough & np.isfinite(apart.error))
+
+
+def _is_coupled(group: str) -> bool:
+    return "spring" in group or "mass" in group
+
+
+def _factor(group: str) -> float:
+    """Standard errors that bound the ensemble."""
+    return bounding_factor(_REPLICAS) if _is_coupled(group) else SIGMAS
+
+
+def _sigmas(row: Row) -> float:
+    """By how many standard errors the ensemble is off, of normal errors: of few replicas by Student's t."""
+    off = _factor(row.group) * row.error / row.claim
+    if not _is_coupled(row.group):
+        return off
+    return float(-special.ndtri(special.stdtr(_REPLICAS - 1, -off)))
 
 
 def coverage(rows: Iterable[Row]) -> Coverage:
@@ -124,7 +173,7 @@ def coverage(rows: Iterable[Row]) -> Coverage:
     overruns = sum(row.said == OVERRUN for row in by_master)
     by_ensemble = [row for row in rows if row.solver == "ensemble"]
     sampled = [row for row in by_ensemble if np.isfinite([row.error, row.floor]).all()]
-    off = np.array([SIGMAS * row.error / row.claim for row in sampled])
+    off = np.array([_sigmas(row) for row in sampled])
     within = tuple(
         CountedFraction(int((off <= sigma).sum()), off.size) for sigma in (1.0, 2.0, 3.0)
     )

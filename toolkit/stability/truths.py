@@ -161,9 +161,10 @@ def first_maximum(contacts: Contacts) -> Truth:
     return Truth(np.array([highest]), 2e-9, "the first maximum of F, in closed form")
 
 
-def pulled(spring: float, contacts: Contacts, path: Array) -> Truth:
+def pulled(spring: float, contacts: Contacts, path: Array, near: float = 1e-6) -> Truth:
     """F of Gaussian thresholds on a spring, whose contacts re-form at once in a slip: the slider stands at the first X
-    at which F(X) + K X reaches K X_T, as F hangs on X alone. Nothing is said of points within 1e-6 of a slip."""
+    at which F(X) + K X reaches K X_T, as F hangs on X alone. Nothing is said of points at which K X_T is within `near`
+    mean thresholds of a slip's."""
     unit, drive = contacts.mean_threshold, path / contacts.mean_threshold
 
     def balance(x: Array) -> Array:
@@ -171,13 +172,14 @@ def pulled(spring: float, contacts: Contacts, path: Array) -> Truth:
 
     grid = np.linspace(0.0, drive[-1] + 1.0, 20_001)
     highest = np.maximum.accumulate(balance(grid))
-    near, far = (np.searchsorted(highest, spring * drive + off) for off in (-1e-6, 1e-6))
+    levels, steps = np.unique(highest, return_counts=True)
+    slips = levels[steps > 10]  # a slip leaps over many steps of the grid
+    apart = np.abs(spring * drive[:, None] - slips).min(axis=1, initial=np.inf)
     high = grid[np.searchsorted(highest, spring * drive)]
     low = np.maximum(high - grid[1], 0.0)
     for _ in range(50):
         middle = 0.5 * (low + high)
         balanced = balance(np.append(middle, grid[-1]))[:-1] >= spring * drive
         low, high = np.where(balanced, low, middle), np.where(balanced, middle, high)
-    # a slip leaps over many steps of the grid
-    error = np.where(grid[far] - grid[near] > 10.0 * grid[1], np.inf, 1e-12 * (1.0 + spring))
+    error = np.where(apart <= near, np.inf, 1e-12 * (1.0 + spring))
     return Truth(spring * (drive - high), error, "F of the rigid slider, in closed form")
