@@ -167,6 +167,32 @@ def test_a_damaged_scan_is_told_in_words(tmp_path: Path) -> None:
     assert str(told.value).isprintable()
 
 
+def test_a_matrix_of_heights_may_have_commas_or_semicolons(tmp_path: Path) -> None:
+    """The same thresholds, gaps included, as with blanks; a comma that may be a decimal one is never a separator."""
+    pytest.importorskip("SurfaceTopography")
+    heights = 2e-7 * origins.self_affine_surface((24, 20), 1.0, hurst=0.8, rms_slope=0.1, seed=1)
+    heights[3, 5] = heights[8, -1] = np.nan
+    cells = [[f"{height:.6e}" for height in row] for row in heights.T]
+
+    def moments(mark: str, gap: str, decimal: str = ".", rows: Any = cells) -> Any:
+        lines = [mark.join(row).replace("nan", gap).replace(".", decimal) for row in rows]
+        (tmp_path / "own.csv").write_text("# heights\n" + "\n".join(lines))
+        surface = {"kind": "scan", "file": str(tmp_path / "own.csv"), "unit": "m"}
+        law = ROUGH | {"surface": surface | {"physical_sizes": [2.4e-5, 2e-5]}}
+        made = toolkit.load_scene(scene(law, drive={"to": 1e-8, "points": 3}))
+        return made.contacts.interface.moments
+
+    plain = moments(" ", "nan")
+    assert plain.missing_fraction == 2 / 480
+    assert moments(",", "nan") == moments(",", "") == moments(" , ", "NaN") == plain
+    assert moments(";", "") == moments(";", "", ",") == moments(";\t", "nan", ",") == plain
+    assert moments(",", "nan", rows=[[*row, ""] for row in cells]) == plain
+    wrong = {"mark": "\t", "decimal": ","}, {"mark": " ", "decimal": ","}
+    for given in (*wrong, {"mark": ",", "rows": [*cells, cells[0] * 2]}):
+        with pytest.raises(InputError, match=r"blanks, commas or semicolons .* nan or nothing"):
+            moments(gap="nan", **given)
+
+
 @pytest.mark.parametrize("name", CONTACT_LAWS)
 def test_contacts_carry_every_law_of_a_scene(name: str) -> None:
     start = {"kind": "gaussian", "mean": 0.0, "std": 0.025}

@@ -1,5 +1,6 @@
 """Kinds of thresholds whose keys differ from the parameters in origins: islands, surfaces."""
 
+import io
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy.typing as npt
 import origins
 from origins.errors import InputError, finite, finite_array, pair, positive, refuse, whole
 from origins.roughness.surface import METRES, Topography, as_topography
-from toolkit.scene.files import read_file
+from toolkit.scene.files import read_file, read_text
 from toolkit.scene.samples import in_si
 
 # an island's atoms are about as far apart as a substrate's period: a factor beyond which one is in another unit
@@ -183,8 +184,13 @@ def open_scan(
             refuse("file", file, "is empty")
         try:
             from SurfaceTopography import open_topography
+            from SurfaceTopography.Exceptions import CannotDetectFileFormat
 
-            with open_topography(str(path)) as reader:
+            try:
+                opened = open_topography(str(path))
+            except CannotDetectFileFormat:
+                opened = open_topography(io.StringIO(_parted_by_blanks(path)))
+            with opened as reader:
                 if channel >= len(reader.channels):
                     refuse("channel", channel, f"must be 0 to {len(reader.channels) - 1}")
                 scan = reader.topography(channel_index=channel, **said)
@@ -208,11 +214,37 @@ def open_scan(
     return Heights(read_file("file", file, folder, comm, read, "scan"), periodic=False)
 
 
+def _parted_by_blanks(path: Path) -> str:
+    """A text with a matrix of heights parted by commas, or by semicolons beside which a comma is a decimal one, as
+    SurfaceTopography reads it: parted by blanks, nan where a cell is empty. Another text as it is, "" for none."""
+    try:
+        text = read_text(path)
+    except UnicodeDecodeError:
+        return ""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    mark = ";" if ";" in text else ","
+    rows = [line.split(mark) for line in lines if not line.startswith("#")]
+    if not any(row[-1] for row in rows):  # each row ends with a mark
+        rows = [row[:-1] for row in rows]
+    cells = [[cell.strip().replace(",", ".") or "nan" for cell in row] for row in rows]
+    try:
+        # two columns may be one of decimal commas
+        if np.array(cells, dtype=float).shape[1] < 3:
+            return text
+    except (ValueError, IndexError):  # no numbers, or rows of several lengths; nothing at all
+        return text
+    comments = [line for line in lines if line.startswith("#")]
+    return "\n".join([*comments, *map(" ".join, cells), ""])
+
+
 def _why(error: Exception) -> str:
     """What a reader says of a file in a few plain words, without the bytes that it could not read."""
     said = str(error)
     if (tried := re.findall(r"tried (\w+):", said)) and "physical_sizes" not in said:
-        return f"none of the {len(set(tried))} readers of SurfaceTopography takes it; is it whole, and a scan?"
+        return (
+            f"none of the {len(set(tried))} readers of SurfaceTopography takes it; is it whole, and a scan? "
+            "A text with a matrix of heights has blanks, commas or semicolons between them and nan or nothing for gaps"
+        )
     said = re.sub(r"""b(['"])(?:\\.|(?!\1).)*\1""", "some bytes", said, flags=re.DOTALL)
     said = "".join(letter if letter.isprintable() else " " for letter in said)
     return shorten(said, 160, placeholder=" ...") or type(error).__name__
