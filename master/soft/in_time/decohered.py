@@ -18,7 +18,8 @@ An example: thresholds 1 ± 0.2, K = 0.001, steps of the size 1; the longest lif
 From 2.84 on no contact holds that held at the begin; on the next 2.2 L the force is seen to stay within its values of
 the last 1.1 L (`swing`), far below the spring's. At 7.70 all contacts are replaced by those of `start`, as this slip
 would make them. In steps of finite size their F is a little off F_k: after 1.5 L it has let go, and the rest of the way
-is algebra.
+is algebra. Behind the slip the slider goes on with its drive, as contacts bear F_k at any speed, where heat leaves that
+nearly as it is (`slid_to_end`).
 """
 
 from functools import cached_property
