@@ -95,3 +95,24 @@ def test_both_solvers_have_the_same_slips(law: str, damped: int, delay: float, f
         changed = numbers | {name: (1.0 + SEEN * fewer**0.5) * numbers[name]}
         other = master.solve(**asked(law, **changed), tolerance=3e-4)
         assert off(other) > FURTHEST, name
+
+
+@pytest.mark.slow
+def test_both_solvers_lose_the_same_energy_while_an_undamped_slider_swings_on() -> None:
+    """Each delay of 3.3 swings all contacts come back and break. Between, the energy that breaks have taken says what
+    held in all of them, whatever phase the swing had; each contact breaks once a delay, at 0.52 <x_s>² or less."""
+    spring, swing = 1e-4, 100.0
+    delay, mass = 3.3 * swing, spring * (swing / (2.0 * np.pi)) ** 2
+    contacts = origins.Contacts(origins.gaussian(1.0, 0.2), delay=origins.Delay(delay))
+    machine = {"spring": spring, "mass": mass}
+    begins = master.solve(contacts, [7.5 / 10.0 / spring], 2e-2, **machine).slips.drive[0]
+    path = begins + delay * (0.5 + np.arange(6))
+    found = master.solve(contacts, path, 2e-2, **machine)
+    assert found.success and found.slips.drive.size == 1
+    drawn = eq_model.simulate(
+        contacts, path, n_contacts=16_000, n_replicas=8, seed=1, **machine
+    ).energy.released
+    error = drawn.std(axis=0, ddof=1) / len(drawn) ** 0.5
+    off = np.abs(drawn.mean(axis=0) - found.energy.released)
+    assert (off < FURTHEST * error).all() and (error < 2e-3).all()
+    assert (found.energy.released < 0.52 * (1.0 + np.arange(6)) + 0.1).all()
