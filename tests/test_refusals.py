@@ -486,6 +486,11 @@ WRONG: list[tuple[str, Any, str]] = [
         "drive.wall_time: unknown key; it stands before all tables; known here: poi",
     ),
     ("contacts.delay", "10 s", "contacts.delay = '10 s': must be a table, [contacts.delay] or de"),
+    (
+        "drive.delay",
+        1.0,
+        "drive.delay: unknown key; it is a table of its own, [contacts.delay]; known here: poi",
+    ),
     ("contacts.area", 1e-6, "contacts.area: unknown key; it stands in [drive]; known here: thr"),
     (
         "contacts.thresholds.area",
@@ -515,6 +520,11 @@ WRONG: list[tuple[str, Any, str]] = [
         "contacts.thresholds",
         {"kind": "from-topography", "surface": {}, "material": {}, "law": "paper"},
         'contacts.thresholds.model: is missing; must be "gw" or "persson"; from-topography takes ',
+    ),
+    (
+        "contacts.thresholds",
+        {"kind": "from-topography", "surface": {}, "material": {}, "law": "paper", "model": "gw"},
+        "contacts.thresholds.pressure: is missing; give a number in Pa, such as pressure = 1e6; from-to",
     ),
     (
         "contacts.thermal",

@@ -10,6 +10,7 @@ from scipy.special import erfc, ndtr
 
 import origins
 import toolkit
+from toolkit.scene.interfaces import doubts
 
 # -- from moments to thresholds --------------------------------------------------------------------
 
@@ -197,6 +198,28 @@ def test_one_strain_at_a_time_is_said(change: dict, says: str) -> None:
     for calm in ({}, PATCHES):
         assert origins.from_moments(**usual | calm).interface.cautions == ()
     assert any(says in line for line in origins.from_moments(**usual | change).interface.cautions)
+
+
+@pytest.mark.parametrize(
+    ("hardness", "said"),
+    [
+        (
+            200.0,
+            "= 200 Pa is 7e-08 of contact_modulus: did you mean 200 MPa? Then write hardness = 2e+08",
+        ),
+        (
+            0.2,
+            "= 0.2 Pa is 7e-11 of contact_modulus: did you mean 0.2 GPa? Then write hardness = 2e+08",
+        ),
+        (1e-12, "of contact_modulus: is the unit right?"),
+    ],
+)
+def test_a_hardness_in_another_unit_is_asked_about(hardness: float, said: str) -> None:
+    """Which regime to take is not said of it: all contacts are plastic at 200 Pa."""
+    usual = {"moments": FINE, "model": "gw", "law": "amontons", "pressure": 1e5}
+    law = origins.from_moments(material=replace(SOFT, hardness=hardness), **usual)
+    (doubt,) = doubts(origins.Contacts(law))
+    assert doubt.startswith("hardness ") and doubt.endswith(said)
 
 
 SUMMITS = origins.moments_of_summits(radius=20e-6, std=0.2e-6, density=3e9)

@@ -11,6 +11,8 @@ from origins.roughness.stated import InSI
 from origins.thresholds.powered import Array, Bend, PowerLaw
 
 _ONE_OF = "write shear_modulus, or density and sound_velocity, or contact_stiffness"
+# of the contact modulus: no material is as soft as that, sodium has 1e-4; and an order that many have
+_SOFTEST, _ORDINARY = 1e-5, 1e-3
 
 
 @dataclass(frozen=True)
@@ -192,6 +194,19 @@ class Interface(InSI):
         return self.force_law(lengths)
 
     @property
+    def hardness_question(self) -> str:
+        """Which unit of the hardness is meant, where it is far below that of any material of this modulus; else ""."""
+        hardness, modulus = self.material.hardness, self.material.contact_modulus
+        if hardness is None or hardness >= _SOFTEST * modulus:
+            return ""
+        said = f"hardness = {hardness:g} Pa is {hardness / modulus:.0e} of contact_modulus"
+        for prefix, factor in (("M", 1e6), ("G", 1e9)):
+            if _ORDINARY <= hardness * factor / modulus < 1.0:
+                meant = f"hardness = {hardness * factor:.4g}"
+                return f"{said}: did you mean {hardness:g} {prefix}Pa? Then write {meant}"
+        return f"{said}: is the unit right?"
+
+    @property
     def plastic_caution(self) -> str:
         """A sentence where more than 1 % of the load rests on contacts that would be plastic, and are taken as elastic;
         else ""."""
@@ -228,6 +243,7 @@ class Interface(InSI):
             > 1e-3,
             f"contact_modulus is {modulus:.2g} Pa: is the unit right?": modulus < 100.0,
             f"pressure is {load:.2g} Pa: is the unit right?": load < 10.0,
+            self.hardness_question: self.hardness_question != "",
             f"the scan would hold {in_scan:.2g} contacts: the load is extrapolated": in_scan < 1.0,
             f"patch_area = {patch:.3g} m² is below the {point:.3g} m² of a pixel": patch < point,
             f"patch_area = {patch:.3g} m² is above the {scan:.3g} m² of the scan": patch > scan,

@@ -162,7 +162,10 @@ def doubts(contacts: Contacts) -> list[str]:
     law = contacts.thresholds
     surface, said = law.interface, [one for one in remarks(law) if "?" in one]
     caution = surface.plastic_caution if isinstance(surface, Interface) else ""
-    if caution and (surface.plastic_load_fraction or 0.0) > _MOSTLY:
+    asked = (
+        isinstance(surface, Interface) and surface.hardness_question
+    )  # whose answer may change it
+    if caution and not asked and (surface.plastic_load_fraction or 0.0) > _MOSTLY:
         said.append(f'{caution}: take regime = "mixed", or "plastic"')
     said += of_other_barriers(contacts)
     if isinstance(contacts.thermal, Thermal) and contacts.thermal.temperature is not None:

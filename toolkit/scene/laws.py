@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from origins.errors import InputError, must_be, positive, refuse
 from origins.roughness.stated import BOLTZMANN
-from toolkit.scene.tables import CELSIUS, GROWTHS, did_you_mean, what_is_meant
+from toolkit.scene.tables import CELSIUS, GROWTHS, did_you_mean, what_is_meant, with_unit
 
 
 def _origins(kinds: str, pattern: str = "{}") -> dict[str, str]:
@@ -183,12 +183,12 @@ def _called(kinds: Mapping[str, str] | str, table: object, where: str) -> _Call:
 
 
 def _choice(place: str, key: str) -> str:
-    """For a message: the words or the kinds of table among which this key of the function is, "" for others."""
+    """For a message: the words or kinds of table among which this key of the function is, or its unit; else ""."""
     if words := _WORDS.get(place, {}).get(key):
         return f"{must_be(named(words))}; "
     if isinstance(kinds := _TABLES.get(key), Mapping):
         return f"must be a table whose kind is one of {', '.join(kinds)}; "
-    return ""
+    return with_unit(key)
 
 
 def named(place: str) -> Any:

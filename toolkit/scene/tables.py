@@ -140,6 +140,7 @@ _COUNTS = ("points", "contacts", "replicas", "seed", "samples", "threads")
 _PASCALS = "pressure contact_modulus shear_modulus hardness shear_strength force_coefficient"
 FIXED_UNITS = dict.fromkeys(_PASCALS.split(), "Pa") | {"kelvin": "K", "wall_time": "s"}
 FIXED_UNITS |= {"area": "m²", "patch_area": "m²"}
+_EXAMPLES = {"pressure": "1e6", "contact_modulus": "2e9", "mean_stiffness": "10.0"}
 # where a temperature is no number of kelvins above zero
 CELSIUS = "0 °C is kelvin = 273.15"
 FIXED_UNITS |= {"mean_stiffness": "N/m", "contact_density": "1/m²"}
@@ -209,11 +210,22 @@ def what_is_meant(key: str, names: Iterable[str]) -> str:
     tables = [
         name for name, table in _TABLES.items() if name and key in table.__struct_encode_fields__
     ]
+    if ContactsTable.__annotations__.get(key) == dict[str, Any] | None:
+        return f"it is a table of its own, [contacts.{key}]; "
     if (other := _ALSO_CALLED.get(key)) and other[0] in names:
         return f"give {other[0]}, {other[1]}; "
     if tables and key in SceneTable.__struct_encode_fields__:
         return "it stands before all tables; "
     return f"it stands in [{tables[0]}]; " if len(tables) == 1 else did_you_mean(key, names)
+
+
+def with_unit(key: str) -> str:
+    """For a message on a missing key: that it is a number in this unit, with an example; "" where none is known."""
+    unit = FIXED_UNITS.get(key)
+    if unit is None:
+        return ""
+    example = _EXAMPLES.get(key)
+    return f"give a number in {unit}{f', such as {key} = {example}' if example else ''}; "
 
 
 def did_you_mean(word: object, names: Iterable[str]) -> str:
