@@ -38,6 +38,7 @@ from toolkit.verdict.sliders.budget import NO_FORCES, NO_TIME, Budget, long_dela
 from toolkit.verdict.sliders.ensemble import follow_by_contacts, sliders
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
+from toolkit.verdict.sliders.forgetting import after_forgetting
 from toolkit.verdict.sliders.islands import follow_contacts, with_barriers
 from toolkit.verdict.sliders.machine import (
     Behaviour,
@@ -1028,6 +1029,10 @@ def test_without_time_a_slider_that_forgets_its_start_slides_at_the_kinetic_forc
     assert solved.regime.verdict == "decaying transient" and told.kind == "smooth"
     assert abs(told.after - solved.force[-1]) < told.error + solved.force_error
     assert "have forgotten their start" in told.message and told.success
+    # of slips before the one from F_s, which were seen to shrink, "1 were seen, each drop 83% smaller" was told
+    seen = replace(infinite("undecided", 4), shrinks_by=0.8, left=0.1, smaller=2, cut=True)
+    over = after_forgetting(SOFT, WIDE, rigid(WIDE), replace(seen, rule="instant"))
+    assert (over.slips, over.shrinks_by, over.left, over.smaller, over.cut) == (1, 0, 0, 0, False)
     # the trace drawn is that of the solver, but for small slips
     drawn = np.interp(path, told.drive, told.force)
     assert np.abs(drawn - solved.force).max() < 2e-3

@@ -269,6 +269,17 @@ def test_fewer_contacts_than_there_are_say_that_their_error_has_what_more_would_
     assert "(one standard error, with what more contacts would change)" in line
 
 
+def test_each_rule_has_its_own_error_in_the_line_on_sliders_that_tell_the_slips() -> None:
+    """The largest of both was told of both: 28 µN of a force that is known to 0.7."""
+    sharp = of_a_mass("stick-slip", 0.8, contacts=1000, message="by the ensemble", error=7e-4)
+    each = replace(sharp, rule="reset"), replace(sharp, rule="reform-after", error=0.028)
+    verdict = of(sharp)
+    verdict = replace(verdict, answers=(replace(verdict.own, behaviours=each),))
+    (line,) = [one for one in dependence(verdict) if "slips are means" in one]
+    known = "known to some 7.0e-04 N_c<k> length if a slip renews all contacts and some 0.028 N"
+    assert known in line and "length if contacts re-form after the slip (one standard" in line
+
+
 def test_more_contacts_keep_the_error_of_heat_that_is_left_out() -> None:
     few = of_a_mass("stick-slip", 0.8, contacts=1000, error=0.3, heat_left_out=0.25)
     more = Finite("mass", 2000, "stick-slip", before=0.8, before_error=1e-3, after=-0.4)

@@ -117,7 +117,20 @@ def test_a_range_of_forces_has_the_digits_of_their_errors() -> None:
     # ends that lie nearer to each other than their errors are none
     near = replace(own, behaviours=(slips("mass", before=2.99, error=0.3),))
     said = range_of_force(replace(verdict, answers=(near, other)))
-    assert "is 3.1 ± 0.3 N_c<k> length (the error of the one that is known least)" in said
+    assert said.endswith("is 2.7 N_c<k> length to 3.3 N_c<k> length, with the error of each")
+
+
+def test_a_range_beside_slips_of_the_areas_contacts_is_of_infinitely_many() -> None:
+    """The answer, 0.580 ± 0.005 by the contacts of the area, lay out of a range of 0.6034 to 0.6213, unsaid."""
+    given = told(slips("reset", before=0.6034, error=1e-5), delay=Delay(5.0))
+    other = replace(given.own, name="b", behaviours=(slips("reset", before=0.6213, error=1e-5),))
+    few = Finite("reset", 500, "stick-slip", 0.58, 5e-3, 0.0, 5e-3, 9.0, period=60.0)
+    verdict = replace(given, answers=(given.own, other))
+    plainly = "the force before a slip by the 2 of 2 readings that slip is 0.6034 N"
+    assert range_of_force(verdict).startswith(plainly)
+    said = range_of_force(replace(verdict, finite=(few,)))
+    assert said.startswith("the force before a slip with infinitely many contacts by the 2 of 2")
+    assert said.endswith("is 0.603 N_c<k> length to 0.621 N_c<k> length")
 
 
 def test_rules_with_errors_of_their_own_stand_apart_in_the_headline() -> None:
@@ -610,8 +623,15 @@ def test_smooth_sliding_that_is_unstable_says_so() -> None:
     slides = slips("instant", kind="smooth", slips=0, before=0.5, after=0.5, unstable_below=0.2)
     for left_out, how in ((None, "by less than that"), (1e-4, "as heat is left out")):
         said = "\n".join(page(told(replace(slides, heat_left_out=left_out))))
+        assert "\nsmooth at 0.5000 N_c<k> length, or swinging by less than 0.020 N" in said
+        bound = "more would be slips, and heat that changes the force by 1.0e-04 N_c<k> length"
+        assert (bound in said) is (left_out is not None)
         assert "steady sliding grow by heat on springs below 0.20 N_c<k>" in said and how in said
-    assert "steady sliding grow" not in "\n".join(page(told(replace(slides, unstable_below=0.0))))
+    stable = "\n".join(page(told(replace(slides, unstable_below=0.0))))
+    assert "steady sliding grow" not in stable and "or swinging" not in stable
+    # nor is more told of it in the headline than is known
+    rough = sentence(told(replace(slides, heat_left_out=0.05, error=0.05)))
+    assert rough.startswith("smooth at 0.50") and "or swinging" not in rough
 
 
 def test_a_swing_too_small_to_be_written_is_told_by_how_wide_it_is() -> None:

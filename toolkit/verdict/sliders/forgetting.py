@@ -39,6 +39,13 @@ def after_forgetting(
         before=rigid.kinetic,
         after=rigid.kinetic,
         period=None,
+        period_error=0.0,
+        # what is known of smaller slips on the way up to F_s, as that they shrink, tells nothing of the one from there
+        smaller=0,
+        shrinks_by=0.0,
+        left=0.0,
+        swings=None,
+        cut=False,
         slips=1,
         error=rigid.kinetic_error / mean + machine.spring,
         success=True,

@@ -3,8 +3,9 @@
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
 from toolkit.running.resampled import RATHER_LARGE, known_to
-from toolkit.scene.scale import with_scatter, written
+from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
+from toolkit.verdict.of_area import finite_told_apart
 from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
 from toolkit.verdict.uncertainty import (
     WORTH_TELLING,
@@ -34,10 +35,11 @@ def widest(verdict: Verdict) -> list[str]:
 def range_of_force(verdict: Verdict, whose: str = "") -> str:
     """F_k over all readings, whose they are, from the least to the largest; where contacts depend on time, and stick
     and slip, the force before a slip of readings that do under a rule that decides the own one, if there are several,
-    as F_k is that of a rigid slider as fast as the drive."""
+    as F_k is that of a rigid slider as fast as the drive. Beside slips of the area's contacts it says that it is of
+    infinitely many, and has no more digits than these."""
     scale, uncertainty, answers = verdict.own.scale, widest_uncertainty(verdict), verdict.answers
     forces = [(one.kinetic.value * one.scale.force, 0.0) for one in answers]
-    what, befores = f"F_k{whose}", list[list[tuple[float, float]]]()
+    what, off, befores = f"F_k{whose}", 0.0, list[list[tuple[float, float]]]()
     rules = {each.rule for each in verdict.own.behaviours if each.kind != "undecided"}
     for one in answers:
         unit = one.scale.force
@@ -49,11 +51,13 @@ def range_of_force(verdict: Verdict, whose: str = "") -> str:
         )
     slip = sum(map(bool, befores))
     if verdict.own.contacts.in_time and befores[0] and slip > 1:
+        off = _error_of_area(verdict) * scale.force
         forces = [one for each in befores for one in each]
-        what = f"the force before a slip by the {slip} of {len(answers)} readings that slip"
-    # each to the digit of its own error, where that is the wider one
+        whom = " with infinitely many contacts" * bool(off)
+        what = f"the force before a slip{whom} by the {slip} of {len(answers)} readings that slip"
+    # each to the digit of its own error, or that of the answer, where that is the wider one
     ends = (
-        to_digits(force, scale.force_unit, uncertainty * force, error, is_vague(verdict))
+        to_digits(force, scale.force_unit, uncertainty * force, max(error, off), is_vague(verdict))
         for force, error in (min(forces), max(forces))
     )
     said = f"{what} is {' to '.join(dict.fromkeys(ends))}"
@@ -61,11 +65,21 @@ def range_of_force(verdict: Verdict, whose: str = "") -> str:
     force, error = max(forces, key=lambda one: one[1])
     (low, _), (high, _) = min(forces), max(forces)
     if error > max(high - low, WORTH_TELLING * force):  # which are no ends of a range
-        middle = with_scatter(0.5 * (low + high), error, scale.force_unit)
-        return f"{what} is {middle} (the error of the one that is known least)"
+        low, high = min(max(f - e, 0.0) for f, e in forces), max(f + e for f, e in forces)
+        each = (written(end, scale.force_unit, digits=2) for end in (low, high))
+        return f"{what} is {' to '.join(each)}, with the error of each"
     if error > WORTH_TELLING * force:
         said += f", each known to ± {written(error, scale.force_unit, digits=2)} or better"
     return said
+
+
+def _error_of_area(verdict: Verdict) -> float:
+    """The error of the force before a slip of the area's contacts, F/(N_c <k>) (a length), where the answer is theirs,
+    and that of all readings infinitely many's; else 0."""
+    if any(one.contacts is not None for each in verdict.answers for one in each.behaviours):
+        return 0.0
+    slips = [one for one in finite_told_apart(verdict).values() if one.kind == "stick-slip"]
+    return max((one.before_error for one in slips), default=0.0)
 
 
 def other_samples(verdict: Verdict) -> list[str]:

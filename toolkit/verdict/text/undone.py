@@ -177,10 +177,14 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
             said = f"the force is told {who}"
         else:
             said = f"the slips are means {who}"
-        error = max(one.error for one in by_contacts if one.rule in rules)
-        error *= own.contacts.mean_threshold
-        error_text = written(error * scale.force, scale.force_unit, digits=2)
-        which = f" if {named(rules)}" * (len(own.behaviours) > len(rules))
+        unit = own.contacts.mean_threshold * scale.force
+        alike_to = by_reason(
+            (written(one.error * unit, scale.force_unit, digits=2), one.rule)
+            for one in by_contacts
+            if one.rule in rules
+        )
+        apart = len(own.behaviours) > len(rules) or len(alike_to) > 1
+        of_rules = ((error, f" if {named(alike)}" * apart) for error, alike in alike_to.items())
         slips = [one.sliders.slips for one in by_contacts if one.rule in rules and one.sliders]
         if slips and 0.0 < min(slips) < ENOUGH:
             often = "once" if min(slips) == 1.0 else f"some {min(slips):.2g} times"
@@ -188,7 +192,8 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         more = ", with what more contacts would change" * any(
             _fewer_than_there_are(verdict, one) for one in by_contacts if one.rule in rules
         )
-        said += f", their forces known to some {error_text} (one standard error{more}){which}"
+        errors_of = " and ".join(f"some {error}{which}" for error, which in of_rules)
+        said += f", their forces known to {errors_of} (one standard error{more})"
         yield Line(max(errors[rule] for rule in rules), f"{said}: {_not_solved(verdict)}")
     mean, missing = own.contacts.mean_threshold, [one for one in own.behaviours if not one.success]
     missed = [(in_units(one.message, scale, mean), one.rule) for one in missing]
