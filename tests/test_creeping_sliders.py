@@ -13,10 +13,12 @@ from scipy.special import pbdv
 
 import master
 import origins
+from master.motion import Motion
 from master.soft.in_time.cells import Cells
-from master.soft.in_time.decohered import Decohered
+from master.soft.in_time.decohered import Decohered, decohered
+from master.soft.in_time.steps import Node
 from master.steady import response
-from origins import Ageing, Contacts, Delay, InputError, Thermal, gaussian
+from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, gaussian
 
 SOFTEST = 1e-6
 # They age to thresholds of one width, in the unit of time D/w^2 = 1.
@@ -98,6 +100,23 @@ def test_behind_a_long_slip_on_a_stiffer_spring_steps_lead_to_the_same_force(
     off = at_once.force_error + in_steps.force_error
     assert at_once.force == pytest.approx(in_steps.force, abs=off)
     assert back.force == pytest.approx(-at_once.force, abs=1e-9)
+
+
+@pytest.mark.parametrize("off", [0.0, 0.01])
+def test_a_force_behind_a_long_slip_that_is_not_that_of_steady_sliding_is_an_error(
+    off: float,
+) -> None:
+    """Breaks may seem steady along a threshold before they are, as while strong contacts are not met."""
+    warm, path = (
+        Contacts(gaussian(1.0, 0.2), thermal=Thermal("soft", 0.02, 1e-3)),
+        np.array([2.0e6]),
+    )
+    long = decohered(warm, Drive(path, spring=SOFTEST, slip="instant"), 16, 1e-3)
+    begin = Node(0.0, 7.0e5, 0.52 + off, 1.0, 1.0e5)
+    assert long is not None
+    on = long.slid_to_end(begin, Motion(np.array([0.0, 2.0e6]), np.array([0.0, 2.0e6])), np.inf)
+    assert on is not None and on.error == pytest.approx(off, abs=1e-5)
+    assert on.sections[0][-1].position == pytest.approx(2.0e6 - 0.52 / SOFTEST, abs=1.0)
 
 
 def test_resets_that_are_repeated_take_no_steps() -> None:

@@ -172,7 +172,8 @@ class Decohered:
         position = motion.at(ends) - sign * force / self._spring
         rows = zip((0.0, 1.0), ends.tolist(), position.tolist(), strict=True)
         nodes = [Node(size, time, sign * force, 1.0, place) for size, time, place in rows]
-        return Crept([nodes], error, begin.time)
+        # breaks may have seemed steady before they were
+        return Crept([nodes], error + abs(sign * begin.force - force), begin.time)
 
 
 def longest_life(law: Thresholds) -> float:
