@@ -6,16 +6,20 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from scenes import ROUGH, refused, said, scene, write
 
 import master
 import toolkit
+from toolkit.pictures.points import plot_points, plot_points_swing
+from toolkit.results.report import report
 from toolkit.running import points
 
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
@@ -233,6 +237,8 @@ def lives(process: int) -> bool:
 BY_TWO = """
 import subprocess, sys
 from toolkit.command import main
+from toolkit.pictures.points import plot_points, plot_points_swing
+from toolkit.results.report import report
 from toolkit.running import points
 class Told(subprocess.Popen):
     def __init__(self, *given, **named):
@@ -256,6 +262,8 @@ def test_ranks_share_the_points_and_find_the_same(mpirun: Any) -> None:
 RANKS = """
 import json, sys, toolkit
 from mpi4py import MPI
+from toolkit.pictures.points import plot_points, plot_points_swing
+from toolkit.results.report import report
 from toolkit.running import points
 solve, count = points.solve_point, []
 points.solve_point = lambda *job: count.append(1) or solve(*job)
@@ -331,3 +339,24 @@ def test_what_asks_for_a_spring_may_stand_beside_a_sweep_over_springs(capsys: An
         )
         assert said(capsys, "run", file)[0] == 0
         assert len(Path(f"own-{number}-output/sweep.csv").read_text().splitlines()) == 3
+
+
+def test_a_spring_that_never_slipped_has_no_swing_and_a_contradiction_no_regime() -> None:
+    """F still rises on it at the path's end. Marks at 0, after a slip, have room; a master equation that its ensemble
+    contradicts tells no regime."""
+    drive = {"to": 20.0, "points": 201}
+    tables = scene(
+        WIDE, drive=drive, master={"tolerance": 1e-4}, eq={"contacts": 2000, "replicas": 2}
+    )
+    done = toolkit.run(tables | {"sweep": {"drive.spring": [0.01, 0.1, 5.0]}})
+    assert [*done.sweep["regime"]] == ["undecided", "stick-slip", "smooth"]
+    axes = plot_points_swing(Figure().subplots(), done)
+    assert [*np.isfinite(axes.lines[0].get_ydata())] == [False, True, True]
+    said = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert said == ["swings end between 0.1 and 5", "no mark: no slip up to the end of the path"]
+    forces = plot_points(Figure().subplots(), done, "kinetic_force")
+    assert done.sweep["force_after_slip"][1] == 0.0 and forces.get_ylim()[0] < -0.01
+    columns = done.sweep.columns | {"message": np.array(["", "", "disagree: they slip"])}
+    other = replace(done, sweep=replace(done.sweep, columns=columns))
+    (line,) = [line for line in report(other) if line.startswith("regime")]
+    assert line.endswith("stick-slip at 1, told otherwise by the ensemble at 1 of the points")

@@ -118,7 +118,7 @@ def test_a_sweep_over_drive_speeds_has_the_swings_and_where_they_end() -> None:
     done = toolkit.run(tables)
     swept: Any = done.sweep
     (band,) = plot_points_swing(Figure().subplots(), done).patches
-    assert band.get_x() == 8.0 and band.get_label() == "swings end at 12 ± 4"
+    assert band.get_x() == 8.0 and band.get_label() == "swings end between 8 and 16"
     # beyond, the force before a slip is that of the first transient, and is not drawn
     before = plot_points(Figure().subplots(), done, "kinetic_force").lines[0]
     assert np.isfinite(swept["eq_force_before_slip"]).all()

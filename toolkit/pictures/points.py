@@ -1,6 +1,6 @@
 """The picture of a sweep: F_k, K* where it was asked for, and the swings of a spring's force."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ _LETTERS = 98  # of a legend above the panel, which is wider than others
 _MARKED = 30  # points of a line; with more, some carry a mark
 # of the largest value: a change of no account, which is not to fill the axis
 _FLAT = 0.01
+_ROOM = 0.05  # of an axis below its lowest mark
 _ALIKE = 1e-6  # of K*: values nearer to each other are one, but for the tolerance of its search
 _LOG_FROM = 30.0  # largest over smallest value from which an axis is logarithmic
 _SYMBOLS = {"velocity": "speed $v$", "temperature": r"temperature $k_BT/\langle k\rangle$"}
@@ -63,9 +64,7 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     ]
     names, number, sloped = list(dict.fromkeys(lines)), 0, False
     for column, said in columns.items():
-        value, error = _with_error(result, column)
-        if column == _OF_ENSEMBLE:
-            value = np.where(_swings_on(sweep), value, np.nan)
+        value, error = _drawn(result, column)
         for k in some_of(len(names), _LINES):
             rows = np.flatnonzero([line == names[k] for line in lines])
             rows = rows[np.argsort(x[rows], kind="stable")]
@@ -83,12 +82,14 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     if x.min() > 0.0 and x.max() > _LOG_FROM * x.min():
         axes.set_xscale("log")
     name_axis(axes.xaxis, _SYMBOLS.get(first, first), unit or units.get(first, ""))
-    value, _ = _with_error(result, name)
+    value, _ = _drawn(result, name)
     least, most = np.nanmin(value), np.nanmax(value)
     if least > 0.0 and most > _LOG_FROM * least:
         axes.set_yscale("log")
     elif name == "critical_spring" or most - least < _FLAT * most:
-        axes.set_ylim(0.0, 1.15 * max(axes.get_ylim()[1], most))
+        top, lowest = 1.15 * max(axes.get_ylim()[1], most), axes.dataLim.y0
+        # room below marks at 0, as those after a slip, and below
+        axes.set_ylim(min(lowest - _ROOM * top, 0.0) if lowest <= 0.0 else 0.0, top)
     marked = name in ("critical_spring", "kinetic_force") and _mark_critical(axes, result)
     # last, as a scale that is set anew has ticks of its own, without the prefix of the unit
     name_axis(axes.yaxis, *_axis_of(name, columns, result))
@@ -174,8 +175,27 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
 def _swings_on(sweep: SweepRecord) -> NDArray[np.bool_]:
     """At which points the force of the ensemble's spring still swings in the end: elsewhere its slips are those of the
     first transient alone."""
-    swing = sweep.columns["eq_force_swing"].ravel()
+    swing = np.where(_never_slipped(sweep), 0.0, sweep.columns["eq_force_swing"].ravel())
     return np.asarray(swing > _NOISE * np.nanmax(swing, initial=0.0))
+
+
+def _never_slipped(sweep: SweepRecord) -> NDArray[np.bool_]:
+    """At which points the path ends before the first slip, so that F still rises on the spring, and swings by that
+    alone."""
+    if not {"regime", "eq_slips_a_slider"} <= {*sweep.columns}:
+        return np.zeros(sweep.size, dtype=bool)
+    slips = sweep.columns["eq_slips_a_slider"].ravel()
+    return np.asarray((sweep.columns["regime"].ravel() == "undecided") & (slips == 0.0))
+
+
+def _drawn(result: Result, name: str) -> tuple[Array, Array]:
+    """A column and its error as `_with_error` has them, nan where they tell of no sliding that goes on."""
+    value, error = _with_error(result, name)
+    if name == _OF_ENSEMBLE:
+        value = np.where(_swings_on(cast(Any, result.sweep)), value, np.nan)
+    if name == "eq_force_swing":
+        value = np.where(_never_slipped(cast(Any, result.sweep)), np.nan, value)
+    return value, error
 
 
 def _with_error(result: Result, name: str) -> tuple[Array, Array]:
@@ -224,21 +244,28 @@ def plot_points_swing(axes: Any, result: Result) -> Any:
     between which points of a sweep over one key of numbers that ends."""
     plot_points(axes, result, "eq_force_swing")
     sweep: Any = result.sweep
-    x = _numbers(sweep[sweep.along[0]])[0]
+    first = sweep.along[0]
+    x, unit = _numbers(sweep[first])
+    unit = unit or key_units([first], result.scale).get(first, "")
     order = np.argsort(x, kind="stable")
-    x, swings = x[order], _swings_on(sweep)[order]
-    ends = np.flatnonzero(swings[:-1] & ~swings[1:])
+    x, swings, rising = x[order], _swings_on(sweep)[order], _never_slipped(sweep)[order]
+    ends = np.flatnonzero(swings[:-1] & ~(swings | rising)[1:])
     if len(sweep.along) == 1 and ends.size == 1 and not swings[ends[0] + 1 :].any():
         low, high = x[ends[0]], x[ends[0] + 1]
-        where = f"swings end at {0.5 * (low + high):.4g} ± {0.5 * (high - low):.2g}"
-        axes.axvspan(low, high, color="0.9", lw=0, zorder=0, label=where)
+        where = [written(own, unit) if unit in PREFIXED else f"{own:.4g}" for own in (low, high)]
+        label = f"swings end between {' and '.join(where)}"
+        axes.axvspan(low, high, color="0.9", lw=0, zorder=0, label=label)
+    if rising.any():
+        axes.plot([], [], " ", label="no mark: no slip up to the end of the path")
+    if axes.get_legend_handles_labels()[1]:
         legend_above(axes)
     return axes
 
 
 def with_swing(sweep: object) -> bool:
-    """Whether a sweep has swings of the force of a spring."""
-    return isinstance(sweep, SweepRecord) and "eq_force_swing" in sweep.columns
+    """Whether a sweep has swings of the force of a spring, other than its rise before the first slip."""
+    has = isinstance(sweep, SweepRecord) and "eq_force_swing" in sweep.columns
+    return has and not bool(_never_slipped(cast(SweepRecord, sweep)).all())
 
 
 def with_spring(sweep: object) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.numbers import in_words, is_rough
-from toolkit.results.verdicts import contradiction
+from toolkit.results.verdicts import DISAGREE, contradiction
 from toolkit.scene.interfaces import in_a_line, with_error
 from toolkit.scene.scale import spoken, with_uncertainty
 
@@ -58,7 +58,7 @@ def report(result: Any) -> list[str]:
         at = f"{sweep.size} points along {' and '.join(sweep.along)}"
         lines.append(f"sweep   {at}, {sweep.run_time:.4g} s of work; their table is sweep.csv")
         if "regime" in sweep.columns:
-            known = Counter(sweep["regime"].tolist())
+            known = Counter(map(_regime, sweep["regime"].tolist(), sweep["message"].tolist()))
             each = [f"{verdict or 'not known'} at {n}" for verdict, n in known.most_common()]
             lines.append(f"regime  {', '.join(each)} of the points")
     elif sweep is not None:
@@ -87,6 +87,11 @@ def report(result: Any) -> list[str]:
     if solved is not None and eq is not None and not (is_coupled(eq) and agreeing(result)):
         lines.append(f"eq less master: {_agreement(result)}")
     return [*lines, *(f"note    {note}" for note in result.notes)]
+
+
+def _regime(verdict: str, message: str) -> str:
+    """The regime of a point, which master's verdict is none of where its ensemble contradicts it."""
+    return "told otherwise by the ensemble" if DISAGREE in message else verdict
 
 
 def agreeing(result: Any) -> bool:

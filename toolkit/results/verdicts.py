@@ -15,6 +15,8 @@ FOLLOWED, LEAST_DISTANCE = 1e10, 100.0
 # of the force before it: a slip that takes more is one of all contacts, whoever counts it; times as many of these as
 # the other solver has slips at all, and one more, are a contradiction; standard errors of a mean over sliders
 _LARGE, _TIMES, _CLEARLY = 0.5, 2.0, 4.0
+# how the message on a contradiction begins
+DISAGREE = "disagree"
 # contacts of a slider with mass of which chance makes no large slip: falls of 6 N^(-1/2) mean thresholds at most
 _TOLD = 1000
 
@@ -37,7 +39,7 @@ def disagreement(solved: Any, eq: Any) -> str:
         return ""
     number, slipped = len(eq.forces), np.unique(eq.slips.replica).size
     many, verdict = of_contacts(eq.contacts // number), solved.regime.verdict
-    said = f'disagree: infinitely many contacts are "{verdict}" (master equation), but'
+    said = f'{DISAGREE}: infinitely many contacts are "{verdict}" (master equation), but'
     if verdict == "smooth" and slipped:
         return (
             f"{said} {slipped} of {number} sliders of {many} slip: for so many contacts believe these; "
