@@ -260,6 +260,8 @@ def test_numbers_of_a_scene() -> None:
     kept = {line.split(": ")[1] for line in not_pushed(scene)}
     assert kept == {"contacts.thresholds.seed, eq.seed", "drive.points", "eq.histograms"}
     assert times("50 N/m", 1e-3) == "0.05 N/m"
+    for file in ("10.02.2020 x.csv", "2.5 mm x.csv"):  # no number with a unit
+        assert times(file, 10.0) == file
     assert times(0.2, 10.0) == 2.0
     assert times([1.0, [2, 5]], 10.0) == [10.0, [20, 50]]
 

@@ -5,6 +5,7 @@ import time
 from dataclasses import replace
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 from conftest import slow
@@ -98,6 +99,22 @@ def test_a_limit_of_time_within_another_leaves_that_as_it_was() -> None:
                 time.sleep(runs)
             time.sleep(5.0)
         assert 0.09 < time.monotonic() - began < 4.0
+
+
+def test_a_kernel_that_is_being_compiled_as_the_time_is_over_is_compiled_first() -> None:
+    """The half-made kernel ended in "no compiled object yet", a traceback, when it was asked for again."""
+
+    @numba.njit
+    def total(values: Any) -> float:
+        out = 0.0
+        for value in values:
+            out += value
+        return out
+
+    with pytest.raises(TimeIsUp), no_longer_than(0.001):
+        total(np.ones(3))
+        time.sleep(5.0)
+    assert len(total.signatures) == 1 and total(np.ones(4)) == 4.0
 
 
 def test_a_time_that_is_used_up_is_not_compared_with_what_is_left() -> None:

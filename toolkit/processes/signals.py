@@ -11,6 +11,8 @@ from contextlib import contextmanager, nullcontext
 from types import FrameType
 from typing import Any, NamedTuple, NoReturn
 
+# modules that compile kernels: none of their frames is left while a kernel runs
+_COMPILERS = ("numba.core.", "llvmlite.")
 _REPEATED_AFTER = 0.05  # s after which a signal comes again whose exception was lost
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
 # (number of ranks, own rank) as each launcher's processes see them. SLURM_NTASKS is not among them: a batch script
@@ -116,12 +118,14 @@ def no_longer_than(
     machine does; in the main thread only, None for no limit. `remaining_time`, if given, says then how
     many more there are. A limit within which this one is set holds again afterwards.
 
-    A module that is being imported is imported first, as one that is half there is broken for good, as numba is.
+    A module that is being imported is imported first, as one that is half there is broken for good, as numba is; and a
+    kernel that is being compiled is compiled first: LLVM drops what is raised in its callbacks, and the half-made
+    kernel ends in a RuntimeError.
     """
-    begun = _imports_in(sys._getframe())
+    begun = _half_done_in(sys._getframe())
 
     def ring(number: int, frame: Any) -> None:
-        if _imports_in(frame) > begun:
+        if _half_done_in(frame) > begun:
             signal.setitimer(over.timer, _REPEATED_AFTER)
             return
         if remaining_time is None or (more := remaining_time()) <= 0.0:
@@ -147,11 +151,12 @@ def no_longer_than(
             signal.setitimer(over.timer, max(outer - (clock() - began), _REPEATED_AFTER))
 
 
-def _imports_in(frame: FrameType | None) -> int:
-    """How many frames of Python's import are among this one and its callers."""
+def _half_done_in(frame: FrameType | None) -> int:
+    """How many frames of Python's import, and of a compiler of kernels, are among this one and its callers."""
     count = 0
     while frame is not None:
         count += frame.f_code.co_filename.startswith("<frozen importlib")
+        count += frame.f_globals.get("__name__", "").startswith(_COMPILERS)
         frame = frame.f_back
     return count
 

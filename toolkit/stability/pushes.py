@@ -19,7 +19,8 @@ MOST_COUPLED = 25_000_000  # of 40 bytes each, which a replica on a spring keeps
 _TINY = 10.0 ** -(DECADES + 1)
 _TABLES = ("contacts", "drive", "master", "eq")
 _COUNTS = "eq.contacts", "eq.replicas"
-_QUANTITY = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)(\s+\S.*)")  # such as "50 N/m"
+# a number with a unit, such as "50 N/m"; no name of a file, as no unit has a dot
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(\s+[^\s.][^.]*)")
 # why a number is not pushed, by the last name of its key
 _FINELY = "how finely, or over which area, is asked"
 _WHERE = "where stretches are counted"
