@@ -27,8 +27,9 @@ from master.outcome import FaultError
 from master.renewal.births import MOST_WORK, BirthPanels, Births, Sums
 from origins.thresholds.law import Array
 
-# Nodes of a piece that are tried first where a survival takes long; they are doubled before the piece is halved.
-FIRST_NODES = 5
+# Nodes of a piece that are tried first where a survival takes long; they are doubled before the piece is halved. Of 5
+# two coefficients may be small by chance, and were taken for the error; seven take as long.
+FIRST_NODES = 7
 # Where the slider turns, and no bend tells at which birth a survival is largest: width of the first pieces, in
 # resolution lengths of the life, on which nodes see the peak; and most of them on a leg, wider where the longest
 # stretch is far.

@@ -96,7 +96,7 @@ def edges(
         there
     """
     chain = _Kinks(births, continued_from)
-    first = [*kinks_met, *chain.of_start(start), *chain.of_knots()]
+    first = [*kinks_met, *chain.of_start(start), *chain.of_knots(), *chain.of_turns()]
     most, least = MOST_JUMPS if births.life.atoms.size else MOST_EDGES, SMOOTHER * tolerance
     most += sum(kink.needed for kink in first)
     met = list(islice(chain.following(first, least), most + 1))
@@ -162,6 +162,23 @@ class _Kinks:
             elif delay > 0.0:
                 # breaks one delay before a knot are born at it, where X(s) bends: twice as smooth as a jump of births
                 found.append(Kink(time - delay, SMOOTHER * SMOOTHER, needed=True))
+        return found
+
+    def of_turns(self) -> list[Kink]:
+        """Kinks that follow from contacts which stand just at a bend of P_c where the slider turns.
+
+        Those born before them have met the bend by then, those born after meet it at their largest |x| on the way
+        back. So breaks bend where these contacts come back to it, 2 bends behind the turn, though their births are
+        smooth."""
+        found, law, motion = list[Kink](), self.births.law, self.motion
+        ends = zip(motion.times, motion.times[1:-1], motion.speeds, motion.speeds[1:], strict=False)
+        for begin, turn, speed, speed_after in ends:
+            if speed * speed_after >= 0.0:
+                continue
+            for stretch in law.breakpoints.tolist():
+                births = turn - (self._bends - stretch * np.sign(speed)) / abs(speed)
+                for birth in births[births > begin].tolist():
+                    found += (one for one in self.broken(birth, 1.0, law) if one.time > turn)
         return found
 
     def broken(self, birth: float, size: float, law: Start) -> list[Kink]:
