@@ -362,16 +362,40 @@ def test_the_front_of_a_method_its_slope_and_the_crossings() -> None:
     points += [{"method": "flat", "run_time": 1.0, "error": e} for e in (1e-2, 1e-9, None)]
     found = frontier.front(points, "slow", 1e-12)
     assert (np.diff(found.run_time) > 0.0).all() and (np.diff(found.error) < 0.0).all()
-    assert found.error.size == 5 and frontier.slope(points, "slow", 1e-12) == pytest.approx(-0.5)
+    power = frontier.slope(points, "slow", 1e-12)
+    assert found.error.size == 5 and power is not None
+    assert power.value == pytest.approx(-0.5) and power.error < 1e-12
     assert frontier.slope(points, "flat", 1e-12) is None
     first, second = frontier.cheapest(points, 1e-12)
     assert (first["method"], second["method"]) == ("slow", "flat") and first["below"] is None
     assert first["above"] == second["below"] == pytest.approx(0.1, rel=0.15)
     assert second["above"] == pytest.approx(1e-12)
-    words = frontier.as_words({"slow": -0.5, "flat": None}, [first, second])
-    assert words[0] == "error falls: slow as time^-0.5" and "flat below 1e-01;" in words[1]
+    words = frontier.as_words({"slow": power, "flat": None}, [first, second])
+    assert (
+        words[0] == "error falls: slow as time^(-0.50 ± 0.01)" and "flat below 1e-01;" in words[1]
+    )
     # 100 times as fast at an error of 1, and at 0.01; beyond, no other gets
     assert first["faster"] == pytest.approx(100.0) and second["faster"] is None
+
+
+def test_a_slope_that_start_up_or_chance_blurs_is_not_told() -> None:
+    """An ensemble whose error is 1/N^(1/2), and which takes 3 ms before its first contact, had time^-0.63; of three
+    runs that do not lie on a line no slope is told either."""
+    sizes = 10.0 ** np.arange(2, 8)
+    runs = [{"run_time": 3e-3 + 1.6e-8 * n, "error": n**-0.5, "setting": n} for n in sizes]
+    points = [run | {"method": "ensemble"} for run in runs]
+    points += [
+        {"method": "explicit", "run_time": t, "error": e}
+        for t, e in ((1e-3, 1.0), (1e-2, 0.5), (1e-1, 0.4), (1.0, 0.01))
+    ]
+    assert frontier.slope(points, "ensemble", 1e-9) is None
+    assert frontier.slope(points, "explicit", 1e-9) is None
+    by_size = frontier.slope(points, "ensemble", 1e-9, "setting")
+    assert by_size is not None and by_size.value == pytest.approx(-0.5)
+    # 0.3 in the log of each of six errors, one a decade
+    assert by_size.error == pytest.approx(0.3 / (np.log(10.0) * 17.5**0.5))
+    (words, *_) = frontier.as_words({}, [], by_size={"ensemble": by_size})
+    assert words == "error falls: ensemble as contacts^(-0.50 ± 0.03)"
 
 
 @pytest.mark.parametrize(("other", "chance"), [(0.9, True), (0.6, False)])

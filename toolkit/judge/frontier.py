@@ -15,6 +15,12 @@ _STEPS = 20  # for each decade of the error, of the places where methods are com
 # Ratio of two run times below which another measurement may turn them round: on a machine that does other work, medians
 # of the same call differ by up to as much.
 _ALIKE = 1.5
+# of the cheapest run's time, which mostly gets ready: above this a fifth of a run at most does
+_READY = 5.0
+# methods whose error is one of chance; by how much its log scatters, the largest error over a path being 1 to 4.4
+# standard errors in each of 400 runs; and the error of an exponent above which it is not told
+ONE_SEED = ("ensemble", "closest")
+_CHANCE, _KNOWN = 0.3, 0.1
 
 
 class Front(NamedTuple):
@@ -36,18 +42,39 @@ def front(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> Fro
     return Front(*np.array(kept).reshape(-1, 2).T)
 
 
-def slope(points: Sequence[Mapping[str, Any]], method: str, floor: float) -> float | None:
-    """The exponent of error ~ (run time)^exponent, fitted to the front of a method.
+class Slope(NamedTuple):
+    """The exponent of error ~ (run time)^value, or ~ contacts^value, and its standard error."""
 
-    Left out are errors below the floor, which the reference cannot tell, and runs below twice the time of the cheapest
-    one, which mostly get ready. None where the run times that remain do not span a factor of 3."""
-    found = front(points, method, floor)
-    some = found.error > floor
-    some &= found.run_time > 2.0 * found.run_time.min(initial=np.inf)
-    run_time, error = found.run_time[some], found.error[some]
-    if run_time.size < 2 or run_time[-1] < 3.0 * run_time[0]:
+    value: float
+    error: float
+
+
+def slope(
+    points: Sequence[Mapping[str, Any]], method: str, floor: float, along: str = "run_time"
+) -> Slope | None:
+    """The exponent of error ~ (run time)^exponent, fitted to the front of a method, or, `along` its "setting", of
+    error ~ contacts^exponent, to all of its runs.
+
+    Left out are errors below the floor, which the reference cannot tell, and of run times those below _READY times that
+    of the cheapest run, which mostly get ready. Its error is that of the scatter about the straight line, and of
+    methods of one seed that of chance at least. None for fewer than three runs, and where the error is above _KNOWN."""
+    if along == "run_time":
+        found = front(points, method, floor)
+        some = found.error > floor
+        some &= found.run_time > _READY * found.run_time.min(initial=np.inf)
+        x, y = found.run_time[some], found.error[some]
+    else:
+        own = [p for p in points if p["method"] == method and (p["error"] or 0.0) > floor]
+        x, y = np.array([(point[along], point["error"]) for point in own]).reshape(-1, 2).T
+    if x.size < 3:
         return None
-    return float(np.polyfit(np.log(run_time), np.log(error), 1)[0])
+    log = np.log(x)
+    value, rest, *_ = np.polyfit(log, np.log(y), 1, full=True)
+    scatter = float(np.sqrt(rest.sum() / (x.size - 2)))
+    if method in ONE_SEED:
+        scatter = max(scatter, _CHANCE)
+    error = scatter / float(np.sqrt(((log - log.mean()) ** 2).sum()))
+    return Slope(float(value[0]), error) if error <= _KNOWN else None
 
 
 def cheapest(points: Sequence[Mapping[str, Any]], floor: float) -> list[dict[str, Any]]:
@@ -84,11 +111,18 @@ def cheapest(points: Sequence[Mapping[str, Any]], floor: float) -> list[dict[str
 
 
 def as_words(
-    slopes: Mapping[str, float | None], spans: Sequence[Mapping[str, Any]], unit: str = "<x_s>"
+    slopes: Mapping[str, Slope | None],
+    spans: Sequence[Mapping[str, Any]],
+    unit: str = "<x_s>",
+    by_size: Mapping[str, Slope | None] | None = None,
 ) -> list[str]:
-    """The slopes and the crossings in words, errors in this unit, which is told where it is not <x_s>."""
+    """The slopes, by run time and `by_size` in contacts, and the crossings in words, errors in this unit, which is told
+    where it is not <x_s>."""
     powers = [
-        f"{method} as time^{power:.2g}" for method, power in slopes.items() if power is not None
+        f"{method} as {what}^({one.value:.2f} ± {max(one.error, 0.01):.2f})"
+        for what, each in (("time", slopes), ("contacts", by_size or {}))
+        for method, one in each.items()
+        if one is not None
     ]
     lines = [f"error falls: {', '.join(powers)}"] if powers else []
     if len(spans) > 1:

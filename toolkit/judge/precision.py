@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from origins.errors import InputError
-from toolkit.judge.frontier import as_words, cheapest, of_claims, of_threads, slope
+from toolkit.judge.frontier import ONE_SEED, as_words, cheapest, of_claims, of_threads, slope
 from toolkit.judge.reference import (
     MethodAnswer,
     Reference,
@@ -54,13 +54,13 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     """Measure the master equation, the paper's explicit scheme, the ensemble and the paper's closest-contact algorithm,
     each at its RUNGS where it takes the scene; `say` is given a line for each run.
 
-    Returns what precision.json holds: name, title, `reference` in words with its `reference_error`, `notes`, `slopes`
-    and `cheapest` (see toolkit.judge.frontier), `warm_up` of each method in s (imports and compilation), `witness`, the
-    ensemble beside a reference by the master equation, and `points`, each with its `method`, `setting`, largest `error`
-    over the path (None of the reference itself), `claimed_error` (None where nothing is claimed), and `run_time` in s,
-    the median of `runs`; `threads`, the same ensemble on 1, 2, ... of them, each with its `run_time` on the clock in s
-    and whether its force has the `same_bits`. Errors are in `error_unit`: newtons or pascals of a surface whose units
-    are SI, else mean thresholds.
+    Returns what precision.json holds: name, title, `reference` in words with its `reference_error`, `notes`,
+    `slopes`, `slope_errors` and `cheapest` (see toolkit.judge.frontier), `warm_up` of each method in s (imports and
+    compilation), `witness`, the ensemble beside a reference by the master equation, and `points`, each with its
+    `method`, `setting`, largest `error` over the path (None of the reference itself), `claimed_error` (None where
+    nothing is claimed), and `run_time` in s, the median of `runs`; `threads`, the same ensemble on 1, 2, ... of them,
+    each with its `run_time` on the clock in s and whether its force has the `same_bits`. Errors are in `error_unit`:
+    newtons or pascals of a surface whose units are SI, else mean thresholds.
 
     A sweep is left out; where there is no path, the force of a rigid slider is measured, and a note says so.
     Raises InputError where neither the master equation nor the ensemble has an answer.
@@ -124,6 +124,7 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
     remarks = _REMARKS | ({"ensemble": REMARK} if reference.soft else {})
     said += [words for method, words in remarks.items() if method in measured]
     slopes = {method: slope(points, method, reference.error) for method in RUNGS}
+    by_size = {method: slope(points, method, reference.error, "setting") for method in ONE_SEED}
     spans = cheapest(points, reference.error)
     return {
         "reference": reference.words,
@@ -133,11 +134,12 @@ def precision(scene: Scene, say: Callable[[str], None]) -> dict[str, Any]:
         "reference_error": reference.error,
         "witness": witness,
         "points": points,
-        "slopes": slopes,
+        "slopes": {method: one and one.value for method, one in slopes.items()},
+        "slope_errors": {method: one and one.error for method, one in slopes.items()},
         "cheapest": spans,
         "threads": threads,
         "warm_up": warm_up,
-        "notes": [*as_words(slopes, spans, unit.name), *said, *notes],
+        "notes": [*as_words(slopes, spans, unit.name, by_size), *said, *notes],
     }
 
 
