@@ -429,7 +429,7 @@ def test_claims_are_counted_where_the_reference_tells() -> None:
 
 def test_cost_tells_what_a_scene_imports_and_leaves_out() -> None:
     """Of one solver alone the other room, its libraries and the laws are told as left out."""
-    law = {"thresholds": WIDE, "delay": {"time": 0.1}}
+    law = {"thresholds": WIDE, "delay": {"time": 0.1}, "interface": {"mean_stiffness": 10.0}}
     found = cost(write(contacts=law, drive={"to": 2.0, "points": 21}))
     packages = {name for stage in found["stages"] for name in stage["packages"]}
     assert found["rooms"]["eq_model"][0] == 0 < found["rooms"]["master"][0]
@@ -443,7 +443,8 @@ def test_cost_tells_what_a_scene_imports_and_leaves_out() -> None:
     assert "the rest of the run" not in beside[6]
     assert found["no_solvers"] == ["[eq]"] and set(found["runs"]) == {"master"}
     assert {"numba", "matplotlib"} <= set(found["no_packages"])
-    assert "delay" not in found["no_laws"] and {"thermal", "ageing"} <= set(found["no_laws"])
+    assert "interface" in found["builds"] and not {"delay", "interface"} & set(found["no_laws"])
+    assert {"thermal", "ageing"} <= set(found["no_laws"])
 
 
 @pytest.mark.slow  # quick: the test before

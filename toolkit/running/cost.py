@@ -104,7 +104,7 @@ def _measured(scene: str, changes: Mapping[str, Any]) -> Cost:
         "builds": builds,
         "runs": {name: one.run_time for name, one in answers.items() if one is not None},
         "no_solvers": [f"[{name}]" for name in ("master", "eq") if answers[name] is None],
-        "no_laws": [law for law in CONTACTS if law not in ("start", *loaded.contacts.laws)],
+        "no_laws": [law for law in CONTACTS if law not in ("start", *tables)],
         "no_packages": sorted({*wanted_by.values()} - seen),
     }
 
