@@ -158,7 +158,9 @@ def test_comparison_in_newtons_has_the_machines_springs_and_forces_that_differ_b
         contacts = {"thresholds": law, "interface": stated}
         scenes.append(toolkit.load_scene(scene(contacts=contacts, drive=drive) | {"title": name}))
     verdicts = compare(scenes)
-    _, springs, force, *_ = draw_comparison(verdicts).axes
+    density, springs, force, *_ = (figure := draw_comparison(verdicts)).axes
+    assert figure.get_suptitle() == f"{verdicts[0].name} and {verdicts[1].name}"
+    assert density.get_xscale() == "linear" and density.get_ylabel() == "$P_c(x_s)$ (1/nm)"
     dashed = [line.get_xdata() for line in springs.lines if line.get_linestyle() == "--"]
     assert (
         np.ravel([one for one in dashed if len(one)]) == pytest.approx([50.0] * 4)
@@ -214,6 +216,24 @@ def test_comparison_of_scenes_that_are_decades_apart_or_share_a_surface() -> Non
     assert springs.texts[0].get_text() == "infinite" and "ensemble" not in force.get_title()
     # a logarithmic axis has no zero for a bar to begin at
     assert not springs.patches and len(marks_of(springs)) == len(verdicts)
+
+
+def test_a_comparison_on_an_axis_of_decades_has_the_density_of_the_log() -> None:
+    """Whose area there is 1 for each scene."""
+    scenes = []
+    for mean in (1e-9, 1e-6):
+        law = {"kind": "gaussian", "mean": mean, "std": 0.2 * mean}
+        stated = {"mean_stiffness": 10.0, "contact_density": 1e10}
+        contacts = {"thresholds": law, "interface": stated}
+        drive = {"to": 2.0 * mean, "points": 5, "area": 1e-6}
+        scenes.append(toolkit.load_scene(scene(contacts=contacts, drive=drive)))
+    density = draw_comparison(compare(scenes)).axes[0]
+    assert density.get_xscale() == "log" and density.get_yscale() == "linear"
+    assert density.get_ylabel() == "$x_s\\,P_c(x_s)$, per unit of $\\ln x_s$"
+    for line in density.lines[:2]:
+        x, y = line.get_data()
+        some = x > 0.0
+        assert np.trapezoid(y[some], np.log(x[some])) == pytest.approx(1.0, rel=0.01)
 
 
 def test_a_drive_in_time_is_drawn_against_time_and_its_holds_in_decades() -> None:
@@ -651,7 +671,12 @@ def test_numerical_errors_that_nobody_sees_are_no_lines(monkeypatch: Any) -> Non
         drawn_there = [each for each in springs.containers if hasattr(each, "has_xerr")]
         assert len(drawn_there) == lines
         said = [text.get_text() for text in springs.get_legend().get_texts()]
-        assert ("its error" in said) == bool(lines)
+        assert ("its error, of samples two standard errors" in said) == bool(lines)
+        # as the text tells where an order is undecided
+        own = one[0].own.spring("N_c<k>")
+        if lines:
+            (_, (high, _)), *_ = drawn_there[0][2][0].get_segments()
+            assert high == pytest.approx(own.value + 2.0 * own.error)
 
 
 def test_springs_of_surfaces_with_areas_are_in_newtons_per_metre() -> None:

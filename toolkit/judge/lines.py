@@ -134,7 +134,7 @@ def undecided_order(compared: Sequence[ComparedScene]) -> list[str]:
         said.append(
             f"no rank by K* of {', '.join(unranked)}: it hangs on the smoothing of P_c, and is no number of the islands"
         )
-    ends = {one.name: _range(one, unit) for one in compared if not one.own.smoothed}
+    ends = {one.name: range_of_spring(one, unit) for one in compared if not one.own.smoothed}
     for name, (low, high) in ends.items():
         alike = [name]
         for other, (lower, higher) in list(ends.items())[list(ends).index(name) + 1 :]:
@@ -162,7 +162,7 @@ def undecided_order(compared: Sequence[ComparedScene]) -> list[str]:
     return said
 
 
-def _range(scene: ComparedScene, unit: str) -> tuple[float, float]:
+def range_of_spring(scene: ComparedScene, unit: str) -> tuple[float, float]:
     """From where to where K* goes over the readings, with its errors, two of those that are standard errors."""
     many, ends = (2.0 if scene.found.sampled else 1.0), list[float]()
     for one in (reading.spring(unit) for reading in scene.readings):

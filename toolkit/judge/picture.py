@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.judge.compare import ComparedScene, common_unit
-from toolkit.judge.lines import disagreements
+from toolkit.judge.lines import disagreements, range_of_spring
 from toolkit.pictures.axes import (
     in_lines,
     legend_above,
@@ -53,39 +53,47 @@ def draw_comparison(compared: Sequence[ComparedScene]) -> Any:
     # below all axes: inside them it would cover curves
     handles, labels = places["P"].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=5)
-    if said := disagreements(compared):
-        figure.suptitle("\n".join(map(in_lines, said)), fontsize="medium", parse_math=False)
+    *first, last = [one.name for one in compared]
+    said = [f"{', '.join(first)} and {last}" if first else last, *disagreements(compared)]
+    figure.suptitle("\n".join(map(in_lines, said)), fontsize="medium", parse_math=False)
     return figure
 
 
 def _thresholds(axes: Any, styled: list[_Styled]) -> None:
-    """P_c of each scene; exact values as spikes, on an axis for their weight."""
-    lasts, tops, own = list[float](), list[float](), None
-    for number, one in enumerate(styled):
-        curve, unit = one.scene.result.thresholds, one.length
-        shown = np.isfinite(curve.density)
+    """P_c of each scene, where lengths are on a logarithmic axis the density of ln x_s, whose area there is 1; exact
+    values as spikes, on an axis for their weight."""
+    curves = [one.scene.result.thresholds for one in styled]
+    lasts = [
+        1.05 * max([one.mean, *curve.atoms, *curve.x[curve.survival > 2e-3]]) / one.length
+        for one, curve in zip(styled, curves, strict=True)
+    ]
+    tops, own, decades = list[float](), None, max(lasts) > _APART * min(lasts)
+    for number, (one, curve) in enumerate(zip(styled, curves, strict=True)):
+        unit, shown = one.length, np.isfinite(curve.density)
+        density = curve.density * (curve.x if decades else unit)
         marked = one.style | {"markevery": (0.02 * number, _MARKS)}
-        axes.plot(curve.x[shown] / unit, curve.density[shown] * unit, **marked)
+        axes.plot(curve.x[shown] / unit, density[shown], **marked)
         if curve.density[shown].any():
-            tops.append(highest(curve, curve.density * unit))
+            tops.append(highest(curve, density))
         if curve.atoms.size:
             own = own or axes.twinx()
             own.vlines(curve.atoms / unit, 0.0, curve.atom_weights, color=one.style["color"])
             own.plot(curve.atoms / unit, curve.atom_weights, "D", ms=4, color=one.style["color"])
             own.set(ylabel="weight at one value (diamonds)", ylim=(0.0, 1.05))
-        last = max([one.mean, *curve.atoms, *curve.x[curve.survival > 2e-3]])
-        lasts.append(1.05 * last / unit)
     axes.set(xlim=(0.0, max(lasts)), ylim=(0.0, 1.05 * max(tops, default=1.0)))
-    if max(lasts) > _APART * min(lasts):
+    if decades:
         axes.set(xscale="log", xlim=(1e-3 * min(lasts), max(lasts)))
     if tops and max(tops) > _APART * min(tops):
         axes.set(yscale="log", ylim=(min(tops) / 100.0, 2.0 * max(tops)))
-    if styled and styled[0].unit != SHARED:
+    if styled[0].unit != SHARED:
         name_axis(axes.xaxis, "threshold $x_s$", "m")
-        name_axis(axes.yaxis, "$P_c(x_s)$", "1/m", axes.xaxis)
     else:
         axes.set_xlabel(r"threshold $x_s/\langle x_s\rangle$")
         axes.set_ylabel(r"$\langle x_s\rangle\,P_c$")
+    if styled[0].unit != SHARED and not decades:
+        name_axis(axes.yaxis, "$P_c(x_s)$", "1/m", axes.xaxis)
+    if decades:
+        axes.set_ylabel("$x_s\\,P_c(x_s)$, per unit of $\\ln x_s$")
 
 
 def _forces(axes: Any, styled: list[_Styled]) -> None:
@@ -172,8 +180,7 @@ def _spring(axes: Any, row: int, one: _Styled) -> None:
         axes.annotate(said, (low, row), xytext=(8, 0), va="center", **small)
         return
     off = error if np.isfinite(value + error) else 0.0
-    values = [each.spring(one.unit).value for each in one.scene.readings]
-    ends = np.clip([min([*values, value - off]), max([*values, value + off])], low, high)
+    ends = np.clip(range_of_spring(one.scene, one.unit), low, high)  # as in the words
     if np.ptp(ends) > _SEEN * ends[1]:
         bars = {"xerr": np.ptp(ends) / 2.0, "color": "0.4", "capsize": 4, "lw": 1.2}
         axes.errorbar(np.mean(ends), row, fmt="none", **bars)
@@ -206,6 +213,8 @@ def _legend_of_springs(axes: Any, styled: list[_Styled], machines: bool) -> None
     if any(hasattr(one, "has_xerr") for one in axes.containers):
         single = all(len(one.scene.readings) == 1 for one in styled)
         label = "its error" if single else "over the readings, with errors"
+        if any(one.scene.found.sampled for one in styled):
+            label += ", of samples two standard errors"
         axes.plot([], [], "-|", color="0.4", lw=1.2, label=label)
     if machines:
         axes.plot([], [], "--", color="0.2", lw=1.4, label="the machine's spring")
