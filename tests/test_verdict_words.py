@@ -621,11 +621,12 @@ def test_a_slider_that_is_not_decided_stands_beside_k_star() -> None:
 def test_smooth_sliding_that_is_unstable_says_so() -> None:
     """In heat that was followed, and in heat that was left out; not on a spring on which it is stable."""
     slides = slips("instant", kind="smooth", slips=0, before=0.5, after=0.5, unstable_below=0.2)
-    for left_out, how in ((None, "by less than that"), (1e-4, "as heat is left out")):
+    for left_out, how in ((None, "by less than 0.020 N"), (1e-4, "as heat is left out")):
         said = "\n".join(page(told(replace(slides, heat_left_out=left_out))))
-        assert "\nsmooth at 0.5000 N_c<k> length, or swinging by less than 0.020 N" in said
-        bound = "more would be slips, and heat that changes the force by 1.0e-04 N_c<k> length"
-        assert (bound in said) is (left_out is not None)
+        # how far a slider swings that was not followed nobody knows: it may be by more than counts as a slip
+        swings = "swinging by less than 0.020 N" if left_out is None else "swinging, as heat"
+        assert f"\nsmooth at 0.5000 N_c<k> length, or {swings}" in said
+        assert ("(how far was not followed)" in said) is (left_out is not None)
         assert "steady sliding grow by heat on springs below 0.20 N_c<k>" in said and how in said
     stable = "\n".join(page(told(replace(slides, unstable_below=0.0))))
     assert "steady sliding grow" not in stable and "or swinging" not in stable

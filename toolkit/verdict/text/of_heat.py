@@ -54,21 +54,15 @@ def of_unstable_sliding(verdict: Verdict) -> Iterator[Line]:
         below = one.unstable_below or 0.0
         if one.kind == "smooth" and below > 0.0:
             spring = written(below * scale.spring, scale.spring_unit, digits=2)
-            small = written(
-                RISE * own.contacts.mean_threshold * scale.force, scale.force_unit, digits=2
-            )
-            known = "as far as it was followed it swings by less than that"
-            if (heat := one.heat_left_out) is not None:
+            small = RISE * own.contacts.mean_threshold * scale.force
+            size = f"{written(small, scale.force_unit, digits=2)} ({RISE:g} <x_s>)"
+            known = f"as far as it was followed by less than {size}, which counts as no slip"
+            if one.heat_left_out is not None:
                 known = "how far was not followed, as heat is left out"
-                if heat < RISE:
-                    most = heat * own.contacts.mean_threshold * scale.force
-                    by = written(most, scale.force_unit, digits=2)
-                    known += ": more would be slips, and heat that changes the force by "
-                    known += f"{by} at most brings none about"
             yield Line(
                 RISE * own.contacts.mean_threshold / (abs(one.after) or np.inf),
                 f"small swings of steady sliding grow by heat on springs below {spring}, as on this: the force that "
-                f"is told as smooth may swing by less than {small} ({RISE:g} <x_s>), which counts as no slip; {known}",
+                f"is told as smooth may swing, {known}",
             )
 
 
@@ -81,15 +75,17 @@ def way_to(slider: Behaviour) -> str:
 
 
 def of_small_falls(answer: Answer, slider: Behaviour) -> str:
-    """That a smooth slider may swing, as steady sliding is unstable in heat, by less than counts as a slip; and which
-    falls count as none, where these are larger than its force, as in strong heat. "" where neither is so, or where it
-    is told between which forces the slider swings, or that it may by more."""
+    """That a smooth slider may swing, as steady sliding is unstable in heat, where it was followed by less than counts
+    as a slip; and which falls count as none, where these are larger than its force, as in strong heat. "" where neither
+    is so, or where it is told between which forces the slider swings, or that it may by more."""
     small, scale = RISE * answer.contacts.mean_threshold, answer.scale
     if slider.swings is not None or slider.error > RISE:
         return ""
     size = written(small * scale.force, scale.force_unit, digits=2)
     if (slider.unstable_below or 0.0) > 0.0:  # not nan
-        return f", or swinging by less than {size}, as heat lets small swings grow on this spring"
+        how = f" by less than {size}" if slider.heat_left_out is None else ""
+        far = "" if how else " (how far was not followed)"
+        return f", or swinging{how}, as heat lets small swings grow on this spring{far}"
     if not 0.0 < abs(slider.after) < small:
         return ""
     return f", where swings of less than {size} would count as no slips"
