@@ -712,8 +712,8 @@ def test_one_step_of_the_cells_solves_its_equations() -> None:
     spread, weights = random.random((2, shape[2])), random.random(shape[1:])
     value, slope = random.normal(size=(2, 4, cells + 1))
     value[:, -1] = slope[:, -1] = 0.0  # nothing comes through the upper face of the last cell
-    terms = leaving, entering, breaking, True, spread, value, slope
-    found = cells_kernel.step(weights, *terms)
+    losses = cells_kernel.Losses(leaving, entering, breaking, True, spread, value, slope)
+    found = cells_kernel.step(weights, losses)
     # density and slope at the lower face of each cell, by the weights of cells
     at_faces = np.zeros((2, cells + 1, cells))
     for face in range(cells):

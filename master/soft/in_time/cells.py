@@ -195,8 +195,9 @@ class Cells:
             leaving = flow - tilt
             entering = flow - np.concatenate([tilt[:, :1], tilt[:, :-1]], axis=1)
         early = self._thermal is not None
-        terms = leaving, entering, breaking, early, spread, self._face_density, self._face_slope
-        return np.asarray(self._kernel.step(weights_at_begin, *terms)[:, :count].T)
+        at_faces = self._face_density, self._face_slope
+        losses = self._kernel.Losses(leaving, entering, breaking, early, spread, *at_faces)
+        return np.asarray(self._kernel.step(weights_at_begin, losses)[:, :count].T)
 
     def _flow(self, level: Array, times: Array, rise: Array) -> Array:
         """See the table at the head. The drift to a normal law is a straight line, whose slope is `rate`, D/std²."""

@@ -5,7 +5,7 @@ only in a function's own file.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -30,17 +30,29 @@ def compiled(function: Callable[..., Any]) -> Any:
         return njit(error_model="numpy")(function)
 
 
+class Losses(NamedTuple):
+    """What cells lose in a step, at both of its stages.
+
+    leaving, entering : arrays (2, cells, LANES): the flux out of a cell through its lower face, and that into the cell
+        below, both per density at the face
+    breaking : array (2, cells, LANES), rate at which contacts in a cell break
+    early : whether any do; if not, breaking is 0, and entering as leaving
+    spread : array (2, LANES), the diffusivity; all but `early` up to here are multiplied by the step
+    value, slope : arrays (4, cells + 1), the density and its slope at the lower face of each cell j from the weights of
+        the cells j - 2 to j + 1; 0 at the upper face of the last cell, as nothing comes through it
+    """
+
+    leaving: Array
+    entering: Array
+    breaking: Array
+    early: bool
+    spread: Array
+    value: Array
+    slope: Array
+
+
 @compiled
-def step(
-    weights: Array,
-    leaving: Array,
-    entering: Array,
-    breaking: Array,
-    early: bool,
-    spread: Array,
-    value: Array,
-    slope: Array,
-) -> Array:
+def step(weights: Array, losses: Losses) -> Array:
     """Weights of thresholds in cells at the end of a step, shape (cells, LANES): the last of the two stages w_0, w_1 of
 
         w_a + sum over stages b of RADAU[a, b] L_b w_b = w at the beginning,
@@ -49,13 +61,6 @@ def step(
     face, less what comes through the upper one, and what breaks.
 
     weights : array (cells, LANES) at its beginning
-    leaving, entering : arrays (2, cells, LANES), at both stages: the flux out of a cell through its
-        lower face, and that into the cell below, both per density at the face
-    breaking : array (2, cells, LANES), rate at which contacts in a cell break
-    early : whether any do; if not, breaking is 0, and entering as leaving
-    spread : array (2, LANES), the diffusivity; the last four are multiplied by the step
-    value, slope : arrays (4, cells + 1), the density and its slope at the lower face of each cell j from
-        the weights of the cells j - 2 to j + 1; 0 at the upper face of the last cell, as nothing comes through it
 
     Plainly, for one strand, with L[b] the matrix (cells, cells) of stage b:
 
@@ -72,6 +77,7 @@ def step(
     strands at once, lane by lane in the innermost loops, of which a processor does several together.
     """
     cells = weights.shape[0]
+    leaving, entering, breaking, _, spread, value, slope = losses
     # of row i at i + 5: 1/diagonal, the elements right of it, and the right side; five rows of 0 above and below
     done = np.empty((2 * cells + 10, 7, LANES))
     done[:5] = 0.0
@@ -160,26 +166,17 @@ def step(
             found -= done[i, 4, s] * done[i + 4, 6, s]
             found -= done[i, 5, s] * done[i + 5, 6, s]
             done[i, 6, s] = found * done[i, 0, s]
-    return _conserved(done, weights, leaving, entering, breaking, early, spread, value, slope)
+    return _conserved(done, weights, losses)
 
 
 @compiled
-def _conserved(
-    done: Array,
-    weights: Array,
-    leaving: Array,
-    entering: Array,
-    breaking: Array,
-    early: bool,
-    spread: Array,
-    value: Array,
-    slope: Array,
-) -> Array:
+def _conserved(done: Array, weights: Array, losses: Losses) -> Array:
     """The weights at the end of a step, as `step` has found them in `done`, times what makes their sum that at its
     begin less what was lost: by the flux through the lower face of the first cell and, where contacts break `early`, by
     h. On a step so long that thresholds spread over millions of first cells the 1 in a row of `step` is lost in the
     rounding of L, and with it up to 1e-6 of the weights, which came back as births."""
     cells = weights.shape[0]
+    leaving, entering, breaking, early, spread, value, slope = losses
     # the second stage is the end of the step
     end = done[6:-5:2, 6].copy()
     before, after, lost = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
