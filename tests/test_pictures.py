@@ -30,7 +30,7 @@ from toolkit.pictures.run import (
     plot_position,
     plot_velocity,
 )
-from toolkit.pictures.thresholds import plot_density, plot_samples
+from toolkit.pictures.thresholds import plot_density, plot_histogram, plot_samples
 from toolkit.results.beside import deviation
 from toolkit.results.records import sample_curve
 from toolkit.scene.scale import written
@@ -194,6 +194,22 @@ def test_a_narrow_peak_is_not_cut_and_samples_are_shown() -> None:
     samples = np.array([0.5, 1.0, 1.5, 1.7])
     x, above = plot_samples(Figure().subplots(), origins.from_samples(samples)).lines[0].get_data()
     np.testing.assert_allclose(above, [np.mean(one < samples) for one in x], atol=1e-12)
+    assert above[0] == 1.0
+
+
+def test_samples_have_a_histogram_beside_their_smooth_law() -> None:
+    rng = np.random.default_rng(1)
+    spread, same = rng.normal(1.0, 0.1, 800), np.full(500, 1.5)
+    weights = rng.uniform(0.1, 2.0, 1300)
+    law = origins.from_samples(np.append(spread, same), weights=weights)
+    (bars,) = plot_histogram(Figure().subplots(), law).patches
+    density, edges, _ = bars.get_data()
+    assert edges[0] == spread.min() and edges[-1] == spread.max()
+    # that of one value is a weight, beside the bars
+    expected = weights[:800].sum() / weights.sum()
+    np.testing.assert_allclose((density * np.diff(edges)).sum(), expected, rtol=1e-9)
+    assert bars.get_label() == "1300 samples"
+    assert not plot_histogram(Figure().subplots(), origins.gaussian(1.0, 0.1)).patches
 
 
 def marks_of(axes: Axes) -> dict[int, float]:
@@ -327,9 +343,20 @@ def test_legs_of_very_different_durations_are_equally_wide() -> None:
     np.testing.assert_allclose(at, [0.0, 1 / 3, 2 / 3, 1.0], atol=1e-9)
 
 
-@pytest.mark.parametrize(("points", "mark"), [(60, "."), (1201, "None")])
-def test_a_mass_that_swings_between_the_points_of_the_path_is_drawn_as_dots(
-    points: int, mark: str
+def test_ends_of_many_legs_are_labelled_evenly() -> None:
+    """Of eleven legs every other end, each short enough for its place."""
+    turns = [float(place) for place in range(1, 12)]
+    times = np.cumsum([0.05, 0.05] * 2 + [1.0, 0.05, 100.0, 0.05, 9999.0, 0.05, 0.05]).tolist()
+    drive = {"turns": turns, "times": times, "points": 12}
+    axes = plot_force(Figure().subplots(), toolkit.run(scene(WIDE, drive=drive)))
+    drawn(axes.figure)
+    labels = [text.get_text() for text in axes.get_xticklabels()]
+    assert labels == ["0", "0.1", "0.2", "1.25", "101", "10100"]
+
+
+@pytest.mark.parametrize(("points", "band"), [(60, True), (1201, False)])
+def test_a_mass_that_swings_between_the_points_of_the_path_is_drawn_as_a_band(
+    points: int, band: bool
 ) -> None:
     """A line through points farther apart than its swings would show slower ones. No contact forms again here."""
     drive = {"to": 120.0, "points": points, "spring": 0.01, "mass": 0.0023, "velocity": 1.0}
@@ -343,7 +370,8 @@ def test_a_mass_that_swings_between_the_points_of_the_path_is_drawn_as_dots(
         axes = draw(Figure().subplots(), dataclasses.replace(result, eq=eq))
         of_slider = [line for line in axes.get_lines() if line.get_color() == INK["eq"]]
         swings = [line for line in of_slider if len(line.get_xdata()) >= points]
-        assert swings and {line.get_marker() for line in swings} == {mark}
+        bands = [own for own in axes.collections if len(own.get_paths()[0].vertices) > 2 * points]
+        assert bool(bands) is band and bool(swings) is not band
 
 
 def test_a_heavy_slider_has_panels_in_time_with_slips_from_their_own_data() -> None:
@@ -366,7 +394,6 @@ def test_a_heavy_slider_has_panels_in_time_with_slips_from_their_own_data() -> N
         ):
             assert x[y == before] == pytest.approx(start)
             assert x[y == after] == pytest.approx(start + lasts)
-    # its speed at the end swings from point to point of the path, which are dots
     tops = [line.get_ydata() for line in speed.lines if line.get_marker() in MARKERS]
     np.testing.assert_array_equal(np.concatenate(tops), own.top_speed)
 

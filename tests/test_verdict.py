@@ -1914,13 +1914,16 @@ def test_the_trace_says_that_it_swings_or_is_cut() -> None:
         (label,) = draw_verdict(found).axes[0].get_legend_handles_labels()[1]
         assert label.endswith(f": {told}")
     # swings, each along 2π of the drive, that go on between points too far apart for them are no line
-    for points, dots in ((600, True), (2000, False)):
+    for points, band in ((600, True), (2000, False)):
         drive = np.linspace(0.0, 1000.0, points)
         own = replace(ringing, drive=drive, force=0.3 + 0.1 * np.sin(drive))
         axes = draw_verdict(told_of(own, None, Contacts(gaussian(1.0, 0.3)))).axes[0]
-        (line,) = axes.get_lines()[:1]
-        assert (line.get_linestyle() == "None") is dots
-        assert ("too many to be drawn" in str(line.get_label())) is dots
+        assert bool(axes.collections) is band and bool(axes.get_lines()) is not band
+        (label,) = axes.get_legend_handles_labels()[1]
+        assert ("too many to be drawn" in label) is band
+        if band:  # about the swings, 0.3 ± 0.1, and no wider
+            low, high = axes.collections[0].get_datalim(axes.transData).intervaly
+            assert 0.2 <= low < 0.201 and 0.399 < high <= 0.4
 
 
 def test_other_readings_are_drawn_by_their_contact_model() -> None:
@@ -1936,6 +1939,9 @@ def test_other_readings_are_drawn_by_their_contact_model() -> None:
         "persson: 2 other readings",
         "gw, mixed: 2 other readings",
     ]
+    # with the marks of their K*
+    named = {line.get_marker() for line in figure.legends[0].get_lines()}
+    assert {bar.lines[0].get_marker() for bar in figure.axes[-1].containers} == named
     assert figure.axes[-1].get_xlabel().startswith("balance unstable somewhere below")
 
 

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.pictures.axes import name_axis, some_of
+from toolkit.pictures.axes import name_axis
 from toolkit.pictures.traces import in_time
 from toolkit.results.records import Result
 from toolkit.scene.scale import written
@@ -54,14 +54,19 @@ def write_along(axes: Any, result: Result) -> None:
     both = (lambda t: np.interp(t, times, number), lambda n: np.interp(n, number, times))
     axes.set_xscale("function", functions=both)
     turns = np.unique([times[0], *(leg.end for leg in legs)])
-    turns = turns[some_of(turns.size, _TICKS)]
-    axes.set_xticks(turns, [f"{time:.4g}" for time in turns])
+    turns = turns[:: -(-turns.size // _TICKS)]  # evenly, as they stand where legs end
+    axes.set_xticks(turns, [_in_short(time) for time in turns])
     axes.set_xlim(times[0], times[-1])
     scale = "each leg equally wide"
     if drive.hold_scale is not None:
         scale = f"even in ln(1 + t/{drive.hold_scale:.3g}) since each hold began"
     unit = "s" if result.thresholds.in_metres else "units of time"
     axes.set_xlabel(f"time $t$ ({unit}), {scale}")
+
+
+def _in_short(time: float) -> str:
+    """A time in three digits, or in all before its point; from a million on as a power of ten."""
+    return f"{time:.0f}" if 1e3 <= abs(time) < 1e6 else f"{time:.3g}"
 
 
 def mark_legs(axes: Any, result: Result, named: bool = False) -> None:

@@ -29,7 +29,15 @@ from toolkit.pictures.points import (
     with_swing,
 )
 from toolkit.pictures.thresholds import plot_density
-from toolkit.pictures.traces import along, hides_swings, in_time, moments, slips_of, with_slips
+from toolkit.pictures.traces import (
+    along,
+    draw_curve,
+    in_time,
+    moments,
+    slips_of,
+    swings_between,
+    with_slips,
+)
 from toolkit.results.beside import NOT_COMPARED, deviation
 from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
@@ -38,6 +46,7 @@ _BARS = 61  # error bars; with more the line would be hidden
 _REPLICAS = 5  # as can be distinguished
 _PANEL = 70  # letters across the panel of forces
 _RESOLVED = 8  # points of the path within a slip that show it as well as can be seen
+_IN_A_BAND = "; a band, where it swings between points"
 _OF_EQ: dict[str, Any] = {"color": INK["eq"], "lw": 0.7, "alpha": 0.7, "zorder": 2}
 
 
@@ -80,8 +89,9 @@ def plot_force(axes: Any, result: Result) -> Any:
             slips = slips_of(eq, replica)
             place, force = with_slips(along(result, eq), eq.path, eq.forces[replica], slips)
             label = f"EQ, {number} of {len(eq.forces)} replicas of {eq.contacts // len(eq.forces):,} contacts"
-            style, why = _line_or_dots(eq, eq.forces[replica], _OF_EQ, replica)
-            axes.plot(place, factor * force, label=None if replica else label + why, **style)
+            swings = swings_between(eq, eq.forces[replica], replica)
+            said = None if replica else label + _IN_A_BAND * swings
+            draw_curve(axes, place, factor * force, swings, _OF_EQ | {"label": said})
     elif eq is not None:
         some = some_of(eq.path.size, _BARS)
         place, error = along(result, eq)[some], factor * eq.force_standard_error[some]
@@ -110,24 +120,12 @@ def _draw_solved(axes: Any, result: Result) -> None:
         label, place, force = "master equation: not solved", place[:0], force[:0]
     line = "-" if solved.success else "--"
     style: dict[str, Any] = {"color": INK["master"], "lw": 1.4, "zorder": 3, "ls": line}
-    style, why = _line_or_dots(solved, solved.force, style)
-    axes.plot(place, result.scale.force * force, label=label + why, **style)
+    swings = swings_between(solved, solved.force)
+    style["label"] = label + _IN_A_BAND * swings
+    draw_curve(axes, place, result.scale.force * force, swings, style)
     if solved.outrun is not None and place.size and solved.outrun < place[-1]:
         label = "contacts outrun $P_c$ (Q15)"
         axes.axvspan(solved.outrun, place[-1], color="0.9", lw=0, label=label)
-
-
-def _line_or_dots(
-    curve: Any, value: Any, style: dict[str, Any], replica: int | None = None, speed: bool = False
-) -> tuple[dict[str, Any], str]:
-    """The style of a curve, and what its label adds: dots where a slider with mass swings between the points of the
-    path, since a line would draw slower swings that do not exist."""
-    if getattr(curve, "velocity", None) is None:  # without a mass
-        return style, ""
-    known, slips = is_heavy(curve) or is_precise(curve), slips_of(curve, replica)
-    if not known or not hides_swings(curve.path, value, slips, speed):
-        return style, ""
-    return style | {"ls": "", "marker": ".", "ms": 2.5}, "; dots, as it swings between points"
 
 
 def _name_forces(axes: Any, result: Result, name: str) -> None:
@@ -148,14 +146,14 @@ def plot_position(axes: Any, result: Result) -> Any:
     if solved is not None and solved.position is not None and is_precise(solved):
         place, slips = along(result, solved), slips_of(solved)
         drawn = with_slips(place, solved.path, solved.position, slips, position=True)
-        style, _ = _line_or_dots(solved, solved.position, {"color": INK["master"], "lw": 1.2})
-        axes.plot(*drawn, label="slider $X$", **style)
+        style = {"color": INK["master"], "lw": 1.2, "label": "slider $X$"}
+        draw_curve(axes, *drawn, swings_between(solved, solved.position), style)
     if is_coupled(eq):
         for replica in range(min(_REPLICAS, len(eq.forces))):
             slips, own = slips_of(eq, replica), eq.positions[replica]
             drawn = with_slips(along(result, eq), eq.path, own, slips, position=True)
-            style, _ = _line_or_dots(eq, own, _OF_EQ, replica)
-            axes.plot(*drawn, label=None if replica else "slider $X$, EQ", **style)
+            style = _OF_EQ | {"label": None if replica else "slider $X$, EQ"}
+            draw_curve(axes, *drawn, swings_between(eq, own, replica), style)
     if soft:
         legend_above(axes)
     write_along(axes, result)
@@ -206,14 +204,13 @@ def plot_velocity(axes: Any, result: Result) -> Any:
     solved, eq = result.master, result.eq
     if eq is not None:
         for replica in range(min(_REPLICAS, len(eq.forces))):
-            style, _ = _line_or_dots(eq, eq.velocities[replica], _OF_EQ, replica, speed=True)
-            axes.plot(along(result, eq), eq.velocities[replica], **style)
+            swings = swings_between(eq, eq.velocities[replica], replica, speed=True)
+            draw_curve(axes, along(result, eq), eq.velocities[replica], swings, _OF_EQ)
             _draw_top_speeds(axes, result, eq, eq.forces[replica], replica)
     if solved is not None and solved.velocity is not None and is_precise(solved):
-        style, _ = _line_or_dots(
-            solved, solved.velocity, {"color": INK["master"], "lw": 1.2}, speed=True
-        )
-        axes.plot(along(result, solved), solved.velocity, **style)
+        swings = swings_between(solved, solved.velocity, speed=True)
+        style = {"color": INK["master"], "lw": 1.2}
+        draw_curve(axes, along(result, solved), solved.velocity, swings, style)
         _draw_top_speeds(axes, result, solved, solved.force, None)
     write_along(axes, result)
     mark_legs(axes, result)

@@ -13,6 +13,9 @@ from toolkit.results.records import ThresholdCurve
 
 _SPIKE = 10.0  # a density is cut off at this multiple of its largest value for 95 % of the contacts
 _STEPS, _ISLANDS = 2000, 20_000  # most points that a picture shows
+_OF_SAMPLES = "0.25"
+# fewest samples that have a histogram; fewest and most of its bars
+_FEWEST_BARRED, _BARS = 5, (3, 200)
 _STYLE: dict[str, Any] = {"color": INK["thresholds"], "lw": 1.2}
 
 
@@ -47,13 +50,34 @@ def plot_density(axes: Any, curve: ThresholdCurve) -> Any:
     return axes
 
 
+def plot_histogram(axes: Any, thresholds: Thresholds) -> Any:
+    """Add to P_c(x) a histogram of the samples, without exact values, which are no density; nothing for a law that is
+    not from samples."""
+    if not isinstance(thresholds, Sampled):
+        return axes
+    smooth = ~np.isin(thresholds.samples, thresholds.atoms[0])
+    x, fractions = thresholds.samples[smooth], thresholds.fractions[smooth]
+    if x.size < _FEWEST_BARRED:
+        return axes
+    # bars as wide as Freedman and Diaconis ask for; the samples are sorted
+    low, high = np.interp([0.25, 0.75], np.cumsum(fractions) / fractions.sum(), x)
+    width = 2.0 * (high - low) / thresholds.effective_samples ** (1.0 / 3.0)
+    bars = int(np.clip(np.ceil(np.ptp(x) / width), *_BARS)) if width > 0.0 else _BARS[1]
+    share, edges = np.histogram(x, bars, weights=fractions)
+    density = share / np.diff(edges)
+    axes.stairs(density, edges, color=_OF_SAMPLES, lw=0.8, label=f"{thresholds.n_samples} samples")
+    axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * float(density.max())))
+    return axes
+
+
 def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
     """Add to S(x) the share of samples above x, as steps; nothing for a law that is not from samples."""
     if isinstance(thresholds, Sampled):
         some = some_of(thresholds.samples.size, _STEPS)
-        above = 1.0 - np.cumsum(thresholds.fractions)[some]
+        x = np.append(0.0, thresholds.samples[some])
+        above = 1.0 - np.append(0.0, np.cumsum(thresholds.fractions)[some])
         label = f"{thresholds.n_samples} samples"
-        axes.step(thresholds.samples[some], above, where="post", color="0.25", lw=0.6, label=label)
+        axes.step(x, above, where="post", color=_OF_SAMPLES, lw=0.6, label=label)
         legend_above(axes)
     return axes
 
@@ -78,13 +102,14 @@ def _label(axes: Any, curve: ThresholdCurve, title: str, name: str) -> None:
 
 
 def save_thresholds_picture(law: Thresholds, curve: ThresholdCurve, title: str, path: Path) -> None:
-    """P_c, survival S, with that of the samples if there are any over it, and hazard P_c/S, the rate of breaking per
-    length up to where one contact in a thousand holds, side by side, in the format of the path's suffix."""
+    """P_c and survival S, with those of the samples if there are any over them, and hazard P_c/S, the rate of breaking
+    per length up to where one contact in a thousand holds, side by side, in the format of the path's suffix."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.5, 3.6), layout="constrained")
     density, survival, hazard = figure.subplots(1, 3)
-    plot_density(density, curve)
+    plot_histogram(plot_density(density, curve), law)
+    legend_above(density, title="thresholds")
     survival.plot(curve.x, curve.survival, **_STYLE)
     survival.set(ylabel="survival $S(x_s)$", ylim=(0, 1.05))
     _label(plot_samples(survival, law), curve, "survival", "threshold $x_s$")

@@ -6,13 +6,18 @@ import numpy as np
 import numpy.typing as npt
 
 from origins.thresholds.law import Array
-from toolkit.results.kinds import is_heavy
+from toolkit.results.kinds import is_heavy, is_precise
 from toolkit.results.records import Result
 
 # Part of a curve's range that is seen; the share of the points of its swings at which it turns above which a line would
 # draw slower swings that do not exist: of swings with eight points each it is a quarter; and how many turns are so many
 # that they are swings.
 _SEEN, _TOO_FEW_POINTS, _SWINGS = 0.02, 0.3, 3
+# of the median step of the drive: shorter ones are those of a slip, which is drawn from its own data
+_OF_A_SLIP = 0.1
+# neighbouring points of a curve that swings between them, of which a band has the least and the largest: of so many at
+# any phases one is mostly within a tenth of the amplitude from the end of a swing
+_IN_BAND = 12
 
 
 class SlipData(NamedTuple):
@@ -56,19 +61,41 @@ def hides_swings(
     """Whether the points of a curve of a slider with mass, shape (n,), are too far apart to show how it swings: it then
     turns at most of those that are on a swing.
 
-    Steps on which a slip begins are left out, as it is drawn from its own data, and those on which little happens: of a
-    `speed` little beside the top speed of slips.
+    Steps on which a slip begins or goes on are left out, as it is drawn from its own data, and those on which little
+    happens: of a `speed` little beside the top speed of slips.
     """
     steps, height = np.diff(value), float(np.ptp(value))
     if speed and slips is not None and slips.top_speed is not None:
         height = max(height, float(slips.top_speed.max(initial=0.0)))
-    seen = np.abs(steps) > _SEEN * height
+    run = np.abs(np.diff(drive))
+    seen = (np.abs(steps) > _SEEN * height) & (run >= _OF_A_SLIP * np.median(run))
     if slips is not None:
         places, ends = np.sort(slips.drive), np.sort([drive[:-1], drive[1:]], axis=0)
         seen &= np.searchsorted(places, ends[1], "right") == np.searchsorted(places, ends[0])
     pairs = seen[1:] & seen[:-1]
     turns = pairs & (steps[1:] * steps[:-1] < 0.0)
     return bool(turns.sum() >= max(_SWINGS, _TOO_FEW_POINTS * pairs.sum()))
+
+
+def swings_between(curve: Any, value: Any, replica: int | None = None, speed: bool = False) -> bool:
+    """Whether the curve of a slider with mass, or of one of its replicas, swings between the points of the path."""
+    if getattr(curve, "velocity", None) is None:  # without a mass
+        return False
+    known, slips = is_heavy(curve) or is_precise(curve), slips_of(curve, replica)
+    return known and hides_swings(curve.path, value, slips, speed)
+
+
+def draw_curve(axes: Any, place: Array, value: Array, swings: bool, style: dict[str, Any]) -> None:
+    """A curve of shape (n,) as a line, or where it `swings` between its points as a band from the least to the largest
+    value of neighbouring ones, as a line would draw slower swings that do not exist."""
+    if not swings:
+        axes.plot(place, value, **style)
+        return
+    number = min(_IN_BAND, value.size)
+    padded = np.pad(value, (number // 2, number - 1 - number // 2), mode="edge")
+    near = np.lib.stride_tricks.sliding_window_view(padded, number)
+    kept = {name: own for name, own in style.items() if name in ("color", "label", "zorder")}
+    axes.fill_between(place, near.min(axis=1), near.max(axis=1), alpha=0.35, lw=0.5, **kept)
 
 
 def with_slips(

@@ -131,12 +131,15 @@ def _draw_thresholds(axes: Any, verdict: Verdict) -> None:
         style["marker"] = style["marker"] if len(verdict.answers) > 1 else ""
         label = answer.name
         if number and len(verdict.answers) > _NAMED:
+            marked = style | {"lw": 0.8}  # its curve has no marks, and its K* no dashes
             style |= {"lw": 0.8, "marker": "", "zorder": 1}
             kinds = [_model_of(one.name) for one in verdict.answers]
             own = kinds[number]
             alike = kinds[1:].count(own)
             others = f"{alike} other reading{'s' * (alike > 1)}"
-            label = "" if own in kinds[1:number] else f"{own}: {others}"
+            label = ""
+            if own not in kinds[1:number]:
+                axes.plot([], [], label=f"{own}: {others}", **marked)
         axes.plot(x, density, label=label or None, **style)
         # where contacts share one value the density is infinite
         whole: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "color": style["color"]}

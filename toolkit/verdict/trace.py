@@ -13,7 +13,7 @@ from toolkit.pictures.axes import (
     legend_above,
     name_axis,
 )
-from toolkit.pictures.traces import hides_swings
+from toolkit.pictures.traces import draw_curve, hides_swings
 from toolkit.scene.scale import of_contacts, spoken, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.of_area import finite_told_apart
@@ -125,17 +125,17 @@ def _draw_line(
     style: dict[str, Any],
     since: float | None,
 ) -> None:
-    """A trace as a line, or as dots where a line would draw swings that do not exist; `label`: its text, in lines of so
-    many letters."""
+    """A trace as a line, or as a band where a line would draw swings that do not exist; `label`: its text, in lines of
+    so many letters."""
     text, letters = label
     shown = slice(0 if since is None else int(np.searchsorted(one.drive, since)), None)
     drive, force = one.drive[shown], one.force[shown]
     if not drive.size:  # its path ends before the last cycles of another one
         return
-    if one.rule == "mass" and hides_swings(drive, force):
-        text += "; dots, as its swings are too many to be drawn"
-        style = style | {"ls": "", "marker": ".", "ms": 2.5}
-    axes.plot(drive, force * verdict.own.scale.force, label=in_lines(text, letters), **style)
+    swings = one.rule == "mass" and hides_swings(drive, force)
+    text += "; a band, as its swings are too many to be drawn" * swings
+    style = style | {"label": in_lines(text, letters)}
+    draw_curve(axes, drive, force * verdict.own.scale.force, swings, style)
 
 
 def _of_rule(verdict: Verdict, behaviour: Behaviour) -> str:
