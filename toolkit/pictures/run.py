@@ -90,8 +90,8 @@ def plot_force(axes: Any, result: Result) -> Any:
             place, force = with_slips(along(result, eq), eq.path, eq.forces[replica], slips)
             label = f"EQ, {number} of {len(eq.forces)} replicas of {eq.contacts // len(eq.forces):,} contacts"
             swings = swings_between(eq, eq.forces[replica], replica)
-            said = None if replica else label + _IN_A_BAND * swings
-            draw_curve(axes, place, factor * force, swings, _OF_EQ | {"label": said})
+            style = _OF_EQ | {"label": None if replica else label + _IN_A_BAND * swings}
+            draw_curve(axes, place, factor * force, swings, style)
     elif eq is not None:
         some = some_of(eq.path.size, _BARS)
         place, error = along(result, eq)[some], factor * eq.force_standard_error[some]
