@@ -224,6 +224,15 @@ def _power_of(value: float, unit: str) -> int:
     return min(max(power, -15), 0 if unit == "s" else 12)
 
 
+def prefixed_like(value: float, like: float, unit: str, digits: int = 2) -> str:
+    """A value with the prefix of another of its sentence, as the 0.14 mm by which 4.82 mm scatter; with its own where
+    it is less than a thousandth in that."""
+    power = _power_of(like, unit) if like else 0
+    if unit not in PREFIXED or not 1e-3 <= abs(value) / 10.0**power < np.inf:
+        return written(value, unit, digits=digits)
+    return f"{_rounded(value / 10.0**power, digits)} {PREFIXES[power]}{unit}"
+
+
 def guarded(value: float, unit: str, uncertainty: float, vague: bool = False) -> str:
     """As `written`, of a value whose uncertainty is told elsewhere, 3 or 4 digits: to that of the uncertainty, and one
     more where this begins with 1, 2 or 3. With two digits two values that are nearly alike may seem 4 % apart. Those
@@ -286,6 +295,16 @@ def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
 def of_contacts(number: float, digits: str = ",.0f") -> str:
     """So many contacts, or 1 contact, as text; `digits`: how the number is written."""
     return f"{number:{digits}} contact{'s' * (number != 1.0)}"
+
+
+def in_three_digits(number: float) -> str:
+    """A number of contacts in three digits: how many an area holds hangs on how its surface is read."""
+    return f"{float(f'{number:.3g}'):,.0f}"
+
+
+def told_contacts(number: float) -> str:
+    """So many contacts, or 1 contact, in three digits, such as 518,000 contacts."""
+    return f"{in_three_digits(number)} contact{'s' * (number != 1.0)}"
 
 
 def _rounded(value: float, digits: int) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from origins.contacts import Contacts
 from toolkit.results.html import as_table
 from toolkit.scene.of_samples import of_smoothing
-from toolkit.scene.scale import Scale, of_contacts, with_uncertainty, written
+from toolkit.scene.scale import Scale, told_contacts, with_uncertainty, written
 from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
 
 
@@ -138,6 +138,6 @@ class Verdict:
         rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
         followed = [one for one in self.finite if one.kind != "unknown"]
         rows += [
-            (f"{of_contacts(one.contacts)}, slip rule {one.rule}", one.kind) for one in followed
+            (f"{told_contacts(one.contacts)}, slip rule {one.rule}", one.kind) for one in followed
         ]
         return as_table(self.title, rows)

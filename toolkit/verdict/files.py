@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.scene.scale import Scale, of_contacts
+from toolkit.scene.scale import Scale, told_contacts
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.legend import KEYS
 from toolkit.verdict.mean_force import mean_of_contacts, mean_over_slips
@@ -111,7 +111,7 @@ def friction(verdict: Verdict) -> dict[str, list[Any]]:
     few = [
         one for one in finite_told_apart(verdict).values() if all(one is not each for each in shown)
     ]
-    parts += [(f"{one.rule}, {of_contacts(one.contacts)}", one.drive, one.force) for one in few]
+    parts += [(f"{one.rule}, {told_contacts(one.contacts)}", one.drive, one.force) for one in few]
     drive, force = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
     return {
         "slip rule": [part[0] for part in parts for _ in part[1]],

@@ -17,7 +17,7 @@ from origins.samples.from_samples import sampled_parts
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.running.solvers import within
 from toolkit.scene.drive import sliding_speed
-from toolkit.scene.scale import SHARED, of_contacts, scale_of
+from toolkit.scene.scale import SHARED, scale_of, told_contacts
 from toolkit.scene.scene import Scene
 from toolkit.scene.tables import DriveTable
 from toolkit.verdict.answers import UNKNOWN, Answer, Quantity, Verdict, kinetic_of
@@ -181,7 +181,7 @@ def finite_sliders(
                 continue
             same = told_by_another_rule(one, zip(each, found, strict=False), contacts)
             if same is None:
-                progress(f"sliders of {of_contacts(number)} ({one.rule})")
+                progress(f"sliders of {told_contacts(number)} ({one.rule})")
                 static, remaining = own.static.value, part.remaining()
                 same = follow_finite(own.machine, contacts, number, one, static, remaining)
             found.append(same)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from origins.drive import RISE
-from toolkit.scene.scale import Scale, of_contacts, with_scatter, written
+from toolkit.scene.scale import Scale, in_three_digits, told_contacts, with_scatter, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.mean_force import mean_of_contacts
 from toolkit.verdict.sliders.ensemble import by_sliders
@@ -114,7 +114,7 @@ def _error_of(verdict: Verdict, one: Behaviour) -> float:
 def counted(verdict: Verdict, finite: Finite) -> str:
     """These contacts by their number, and whose they are."""
     whose = "of the area" if verdict.own.scale.contacts is not None else "of [eq]"
-    return f"the {of_contacts(finite.contacts)} {whose}"
+    return f"the {told_contacts(finite.contacts)} {whose}"
 
 
 def whom_of(verdict: Verdict, one: Behaviour) -> str:
@@ -130,13 +130,13 @@ def whom_of(verdict: Verdict, one: Behaviour) -> str:
     number = verdict.own.scale.contacts
     if one.instead or (number is not None and one.contacts >= round(number)):
         return ""
-    place = "infinitely many" if number is None else f"the {number:,.0f} of the area"
-    return f" with {of_contacts(one.contacts)}, followed contact by contact, in place of {place}"
+    place = "infinitely many" if number is None else f"the {in_three_digits(number)} of the area"
+    return f" with {told_contacts(one.contacts)}, followed contact by contact, in place of {place}"
 
 
 def subject(finite: Finite) -> str:
     """Who does something: so many contacts, of one alone the sliders that it holds."""
-    return f"{'sliders of ' * (finite.contacts == 1)}{of_contacts(finite.contacts)}"
+    return f"{'sliders of ' * (finite.contacts == 1)}{told_contacts(finite.contacts)}"
 
 
 def verb(kinds: set[str]) -> str:
@@ -183,7 +183,7 @@ def behaved(verdict: Verdict, finite: Finite) -> str:
 
 def rows_of(verdict: Verdict, finite: Finite) -> dict[str, str]:
     """The numbers of so many contacts for the table, by their names."""
-    scale, whose = verdict.own.scale, of_contacts(finite.contacts)
+    scale, whose = verdict.own.scale, told_contacts(finite.contacts)
     over, load = "", scale.load
     if load:
         late, error = (one * scale.force / load for one in (finite.late, finite.late_error))

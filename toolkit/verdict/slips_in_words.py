@@ -6,7 +6,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from toolkit.results.slips import QUARTERED, Spread
-from toolkit.scene.scale import Scale, guarded, of_contacts, rounded_up, with_scatter, written
+from toolkit.scene.scale import (
+    Scale,
+    guarded,
+    prefixed_like,
+    rounded_up,
+    told_contacts,
+    with_scatter,
+    written,
+)
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
@@ -46,7 +54,8 @@ def swinging(answer: Answer, slider: Behaviour) -> str:
     if slider.swings is None or answer.machine is None or not slider.drive.size:
         return ""
     scale, way = answer.scale, float(slider.drive[-1])
-    low, high = (_short(end * scale.force, scale.force_unit) for end in slider.swings)
+    top = max(map(abs, slider.swings)) * scale.force
+    low, high = (prefixed_like(end * scale.force, top, scale.force_unit) for end in slider.swings)
     slips = "" if slider.shrinks_by else after_slips(slider.slips)
     width = np.ptp(slider.swings) * scale.force
     how = f"between {low} and {high}"
@@ -66,8 +75,9 @@ def of_fluctuations(verdict: Verdict, slider: Behaviour) -> str:
     scale, fluctuation = verdict.own.scale, few[0].fluctuation
     if not fluctuation >= WORTH_SHOWING * abs(slider.before):
         return ""
-    said = _short(fluctuation * scale.force, scale.force_unit)
-    return f", fluctuating by ± {said} with {of_contacts(few[0].contacts)}"
+    force = abs(slider.before) * scale.force
+    said = prefixed_like(fluctuation * scale.force, force, scale.force_unit)
+    return f", fluctuating by ± {said} with {told_contacts(few[0].contacts)}"
 
 
 def seen_slips(slider: Behaviour, fall: str) -> str:
@@ -136,19 +146,22 @@ def fluctuating(finite: Finite, scale: Scale) -> str:
     if not scatters(finite) or finite.kind == "stick-slip":
         return ""
     between = " between slips" * (finite.kind == EVER_RARER)
-    return (
-        f", fluctuating by ± {_short(finite.fluctuation * scale.force, scale.force_unit)}{between}"
-    )
+    force = abs(finite.late if np.isfinite(finite.late) else finite.fluctuation) * scale.force
+    said = prefixed_like(finite.fluctuation * scale.force, force, scale.force_unit)
+    return f", fluctuating by ± {said}{between}"
 
 
-def _scatter(each: Spread | None, least: float, unit: str, factor: float = 1.0) -> str:
+def _scatter(each: Spread | None, like: float, unit: str, factor: float = 1.0) -> str:
     """How a number differs from slip to slip, in brackets: by its standard deviation, or where that is WIDE of the mean
-    by the range, as slips of several kinds have no scatter about a mean; "" where it is below `least`."""
-    if each is None or each.std < least:
+    by the range, as slips of several kinds have no scatter about a mean; "" where it is below WORTH_SHOWING of `like`,
+    the number that it stands behind, with whose prefix it is written."""
+    if each is None or each.std < WORTH_SHOWING * abs(like):
         return ""
     if each.std <= WIDE * abs(each.mean):
-        return f" (scatter ± {_short(each.std * factor, unit)})"
-    ends = " to ".join(_short(one * factor, unit) for one in (each.low, each.high))
+        return f" (scatter ± {prefixed_like(each.std * factor, like * factor, unit)})"
+    ends = " to ".join(
+        prefixed_like(one * factor, like * factor, unit) for one in (each.low, each.high)
+    )
     return f" ({'half of them ' * (each.number >= QUARTERED)}{ends})"
 
 
@@ -159,7 +172,7 @@ def period_with_scatter(verdict: Verdict, finite: Finite) -> tuple[str, str]:
     known = 0.0 < error < np.inf
     every, later = _with_error(verdict, period, error) if known else period_of(verdict, period)
     unit = verdict.own.scale.length_unit
-    return every + _scatter(finite.periods, WORTH_SHOWING * period, unit), later
+    return every + _scatter(finite.periods, period, unit), later
 
 
 def _with_error(verdict: Verdict, period: float, error: float) -> tuple[str, str]:
@@ -257,15 +270,13 @@ def fall_of(finite: Finite, scale: Scale) -> str:
         for mean, error in means
     )
     drop = (finite.before - finite.after) * factor
-    scatter = [
-        _scatter(one, WORTH_SHOWING * size, unit, factor) for one in (finite.befores, finite.drops)
-    ]
+    scatter = [_scatter(one, size, unit, factor) for one in (finite.befores, finite.drops)]
     if scatter[1] and finite.after and finite.drops is not None:
         # slips of one kind have a mean; of several kinds it is no more than a size
-        alike = "±" in scatter[1]
+        one_kind = "±" in scatter[1]
         # as many places as the scatter beside it, which has two digits
         own = written(drop, unit, 0.1 * finite.drops.std * factor, 4)
-        fall = own if alike else _short(drop, unit)
+        fall = own if one_kind else _short(drop, unit)
         return f"{high}{scatter[0]} down by {fall}{scatter[1]}"
     return falls(high, low, drop, unit, scatter[0])
 
@@ -280,6 +291,6 @@ def hidden_by(error: float, forces: Sequence[float], unit: str) -> str:
 def falls(high: str, low: str, drop: float, unit: str, scatter: str = "") -> str:
     """A force down to another, both as written, with their errors or without; by how much where they are written
     alike. The `scatter` of the former stands behind it."""
-    alike = re.sub(r" ± \S+", "", high) == re.sub(r" ± \S+", "", low)
-    end = f"by {written(drop, unit, digits=2)}" if alike else f"to {low}"
+    same = re.sub(r" ± \S+", "", high) == re.sub(r" ± \S+", "", low)
+    end = f"by {written(drop, unit, digits=2)}" if same else f"to {low}"
     return f"{high}{scatter} down {end}"

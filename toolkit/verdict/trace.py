@@ -14,7 +14,7 @@ from toolkit.pictures.axes import (
     name_axis,
 )
 from toolkit.pictures.traces import draw_curve, hides_swings
-from toolkit.scene.scale import of_contacts, spoken, written
+from toolkit.scene.scale import spoken, told_contacts, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.of_area import finite_told_apart
 from toolkit.verdict.sliders.machine import Behaviour, Finite
@@ -76,10 +76,10 @@ def draw_trace(axes: Any, verdict: Verdict, letters: int, since: float | None = 
         if isinstance(one, Behaviour):
             number_of_rules += 1
             style |= {"ls": DASHES[number], "lw": 1.3}
-            whose = f"{of_contacts(one.contacts)}, " if one.contacts else ""
+            whose = f"{told_contacts(one.contacts)}, " if one.contacts else ""
             label = f"{whose}{rules}: {_of_rule(verdict, one)}"
         else:
-            label = f"{of_contacts(one.contacts)}, {rules}: {does(one)}"
+            label = f"{told_contacts(one.contacts)}, {rules}: {does(one)}"
             # thin, and above the others, which it may follow for long, as one of these another
             style |= {"lw": 0.8, "zorder": 4}
             style["ls"] = DASHES[(number - number_of_rules) % len(DASHES)]

@@ -13,7 +13,7 @@ from toolkit.processes.ranks import cores_of
 from toolkit.results.sliding import has_slid, mean_forces, scatter_of
 from toolkit.results.slips import late_slips, left_of_slips, main_slips, shrinks_by
 from toolkit.results.traces import trace_of
-from toolkit.scene.scale import of_contacts
+from toolkit.scene.scale import told_contacts
 from toolkit.verdict.sliders.budget import MORE_TIME, SHORT, most_breaks, seconds_of, too_long
 from toolkit.verdict.sliders.few_contacts import period_off, too_early_by
 from toolkit.verdict.sliders.late import (
@@ -87,7 +87,7 @@ def sliders(
         spent = time.process_time()
         pilot = followed_within(following, left)
         if pilot is None:
-            raise InputError(f"{PILOT:,} contacts take more than {left:.0f} s: {MORE_TIME}")
+            raise InputError(f"{told_contacts(PILOT)} take more than {left:.0f} s: {MORE_TIME}")
         remaining = max(seconds - pilot.run_time, 0.0)
         left, most = max(remaining, SHORT), most_breaks(contacts, rule)
         took = min(pilot.run_time, time.process_time() - spent)  # on a busy machine the latter
@@ -103,7 +103,7 @@ def sliders(
             why = too_long(needed, remaining)
             if needed <= remaining:
                 why = f"break some {breaks:.1g} times, more than are followed here"
-            raise InputError(f"{number:,} contacts {why}")
+            raise InputError(f"{told_contacts(number)} {why}")
         if number > times * PILOT:
             number = fewer
     began, found, tried = time.monotonic(), None, number
@@ -116,7 +116,7 @@ def sliders(
         )
         tried //= FEWER
     if found is None and not (few_will_do and pilot):
-        raise InputError(f"{number:,} contacts take more than {left:.0f} s: {MORE_TIME}")
+        raise InputError(f"{told_contacts(number)} take more than {left:.0f} s: {MORE_TIME}")
     return found or pilot
 
 
@@ -210,7 +210,7 @@ def follow_by_contacts(
         few = _fewer(machine, contacts, rule, path, until) if number > PILOT else None
         error += (too_early := too_early_by(found, few or found, unit))
         if before - after < SURE * error:
-            return not_followed(rule, f"{number:,} contacts slip, perhaps as they are so few")
+            return not_followed(rule, f"{told_contacts(number)} slip, perhaps as they are so few")
     if not common and not has_slid(found, unit):
         return not_followed(rule, NOT_SLID)
     # at least the drive's way in which contacts that broke together come back: they do so ever less together
@@ -272,7 +272,7 @@ def by_sliders(number: int, heat: float | None = None) -> str:
     """Who tells of a behaviour: sliders of so many contacts each, without `heat` that may change the force by so many
     mean thresholds, which a line of its own tells."""
     cold = " without heat" * (heat is not None)
-    return f"by the ensemble, {SLIDERS} sliders of {of_contacts(number)}{cold}"
+    return f"by the ensemble, {SLIDERS} sliders of {told_contacts(number)}{cold}"
 
 
 def without_heat(found: Behaviour, change: float) -> Behaviour:

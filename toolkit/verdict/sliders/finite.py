@@ -23,7 +23,7 @@ from toolkit.results.slips import (
     swing_beyond_slips,
 )
 from toolkit.results.traces import trace_of
-from toolkit.scene.scale import length_unit_of, of_contacts, spoken
+from toolkit.scene.scale import in_three_digits, length_unit_of, spoken, told_contacts
 from toolkit.verdict.sliders.budget import most_breaks, taken_on_springs
 from toolkit.verdict.sliders.ensemble import (
     MOST_CONTACTS,
@@ -230,7 +230,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         # those of all contacts are over where these have slid on since
         over = number >= present and not _slips_late(asked, found, way)
         if not (slips or over) and (counts.any() or infinite.slips):
-            why = f"{number:,} slip, perhaps only until they slide: what infinitely many do is not known"
+            why = f"{in_three_digits(number)} slip, perhaps only until they slide: what infinitely many do is not known"
             return Finite(rule, present, "unknown", message=why if counts.any() else NOT_SLID)
         found = replace(found, slips=main) if slips else found
     # where infinitely many slide, they may have slipped before, as F fell from static to kinetic
@@ -240,7 +240,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         if not go_on:
             more[:] = 0  # chance has given them some more, and they are over
         elif (more > 0).any() and are_fading(found.slips):
-            who = of_contacts(found.contacts // SLIDERS)
+            who = told_contacts(found.contacts // SLIDERS)
             last = found.slips.drop[found.slips.number == counts.min() - 1].mean() / mean
             why = f"{who} slip ever less, by {last:.2g} <x_s> at the end of the way, as infinitely many do"
             return Finite(rule, present, "unknown", message=why)
@@ -252,14 +252,14 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     followed, message = found.contacts // SLIDERS, ""
     if followed < present:
-        message = f"as infinitely many do, and so the {present:,} of the area, which lie between"
+        message = f"as infinitely many do, and so the {in_three_digits(present)} of the area, which lie between"
         if infinite.contacts is not None:  # few contacts told of it
-            message = f"the {present:,} of the area break too often to be followed"
+            message = f"the {in_three_digits(present)} of the area break too often to be followed"
         if kind != infinite.kind:
             other = "do something else than infinitely many"
             if infinite.kind == "undecided":
                 other = "do what is not known of infinitely many"
-            message = f"{present:,} take too long, and {followed:,} {other}: {kind}"
+            message = f"{in_three_digits(present)} take too long, and {in_three_digits(followed)} {other}: {kind}"
             return Finite(rule, present, "unknown", message=message)
     finite = Finite(
         rule, followed, kind, message=message, drive=drive, force=force, in_time=in_time

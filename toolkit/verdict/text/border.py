@@ -3,7 +3,7 @@
 import numpy as np
 
 from origins.drive import RISE
-from toolkit.scene.scale import of_contacts, written
+from toolkit.scene.scale import told_contacts, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.sliders.machine import Finite, Machine
 from toolkit.verdict.sliders.steady import friction_falls
@@ -33,7 +33,7 @@ def on_the_border(verdict: Verdict) -> list[str]:
     least = written(RISE * own.contacts.mean_threshold * own.scale.force, own.scale.force_unit)
     return [
         f"on the border: friction falls with the speed by {falls}, the damping is {rises}, and by chance the force of "
-        f"{of_contacts(few[0].contacts)} falls by {least} or more, which counts as a slip, or by less"
+        f"{told_contacts(few[0].contacts)} falls by {least} or more, which counts as a slip, or by less"
     ]
 
 

@@ -9,7 +9,7 @@ from origins.drive import RISE
 from origins.roughness.interface import Interface
 from toolkit.scene.barriers import of_barriers
 from toolkit.scene.interfaces import doubts, of_laws, remarks
-from toolkit.scene.scale import of_contacts, written
+from toolkit.scene.scale import in_three_digits, told_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import finite_told_apart, late_force_of
 from toolkit.verdict.sliders.finite import ABOVE
@@ -155,10 +155,8 @@ def why_smooth(verdict: Verdict) -> list[str]:
         ]
     ends = f"F_s, {small_fall} above F_k," if fall > 0.0 else "a rise to F_k"
     after = f"after {ends} " * cold
-    seen = [
-        *(one.slips for one in smooth),
-        *(round(one.slips) for one in verdict.finite if one.kind == "smooth"),
-    ]
+    # main slips alone: whether small falls before them are followed hangs on the time that there is
+    seen = [one.slips - one.smaller for one in smooth]
     often = " to ".join(f"{one:,}" for one in dict.fromkeys((min(seen), max(seen))))
     words = {"0": "no more", "1": "once, and then no more", "0 to 1": "at most once"}
     often = words.get(often, f"{often} times, and then no more")
@@ -166,7 +164,11 @@ def why_smooth(verdict: Verdict) -> list[str]:
         often = (
             f"{max(seen):,} times on the way that was followed, ever less, and in the end no more"
         )
-    return [f"{said}{after}the slider slips {often}, {why_no_more_slips(own)}"]
+    # of the area's contacts, which may slip otherwise, and are followed where there is time, a line tells
+    who = "the slider slips"
+    if verdict.finite and all(one.contacts is None for one in smooth):
+        who = "a slider of infinitely many contacts slips"
+    return [f"{said}{after}{who} {often}, {why_no_more_slips(own)}"]
 
 
 def _of_contacts(verdict: Verdict) -> Iterator[Line]:
@@ -209,11 +211,12 @@ def _unknown(verdict: Verdict, finite: Finite) -> tuple[str, str]:
     if finite.slips:
         seen = "one slip" if finite.slips == 1.0 else f"{finite.slips:.2g} slips a slider, the last"
         fall = fall_of(finite, verdict.own.scale)
-        said = f"{of_contacts(finite.contacts)}, if {RULE}: not known: {seen} of {fall} seen, and not followed further"
+        who = told_contacts(finite.contacts)
+        said = f"{who}, if {RULE}: not known: {seen} of {fall} seen, and not followed further"
     elif own.contacts is None:
-        said = f"what {of_contacts(finite.contacts)} do if {RULE} is not known"
+        said = f"what {told_contacts(finite.contacts)} do if {RULE} is not known"
     else:
-        said = f"{own.contacts:,} contacts stand for the {finite.contacts:,} of the area if {RULE}"
+        said = f"{told_contacts(own.contacts)} stand for the {in_three_digits(finite.contacts)} of the area if {RULE}"
     return f"{said}: {finite.message}", finite.rule
 
 
@@ -253,7 +256,7 @@ def _not_followed(verdict: Verdict, finite: Finite) -> float:
 
 def _of_finite(verdict: Verdict, finite: Finite) -> str:
     """What so many contacts do, in words; RULE stands for the slip rules under which they do so."""
-    said = f"{of_contacts(finite.contacts)}, if {RULE}: {does(finite)}"
+    said = f"{told_contacts(finite.contacts)}, if {RULE}: {does(finite)}"
     late = late_force_of(finite, verdict.own.kinetic.value, verdict.own.scale)
     beside = f" ({finite.message})" * bool(finite.message) + late
     if finite.kind == "smooth":

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from toolkit.scene.scale import of_contacts, written
+from toolkit.scene.scale import told_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import NO_FORCES
 from toolkit.verdict.uncertainty import two_digits, writer_of_springs
@@ -32,7 +32,7 @@ def of_chance(own: Answer) -> tuple[str, str] | None:
     stiffest = (SMOOTH_ABOVE / number) ** (1.0 / 3.0)
     if stiffest <= critical.value:
         return None
-    return of_contacts(number), two_digits(stiffest * own.scale.spring, own.scale.spring_unit)
+    return told_contacts(number), two_digits(stiffest * own.scale.spring, own.scale.spring_unit)
 
 
 def without_spring(verdict: Verdict) -> str:

@@ -7,7 +7,7 @@ from itertools import zip_longest
 import numpy as np
 
 from toolkit.scene.messages import with_units_of
-from toolkit.scene.scale import PREFIXED, Scale, guarded, written
+from toolkit.scene.scale import PREFIXED, Scale, guarded, in_three_digits, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.machine import Behaviour
 from toolkit.verdict.text.k_star import of_chance, of_critical_spring
@@ -98,10 +98,10 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         yield row("the machine's spring K", each, springs, scale.spring_unit)
     if scale.contacts is not None:
         numbers = [one.scale.contacts or 0.0 for one in answers]
-        ends = dict.fromkeys(f"{end:,.0f}" for end in (min(numbers), max(numbers)))
+        ends = dict.fromkeys(in_three_digits(end) for end in (min(numbers), max(numbers)))
         range_text = " to ".join(ends) if len(ends) > 1 else "the same" * (len(numbers) > 1)
         # as in sentences, which name the number of those that are followed
-        yield ["contacts on the area", f"{numbers[0]:,.0f}", "", range_text]
+        yield ["contacts on the area", in_three_digits(numbers[0]), "", range_text]
     resampled = bool(own.kinetic.sampling)
     for name, value, *_ in rows_of_slips(verdict):
         seen = name.startswith(SLIPS_SEEN)

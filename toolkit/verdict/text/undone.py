@@ -60,8 +60,7 @@ def of_readings(verdict: Verdict) -> Iterator[Line]:
         one for one in answers if not (one.critical_spring.unknown or one.critical_spring.lost)
     ]
     if len(known) > 1:
-        said = f"K* differs by a factor of {_factor_of_springs(known)} over {len(known)} readings"
-        said += f", and {range_of_force(verdict)}"
+        said = f"K* {_range_of_springs(known)} over {len(known)} readings, and {range_of_force(verdict)}"
         yield Line(size, f"threshold law, contact model and resolution: {said}")
     for kind, names in differ.items():
         yield Line(size, f"of these, {kind}: {', '.join(names)}")
@@ -87,16 +86,18 @@ def of_readings(verdict: Verdict) -> Iterator[Line]:
         yield Line(NOTHING, f"not the reading: {said}")
 
 
-def _factor_of_springs(answers: list[Answer]) -> str:
-    """The largest K* over the smallest, to the digits that the errors of both leave, two at most: it is a factor
-    between readings, of which others would give another one."""
+def _range_of_springs(answers: list[Answer]) -> str:
+    """By which factor K* differs between readings, to the digits that the errors of its ends leave, two at most, as
+    other readings would give another one; the ends where one is 0, or infinite."""
     low, *_, high = sorted(answers, key=lambda one: one.critical_spring.value * one.scale.spring)
     small, large = low.critical_spring, high.critical_spring
     if not small.value > 0.0 or not np.isfinite(large.value):
-        return "inf"
+        each = ((one.critical_spring.value * one.scale.spring, one.scale) for one in (low, high))
+        ends = (written(value, scale.spring_unit, digits=2) for value, scale in each)
+        return f"is {' to '.join(dict.fromkeys(ends))}"
     factor = large.value * high.scale.spring / (small.value * low.scale.spring)
     off = np.hypot(small.error / small.value, large.error / large.value)
-    return f"some {float(f'{factor:.{0 if off > ONE_DIGIT else 1}e}'):,.6g}"
+    return f"differs by a factor of some {float(f'{factor:.{0 if off > ONE_DIGIT else 1}e}'):,.6g}"
 
 
 def _why(answer: Answer) -> str:
