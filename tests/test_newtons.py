@@ -24,16 +24,14 @@ from toolkit.scene.barriers import of_cold
 from toolkit.scene.interfaces import Number, doubts, of_linked, of_temperature, remarks, with_error
 from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import (
-    of_machine,
-    of_stretch,
     of_surface,
-    of_units,
     scale_of,
     with_scatter,
     with_uncertainty,
     written,
 )
 from toolkit.scene.scene import load_scene
+from toolkit.scene.units_to_check import of_machine, of_stretch, of_units
 
 AREA = 1e-6
 DRIVE = {"to": 5e-8, "points": 21, "area": AREA}

@@ -18,12 +18,11 @@ from toolkit.scene.of_samples import of_islands, of_samples
 from toolkit.scene.scale import (
     length_unit_of,
     of_contacts,
-    of_stretch,
-    of_units,
     rounded_up,
     written,
 )
 from toolkit.scene.scene import Scene
+from toolkit.scene.units_to_check import of_stretch, of_units
 
 _UNITS = {"pressure": "Pa", "kinetic_stress": "Pa", "separation": "m", "mean_radius": "m"}
 _UNITS |= {"mean_plane_separation": "m", "patch_area": "m2", "mean_area": "m2", "mean_load": "N"}

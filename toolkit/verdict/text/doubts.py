@@ -1,7 +1,7 @@
 """What makes a verdict doubtful as a whole, before its answer."""
 
 from toolkit.scene.interfaces import doubts
-from toolkit.scene.scale import of_machine, of_stretch
+from toolkit.scene.units_to_check import of_machine, of_stretch
 from toolkit.verdict.answers import Verdict
 
 
