@@ -20,7 +20,8 @@ import master
 import toolkit
 from toolkit.pictures.points import plot_points, plot_points_swing
 from toolkit.results.report import report
-from toolkit.running import points
+from toolkit.running import pool
+from toolkit.running.points import earlier_points
 
 WIDE = {"kind": "gaussian", "mean": 1.0, "std": 0.2}
 DRIVE = {"to": 6.0, "points": 61}
@@ -147,7 +148,7 @@ def test_a_point_that_is_refused_keeps_its_row(capsys: Any) -> None:
 
 
 def test_finished_points_survive_an_interrupt(monkeypatch: Any, capsys: Any) -> None:
-    whole, solve, count = alone(), points.solve_point, []
+    whole, solve, count = alone(), pool.solve_point, []
 
     def counted(*job: Any) -> Any:
         count.append(job)
@@ -155,7 +156,7 @@ def test_finished_points_survive_an_interrupt(monkeypatch: Any, capsys: Any) -> 
             raise KeyboardInterrupt
         return solve(*job)
 
-    monkeypatch.setattr(points, "solve_point", counted)
+    monkeypatch.setattr(pool, "solve_point", counted)
     file = write(**{"thresholds": WIDE, **swept()})
     status, _, err = said(capsys, "run", file)
     assert status == 130 and err[-1].endswith(
@@ -185,8 +186,8 @@ def test_a_run_that_is_interrupted_while_it_draws_names_its_checkpoint(
 
 def test_processes_give_the_same_numbers(monkeypatch: Any) -> None:
     here = alone()
-    monkeypatch.setattr(points, "WORTH", 0.0)
-    monkeypatch.setattr(points, "cores_of", lambda comm: 2)
+    monkeypatch.setattr(pool, "WORTH", 0.0)
+    monkeypatch.setattr(pool, "cores_of", lambda comm: 2)
     assert columns(toolkit.run(swept()).sweep) == here
 
 
@@ -214,16 +215,16 @@ def test_a_kill_ends_the_processes_and_keeps_their_points(monkeypatch: Any, caps
         time.sleep(0.05)
     assert not any(lives(worker) for worker in workers)
     assert "Traceback" not in Path("errors").read_text()
-    solve, count = points.solve_point, []
-    monkeypatch.setattr(points, "WORTH", np.inf)
-    monkeypatch.setattr(points, "solve_point", lambda *job: count.append(1) or solve(*job))
+    solve, count = pool.solve_point, []
+    monkeypatch.setattr(pool, "WORTH", np.inf)
+    monkeypatch.setattr(pool, "solve_point", lambda *job: count.append(1) or solve(*job))
     assert said(capsys, "run", file)[0] == 0 and len(count) == 24 - before
     assert columns(toolkit.load("mine-output").sweep) == whole and not rows.exists()
 
 
 def kept(folder: Path) -> int:
     """How many points are kept in a folder."""
-    return len(points.earlier_points(folder))
+    return len(earlier_points(folder))
 
 
 def lives(process: int) -> bool:
@@ -239,12 +240,12 @@ import subprocess, sys
 from toolkit.command import main
 from toolkit.pictures.points import plot_points, plot_points_swing
 from toolkit.results.report import report
-from toolkit.running import points
+from toolkit.running import pool
 class Told(subprocess.Popen):
     def __init__(self, *given, **named):
         super().__init__(*given, **named)
         print(self.pid, flush=True)
-points.WORTH, points.cores_of, subprocess.Popen = 0.0, lambda comm: 2, Told
+pool.WORTH, pool.cores_of, subprocess.Popen = 0.0, lambda comm: 2, Told
 main(["run", sys.argv[1]])
 """
 
@@ -255,22 +256,61 @@ def test_ranks_share_the_points_and_find_the_same(mpirun: Any) -> None:
     done = mpirun(2, RANKS)
     assert done.returncode == 0, done.stderr
     told = [json.loads(line) for line in done.stdout.splitlines()]
-    assert len(told) == 2 and sorted(own[0] for own in told) == [3, 3]
+    solved = [own[0] for own in told]
+    assert len(solved) == 2 and sum(solved) == 6 and min(solved) > 0
     assert all(json.dumps(own[1]) == alone() for own in told)
 
 
 RANKS = """
-import json, sys, toolkit
+import json, time, toolkit
+from pathlib import Path
 from mpi4py import MPI
 from toolkit.pictures.points import plot_points, plot_points_swing
 from toolkit.results.report import report
-from toolkit.running import points
-solve, count = points.solve_point, []
-points.solve_point = lambda *job: count.append(1) or solve(*job)
+from toolkit.running import pool
+solve, count, begun = pool.solve_point, [], Path("begun")
+def counted(*job):
+    count.append(1)
+    if MPI.COMM_WORLD.Get_rank():
+        begun.touch()
+    while not begun.exists():  # rank 0 leaves a point for the other
+        time.sleep(0.01)
+    return solve(*job)
+pool.solve_point = counted
 found = toolkit.run("mine.toml", comm=MPI.COMM_WORLD).sweep
 told = json.dumps([len(count), [column.tolist() for column in found.columns.values()]])
 for own in MPI.COMM_WORLD.gather(told) or []:
     print(own)
+"""
+
+
+@pytest.mark.slow
+def test_what_ends_one_rank_ends_all_and_keeps_their_points(mpirun: Any) -> None:
+    """Rank 1 is interrupted in its third point: one line, and what both have solved by then is kept."""
+    write(**{"thresholds": WIDE, **swept()})
+    done = mpirun(2, ENDED)
+    assert done.returncode != 0
+    (told,) = [line for line in done.stderr.splitlines() if line.startswith("mesofriction: ")]
+    assert "interrupted; its finished points are kept in mine-output/checkpoint" in told
+    assert "Traceback" not in done.stderr and "Abort" not in done.stderr
+    assert 2 <= kept(Path("mine-output/checkpoint")) < 6
+
+
+ENDED = """
+import sys, time
+from mpi4py import MPI
+from toolkit.command import main
+from toolkit.running import pool
+solve, count = pool.solve_point, []
+def ended(*job):
+    count.append(1)
+    if MPI.COMM_WORLD.Get_rank() and len(count) == 3:
+        raise KeyboardInterrupt
+    if not MPI.COMM_WORLD.Get_rank():
+        time.sleep(2.0 if len(count) == 1 else 60.0)  # the other is at its third point by then
+    return solve(*job)
+pool.solve_point = ended
+sys.exit(main(["run", "mine.toml"]))
 """
 
 

@@ -7,6 +7,9 @@ from datetime import timedelta
 
 PATIENCE = 10.0  # s before anything is said of work that seems short
 
+# s between two counts that give a rate: points that other ranks solved are counted at one time
+SHORTEST = 0.1
+
 
 class Progress:
     """Reports the progress of some work, `what`, from its own thread, also while the work makes no calls.
@@ -35,7 +38,7 @@ class Progress:
         now = time.monotonic()
         since, before = self._first = self._first or (now, done)  # one block gives no rate
         self._said = f"{done:,} of {expected:,} {self._things} ({done / expected:.0%})"
-        if now > since and done > before:
+        if now > since + SHORTEST and done > before:
             pace = (done - before) / (now - since)
             self._remaining = (expected - done) / pace
             self._said += f", {pace:.3g} a second, {clock(self._remaining)} left"
