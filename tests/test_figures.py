@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from scenes import said
 
 from toolkit.figures.found import Found
-from toolkit.figures.paper import DRAW, labels_of
+from toolkit.figures.paper import DRAW, in_words, labels_of
 from toolkit.scene.paper import PAPER_FIGURES
 from toolkit.scene.scene import SHIPPED, load_scene, shipped_scenes
 
@@ -43,8 +43,8 @@ def test_number_agrees(label: str) -> None:
     found = DRAW[label](figure)
     assert found.agrees, found
     _, _, _, what, here, exact = ROWS[label]
-    assert what == found.what and float(here) == pytest.approx(found.value, rel=1e-5)
-    assert float(exact or "nan") == pytest.approx(found.exact or np.nan, rel=1e-5, nan_ok=True)
+    assert (what, here) == (found.what, found.in_digits(found.value))
+    assert exact == ("" if found.exact is None else found.in_digits(found.exact))
     assert not found.remark or PAGE.count(f"| {PAPER_FIGURES[label].number}, {label} |") == 1
     assert len(figure.axes) >= 1 and all(axes.has_data() for axes in figure.axes)
     if found.exact is not None:  # a reference that is off would be seen
@@ -52,6 +52,25 @@ def test_number_agrees(label: str) -> None:
         assert not replace(found, exact=found.exact + 2.1 * found.off).agrees
     else:
         assert label == "A06" and abs(found.value - 2.0692) < 5e-5 and "1.5" in found.paper
+
+
+def test_a_number_is_told_to_the_digits_that_its_error_leaves() -> None:
+    """Each to one digit more than the first of what it may be off by; that is rounded up."""
+    found = Found("F", 0.867889318, 1.47e-3, 0.868025142, "closed form")
+    assert in_words("A02a", 2, found)[0].endswith(
+        "F: 0.8679, exact 0.8680 (closed form), within 0.002"
+    )
+    known = Found("F", -0.00536309214, 1e-13, -0.00536309215, "closed form")
+    assert known.in_digits(known.value) == "-0.00536309" == known.in_digits(-0.00536309215)
+    assert Found("v", 2.06923764, 0.0, None, "").in_digits(2.06923764) == "2.06924"
+    assert Found("F", 0.2, 30.0, 0.1, "").in_digits(20.0) == "20"
+
+
+def test_the_histograms_of_an_ensemble_are_as_high_as_its_peaks() -> None:
+    """The start is a peak of 0.025: a bar as wide as that is a tenth too low."""
+    DRAW["A02a"](figure := Figure())
+    tops = [float(np.max(line.get_ydata())) for line in figure.axes[0].lines]
+    assert tops[0] == pytest.approx(1.0 / (0.025 * np.sqrt(2.0 * np.pi)), rel=0.02)
 
 
 def test_every_figure_with_data_has_its_scene_and_number() -> None:

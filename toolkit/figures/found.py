@@ -16,6 +16,7 @@ INKS = (
     "#cc79a7",
     "#56b4e9",
 )  # told apart by the colour-blind
+_DIGITS = 6  # of a number that is told, at most
 FORCE = r"$F/(N_c\langle k\rangle)$"
 
 
@@ -41,6 +42,12 @@ class Found:
     def agrees(self) -> bool:
         """Whether value and exact differ by no more than `off`."""
         return self.exact is None or bool(abs(self.value - self.exact) <= self.off)
+
+    def in_digits(self, number: float) -> str:
+        """The value, or the exact one, to the digit after the first of `off`, in at most _DIGITS."""
+        leading = int(np.floor(np.log10(abs(number)))) if number else 0
+        first = int(np.floor(np.log10(self.off))) if self.off else leading - _DIGITS
+        return f"{number:.{int(np.clip(1 - first, 0, _DIGITS - 1 - leading))}f}"
 
 
 def waterfall(axes: Any, curves: Iterable[tuple[Array, Array]], down: float) -> None:

@@ -14,6 +14,7 @@ from toolkit.results.files import write_json
 from toolkit.results.folders import check_folder, write_folder
 from toolkit.saving import pictures, stale
 from toolkit.scene.paper import PAPER_FIGURES, figures_called
+from toolkit.scene.scale import rounded_up
 
 # each draws on an empty matplotlib Figure
 DRAW: dict[str, Callable[[Any], Found]] = {
@@ -93,9 +94,10 @@ def _save_figure(figure: Any, path: Path) -> None:
 
 def in_words(label: str, number: int, found: Found) -> list[str]:
     """Two or three lines: the number beside its reference, the paper's word, the remark."""
-    text = f"{found.what}: {found.value:.9g}"
+    text = f"{found.what}: {found.in_digits(found.value)}"
     if found.exact is not None:
-        text += f", exact {found.exact:.9g} ({found.reference}), within {found.off:.1g}"
+        exact = found.in_digits(found.exact)
+        text += f", exact {exact} ({found.reference}), within {rounded_up(found.off):.1g}"
         text += "" if found.agrees else ": THEY DO NOT AGREE"
     lines = [f"Fig. {number:<3}{label:10}{text}"]
     lines += [f"{'':18}the paper: {found.paper}"] if found.paper else []

@@ -60,7 +60,9 @@ def a13a(figure: Any) -> Found:
         solved: Any = master.solve(scene.contacts.replace(delay=delay), path, 1e-8)
         axes.plot(path, solved.force, ls=dash, color=ink, lw=1.2, label=f"{wait:g}")
     axes.set(xlabel="$X$", ylabel=FORCE, xlim=(0.0, 6.0))
-    axes.legend(title="$\\Delta X_m$", fontsize="small")
+    # above the curves
+    axes.set_ylim(axes.get_ylim()[0], 0.85)
+    axes.legend(title="$\\Delta X_m$", fontsize="small", loc="upper right", ncols=5)
     nodes, weights = hermegauss(40)  # over the start, 0.1 ± 0.025; none has re-formed by X = 1
     x = 1.1 + 0.025 * nodes
     exact = float((weights / weights.sum()) @ (x * normal_tail((x - 1.0) / 0.2)))

@@ -12,6 +12,7 @@ from toolkit.judge.closed_form import closed_form
 from toolkit.scene.scene import load_scene
 
 _CONTACTS = 200_000  # so that noise is visible, as in the paper, and F is good to 1e-3
+_FINE = 8  # bins of a histogram in one: 0.2 of the standard deviation of the start, and noise of a per cent at a peak
 _LONG = 1.05  # the increment of X in Figs. 3 and 6, 1.09 in the latter of the paper
 
 
@@ -37,7 +38,7 @@ def a02a(figure: Any) -> Found:
     path = np.linspace(0.0, 3.0, 301)
     found = _followed(_contacts(), path, path[:151:5])
     upper, lower = _two(figure)
-    waterfall(upper, (coarser(h.stretch_edges, h.stretches, 32) for h in found.histograms), 1.0)
+    waterfall(upper, (coarser(h.stretch_edges, h.stretches, _FINE) for h in found.histograms), 1.0)
     lower.plot(path, found.force, color=INKS[0], lw=1.0)
     _name(upper, lower)
     exact, _ = closed_form(_contacts(), path)
@@ -55,7 +56,7 @@ def a02b(figure: Any) -> Found:
     path = np.unique(np.concatenate([shown, np.linspace(0.0, shown[-1], 501)]))
     found = _followed(_contacts(), path, shown)
     upper, lower = _two(figure)
-    waterfall(upper, (coarser(h.stretch_edges, h.stretches, 32) for h in found.histograms), 1.0)
+    waterfall(upper, (coarser(h.stretch_edges, h.stretches, _FINE) for h in found.histograms), 1.0)
     lower.plot(path, found.force, color=INKS[0], lw=1.0)
     _name(upper, lower)
     exact, _ = closed_form(_contacts(), path)
@@ -71,7 +72,7 @@ def a02c(figure: Any) -> Found:
     contacts, figure_path = _contacts(), np.linspace(0.0, 120.0, 25)
     (last,) = _followed(contacts, figure_path, [120.0]).histograms
     upper, lower = _two(figure)
-    x, density = coarser(last.stretch_edges, last.stretches, 32)
+    x, density = coarser(last.stretch_edges, last.stretches, 2 * _FINE)
     upper.plot(x, density, color=INKS[0], lw=0.9, label="$Q_s(x)$, ensemble")
     grid = np.linspace(0.001, 1.3, 800)
     steady = master.steady_state(contacts)
@@ -91,7 +92,7 @@ def a02c(figure: Any) -> Found:
     lower.plot(middle, thresholds, **style, label="thresholds that hold")
     lower.set(xlim=(0.75, 1.25), ylim=(-1.0, 10.0))
     lower.legend(fontsize="small")
-    upper.legend(fontsize="small")
+    upper.legend(fontsize="small", loc="center")
     upper.set(xlabel="$x$", ylabel="$Q_s(x)$", xlim=(-0.05, 1.3))
     lower.set(xlabel="$x$", ylabel="$P_c(x)$, $-dQ_s/dx$")
     return Found(
@@ -176,7 +177,7 @@ def a02d(figure: Any) -> Found:
     axes.plot(
         grid, master.steady_state(contacts).distribution(grid), ":", color=INKS[1], label="$Q_s$"
     )
-    x, density = coarser(last.threshold_edges, last.thresholds, 64)
+    x, density = coarser(last.threshold_edges, last.thresholds, 2 * _FINE)
     axes.plot(x, density, "--", color=INKS[2], label="$P_{xs}$, ensemble")
     axes.legend(fontsize="small")
     axes.set(xlabel="$x$", ylabel="density", xlim=(0.0, 1.7), ylim=(0.0, 1.7))
