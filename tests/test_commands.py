@@ -294,6 +294,16 @@ def test_compare_ranks_prints_and_writes_the_solvers_own_numbers(capsys: Any) ->
     head, best, *_ = Path("deep/er/compare.csv").read_text().splitlines()
     heads = {"critical_spring [N_c<k>]", "mean_threshold [length]"}
     assert heads < set(head.split(",")) and best.startswith("exact,")
+    columns = zip(*csv.reader(Path("deep/er/compare.csv").read_text().splitlines()), strict=True)
+    assert all({*column[1:]} - {"", "nan"} for column in columns)  # none is empty
+    keys = read("deep/er/compare.json")["keys"]
+    told = {name for scene in read("deep/er/compare.json")["scenes"] for name in scene}
+    assert {name.removesuffix("_error") for name in told} <= {*keys, "name", "title"}
+    # short heads, and what they mean
+    assert {"K*/(N_c<k>)", "F_s/F_k", "X*/<x_s>", "simulated", "apart"} <= {
+        *" ".join(lines).split()
+    }
+    assert any(line.startswith("power m: P_c ~ x^m at small thresholds x; K*: ") for line in lines)
     found = {one["name"]: one for one in read("deep/er/compare.json")["scenes"]}
     assert next(iter(found)) == "exact" and list(found)[-1] == "wide"
     assert found["exact"]["critical_spring"] is None

@@ -15,7 +15,7 @@ from origins.roughness.interface import Interface
 from toolkit.judge import compare as judge
 from toolkit.judge import picture as pictures
 from toolkit.judge import precision as ladders
-from toolkit.judge.columns import comparison_rows, precision_rows
+from toolkit.judge.columns import KEYS, comparison_rows, precision_rows
 from toolkit.judge.describe import SHARED_NUMBERS, Description, describe, in_units_of, table_of
 from toolkit.judge.frontier import draw_picture as draw_precision
 from toolkit.pictures.thresholds import save_thresholds_picture as draw_law
@@ -186,7 +186,8 @@ def compare(arguments: argparse.Namespace, comm: Any) -> int:
     folder = arguments.out or "compare-output"
     on_root(comm, lambda: check_folder(folder))  # before the work, not after it
     compared = judge.compare(list(scenes.values()), comm, comm is None or comm.Get_rank() == 0)
-    lines, numbers = table(compared), {"scenes": [one.plain() for one in compared]}
+    lines = table(compared)
+    numbers: dict[str, Any] = {"keys": KEYS, "scenes": [one.plain() for one in compared]}
     lines[-1] += f"; the whole command {time.monotonic() - began:.2g} s"
     draw = partial(pictures.draw_comparison, compared)
     rows = comparison_rows(numbers["scenes"])

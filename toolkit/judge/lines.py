@@ -7,26 +7,40 @@ import numpy as np
 from toolkit.judge.compare import FORCES, SHOWN, SPRINGS, ComparedScene, common_unit
 from toolkit.judge.describe import onset_in_words
 from toolkit.scene.interfaces import Number, with_error
-from toolkit.scene.scale import SHARED, guarded
+from toolkit.scene.scale import SHARED, guarded, written
 from toolkit.verdict.answers import Quantity
 from toolkit.verdict.text.table import in_columns, row
 from toolkit.verdict.uncertainty import two_digits
 
 # of a number: a larger error stands beside it
 PRECISE = 1e-3
-_HEADS = "onset power,K*/(N<k>),F_s/F_k,X*/<x_s>,F_k/<x_s>,F_k/load of P_c,EQ at the peak,ME there,max |z|"
+# heads of the columns, in the order of SHOWN and of the ensemble's evidence, and what each means
+_HEADS = {
+    "power m": "power m: P_c ~ x^m at small thresholds x",
+    "K*/(N_c<k>)": "K*: steepest fall of the force, a slider on a softer spring slips at least once; "
+    "N_c<k>: stiffness of all contacts",
+    "F_s/F_k": "F_s, F_k: static and kinetic friction",
+    "X*/<x_s>": "X*: way on which contacts forget that they started together; <x_s>: mean threshold",
+    "F_k/(N_c<k><x_s>)": "",
+    "F_k/load": "F_k/load: by P_c alone",
+}
+_EVIDENCE = {
+    "peak/F_k simulated": "peak/F_k: largest force on the path over F_k, by the ensemble (simulated) and by the "
+    "master equation (solved)",
+    "solved": "",
+    "apart": "apart: by so many standard errors at most, about 3 by chance",
+}
 
 
 def table(compared: Sequence[ComparedScene]) -> list[str]:
     """The comparison as lines of text: where readings disagree on stick-slip, and whose order is not decided; each
     number to a digit beyond that which the widest of its uncertainties leaves, and below it how far it goes over the
     readings; then notes, and run times."""
-    heads, unit, names = _HEADS.split(","), common_unit(compared), list(SHOWN)
+    heads, unit, names = [*_HEADS], common_unit(compared), list(SHOWN)
     if unit != SHARED:
-        force = "N" if unit == "N/m" else "Pa"
-        at = heads.index("EQ at the peak")
-        heads[at:at] = [f"K* ({unit})", f"F_k ({force})"]
+        heads += [f"K* ({unit})", f"F_k ({'N' if unit == 'N/m' else 'Pa'})"]
         names += [SPRINGS[unit], FORCES[unit]]
+    heads += _EVIDENCE
     rows, notes, times = [["", "scene", *heads]], dict[str, list[str]](), list[str]()
     for rank, scene in enumerate(compared, start=1):
         own, ranges = [*scene.conditions, *scene.cautions], list[str]()
@@ -43,12 +57,15 @@ def table(compared: Sequence[ComparedScene]) -> list[str]:
         times.append(f"{scene.name} {scene.found.run_time:.2g} s")
         if (seen := scene.evidence) is not None:
             worst, expected = seen["worst_deviation"], seen["expected"]
-            cells.append(with_error(seen["static_to_kinetic"], seen["static_to_kinetic_error"], 6))
-            cells.append("" if expected is None else f"{expected:.5f}")
+            error = seen["static_to_kinetic_error"]
+            cells.append(with_error(seen["static_to_kinetic"], error, 6))
+            cells.append(
+                "" if expected is None else written(expected, "", error, 6 if error else 3)
+            )
             cells.append("" if worst is None else f"{worst:.1f}")
-            times[-1] += f" and EQ {seen['run_time']:.2g} s"
+            times[-1] += f" and its ensemble {seen['run_time']:.2g} s"
             if seen["not_compared"] is not None:
-                own.append(f"EQ and ME not compared: {seen['not_compared']}")
+                own.append(f"simulated and solved forces are not compared: {seen['not_compared']}")
         for why in dict.fromkeys(scene.left_out.values()):
             names_of = [name for name, its in scene.left_out.items() if its == why]
             own.append(f"left out: {'; '.join(names_of)}: {why}")
@@ -75,8 +92,11 @@ def table(compared: Sequence[ComparedScene]) -> list[str]:
     # columns that no scene fills, as of an ensemble where none has one, are left out
     told = [at for at in range(len(rows[0])) if any(any(row[at : at + 1]) for row in rows[1:])]
     rows = [[row[at] for at in told if at < len(row)] for row in rows]
+    head_names = rows[0]
     head, *lines = in_columns(rows, ">")
     first = [*disagreements(compared), *undecided_order(compared)]
+    meant = (_HEADS | _EVIDENCE).get
+    said.insert(0, "; ".join(filter(None, (meant(name) for name in head_names))))
     said.append(f"run times: {', '.join(times)}")
     return [*first, head, "-" * len(head), *lines, *said]
 
