@@ -242,9 +242,10 @@ QUESTIONS = {
         "toolkit/verdict/sliders/follow.py:follow",
         "toolkit:part_of_sliders",
     ),
-    "who tells in a verdict's headline: the ensemble for master; where master does not decide; where both differ": (
+    "who tells in a verdict's headline: the ensemble for master; master undecided; whole records; both differ": (
         "toolkit/verdict/sliders/follow.py:follow",
         "toolkit:with_more",
+        "toolkit/verdict/sliders/records.py:Behaviour.in_place_of",
         "toolkit/verdict/text/words.py:_disagreement",
     ),
     "heat on a spring in the ensemble: proposed breaks; windows": (

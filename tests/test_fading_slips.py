@@ -18,7 +18,8 @@ from origins.drive import Drive
 from toolkit.results.slips import are_fading, main_slips, shrinks_by
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import Behaviour
 
 NARROW = Contacts(gaussian(1.0, 0.05))
 

@@ -27,14 +27,8 @@ from toolkit.verdict.sliders.ensemble import follow_by_contacts
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import STILL_SWINGS, follow
 from toolkit.verdict.sliders.late import EVER_RARER, in_the_end, shrinking
-from toolkit.verdict.sliders.machine import (
-    Behaviour,
-    Finite,
-    Machine,
-    RigidSlider,
-    not_followed,
-    rigid_slider,
-)
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, rigid_slider
+from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
 from toolkit.verdict.sliders.steady import friction_falls, is_stable_with_delay
 from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.text.words import page, sentence
@@ -106,7 +100,7 @@ def test_only_slips_that_last_are_averaged(machine: Machine, delay: float, numbe
     loading = 0.56 / machine.spring + 1.0 + delay
     rigid = RigidSlider(0.56, 0.01, 0.0, 0.76, 1.0, number)
     found = follow_by_contacts(machine, contacts, "mass", loading, time.monotonic() + 1e4, rigid)
-    many = found.sliders
+    many = found.finite
     assert found.kind == "stick-slip" and many is not None and found.drive[-1] > 12.0 * loading
     long = np.linspace(0.0, 3.0 * found.drive[-1], 10)
     asked = {"n_contacts": number, "n_replicas": 4, "seed": 7}
@@ -452,7 +446,7 @@ def test_slips_that_get_ever_rarer_end_where_steady_sliding_is_stable() -> None:
     of 1,500 no more. The force of sliding is F_k(v), of contacts of which a part h holds, and γ v."""
     rigid = RigidSlider(0.56, 0.01, 0.0, 0.76, 1.0, 300)
     found = follow_by_contacts(RARE, RARE_CONTACTS, "mass", 1.2e4, time.monotonic() + 1e4, rigid)
-    many = found.sliders
+    many = found.finite
     assert found.kind == EVER_RARER and many is not None and many.kind == EVER_RARER
     assert many.rarer is not None and many.rarer.first < 0.5 * many.rarer.last
     share = 1.0 / (1.0 + 11819.0 / WIDE.mean())
@@ -554,16 +548,16 @@ def test_means_that_leave_smaller_slips_out_say_so() -> None:
     """Slips below a fifth of the largest stood in no sentence where the area's contacts tell in place of all."""
     machine, contacts = Machine(5e-3, 2.0, 5e-4, 1.0), Contacts(WIDE, delay=Delay(20.0))
     few = Finite("mass", 300, "stick-slip", 0.5, 1e-3, -0.5, 1e-3, 3.0, period=200.0, smaller=5)
-    one = replace(SLIDES, kind="stick-slip", after=-0.1, slips=9, sliders=few, contacts=300)
+    one = replace(SLIDES, kind="stick-slip", after=-0.1, slips=9, finite=few, contacts=300)
     told = ", without 5 of 17 slips, below a fifth of the largest"
     found = on_area(one, replace(few, before=0.55), machine, contacts)
     assert sentence(found).count(told) == 1 and "\n".join(page(found)).count(told) == 2
     whole = on_area(
-        replace(one, sliders=replace(few, smaller=0)), replace(few, smaller=0), machine, contacts
+        replace(one, finite=replace(few, smaller=0)), replace(few, smaller=0), machine, contacts
     )
     assert "without" not in sentence(whole)
     # of infinitely many, which have 9 in all
-    alone = on_area(replace(one, sliders=None, contacts=None, smaller=2), few, machine, contacts)
+    alone = on_area(replace(one, finite=None, contacts=None, smaller=2), few, machine, contacts)
     alone = replace(alone, finite=())
     assert ", without 2 of 9 slips, below a fifth of the largest" in sentence(alone)
 

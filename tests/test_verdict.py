@@ -40,13 +40,9 @@ from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.forgetting import after_forgetting
 from toolkit.verdict.sliders.islands import follow_contacts, with_barriers
-from toolkit.verdict.sliders.machine import (
-    Behaviour,
-    Finite,
-    Machine,
-    RigidSlider,
-    not_followed,
-)
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
+from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.text import kinds
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.table import in_units
@@ -1903,7 +1899,8 @@ def test_doubts_about_the_input_stand_before_the_answer(capsys: Any) -> None:
 def test_the_trace_says_that_it_swings_or_is_cut() -> None:
     """Below 0 the slider swings after a slip; and a path that is cut is no decision."""
     path = {"drive": np.array([0.0, 1.0]), "force": np.array([0.0, 1.0])}
-    slips = replace(infinite("stick-slip", 5), rule="mass", after=-0.6, slip_time=0.142, **path)
+    path["in_time"] = SlipsOfMass(slip_time=0.142)
+    slips = replace(infinite("stick-slip", 5), rule="mass", after=-0.6, **path)
     cut = replace(infinite("undecided", 2), cut=True, **path)
     ringing = slips
     for own, told in (

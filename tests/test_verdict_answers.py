@@ -21,7 +21,9 @@ from toolkit.verdict.judge import verdict
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import Budget
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.machine import Finite, Machine, RigidSlider
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import Finite
+from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.text.words import page, sentence
 from toolkit.verdict.uncertainty import to_digits, with_sampling
@@ -85,18 +87,20 @@ def test_k_star_of_a_scan_has_two_digits_in_the_sentence_too() -> None:
 def test_the_first_slip_of_a_mass_has_its_forces(kind: str) -> None:
     """Contacts that began together bear more than those of later slips, and than steady sliding."""
     later = {"before": 0.5, "after": 0.5 if kind == "smooth" else -0.2}
-    first = slips("mass", kind=kind, first_forces=(0.61, -0.3), error=1e-3, **later)
+    begins = SlipsOfMass(first_forces=(0.61, -0.3))
+    first = slips("mass", kind=kind, in_time=begins, error=1e-3, **later)
     rows = [
         line for line in page(told(first, machine=HEAVY)) if line.startswith("first slip (mass)")
     ]
     assert len(rows) == 1
     assert rows[0].split(maxsplit=3)[-1] == "0.610 N_c<k> length down to -0.300 N_c<k> length"
-    alike = replace(first, first_forces=(later["before"], later["after"]))
-    unknown = replace(first, first_error=0.5)
+    ends = later["before"], later["after"]
+    alike = replace(first, in_time=SlipsOfMass(first_forces=ends))
+    unknown = replace(first, in_time=replace(begins, first_error=0.5))
     for one in (alike, unknown) if kind == "stick-slip" else (alike,):
         shown = any("first slip (mass)" in line for line in page(told(one, machine=HEAVY)))
         assert shown is (kind == "smooth")
-    chance = page(told(replace(first, first_error=0.02), machine=HEAVY))
+    chance = page(told(replace(first, in_time=replace(begins, first_error=0.02)), machine=HEAVY))
     (row,) = (line for line in chance if line.startswith("first slip (mass)"))
     assert "0.61 ± 0.02 N_c<k> length down to -0.30 ± 0.02 N_c<k> length" in row
 
@@ -107,8 +111,8 @@ def test_a_mass_tells_the_forces_of_its_first_slip() -> None:
     pulled = {"velocity": 1.0, "spring": 1e-2, "mass": 1e-4, "damping": 2e-4}
     found = behaviour_of("mass", master.solve(wide, path, 1e-2, **pulled), 1.0, 1.0, "")
     light: Any = master.solve(wide, path, 1e-6, spring=1e-2, slip="instant")
-    assert found.first_forces is not None
-    before, after = found.first_forces
+    assert found.in_time.first_forces is not None
+    before, after = found.in_time.first_forces
     assert before == pytest.approx(light.slips.force_before[0], rel=0.02) and after < before
 
 
@@ -210,25 +214,26 @@ def test_each_number_of_a_slider_has_its_unit_in_verdict_json() -> None:
     """The swings of a sliding force, a border of stability and an assumed damping were written in solver units, beside
     forces in newtons."""
     lengths = {"period": 3.0, "period_error": 0.1}
-    times = {"slip_time": 0.5, "delay": 0.2}
+    times = {"slip_time": 0.5}
     one = slips(
         "mass",
         before=0.5,
         after=0.25,
         swings=(0.4, 0.6),
-        first_forces=(0.7, 0.3),
-        first_error=0.01,
+        in_time=SlipsOfMass(0.5, first_forces=(0.7, 0.3), first_error=0.01),
+        delay=0.2,
         unstable_below=0.01,
         damping=0.1,
         **lengths,
-        **times,
     )
     verdict = told(one, machine=Machine(0.01, 1.0, 0.0, 1.0))
     scale = replace(verdict.own.scale, force=10.0, force_unit="N", spring=1e3, spring_unit="N/m")
     verdict = replace(verdict, answers=(replace(verdict.own, scale=scale),))
     reading = plain(verdict)["readings"][0]
     found = reading["behaviours"][0]
-    assert {name: found[name] for name in lengths | times} == lengths | times
+    assert {name: found[name] for name in lengths | times} == lengths | times and found[
+        "delay"
+    ] == 0.2
     assert (found["before"], found["after"]) == pytest.approx((5.0, 2.5))
     assert found["swings"] == pytest.approx([4.0, 6.0])
     assert found["first_forces"] == pytest.approx([7.0, 3.0])

@@ -14,7 +14,8 @@ from origins import Ageing, Contacts, Delay, Thermal, gaussian
 from toolkit.scene.scale import Scale, spoken
 from toolkit.verdict import answers
 from toolkit.verdict.files import plain
-from toolkit.verdict.sliders.machine import Behaviour, Machine, critical_damping, not_followed
+from toolkit.verdict.sliders.machine import Machine, critical_damping
+from toolkit.verdict.sliders.records import Behaviour, not_followed
 from toolkit.verdict.sliders.steady import friction_falls, unstable_delays
 from toolkit.verdict.text import of_delay
 from toolkit.verdict.text.hangs_on import dependence

@@ -9,7 +9,7 @@ from test_verdict_words import slips, told
 from toolkit.results.slips import Spread
 from toolkit.scene.scale import Scale, prefixed_like
 from toolkit.verdict import answers
-from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.sliders.records import Behaviour, Finite
 from toolkit.verdict.slips_in_words import fall_of, fluctuating, period_with_scatter
 from toolkit.verdict.text.words import page
 

@@ -14,7 +14,8 @@ from toolkit.verdict.sliders.budget import MOST_BREAKS_IN_TIME, may_follow, most
 from toolkit.verdict.sliders.ensemble import NOT_SLID, PILOT, sliders
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, follow
-from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider, slip_duration
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, slip_duration
+from toolkit.verdict.sliders.records import Behaviour
 
 GROWING = Contacts(strengthening(gaussian(1.0, 0.3), beta=0.05, time=1e-2), delay=Delay(0.3))
 LIGHT = Machine(spring=0.1, mass=None, damping=0.0, velocity=0.1)

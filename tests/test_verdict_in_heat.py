@@ -26,13 +26,8 @@ from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.in_heat import by_steady_sliding, looked_at, with_stability
-from toolkit.verdict.sliders.machine import (
-    Behaviour,
-    Machine,
-    RigidSlider,
-    not_followed,
-    rigid_slider,
-)
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, rigid_slider
+from toolkit.verdict.sliders.records import Behaviour, not_followed
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.words import sentence
 

@@ -35,15 +35,9 @@ from toolkit.verdict.sliders.ensemble import (
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.late import shrinking
-from toolkit.verdict.sliders.machine import (
-    Behaviour,
-    Finite,
-    Machine,
-    RigidSlider,
-    half_a_swing,
-    not_followed,
-    slip_duration,
-)
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, half_a_swing, slip_duration
+from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
+from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.sliders.ways import lives_in_a_slip, loading_of
 from toolkit.verdict.text import kinds, of_delay
 from toolkit.verdict.text.above_static import why_above
@@ -98,7 +92,7 @@ def test_a_slip_of_a_mass_is_shown_in_its_own_time(contacts_told: int | None) ->
     the picture has force and way of the slider; told by the master equation, and by the ensemble."""
     machine, slip = Machine(spring=1e-2, mass=1e-4, damping=2e-4, velocity=1.0), np.pi * 0.1
     contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(5.0))
-    begun = of_a_mass("stick-slip", 0.8, slip_time=slip, first_slip=79.0, run_time=1.0)
+    begun = of_a_mass("stick-slip", 0.8, in_time=SlipsOfMass(slip, first_slip=79.0), run_time=1.0)
     begun = replace(begun, drive=np.array([0.0, 80.0]), force=np.array([0.0, 0.8]))
     # the first slip is looked for again where its place is not known well
     told = replace(begun, contacts=contacts_told)
@@ -448,9 +442,11 @@ def test_a_trace_has_several_points_of_each_swing() -> None:
     known = RigidSlider(0.69, 0.52, 1e-9, 1.0, 4.0, 2000.0)
     found = follow_by_contacts(machine, contacts, "mass", 700.0, time.monotonic() + 1e4, known)
     swing = 2.0 * half_a_swing(machine) * machine.velocity
-    assert found.first_slip is not None and np.diff(found.drive).max() < swing / 8.0
+    assert found.in_time.first_slip is not None and np.diff(found.drive).max() < swing / 8.0
     # contacts are out for a delay after the slip, in which the force is 0 twice a swing
-    after = (found.drive > found.first_slip) & (found.drive < found.first_slip + 29.0)
+    after = (found.drive > found.in_time.first_slip) & (
+        found.drive < found.in_time.first_slip + 29.0
+    )
     crossings = np.count_nonzero(np.diff(np.sign(found.force[after])))
     assert abs(crossings - 2.0 * 29.0 / swing) <= 1.0
     assert machine.points(1000.0 * swing) == 16_000 and machine.points(1e9) == 600
@@ -507,12 +503,12 @@ def test_the_period_of_fewer_contacts_than_there_are_is_known_as_their_force_is(
     for most in (500, 4000):
         asked = machine, contacts, "mass", 700.0, time.monotonic() + 1e4, known, most
         found = follow_by_contacts(*asked)
-        assert found.period is not None and found.sliders is not None
+        assert found.period is not None and found.finite is not None
         off = abs(found.period - exact)
         assert off <= found.period_error
         # times the force that is not known, for the fall of a mass that swings
         assert found.period_error < 2.5 * found.error / machine.spring
-        assert most > 500 or off > 3.0 * found.sliders.period_error
+        assert most > 500 or off > 3.0 * found.finite.period_error
 
 
 @pytest.mark.slow  # quick: contacts that wait are pulled as far as a slider that sticks, above
@@ -585,9 +581,9 @@ def test_slips_that_are_over_are_no_stick_slip_and_those_that_shrink_say_so(
     assert re.fullmatch(r", each drop [\d.]+% smaller than the one before", said)
     assert f"not decided: {found.slips} slips were seen{said}, the last from" in sentence(of(found))
     # those that shrink less go on for long: beside their mean it stands, too
-    assert found.sliders is not None
-    many = replace(found.sliders, kind="stick-slip", message="")
-    slow = replace(found, kind="stick-slip", shrinks_by=0.0, sliders=many)
+    assert found.finite is not None
+    many = replace(found.finite, kind="stick-slip", message="")
+    slow = replace(found, kind="stick-slip", shrinks_by=0.0, finite=many)
     verdict_of_many = replace(of(slow), finite=(many,))
     assert f"{said}, so that they may die out" in sentence(verdict_of_many)
     steady = replace(verdict_of_many, finite=(replace(many, shrinks_by=0.0),))
@@ -791,7 +787,11 @@ def slips_of_infinitely_many(
     before: float, after: float, period: float, first: float | None = None
 ) -> Behaviour:
     """A slider with mass that sticks and slips."""
-    named = {"period": period, "first_slip": first, "force": np.full(4, before)}
+    named = {
+        "period": period,
+        "in_time": SlipsOfMass(first_slip=first),
+        "force": np.full(4, before),
+    }
     found = of_a_mass("stick-slip", before, drive=np.linspace(0.0, 1.0, 4))
     return replace(found, after=after, slips=9, **named)
 

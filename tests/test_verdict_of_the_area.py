@@ -13,7 +13,9 @@ from tests.test_verdict_words import HEAVY, slips, told
 from toolkit.verdict import answers
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.sliders.finite import follow_finite
-from toolkit.verdict.sliders.machine import Finite, Machine
+from toolkit.verdict.sliders.machine import Machine
+from toolkit.verdict.sliders.records import Finite
+from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.text.words import page, sentence
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
@@ -122,17 +124,18 @@ def test_the_first_slip_is_that_of_the_contacts_whose_later_ones_are_told() -> N
     """That of the thousand contacts which told before was told beside the slips of all half a million, 9 % too low."""
     machine, number = Machine(1e-2, 1e-3, 6e-4, 1.0), 8_000
     contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(5.0))
-    few = slips("mass", before=0.6, after=-0.4, slips=3, contacts=100, slip_time=3.0)
-    few = replace(few, first_forces=(0.5, -0.3), first_error=0.1, first_slip=50.0)
+    few = slips("mass", before=0.6, after=-0.4, slips=3, contacts=100)
+    few = replace(few, in_time=SlipsOfMass(3.0, 1.0, 50.0, (0.5, -0.3), 0.1))
     many = follow_finite(machine, contacts, float(number), few, 0.56, 1e4)
     found = with_more(few, many, 1.0)
     asked = {"n_contacts": number, "n_replicas": 4, "seed": 7, **machine.keywords("mass")}
     seen = eq_model.simulate(contacts, np.linspace(0.0, 70.0, 70), **asked).slips
     assert found.contacts == number and seen.number.tolist() == [0] * 4
-    assert found.first_forces is not None and 0.0 < found.first_error < 0.005
+    first = found.in_time
+    assert first.first_forces is not None and 0.0 < first.first_error < 0.005
     chance = seen.force_before.std(ddof=1) / 2.0
-    off = 4.0 * np.hypot(found.first_error, chance)
-    assert found.first_forces[0] == pytest.approx(seen.force_before.mean(), abs=off)
-    assert found.first_forces[1] == pytest.approx(seen.force_after.mean(), abs=off)
-    assert found.first_slip == pytest.approx(seen.drive.mean(), abs=100.0 * off)
-    assert found.slip_time == pytest.approx(seen.duration.mean(), rel=0.05)
+    off = 4.0 * np.hypot(first.first_error, chance)
+    assert first.first_forces[0] == pytest.approx(seen.force_before.mean(), abs=off)
+    assert first.first_forces[1] == pytest.approx(seen.force_after.mean(), abs=off)
+    assert first.first_slip == pytest.approx(seen.drive.mean(), abs=100.0 * off)
+    assert first.slip_time == pytest.approx(seen.duration.mean(), rel=0.05)

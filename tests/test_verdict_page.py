@@ -20,7 +20,8 @@ from toolkit.verdict import answers, judge
 from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import Budget, too_long
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.machine import Machine, RigidSlider, not_followed
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import not_followed
 from toolkit.verdict.text import of_delay
 from toolkit.verdict.text.table import in_units
 from toolkit.verdict.text.words import page

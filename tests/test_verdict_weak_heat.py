@@ -16,7 +16,8 @@ from master.soft.in_time.idle_heat import largest_effect
 from origins import Contacts, Delay, Thermal, gaussian, gaussian_start, identical, mixture
 from origins.drive import RISE
 from toolkit.verdict.sliders.follow import follow
-from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider, rigid_slider
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, rigid_slider
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.sliders.weak_heat import EARLY, by_contacts_without_heat
 
 SOFT = Machine(spring=0.02, mass=None, damping=0.0, velocity=1.0)

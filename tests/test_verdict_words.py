@@ -32,7 +32,9 @@ from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders.budget import at_most, without_useless_damping
 from toolkit.verdict.sliders.follow import STILL_SWINGS, follow
 from toolkit.verdict.sliders.late import shrinking
-from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine, RigidSlider, not_followed
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
+from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.slips_in_words import hidden_by, kind_of_trace, swinging
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.k_star import of_critical_spring
@@ -198,7 +200,7 @@ def test_the_panel_of_a_slip_says_when_the_slider_rests_or_that_it_still_moves()
     for delay, damping, rests in ((0.5, 2e-4, True), (50.0, 0.0, False)):
         contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(delay))
         machine = replace(HEAVY, damping=damping)
-        begun = slips("mass", slip_time=0.314, first_slip=79.0, contacts=2000, run_time=0.0)
+        begun = slips("mass", in_time=SlipsOfMass(0.314, first_slip=79.0), contacts=2000)
         begun = replace(begun, drive=np.array([0.0, 80.0]), force=np.array([0.0, 0.8]))
         found = closely(begun, machine, contacts, 1e9)
         after = rests_after(found, machine)
@@ -489,7 +491,7 @@ def test_a_slider_whose_heat_is_left_out_is_pulled_on_until_it_is_decided() -> N
 
 def test_contacts_that_slide_without_a_slip_have_no_few_slips() -> None:
     smooth = slips("mass", kind="smooth", slips=0, contacts=2000, message="by 4 sliders", error=0.1)
-    smooth = replace(smooth, sliders=Finite("mass", 2000, "smooth"))
+    smooth = replace(smooth, finite=Finite("mass", 2000, "smooth"))
     assert "each of which slipped" not in "\n".join(page(told(smooth, machine=HEAVY)))
 
 
@@ -577,7 +579,7 @@ def test_slips_that_still_grow_say_so() -> None:
         each = SimpleNamespace(force_before=befores, replica=replica, number=number)
         assert bool(still_changing(each, 4)) == told_so
     few = Finite("mass", 1000, "stick-slip", before=0.24, still_changing=(0.21, 0.23, 0.24))
-    said = page(told(slips("mass", slips=3, contacts=1000, sliders=few)))
+    said = page(told(slips("mass", slips=3, contacts=1000, finite=few)))
     assert ", still growing: 0.21" in said[2]
     (row,) = (one for one in said if one.startswith("slips seen (mass)"))
     assert "3 slips of each of 4 sliders, still growing: 0.210" in row

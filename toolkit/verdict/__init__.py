@@ -3,7 +3,7 @@
 Whether a slider sticks and slips is decided from its slips in `master/soft/regime.py`, which `toolkit/results/kinds.py`
 puts in one word; `sliders/` chooses which solver tells, of how many contacts, and how far they are driven.
 `Behaviour`, what a slider does, and `Finite`, what as many contacts as the area holds do, stand in
-`sliders/machine.py`.
+`sliders/records.py`: each is what one teller says, and is replaced as a whole where another one tells in its place.
 
 In reading order: `answers.py`, what a verdict holds; `sliders/`, what sliders do; `readings.py`, over what they are
 compared; `with_mass.py`, more of a slider with mass; `uncertainty.py` and `of_area.py`, how well the numbers are known,

@@ -9,7 +9,8 @@ from origins.contacts import Contacts
 from toolkit.results.html import as_table
 from toolkit.scene.of_samples import of_smoothing
 from toolkit.scene.scale import Scale, told_contacts, with_uncertainty, written
-from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
+from toolkit.verdict.sliders.machine import Machine
+from toolkit.verdict.sliders.records import Behaviour, Finite
 
 
 @dataclass(frozen=True)

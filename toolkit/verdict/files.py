@@ -1,16 +1,19 @@
 """What the files of a verdict hold: verdict.json and friction.csv."""
 
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
 
+from toolkit.results.rarer import Rarer
+from toolkit.results.slips import Spread
 from toolkit.scene.scale import Scale, told_contacts
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.legend import KEYS
+from toolkit.verdict.legend import KEYS, UNITS
 from toolkit.verdict.mean_force import mean_of_contacts, mean_over_slips
 from toolkit.verdict.of_area import finite_told_apart
-from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.sliders.records import Behaviour, Finite
+from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.text.doubts import warnings
 from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.of_delay import would_swing
@@ -68,34 +71,43 @@ def _of_answer(answer: Answer) -> dict[str, Any]:
 
 
 def _of_finite(finite: Finite, verdict: Verdict) -> dict[str, Any]:
-    """What so many contacts do, forces in the unit of the own reading."""
-    not_written = ("drive", "force", "in_time")  # friction.csv and the behaviours have them
-    out = {name: one for name, one in asdict(finite).items() if name not in not_written}
-    force = verdict.own.scale.force
-    forces = ("before", "before_error", "after", "after_error", "late", "late_error", "fluctuation")
-    spreads = {name: getattr(finite, name) for name in ("befores", "drops")}
-    out |= {name: one and asdict(one.times(force)) for name, one in spreads.items()}
-    out |= {name: out[name] * force for name in forces}
-    mean = mean_of_contacts(finite)
-    out["mean_force"] = mean and {"value": mean.force * force, "error": mean.error * force}
-    return out | {"still_changing": [one * force for one in finite.still_changing]}
+    """What so many contacts do, in the units of the own reading, without what the behaviours have of it."""
+    scale, mean = verdict.own.scale, mean_of_contacts(finite)
+    out = _in_units(finite, scale, {"in_time"})
+    out["mean_force"] = mean and {
+        "value": mean.force * scale.force,
+        "error": mean.error * scale.force,
+    }
+    return out
 
 
 def _of_behaviour(behaviour: Behaviour, scale: Scale, mean: float) -> dict[str, Any]:
-    """What the slider does under one rule, in units of `scale`, without its trace, which friction.csv has: forces with
-    their error; `error`, `heat_left_out` and `heat_on_the_way` stay in mean thresholds."""
-    # traces are in friction.csv, and of the sliders "finite" tells
-    not_written = ("drive", "force", "slip_drive", "slip_force", "first_slip", "sliders", "left")
-    out = {name: value for name, value in asdict(behaviour).items() if name not in not_written}
-    force = scale.force
-    out |= {name: out[name] * force for name in ("before", "after", "first_error")}
-    for name, factor in (("unstable_below", scale.spring), ("damping", scale.spring)):
-        out[name] = None if out[name] is None else out[name] * factor
-    for name in ("swings", "first_forces"):
-        out[name] = [one * force for one in out[name] or ()] or None
-    mean_force = mean_over_slips(behaviour)
-    out["mean_force"] = mean_force and mean_force * force
-    return out | {"force_error": behaviour.error * mean * force}
+    """What the slider does under one rule, in units of `scale`, forces with their error; `error`, `heat_left_out` and
+    `heat_on_the_way` stay in mean thresholds, one of which is `mean`. Of the contacts of the area "finite" tells."""
+    out, mean_force = _in_units(behaviour, scale, {"finite", "left"}), mean_over_slips(behaviour)
+    out["mean_force"] = mean_force and mean_force * scale.force
+    return out | {"force_error": behaviour.error * mean * scale.force}
+
+
+def _in_units(record: Behaviour | Finite | SlipsOfMass, scale: Scale, left_out: set[str]) -> Any:
+    """What a teller's record holds, each number in its unit, see UNITS; without traces, which friction.csv has."""
+    factors, out = {"force": scale.force, "spring": scale.spring}, dict[str, Any]()
+    for name in (one.name for one in fields(record)):
+        value, factor = getattr(record, name), factors.get(UNITS.get(name, ""), 1.0)
+        if isinstance(value, SlipsOfMass) and name not in left_out:
+            out |= _in_units(value, scale, {"first_slip"})
+        elif not (name in left_out or isinstance(value, np.ndarray)):
+            out[name] = _times(value, factor)
+    return out
+
+
+def _times(value: Any, factor: float) -> Any:
+    """A value of a record in another unit; numbers of a tuple, and of a spread, each."""
+    if isinstance(value, Spread | Rarer):
+        return asdict(value.times(factor) if isinstance(value, Spread) else value)
+    if isinstance(value, tuple):
+        return [one * factor for one in value]
+    return value * factor if isinstance(value, float) else value
 
 
 def friction(verdict: Verdict) -> dict[str, list[Any]]:
@@ -107,7 +119,7 @@ def friction(verdict: Verdict) -> dict[str, list[Any]]:
         return {}
     parts = [(one.rule + ", without heat" * one.without_heat, one.drive, one.force) for one in own]
     parts += [(f"{one.rule}, its first slip", one.slip_drive, one.slip_force) for one in own]
-    shown = [one.sliders for one in own]  # in place of infinitely many
+    shown = [one.finite for one in own]  # in place of infinitely many
     few = [
         one for one in finite_told_apart(verdict).values() if all(one is not each for each in shown)
     ]

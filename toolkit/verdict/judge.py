@@ -38,16 +38,8 @@ from toolkit.verdict.sliders.budget import (
 from toolkit.verdict.sliders.finite import follow_finite
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, WHETHER_IT_SLIPS
 from toolkit.verdict.sliders.islands import follow_contacts, with_barriers
-from toolkit.verdict.sliders.machine import (
-    RULES,
-    Behaviour,
-    Finite,
-    Machine,
-    ends_before_a_slip,
-    machine_of,
-    not_followed,
-    rigid_slider,
-)
+from toolkit.verdict.sliders.machine import RULES, Machine, machine_of, rigid_slider
+from toolkit.verdict.sliders.records import Behaviour, Finite, ends_before_a_slip, not_followed
 from toolkit.verdict.sliders.steady import is_stable_with_delay
 from toolkit.verdict.uncertainty import RESAMPLED_TOLERANCE, with_sampling
 from toolkit.verdict.with_mass import (
@@ -176,8 +168,8 @@ def finite_sliders(
     limit = max(every.remaining(), SHORT)
     with every.stops.or_late(), no_longer_than(limit, remaining_time=every.remaining):
         for one in () if every.stops.by else each:
-            if one.sliders is not None and one.sliders.contacts == max(round(number), 1):
-                found.append(one.sliders)  # all of them were followed in place of infinitely many
+            if one.finite is not None and one.finite.contacts == max(round(number), 1):
+                found.append(one.finite)  # all of them were followed in place of infinitely many
                 continue
             same = told_by_another_rule(one, zip(each, found, strict=False), contacts)
             if same is None:

@@ -1,4 +1,42 @@
-"""What each key of verdict.json means, for who opens the file without the program."""
+"""What each key of verdict.json means, for who opens the file without the program, and in which unit its number is."""
+
+# the unit of each number of a slider's record, by its name in `units` of the reading, "speed": length/time, or "": of
+# none. Lengths and times are in the user's units from the solvers on, a damping is a spring times a time
+UNITS = {
+    "before": "force",
+    "before_error": "force",
+    "after": "force",
+    "after_error": "force",
+    "late": "force",
+    "late_error": "force",
+    "fluctuation": "force",
+    "befores": "force",
+    "drops": "force",
+    "still_changing": "force",
+    "first_forces": "force",
+    "first_error": "force",
+    "swings": "force",
+    "left": "force",
+    "unstable_below": "spring",
+    "damping": "spring",
+    "period": "length",
+    "period_error": "length",
+    "periods": "length",
+    "rarer": "length",
+    "first_slip": "length",
+    "slip_time": "time",
+    "delay": "time",
+    "run_time": "time",
+    "top_speed": "speed",
+    "error": "",
+    "heat_left_out": "",
+    "heat_on_the_way": "",
+    "shrinks_by": "",
+    "few_break": "",
+    "slips": "",
+    "smaller": "",
+    "contacts": "",
+}
 
 # [force], [length], [time], [spring], [damping]: in the unit of that name in `units` of the reading
 KEYS = {

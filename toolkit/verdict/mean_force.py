@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origins.thresholds.law import Array
-from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.sliders.records import Behaviour, Finite
 
 # of a path, its first part, over which the force of stick-slip is not averaged: contacts began together there
 FORGOTTEN = 1.0 / 3.0

@@ -13,7 +13,7 @@ from toolkit.verdict.mean_force import mean_of_contacts
 from toolkit.verdict.sliders.ensemble import by_sliders
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
-from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.sliders.records import Behaviour, Finite
 from toolkit.verdict.slips_in_words import (
     WORTH_SHOWING,
     does,
@@ -233,9 +233,9 @@ def tells_instead(behaviour: Behaviour, finite: Finite) -> bool:
 
 
 def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
-    """The behaviour with the numbers of the area's contacts, in two cases: fewer contacts told it before, or the master
-    equation does not decide and they do (then `instead` says why); else as it is. `unit`: the mean threshold, a length.
-    Where all contacts of the area were followed, the error is that of their scatter alone."""
+    """What the area's contacts tell in place of this behaviour, in two cases: fewer contacts told it before, or the
+    master equation does not decide and they do (then `instead` says why); else the behaviour as it is. `unit`: the mean
+    threshold, a length. Where all contacts of the area were followed, the error is that of their scatter alone."""
     fewer, slip = behaviour.contacts, finite.kind == "stick-slip" and finite.period is not None
     more = slip and fewer is not None and behaviour.kind == "stick-slip" and finite.contacts > fewer
     instead = tells_instead(behaviour, finite)
@@ -246,26 +246,27 @@ def with_more(behaviour: Behaviour, finite: Finite, unit: float) -> Behaviour:
     error += behaviour.heat_left_out or 0.0
     if finite.message:
         error += behaviour.error * ((fewer or 0) / finite.contacts) ** (2.0 / 3.0)
-    return replace(
-        behaviour,
+    told = Behaviour(
+        rule=finite.rule,
         kind=finite.kind,
-        success=True,
-        cut=False,
         before=finite.late if slides else finite.before,
         after=finite.late if slides else finite.after,
         period=finite.period,
         period_error=finite.period_error if finite.period else 0.0,
-        few_break=None,
-        instead=(behaviour.message or "it does not decide") if instead else "",
         slips=int(finite.slips),
         error=error,
+        success=True,
         message=by_sliders(finite.contacts, behaviour.heat_left_out),
+        run_time=behaviour.run_time,
+        in_time=finite.in_time,
+        shrinks_by=finite.shrinks_by if slides else 0.0,
         contacts=finite.contacts,
-        sliders=finite,
+        finite=finite,
+        instead=(behaviour.message or "it does not decide") if instead else "",
         drive=finite.drive,
         force=finite.force,
-        **finite.in_time,
     )
+    return told.in_place_of(behaviour)
 
 
 def with_finite(own: Answer, finite: tuple[Finite, ...]) -> Answer:

@@ -17,7 +17,8 @@ from toolkit.pictures.axes import (
 )
 from toolkit.scene.scale import SHARED, spoken
 from toolkit.verdict.answers import Answer, Verdict
-from toolkit.verdict.sliders.machine import Behaviour, Machine
+from toolkit.verdict.sliders.machine import Machine
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.text.doubts import warnings
 from toolkit.verdict.text.words import sentence
 from toolkit.verdict.trace import draw_trace, drawn, last_cycles, traces_of

@@ -18,7 +18,7 @@ from toolkit.scene.scale import (
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
 from toolkit.verdict.sliders.late import EVER_RARER, SLIDERS, shrinking
-from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.sliders.records import Behaviour, Finite
 from toolkit.verdict.uncertainty import TOLD_FROM, is_vague, widest_uncertainty
 
 # part of a force by which slips, or forces along the way, differ where it is told
@@ -89,7 +89,7 @@ def seen_slips(slider: Behaviour, fall: str) -> str:
     seen = "a slip was seen"
     if slider.slips != 1:
         seen = f"{slider.slips} slips were seen{shrinking(slider)}, the last"
-    few = slider.sliders.message if slider.sliders else ""
+    few = slider.finite.message if slider.finite else ""
     longer = f"; {HOW_TO_GIVE_MORE_TIME}" * ("wall_time" in slider.message + few)
     return f"not decided: {seen} from {fall}, and whether it goes on is not known{longer}"
 

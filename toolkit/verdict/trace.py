@@ -17,7 +17,7 @@ from toolkit.pictures.traces import draw_curve, hides_swings
 from toolkit.scene.scale import spoken, told_contacts, written
 from toolkit.verdict.answers import Verdict
 from toolkit.verdict.of_area import finite_told_apart
-from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.sliders.records import Behaviour, Finite
 from toolkit.verdict.slips_in_words import does, kind_of_trace
 from toolkit.verdict.text.kinds import named
 
@@ -42,7 +42,7 @@ def traces_of(verdict: Verdict) -> list[list[Behaviour] | list[Finite]]:
     each = drawn(verdict)
     followed = [finite for finite in finite_told_apart(verdict).values() if finite.drive.size]
     # where they tell what the slider does, its trace is theirs
-    followed = [one for one in followed if not any(one is own.sliders for own in each)]
+    followed = [one for one in followed if not any(one is own.finite for own in each)]
     return [*_alike(each), *_alike(followed)]
 
 
@@ -140,7 +140,7 @@ def _draw_line(
 
 def _of_rule(verdict: Verdict, behaviour: Behaviour) -> str:
     """What a trace of infinitely many contacts shows, in words."""
-    label, lasts = kind_of_trace(behaviour), behaviour.slip_time
+    label, lasts = kind_of_trace(behaviour), behaviour.in_time.slip_time
     label += ", without heat" * behaviour.without_heat
     if lasts is not None and behaviour.after < 0.0 and not behaviour.slip_drive.size:
         # else the panel beside it shows that

@@ -25,7 +25,8 @@ from toolkit.scene.scale import FINER, guarded, with_scatter, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.budget import Budget
 from toolkit.verdict.sliders.late import shrinking
-from toolkit.verdict.sliders.machine import Behaviour, critical_damping
+from toolkit.verdict.sliders.machine import critical_damping
+from toolkit.verdict.sliders.records import Behaviour
 
 # of a number: a larger error of it would be seen in the range over the readings, which has 3 digits
 SEEN = 1e-3

@@ -20,14 +20,8 @@ from toolkit.verdict.sliders.ensemble import SEED, follow_by_contacts
 from toolkit.verdict.sliders.follow import ROUGHLY, follow
 from toolkit.verdict.sliders.in_heat import with_stability
 from toolkit.verdict.sliders.islands import with_barriers
-from toolkit.verdict.sliders.machine import (
-    Behaviour,
-    Machine,
-    critical_damping,
-    not_followed,
-    rigid_slider,
-    slip_duration,
-)
+from toolkit.verdict.sliders.machine import Machine, critical_damping, rigid_slider, slip_duration
+from toolkit.verdict.sliders.records import Behaviour, not_followed
 from toolkit.verdict.sliders.slips_in_time import first_of
 from toolkit.verdict.sliders.told import hangs_on_heat
 from toolkit.verdict.sliders.ways import loading_of
@@ -140,7 +134,7 @@ def with_a_slip(own: Answer, budget: Budget) -> Answer:
 def closely(found: Behaviour, machine: Machine, contacts: Contacts, seconds: float) -> Behaviour:
     """The behaviour with the dense trace of its first slip, which is solved again up to there alone; as it is where
     slips take no time, and where they are not found again within so many seconds."""
-    begin, lasts = found.first_slip, found.slip_time
+    begin, lasts = found.in_time.first_slip, found.in_time.slip_time
     if begin is None or lasts is None or seconds < found.run_time:
         return found
     if found.damping is not None:
@@ -178,7 +172,7 @@ def rests_after(found: Behaviour, machine: Machine) -> float:
     """Seconds since the first slip began after which the slider rests, up to where its panel ends: it goes on by less
     than RESTS of the slip's way in a slip's time; nan where it still moves there."""
     seconds, moved = in_its_own_time(found, machine)
-    lasts = found.slip_time or np.inf
+    lasts = found.in_time.slip_time or np.inf
     # for each time how far it has gone on, or back, since as long before it
     steps = np.abs(moved - np.interp(seconds - lasts, seconds, moved))
     moving = np.flatnonzero(steps > RESTS * float(np.ptp(moved)))

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from origins.contacts import Contacts
-from toolkit.verdict.sliders.machine import Behaviour, Finite
+from toolkit.verdict.sliders.records import Behaviour, Finite
 
 # of a force: two that differ by less are one
 ONE_FORCE = 1e-6

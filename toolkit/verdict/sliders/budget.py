@@ -12,12 +12,7 @@ from origins.contacts import Contacts
 from origins.laws.proportional import ProportionalGrowth
 from toolkit.processes.signals import Terminated, TimeIsUp, no_longer_than
 from toolkit.running.progress import clock
-from toolkit.verdict.sliders.machine import (
-    Machine,
-    RigidSlider,
-    critical_damping,
-    slip_duration,
-)
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, critical_damping, slip_duration
 from toolkit.verdict.sliders.ways import first_way, lives_in_a_slip, loading_of
 
 # s for all readings and rules together, where the scene gives none, and what to do where they do not suffice

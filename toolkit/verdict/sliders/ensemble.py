@@ -23,15 +23,9 @@ from toolkit.verdict.sliders.late import (
     shrinking,
     with_late_slips,
 )
-from toolkit.verdict.sliders.machine import (
-    POINTS,
-    Behaviour,
-    Finite,
-    Machine,
-    RigidSlider,
-    not_followed,
-)
-from toolkit.verdict.sliders.slips_in_time import of_slips_in_time
+from toolkit.verdict.sliders.machine import POINTS, Machine, RigidSlider
+from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
+from toolkit.verdict.sliders.slips_in_time import slips_in_time
 from toolkit.verdict.sliders.steady import is_stable_with_delay
 from toolkit.verdict.sliders.ways import SMALL, first_way, way_of_a_swing, way_without_contacts
 
@@ -259,12 +253,12 @@ def follow_by_contacts(
         message=by_sliders(number) + (shrinking(many) if kind == "stick-slip" and many else ""),
         contacts=number,
         shrinks_by=shrinks if kind != "stick-slip" else 0.0,
-        sliders=many,
+        finite=many,
         swings=swings,
         run_time=found.run_time,
         drive=drive,
         force=force,
-        **of_slips_in_time(slips),
+        in_time=slips_in_time(slips),
     )
 
 

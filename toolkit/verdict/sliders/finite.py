@@ -34,9 +34,10 @@ from toolkit.verdict.sliders.ensemble import (
     until_settled,
 )
 from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
-from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
+from toolkit.verdict.sliders.machine import Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
-from toolkit.verdict.sliders.slips_in_time import of_slips_in_time
+from toolkit.verdict.sliders.records import Behaviour, Finite
+from toolkit.verdict.sliders.slips_in_time import slips_in_time
 from toolkit.verdict.sliders.steady import settling_distance
 from toolkit.verdict.sliders.ways import breaks_until
 
@@ -206,7 +207,7 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         found = replace(found, slips=large_slips(found.slips, RISE * mean))
     if slips:
         found = replace(found, slips=main_slips(found.slips))
-    in_time = of_slips_in_time(main_slips(found.slips))
+    in_time = slips_in_time(main_slips(found.slips))
     counts = np.bincount(found.slips.replica, minlength=SLIDERS)
     if not counts.any() and not has_slid(found, mean):
         return Finite(rule, present, "unknown", message=NOT_SLID)

@@ -25,13 +25,8 @@ from toolkit.verdict.sliders.ensemble import (
 )
 from toolkit.verdict.sliders.forgetting import after_forgetting, forgets_its_start
 from toolkit.verdict.sliders.in_heat import SLIDES, by_steady_sliding, with_stability
-from toolkit.verdict.sliders.machine import (
-    Behaviour,
-    Machine,
-    RigidSlider,
-    critical_damping,
-    not_followed,
-)
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, critical_damping
+from toolkit.verdict.sliders.records import Behaviour, not_followed
 from toolkit.verdict.sliders.steady import is_stable_with_delay, settling_distance
 from toolkit.verdict.sliders.told import (
     PRECISE_ENOUGH,

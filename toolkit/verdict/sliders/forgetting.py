@@ -1,11 +1,10 @@
 """Sliders whose slip from F_s is so long that their contacts have forgotten their start when it ends."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from origins.contacts import Contacts
-from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import Behaviour
 
 # lengths of memory, beyond that of ln(1/K), after which what is left of F - F_k is rounding, e^-30; and the largest
 # spring, in N_c<k>, of which this is told: its slider has moved by K of its drive's way when it slips
@@ -33,19 +32,13 @@ def after_forgetting(
     mean, begin = contacts.mean_threshold, contacts.start.mean()
     slip = rigid.static / machine.spring
     distance = (rigid.static - rigid.kinetic) / machine.spring / mean
-    return replace(
-        found,
+    # what is known of smaller slips on the way up to F_s, as that they shrink, tells nothing of the one from there
+    told = Behaviour(
+        rule=found.rule,
         kind="smooth",
         before=rigid.kinetic,
         after=rigid.kinetic,
         period=None,
-        period_error=0.0,
-        # what is known of smaller slips on the way up to F_s, as that they shrink, tells nothing of the one from there
-        smaller=0,
-        shrinks_by=0.0,
-        left=0.0,
-        swings=None,
-        cut=False,
         slips=1,
         error=rigid.kinetic_error / mean + machine.spring,
         success=True,
@@ -53,4 +46,6 @@ def after_forgetting(
         "forgotten their start and F is F_k; smaller slips before it were not followed",
         drive=np.array([begin / machine.spring, slip, slip, 2.0 * slip]),
         force=np.array([begin, rigid.static, rigid.kinetic, rigid.kinetic]),
+        run_time=found.run_time,
     )
+    return told.in_place_of(found)

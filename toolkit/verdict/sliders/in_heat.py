@@ -28,13 +28,8 @@ import numpy as np
 from origins.contacts import Contacts
 from origins.drive import RISE
 from origins.errors import InputError
-from toolkit.verdict.sliders.machine import (
-    Behaviour,
-    Machine,
-    RigidSlider,
-    not_followed,
-    rigid_slider,
-)
+from toolkit.verdict.sliders.machine import Machine, RigidSlider, rigid_slider
+from toolkit.verdict.sliders.records import Behaviour, not_followed
 from toolkit.verdict.sliders.steady import settling_distance
 
 # times the drive's speed: a mass that swings about it moves at up to twice as much
@@ -119,19 +114,26 @@ def _at_kinetic(
 ) -> Behaviour:
     """This slider as it slides on in heat, at F_k and what the damping bears."""
     force = rigid.kinetic + machine.damping * machine.velocity
-    return replace(
-        found,
+    told = Behaviour(
+        rule=found.rule,
         kind="smooth",
         before=force,
         after=force,
+        period=None,
+        slips=found.slips,
+        smaller=found.smaller,
         error=rigid.kinetic_error / unit,
         success=True,
-        # what is known of a first slip is that of contacts without heat
-        first_slip=None,
-        first_forces=None,
-        slip_time=None,
+        message=found.message,
+        run_time=found.run_time,
         heat_on_the_way=off / unit,
+        # the way up to there, and how slips died out on it; a first slip would be that of contacts without heat
+        shrinks_by=found.shrinks_by,
+        swings=found.swings,
+        drive=found.drive,
+        force=found.force,
     )
+    return told.in_place_of(found)
 
 
 def rigid_at(

@@ -11,7 +11,8 @@ from origins.thresholds.mixture import mixture
 from toolkit.scene.of_samples import of_smoothing
 from toolkit.verdict.sliders.ensemble import follow_by_contacts
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME, follow
-from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.sliders.ways import loading_of
 
 # barriers in a bin of the law of these, and most bins: more change F by less than the sampling of 20,000 barriers does

@@ -11,7 +11,8 @@ from toolkit.results.rarer import rarer
 from toolkit.results.sliding import may_go_on
 from toolkit.results.slips import late_slips, shrinks_by, spread_of, still_changing
 from toolkit.verdict.sliders.budget import MORE_TIME
-from toolkit.verdict.sliders.machine import Behaviour, Finite, Machine
+from toolkit.verdict.sliders.machine import Machine
+from toolkit.verdict.sliders.records import Behaviour, Finite
 from toolkit.verdict.sliders.steady import is_stable_with_delay
 
 # sliders, which differ by chance

@@ -7,7 +7,8 @@ import numpy as np
 from origins.contacts import Contacts
 from toolkit.verdict.sliders.budget import LONG_DELAY
 from toolkit.verdict.sliders.late import SLIDERS
-from toolkit.verdict.sliders.machine import Behaviour, Machine, slip_duration
+from toolkit.verdict.sliders.machine import Machine, slip_duration
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.sliders.ways import PlannedDrive, lives_in_a_slip, way_without_contacts
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
@@ -88,7 +89,9 @@ class Asked:
         end = LOADINGS_OF_SLIPS * loading if slips else loading + BEYOND * mean
         if infinite.slips and infinite.period and (slips or infinite.kind == "undecided"):
             # a heavy slider may slip for longer than the drive loads its spring
-            end = max(end, (infinite.first_slip or 0.0) + LOADINGS_OF_SLIPS * infinite.period)
+            end = max(
+                end, (infinite.in_time.first_slip or 0.0) + LOADINGS_OF_SLIPS * infinite.period
+            )
         longer = MANY_LOADINGS * loading
         lasting = MANY_LOADINGS if slips else longer / mean
         if infinite.rule not in FLOWING and SLIDERS * number * lasting < CHEAP:

@@ -1,22 +1,40 @@
 """What is told of slips that take time, those of a slider with mass."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 
-def of_slips_in_time(slips: Any) -> dict[str, Any]:
-    """Fields of a Behaviour: how long the last slip takes and its top speed; where the first one begins, and the forces
-    before and after it, with their error. All None, and the error 0, where slips take no time, and where there is none.
+@dataclass(frozen=True)
+class SlipsOfMass:
+    """What slips tell that take time; all None, and the error 0, of others, and where there is none.
+
+    slip_time, top_speed : of the last slip
+    first_slip, first_forces : X_T as the first main slip begins, of an ensemble that of its first slider, and the
+        spring force before and after it, of an ensemble the mean over sliders (lengths)
+    first_error : of these forces, one standard error between sliders (a length), 0 of one
     """
-    forces, error = _first_forces(slips) if _take_time(slips) else (None, 0.0)
-    return {
-        "slip_time": _last_of(slips, "duration"),
-        "top_speed": _last_of(slips, "top_speed"),
-        "first_slip": first_of(slips),
-        "first_forces": forces,
-        "first_error": error,
-    }
+
+    slip_time: float | None = None
+    top_speed: float | None = None
+    first_slip: float | None = None
+    first_forces: tuple[float, float] | None = None
+    first_error: float = 0.0
+
+
+def slips_in_time(slips: Any) -> SlipsOfMass:
+    """How long the last of these slips takes and its top speed; where the first one begins, and its forces."""
+    if not _take_time(slips):
+        return SlipsOfMass()
+    forces, error = _first_forces(slips)
+    return SlipsOfMass(
+        slip_time=float(slips.duration[-1]),
+        top_speed=float(slips.top_speed[-1]),
+        first_slip=first_of(slips),
+        first_forces=forces,
+        first_error=error,
+    )
 
 
 def first_of(slips: Any) -> float | None:
@@ -43,9 +61,3 @@ def _first_forces(slips: Any) -> tuple[tuple[float, float], float]:
 def _take_time(slips: Any) -> bool:
     """Whether there are slips, and these take time."""
     return getattr(slips, "duration", None) is not None and bool(slips.drive.size)
-
-
-def _last_of(slips: Any, name: str) -> float | None:
-    """A property of the last slip, where the solution has it: slips without mass take no time."""
-    values = getattr(slips, name, None)
-    return None if values is None or not len(values) else float(values[-1])

@@ -12,8 +12,8 @@ from toolkit.results.slips import slips_to_tell
 from toolkit.results.traces import with_slips
 from toolkit.scene.scale import ROUNDING
 from toolkit.verdict.sliders.budget import late
-from toolkit.verdict.sliders.machine import Behaviour, not_followed
-from toolkit.verdict.sliders.slips_in_time import of_slips_in_time
+from toolkit.verdict.sliders.records import Behaviour, not_followed
+from toolkit.verdict.sliders.slips_in_time import slips_in_time
 
 # Error, in mean thresholds, up to which a regime and its forces are told, the error beside them.
 PRECISE_ENOUGH = 0.05
@@ -99,5 +99,5 @@ def behaviour_of(rule: str, solved: Any, velocity: float, unit: float, open_why:
         few_break=part if no_slips and part is not None and part < SLIP_FRACTION else None,
         drive=drive,
         force=force,
-        **of_slips_in_time(slips),
+        in_time=slips_in_time(slips),
     )

@@ -27,7 +27,8 @@ from origins.contacts import Contacts
 from origins.drive import RISE, Drive
 from origins.errors import InputError
 from toolkit.verdict.sliders.in_heat import SLIDES, rigid_at
-from toolkit.verdict.sliders.machine import Behaviour, Machine, RigidSlider
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.sliders.told import PRECISE_ENOUGH
 from toolkit.verdict.sliders.ways import loading_of
 

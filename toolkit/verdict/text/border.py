@@ -5,7 +5,8 @@ import numpy as np
 from origins.drive import RISE
 from toolkit.scene.scale import told_contacts, written
 from toolkit.verdict.answers import Verdict
-from toolkit.verdict.sliders.machine import Finite, Machine
+from toolkit.verdict.sliders.machine import Machine
+from toolkit.verdict.sliders.records import Finite
 from toolkit.verdict.sliders.steady import friction_falls
 from toolkit.verdict.text.kinds import damped
 

@@ -14,7 +14,7 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import finite_told_apart, late_force_of
 from toolkit.verdict.sliders.finite import ABOVE
 from toolkit.verdict.sliders.late import SLIDERS
-from toolkit.verdict.sliders.machine import Finite
+from toolkit.verdict.sliders.records import Finite
 from toolkit.verdict.slips_in_words import after_slips, does, fall_of, fluctuating
 from toolkit.verdict.text.k_star import SMOOTH_ABOVE
 from toolkit.verdict.text.kinds import (
@@ -190,7 +190,7 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
     )
     followed = [finite for finite in verdict.finite if finite.kind != "unknown"]
     # what the headline tells already, in place of infinitely many, is not told again
-    alone = [one.sliders for one in own.behaviours if one.sliders and not one.sliders.message]
+    alone = [one.finite for one in own.behaviours if one.finite and not one.finite.message]
     followed = [finite for finite in followed if not any(finite is one for one in alone)]
     for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in followed).items():
         change = max(_change_by(verdict, one) for one in followed if one.rule in rules)

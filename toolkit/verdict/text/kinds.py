@@ -10,14 +10,8 @@ import numpy as np
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import long_delay
-from toolkit.verdict.sliders.machine import (
-    NAMED,
-    RULES,
-    Behaviour,
-    Machine,
-    slip_duration,
-    top_speed,
-)
+from toolkit.verdict.sliders.machine import NAMED, RULES, Machine, slip_duration, top_speed
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.uncertainty import WORTH_TELLING, assumed_share
 
 # what turns the answer or leaves it open; what changes the forces nobody knows how much, which is taken for half of
@@ -67,7 +61,7 @@ def a_slip(own: Answer) -> tuple[float, float]:
     """How long a slip of the own reading's mass takes in which no contact holds, and its top speed: as followed, of
     contacts that wait; else about, from the force before the slip, or F_s."""
     first = own.behaviours[0]
-    times = first.slip_time, first.top_speed
+    times = first.in_time.slip_time, first.in_time.top_speed
     if (
         first.rule == "mass"
         and first.kind == "stick-slip"

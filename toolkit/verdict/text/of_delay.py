@@ -11,7 +11,8 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import counted, disagreeing, verb
 from toolkit.verdict.readings import STRETCHED
 from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
-from toolkit.verdict.sliders.machine import NAMED, RULES, Behaviour
+from toolkit.verdict.sliders.machine import NAMED, RULES
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.sliders.steady import friction_decides, unstable_delays
 from toolkit.verdict.slips_in_words import does
 from toolkit.verdict.text.kinds import (

@@ -9,7 +9,7 @@ from origins.laws.thermal import Thermal
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.in_heat import looked_at
-from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.text.kinds import GENERAL, Line, by_reason, named
 
 # part of F_k that heat takes where hardly any of it is left

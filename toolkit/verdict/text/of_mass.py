@@ -8,7 +8,8 @@ from toolkit.scene.scale import spoken, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.follow import DAMPED, SETTLED_IN, STILL_SWINGS
 from toolkit.verdict.sliders.late import EVER_RARER
-from toolkit.verdict.sliders.machine import Behaviour, critical_damping, half_a_swing
+from toolkit.verdict.sliders.machine import critical_damping, half_a_swing
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.sliders.steady import friction_decides, friction_falls, time_constant
 from toolkit.verdict.text.kinds import GENERAL, UNSIZED, Line, damped
 from toolkit.verdict.text.slip_rows import drop_of, regained_by

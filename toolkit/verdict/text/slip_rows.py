@@ -10,7 +10,7 @@ from toolkit.verdict.mean_force import mean_over_slips
 from toolkit.verdict.of_area import finite_told_apart, rows_of
 from toolkit.verdict.sliders.follow import ENOUGH_SLIPS
 from toolkit.verdict.sliders.late import SLIDERS
-from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.slips_in_words import (
     falls,
     period_of,
@@ -46,7 +46,7 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
     for behaviour in verdict.own.behaviours:
         if behaviour.kind == "undecided" and not behaviour.slips:
             rows.setdefault(("slips", "not known"), []).append(behaviour.rule)
-        shown_above = behaviour.rule in few and behaviour.sliders is few[behaviour.rule]
+        shown_above = behaviour.rule in few and behaviour.finite is few[behaviour.rule]
         if (first := _first_slip(verdict, behaviour)) and not shown_above:
             rows.setdefault(("first slip", first), []).append(behaviour.rule)
         if behaviour.kind == "smooth" or not behaviour.slips or shown_above:
@@ -81,10 +81,10 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
             beside_forces = period_of(verdict, behaviour.period, uncertainty, bool(error))
             values["period"] = ", ".join(with_period_error(verdict, behaviour) or beside_forces)
         if behaviour.kind == "stick-slip" and behaviour.slips < ENOUGH_SLIPS:
-            told = _of_few_slips(behaviour) + still_changing(behaviour.sliders, scale)
+            told = _of_few_slips(behaviour) + still_changing(behaviour.finite, scale)
             values[SLIPS_SEEN] = told
-        if behaviour.slip_time is not None:
-            values["time of a slip"] = written(behaviour.slip_time, scale.time_unit)
+        if (lasts := behaviour.in_time.slip_time) is not None:
+            values["time of a slip"] = written(lasts, scale.time_unit)
         whose = ", infinitely many contacts" * (behaviour.rule in few)
         for name, value in values.items():
             rule = behaviour.rule + _unfinished(behaviour)
@@ -130,16 +130,17 @@ def _unfinished(behaviour: Behaviour) -> str:
 def _first_slip(verdict: Verdict, behaviour: Behaviour) -> str:
     """The forces before and after the first slip of a mass, of contacts that began together; "" without one, and where
     those of the slips that are told differ by less than is worth telling, or than is known."""
-    if behaviour.first_forces is None:
+    first = behaviour.in_time
+    if first.first_forces is None:
         return ""
-    scale, (before, after) = verdict.own.scale, behaviour.first_forces
+    scale, (before, after) = verdict.own.scale, first.first_forces
     each = (before, behaviour.before), (after, behaviour.after)
     mean, uncertainty = verdict.own.contacts.mean_threshold, widest_uncertainty(verdict)
     error = behaviour.error * mean if behaviour.error < np.inf else 0.0
-    least = max(WORTH_TELLING * abs(before), error + behaviour.first_error)
+    least = max(WORTH_TELLING * abs(before), error + first.first_error)
     if behaviour.kind != "smooth" and all(abs(one - other) <= least for one, other in each):
         return ""
-    chance = max(error, behaviour.first_error) if behaviour.first_error else 0.0  # of sliders
+    chance = max(error, first.first_error) if first.first_error else 0.0  # of sliders
     off = max(error, uncertainty * abs(before)) * scale.force
     shown = chance * scale.force * (chance > max(TOLD_FROM, uncertainty) * abs(before))
     high, low = (

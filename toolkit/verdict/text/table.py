@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import PREFIXED, Scale, guarded, in_three_digits, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
-from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.text.k_star import of_chance, of_critical_spring
 from toolkit.verdict.text.slip_rows import SLIPS_SEEN, rows_of_slips
 from toolkit.verdict.text.spread import other_samples

@@ -11,7 +11,7 @@ from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.readings import why_late
 from toolkit.verdict.sliders.budget import MORE_TIME, NO_FORCES
 from toolkit.verdict.sliders.follow import TOLERANCE_IN_TIME
-from toolkit.verdict.sliders.machine import Behaviour, ends_before_a_slip
+from toolkit.verdict.sliders.records import Behaviour, ends_before_a_slip
 from toolkit.verdict.text.kinds import (
     GENERAL,
     NOTHING,
@@ -186,7 +186,7 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         )
         apart = len(own.behaviours) > len(rules) or len(alike_to) > 1
         of_rules = ((error, f" if {named(alike)}" * apart) for error, alike in alike_to.items())
-        slips = [one.sliders.slips for one in by_contacts if one.rule in rules and one.sliders]
+        slips = [one.finite.slips for one in by_contacts if one.rule in rules and one.finite]
         if slips and 0.0 < min(slips) < ENOUGH:
             often = "once" if min(slips) == 1.0 else f"some {min(slips):.2g} times"
             said += f", each of which slipped {often}: few, so that their scatter is in the errors"

@@ -16,7 +16,7 @@ from toolkit.verdict.of_area import (
     whom_of,
 )
 from toolkit.verdict.sliders.late import EVER_RARER, shrinking
-from toolkit.verdict.sliders.machine import Behaviour
+from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.slips_in_words import (
     falls,
     hidden_by,
@@ -214,7 +214,7 @@ def _by_rules(verdict: Verdict, answer: Answer) -> list[str]:
         said = _behaved(verdict, answer, kind, alike, bare=of_area.startswith(kind), whom=whom)
         if of_area:
             # of those that are followed in place of infinitely many nothing else is known
-            no_more = all(one.instead or one.sliders is few[one.rule] for one in alike)
+            no_more = all(one.instead or one.finite is few[one.rule] for one in alike)
             said = of_area if no_more else f"{of_area} ({said} for infinitely many)"
         parts.append(f"{said} if {_rules(alike)}" if len(groups) > 1 else said)
     elsewhere = bool(not_decided(verdict)) or answer is not verdict.own
@@ -286,7 +286,7 @@ def _behaved(
     every = periods(verdict, alike, uncertainty, bool(shown_error))
     if every and kind != EVER_RARER:
         said += f" every {every} at {scale.speed(verdict.velocity)}"
-    if last.sliders is not None and (shrinks := shrinking(last.sliders)):
+    if last.finite is not None and (shrinks := shrinking(last.finite)):
         said += f"{shrinks}, so that they may die out"
-    said += whom + left_out(last.sliders or last) + still_changing(last.sliders, scale)
+    said += whom + left_out(last.finite or last) + still_changing(last.finite, scale)
     return said + of_assumed_damping(answer, last)
