@@ -24,7 +24,7 @@ import origins
 import toolkit
 from toolkit import commands
 from toolkit.command import main
-from toolkit.running.progress import Progress
+from toolkit.running.progress import SHORTEST, Progress
 from toolkit.scene.interfaces import remarks
 from toolkit.scene.scale import guarded
 from toolkit.scene.scene import shipped_scenes
@@ -194,7 +194,7 @@ def test_work_of_over_a_minute_says_so_at_the_first_look(capsys: Any) -> None:
     over = False
     bar = Progress("eq", done=done)
     bar.count(1000, 10**15)
-    time.sleep(1e-3)
+    time.sleep(1.1 * SHORTEST)  # two counts nearer to each other give no rate
     bar.count(2000, 10**15)
     looks.release()
     while not (line := capsys.readouterr().err):
