@@ -211,6 +211,11 @@ QUESTIONS = {
         "toolkit:follow_finite",
         "toolkit/verdict/sliders/ensemble.py:sliders",
     ),
+    "errors of energies of a slider with mass: of each part; by runs; by steps": (
+        "master/soft/inertia/energies.py:energy_errors",
+        "master/soft/inertia/runs.py:Runs.energy_error",
+        "master/soft/inertia/in_time/energy_errors.py:energies_told",
+    ),
     "energies of a slider with mass in the ensemble: on a move; of breaks; of spring and motion; their balance": (
         "eq_model/coupled/mass/state.py:pass_time",
         "eq_model/coupled/mass/kernel.py:_break",

@@ -19,8 +19,8 @@ from solving import same_bits
 import eq_model
 import master
 import toolkit
+from master.soft.inertia.energies import PARTS, Energy, EnergyError
 from master.soft.inertia.run import SlipsInTime
-from master.soft.inertia.solution import Energy
 from origins.errors import InputError
 from toolkit.pictures.axes import INK
 from toolkit.processes.ranks import cores_of
@@ -516,7 +516,8 @@ def test_the_motion_of_a_slider_with_mass_is_kept_with_the_master_equation(tmp_p
     lasting = {"time": np.arange(slips), "duration": 0.3 * each, "top_speed": 4.0 * each}
     moving = {"velocity": rows[0], "contact_force": rows[1], "contact_force_error": 1e-9}
     moving |= {
-        "energy": Energy(*rows),
+        "energy": Energy(*rows, 0.5),
+        "energy_error": EnergyError(*(0.1 * (1 + k) for k in range(6))),
         "slips": SlipsInTime(**vars(result.master.slips), **lasting),
     }
     master_with_mass = dataclasses.replace(result.master, **moving)
@@ -529,6 +530,8 @@ def test_the_motion_of_a_slider_with_mass_is_kept_with_the_master_equation(tmp_p
     )
     with h5py.File(tmp_path / "out" / "result.h5") as store:
         assert store["master/energy_drive"].attrs["units"].endswith("^2")
+    told = json.loads((tmp_path / "out" / "summary.json").read_text())["master"]
+    assert [told[f"energy_error_{of}"] for of in PARTS] == [0.1 * (1 + k) for k in range(6)]
     assert toolkit.load(tmp_path / "out").master.velocity.shape == (size,) and slips > 0
 
 

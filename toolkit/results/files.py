@@ -28,6 +28,8 @@ from toolkit.scene.interfaces import Number
 from toolkit.scene.tables import read_table
 
 RESULT = "result.h5"
+# what begins the names of numbers of a record's parts
+_PARTS = {"slips": "slip_", "regime": "", "energy": "energy_", "energy_error": "energy_error_"}
 _HISTOGRAMS, _PER_RANK = "histograms", "breaks_per_rank"
 # numbers of the master equation's answer that nobody knows where its force is not known
 _OF_FORCE = {"last_force", "largest_force", "period", "slips", "trend"}
@@ -130,7 +132,7 @@ def summary(result: Result) -> dict[str, Any]:
 def _flat(answer: Any) -> dict[str, Any]:
     """The fields of a record, those of slips, regimes and energies too."""
     values = {field.name: getattr(answer, field.name) for field in fields(answer)}
-    for name, prefix in (("slips", "slip_"), ("regime", ""), ("energy", "energy_")):
+    for name, prefix in _PARTS.items():
         if is_dataclass(part := values.pop(name, None)):
             values |= {f"{prefix}{field.name}": getattr(part, field.name) for field in fields(part)}
     return {name: value for name, value in values.items() if value is not None}
@@ -226,16 +228,19 @@ def _read_interface(group: Any) -> dict[str, Number]:
 def _read_master(group: Any) -> SolvedRecord:
     if "position" not in group:
         return _read(group, SolvedRecord)
+    from master.soft.inertia.energies import Energy, EnergyError
     from master.soft.inertia.run import SlipsInTime
-    from master.soft.inertia.solution import Energy
     from master.soft.regime import Regime
     from master.soft.slips import Slips
 
     heavy = "energy_drive" in group
     slips = _read(group, SlipsInTime if heavy else Slips, "slip_")
-    energy = _read(group, Energy, "energy_") if heavy else None
+    energies = {}
+    if heavy:
+        energies["energy"] = _read(group, Energy, "energy_")
+        energies["energy_error"] = _read(group, EnergyError, "energy_error_")
     regime = _read(group, Regime, slips=int(slips.drive.size), trend=group.attrs.get("trend"))
-    return _read(group, SolvedRecord, slips=slips, regime=regime, energy=energy)
+    return _read(group, SolvedRecord, slips=slips, regime=regime, **energies)
 
 
 def _read_eq(group: Any) -> Any:

@@ -35,7 +35,8 @@ class SolvedRecord:
     are those of master.solve.
 
     Of a slider with mass `force` is the spring's; `contact_force` is that of the contacts, with an error of its own,
-    `velocity` the slider's at each point, `energy` its energies by parts; `slips` have a `duration` and a `top_speed`.
+    `velocity` the slider's at each point, `energy` its energies by parts, with their largest errors in `energy_error`;
+    `slips` have a `duration` and a `top_speed`.
 
     The paper's closure of ageing (Q15) has defects at each X of `path`, which may end early: the mass of P_c minus 1
     and its weight below 0; `outrun` is the X from which contacts outrun P_c, inf if they never do.
@@ -58,6 +59,7 @@ class SolvedRecord:
     contact_force: Array | None = None
     contact_force_error: float | None = None
     energy: Any = None
+    energy_error: Any = None
     mass_defect: Any = None
     positivity_defect: Any = None
     outrun: float | None = None

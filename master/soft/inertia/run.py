@@ -12,6 +12,7 @@ from master.soft.cold_contacts import ColdContacts
 from master.soft.in_time.refining import AT_BALANCE
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.slider import DelayedSlider
+from master.soft.inertia.energies import Energy
 from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
@@ -92,6 +93,7 @@ class Run:
     record, balance : results at the path's points, and X_T at t = 0; force : of the spring, as far as it was followed
     tolerance : what is asked of it; stopped : why it was not followed to the end
     stored_first : energy of the contacts at t = 0
+    spring, unit : K, and the mean threshold (a length)
     waits : delay after which contacts form again (a time)
     goes_on : what small swings change that are not followed, None where all are
     """
@@ -105,7 +107,8 @@ class Run:
         # the motion hangs on F itself, and not on F' as slips without a mass do
         of_panels = OF_PANELS * tolerance * unit / cold.life.largest_stretch
         cold.of_panels = max(of_panels, LEAST_OF_PANELS)
-        self._spring, self._unit, self.waits = spring, unit, contacts.waiting_time
+        self.spring, self.unit, self.waits = spring, unit, contacts.waiting_time
+        self._mass = float(drive.mass or 0.0)
         self.tolerance = tolerance
         self.balance = cold.force_of(contacts.start) / spring
         if abs(drive.path[0] - self.balance) <= AT_BALANCE * unit:
@@ -137,6 +140,20 @@ class Run:
         count = solved.size if solved.all() else int(np.argmin(solved))
         self.force = spring * (drive.path[:count] - self.record.place[:count])
 
+    def energy(self) -> Energy:
+        """Energies at the points that were reached."""
+        record, n = self.record, self.force.size
+        record.finish()
+        return Energy(
+            drive=record.work[:n],
+            spring=0.5 * self.force**2 / self.spring,
+            contacts=record.stored[:n],
+            kinetic=0.5 * self._mass * record.speed[:n] ** 2,
+            damped=record.damped[:n],
+            released=record.on_contacts[:n] - (record.stored[:n] - self.stored_first),
+            start=0.5 * self.spring * self.balance**2 + self.stored_first,
+        )
+
     def slips(self, drive_error: float, duration_error: float = np.inf) -> SlipsInTime:
         """The slips with these errors, of X_T and of their durations."""
         found = self.record.slips
@@ -153,7 +170,7 @@ class Run:
             duration=end[0] - begin[0],
             top_speed=top,
             duration_error=duration_error,
-            force_error=self._spring * drive_error / self._unit,
+            force_error=self.spring * drive_error / self.unit,
         )
 
     def differ(self, other: "Run", earlier: "Run | None" = None) -> Differences:
@@ -165,7 +182,7 @@ class Run:
         points = np.abs(self.force[:n] - other.force[:n])
         force_and_load = max(
             float(points[~self._beside_slips(ours, theirs)[:n]].max(initial=0.0)),
-            self._spring * float(np.abs(ours.drive - theirs.drive).max(initial=0.0)),
+            self.spring * float(np.abs(ours.drive - theirs.drive).max(initial=0.0)),
             float(np.abs(ours.force_before - theirs.force_before).max(initial=0.0)),
             float(np.abs(ours.force_after - theirs.force_after).max(initial=0.0)),
         )
@@ -175,7 +192,7 @@ class Run:
         both = max(force_and_load, float(points.max()), self.unknown_fall(ours, apart))
         holding = np.abs(self.record.holding[:n] - other.record.holding[:n]).max()
         holding = max(float(holding), self.unknown_share(ours, apart))
-        unit = self._unit
+        unit = self.unit
         return Differences(both / unit, force_and_load / unit, float(contacts) / unit, holding)
 
     def _beside_slips(self, ours: SlipsInTime, theirs: SlipsInTime) -> NDArray[np.bool_]:
@@ -234,9 +251,9 @@ class Run:
         if not np.isfinite(differ) or not np.isfinite(error):
             return np.inf
         lasts, change = ours.duration, np.abs(ours.duration - theirs.duration)
-        per_force = change / max(differ, ROUNDING) + lasts * self._unit / np.abs(ours.drop)
+        per_force = change / max(differ, ROUNDING) + lasts * self.unit / np.abs(ours.drop)
         off = error * per_force
-        of_fall = np.maximum(differ, ROUNDING) * self._unit / np.abs(ours.drop)
+        of_fall = np.maximum(differ, ROUNDING) * self.unit / np.abs(ours.drop)
         follows = (off <= OF_DURATION * lasts) & (change <= FOLLOWS * of_fall * lasts)
         return float(off.max(initial=0.0)) if follows.all() else np.inf
 
@@ -244,7 +261,7 @@ class Run:
         """From where on the spring's force differs from that of another run by more than this (mean thresholds), in
         words, ": the two ..."; "" where it does so at no point of the path."""
         n = min(self.force.size, other.force.size)
-        off = np.abs(self.force[:n] - other.force[:n]) / self._unit
+        off = np.abs(self.force[:n] - other.force[:n]) / self.unit
         apart = np.flatnonzero(off > most)
         if not apart.size:
             return ""

@@ -1,7 +1,7 @@
 """Runs of a slider with mass, with ever smaller tolerances, until the forces of the last two agree.
 
 The error is twice their difference (SAFETY), and what both may miss alike (UNSEEN). That of the share that holds, which
-contacts with a delay leave and come back to when a slip comes, is told, and not asked for.
+contacts with a delay leave and come back to when a slip comes, and those of energies are told, and not asked for.
 """
 
 from typing import NamedTuple
@@ -11,10 +11,11 @@ import numpy as np
 from master.outcome import Progress
 from master.soft.inertia.body import QUIET
 from master.soft.inertia.delayed.small_swings import UNRESOLVED
+from master.soft.inertia.energies import PARTS, UNKNOWN, EnergyError, Unseen, Ways, energy_errors
 from master.soft.inertia.growing_swings import GrowingSwings
 from master.soft.inertia.heat_left_out import beside_slips
 from master.soft.inertia.reaction import ALIKE
-from master.soft.inertia.run import OF_PANELS, Differences, Run
+from master.soft.inertia.run import OF_PANELS, Differences, Run, times_apart
 from master.survival.life import ALL_ATOMS
 from origins import Contacts
 from origins.drive import Drive
@@ -59,6 +60,7 @@ class Runs(NamedTuple):
     errors : of the last one, estimates from above by what it differs from the one before, inf where there is none
     nodes : of all runs; stopped : why a run was not followed to its end, "" where all were
     parting : where the two part, in words
+    factor : on what the two differ in, beside SAFETY
     """
 
     best: Run
@@ -67,6 +69,32 @@ class Runs(NamedTuple):
     nodes: int
     stopped: str
     parting: str
+    factor: float
+
+    def energy_error(
+        self, drive: Drive, of_force: float, beside: float, of_contacts: float
+    ) -> EnergyError:
+        """Errors of the energies of the last run, by what they differ from those of the one before.
+
+        of_force, beside : of the spring's force as it is told, see Unseen (lengths)
+        of_contacts : of the contacts' force, by what no run shows (a length)
+        """
+        best, coarser = self.best, self.coarser
+        if not np.isfinite(beside) or best is coarser:
+            return UNKNOWN
+        ours, theirs, slips = best.energy(), coarser.energy(), best.slips(0.0)
+        n = min(ours.drive.size, theirs.drive.size)
+        off = {name: np.abs(getattr(ours, name)[:n] - getattr(theirs, name)[:n]) for name in PARTS}
+        changes = {name: self.factor * SAFETY * float(each.max()) for name, each in off.items()}
+        path = np.append(best.balance, drive.path)
+        forces = np.append(best.force, slips.force_before)
+        ways = Ways.of(path, slips.after - slips.before, best.spring, forces, best.unit)
+        apart = times_apart(slips, coarser.slips(0.0), coarser.slips(0.0))
+        by_time = ways.largest * ways.per_spring * best.unknown_fall(slips, apart)
+        at_begin = best.unit * best.unknown_hold(slips, apart)
+        on_the_way = self.factor * QUIET * best.tolerance * best.unit + of_contacts
+        unseen = Unseen(of_force, beside, on_the_way, by_time, at_begin)
+        return energy_errors(changes, ours, unseen, ways)
 
 
 def run_ever_finer(
@@ -114,6 +142,6 @@ def run_ever_finer(
             errors = errors._replace(holding=min(share, 1.0))
             parting = run.parting(before, (sought - unseen) / SAFETY)
             progress(errors.force)
-    if mixed:
-        errors = Differences(*(EXACT_SAFETY * error for error in errors))
-    return Runs(best, coarser, errors, nodes, stopped, parting)
+    factor = EXACT_SAFETY if mixed else 1.0
+    errors = Differences(*(factor * error for error in errors))
+    return Runs(best, coarser, errors, nodes, stopped, parting, factor)

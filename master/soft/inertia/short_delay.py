@@ -14,6 +14,7 @@ from master.soft.inertia.record import Record
 from master.soft.inertia.run import Run
 from origins import Contacts
 from origins.drive import Drive
+from origins.thresholds.law import Array
 
 # Part of the damping that the delay may take: near 1 terms of second order decide whether sliding is stable.
 MOST_TAKEN = 0.5
@@ -38,6 +39,7 @@ class ShortDelay(NamedTuple):
     contacts, drive : without it, under the damping that it leaves
     waiting : τ/<x_s>, per speed the share of the contacts that wait, to first order
     taken : g/(γ - g), by which the energy that this damping takes is too small
+    unsure : part of what the delay changes that is not known
     error, of_holding : of the force, in mean thresholds, and of the share that holds
     """
 
@@ -45,6 +47,7 @@ class ShortDelay(NamedTuple):
     drive: Drive
     waiting: float
     taken: float
+    unsure: float
     error: float
     of_holding: float
 
@@ -54,6 +57,10 @@ class ShortDelay(NamedTuple):
         record.holding /= 1.0 + self.waiting * np.abs(record.speed)
         record.on_contacts -= self.taken * record.damped
         record.damped *= 1.0 + self.taken
+
+    def of_energy(self, damped: Array) -> float:
+        """The error of energies (length squared) where the damping, as it is told, has taken these."""
+        return self.taken * self.unsure * float(np.nanmax(damped, initial=0.0))
 
     @property
     def message(self) -> str:
@@ -99,13 +106,15 @@ def short_delay(
     )
     waits = waiting * fastest
     distance = min(float(np.abs(slips.after - slips.before).min(initial=np.inf)), unit / spring)
-    error = changes * (2.0 * waits + UNSTEADY * unit / distance) + waiting * pulled
+    unsure = 2.0 * waits + UNSTEADY * unit / distance
+    error = changes * unsure + waiting * pulled
     if waits > MOST_WAITING or error > OF_TOLERANCE * tolerance:
         return None
     # contacts of narrow thresholds break at once, and a share of the peak of the law waits
     width = np.sqrt(max(law.moment(2) - law.mean() ** 2, TINY))
     of_holding = 2.0 * waits * max(1.0, PEAK * unit / width)
-    return ShortDelay(without, damped, waiting, takes / (drive.damping - takes), error, of_holding)
+    taken = takes / (drive.damping - takes)
+    return ShortDelay(without, damped, waiting, taken, unsure, error, of_holding)
 
 
 def fastest_of(drive: Drive) -> float:

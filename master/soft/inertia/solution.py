@@ -22,18 +22,17 @@ from master.soft.followed import (
 )
 from master.soft.in_time.idle_heat import Idle, without_weak_heat
 from master.soft.in_time.refining import balance_of
+from master.soft.inertia.energies import Energy, EnergyError
 from master.soft.inertia.foretold import refuse_endless_swings, refuse_long_ringing
 from master.soft.inertia.growing_swings import growing_swings
 from master.soft.inertia.heat_left_out import beside_slips, heat_decides
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
-from master.soft.inertia.record import Record
 from master.soft.inertia.run import Differences
 from master.soft.inertia.runs import HeatLeftOut, run_ever_finer
 from master.soft.inertia.short_delay import short_delay
 from master.soft.solution import SoftSolution, common_fields, without_heat
 from master.survival.life import ALL_ATOMS
 from origins import Contacts
-from origins.brief import brief
 from origins.drive import Drive
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
@@ -47,26 +46,6 @@ ANYWHERE = 1.0
 
 
 @dataclass(frozen=True)
-class Energy:
-    """Energy per N_c<k> (length squared) at the points of the path, arrays of shape (n,); with those at t = 0,
-
-        drive = change of (spring + contacts + kinetic) + damped + released.
-
-    drive : work of the drive since t = 0; damped, released : taken by the damping and by breaks since t = 0
-    spring, contacts : stored in them; kinetic : of the mass
-    """
-
-    drive: Array
-    spring: Array
-    contacts: Array
-    kinetic: Array
-    damped: Array
-    released: Array
-
-    __repr__ = brief
-
-
-@dataclass(frozen=True)
 class InertialSolution(SoftSolution):
     """Motion of a slider with mass; see SoftSolution, whose `force` is that of the spring, K (X_T - X).
 
@@ -75,14 +54,15 @@ class InertialSolution(SoftSolution):
         mean thresholds: above `force_error` where the slider passes many thresholds in a slip
     holding_error : the same of `holding`, 0 where contacts form at once; where they wait out a delay `success` does not
         ask for it, as it hangs, as the contacts' force does, on when a slip comes
-    energy : by parts; neither these nor `velocity` have an error of their own, and beside a slip, and while the slider
-        rings on its contacts, they may be those of another moment of it
+    energy, energy_error : by parts, see Energy and EnergyError; beside a slip, and while the slider rings on its
+        contacts, `velocity`, which has no error of its own, may be that of another moment of it
     """
 
     velocity: Array
     contact_force: Array
     contact_force_error: float
     energy: Energy
+    energy_error: EnergyError
 
 
 def solve_inertial(
@@ -104,7 +84,7 @@ def solve_inertial(
     if set(contacts.laws) - {"delay"}:
         in_steps = follow_in_steps(contacts, drive, tolerance, progress, until)
         common = common_fields((given, contacts), drive, in_steps.followed, tolerance, until)
-        return _in_steps(in_steps, common, drive, began)
+        return _in_steps(in_steps, common, began)
     _check(contacts, drive, until)
     short = short_delay(contacts, drive, tolerance, until) if contacts.waiting_time else None
     if short is not None:
@@ -125,7 +105,8 @@ def solve_inertial(
     notes, of_contacts, of_holding = list[str](), errors.contact_force, errors.holding
     if short is not None:
         neglected += short.error
-        short.correct(best.record)
+        for run in {best, runs.coarser}:
+            short.correct(run.record)
         of_holding += short.of_holding
         notes.append(short.message)
     if (swings := best.goes_on) is not None:
@@ -166,8 +147,13 @@ def solve_inertial(
         ),
         note="; ".join(notes),
     )
-    record = best.record
-    record.finish()
+    energy, record = best.energy(), best.record
+    at_all, near_slips = of_all * unit, (of_all + beside) * unit + by_heat.force
+    energy_error = runs.energy_error(drive, at_all, near_slips, (neglected + of_slips) * unit)
+    if short is not None:
+        energy_error = energy_error.with_more(short.of_energy(record.damped))
+    if swings is not None:
+        energy_error = energy_error.with_more(swings.energy)
     solved = slice(0, found.force.size)
     common = common_fields((given, contacts), drive, found, tolerance, until)
     common["holding_error"] = 0.0
@@ -185,17 +171,14 @@ def solve_inertial(
         contact_force_error=float(
             of_contacts + by_heat.contact_force / unit + neglected + of_slips
         ),
-        energy=_energy(record, found, spring, float(drive.mass or 0.0), best.stored_first),
+        energy=energy,
+        energy_error=energy_error,
     )
 
 
-def _in_steps(
-    found: HeavyFound, common: dict[str, Any], drive: Drive, began: float
-) -> InertialSolution:
+def _in_steps(found: HeavyFound, common: dict[str, Any], began: float) -> InertialSolution:
     """What was found in steps of time, since time.perf_counter() was at `began`."""
-    columns, mass = found.columns, float(drive.mass or 0.0)
-    force = found.followed.force
-    stored, on_contacts = columns["stored"], columns["on_contacts"]
+    columns = found.columns
     return InertialSolution(
         **common,
         position=columns["position"],
@@ -203,14 +186,8 @@ def _in_steps(
         velocity=columns["speed"],
         contact_force=columns["force"],
         contact_force_error=found.contact_force_error,
-        energy=Energy(
-            drive=columns["work"],
-            spring=0.5 * force**2 / float(drive.spring or 0.0),
-            contacts=stored,
-            kinetic=0.5 * mass * columns["speed"] ** 2,
-            damped=columns["damped"],
-            released=on_contacts - (stored - found.stored_first),
-        ),
+        energy=found.energy,
+        energy_error=found.energy_error,
     )
 
 
@@ -237,18 +214,3 @@ def _check(contacts: Contacts, drive: Drive, until: float) -> None:
             f"contacts: with a mass and a delay {fault}; give the exact values a width"
         )
     refuse_endless_swings(contacts, drive, until)
-
-
-def _energy(
-    record: Record, found: Followed, spring: float, mass: float, stored_first: float
-) -> Energy:
-    """Energies at the points that were reached."""
-    n = found.force.size
-    return Energy(
-        drive=record.work[:n],
-        spring=0.5 * found.force**2 / spring,
-        contacts=record.stored[:n],
-        kinetic=0.5 * mass * record.speed[:n] ** 2,
-        damped=record.damped[:n],
-        released=record.on_contacts[:n] - (record.stored[:n] - stored_first),
-    )

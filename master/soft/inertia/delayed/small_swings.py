@@ -35,7 +35,7 @@ UNRESOLVED = (
 
 class GoesOn(NamedTuple):
     """Estimates from above of what swings that are not followed change: of the spring's force and the contacts'
-    (lengths), and of the share that holds.
+    (lengths), of the share that holds, and of energies (a length squared).
 
     since : X_T from which on they are not followed
     """
@@ -44,6 +44,7 @@ class GoesOn(NamedTuple):
     force: float
     contact_force: float
     holding: float
+    energy: float
 
 
 class Seen(NamedTuple):
@@ -139,7 +140,18 @@ class SmallSwings:
         if force > (RISE * body.machine.unit if window > MANY * least else enough):
             return None
         self._write(late)
-        return GoesOn(at, force, contacts, holding)
+        return GoesOn(at, force, contacts, holding, self._of_energies(late, before))
+
+    def _of_energies(self, late: Array, before: Array) -> float:
+        """How far energies may be off at the path's end, as they went on otherwise in late swings than before: that
+        of a swing's motion, and the difference of the slopes along the drive's way on what is left of it."""
+        body, drive = self._body, self._body.drive
+        slopes = [
+            np.ptp(one[:, ENERGIES], axis=0) / np.ptp(one[:, DRIVE]) for one in (late, before)
+        ]
+        to_go = abs(float(drive.at(drive.end)) - float(drive.at(body.state.t)))
+        of_motion = 0.5 * body.machine.mass * float(np.abs(late[:, SPEED]).max()) ** 2
+        return of_motion + TWICE * float(np.abs(slopes[1] - slopes[0]).max()) * to_go
 
     @property
     def _grow(self) -> bool:

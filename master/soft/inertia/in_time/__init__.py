@@ -18,6 +18,7 @@ mass nothing is unstable: no slip rule is needed, and a step of any small size h
     falls.py         falls of the spring's force, and slips among them, as `master.soft.inertia.record` defines them
     refining.py      steps of 1, 1/2, 1/4 ... until the error is within the tolerance
     answer.py        the limit of steps 0, and its error
+    energy_errors.py energies, and theirs
     clocks.py        when each slider is read for that, as a slip comes a little earlier or later on halved steps
 
 Sections along which all is smooth end where the slider turns round (V = 0), as contacts may break ahead of it and not

@@ -27,8 +27,6 @@ SAFETY = 3.0
 # Changes fall by 4 from one halving to the next; where by more than this, the last two answers agree by chance.
 FALL, MOST_FALL = 4.0, 8.0
 ROUNDING = 1e-13
-# Times the error of X_T at which a slip begins within which one may come after the path's end.
-MORE_ROOM = 2.0
 # Part of the force that ends a slip up to which its error may be, so that the slip's end is known.
 OF_END = 0.1
 # Times the time from rest to a flight in the error of a slip's duration: of 50 random machines one was 0.7 of it off.
@@ -64,6 +62,7 @@ class HeavyAnswer(NamedTuple):
     """The limit of some sliders at times (n,), and its errors.
 
     columns : by the names of HeavyNode, arrays of shape (n,); lengths, and energies per N_c<k>
+    changes : of columns, see `_changes`, shape (3, columns, n); inf where too few sliders tell them
     slips : of the last slider, in the limit where all have as many
     parts : of the error of the spring's force (mean thresholds); of_contacts : error of the contacts' force (the same)
     of_holding : error of the share that holds; duration_error : of the slips' durations; of_slip_forces : of those
@@ -72,6 +71,7 @@ class HeavyAnswer(NamedTuple):
     """
 
     columns: dict[str, Array]
+    changes: Array
     slips: SlipRows
     parts: tuple[ErrorPart, ...]
     of_contacts: float
@@ -103,10 +103,12 @@ def answer(
     unknown = ErrorPart("steps, of which fewer than three halvings were solved", np.inf)
     parts, of_contacts, of_holding = [unknown], np.inf, unknown
     duration_error = of_slip_forces = np.inf
+    of_columns = np.full((3, len(COLUMNS), asked.size), np.inf)
     at_end = ErrorPart("a slip that may come before the path ends", 0.0, ELSEWHERE)
     unseen, beside = _unseen(last, contacts, drive), Beside(at_end, 0.0, 0.0)
     if len(sliders) == COMPARED:
         limit, changes = _at_step_0(read_from), _changes(read_from)
+        of_columns = changes[:, :, : asked.size]
         safety = max(last.contacts.memory.safety, SAFETY)
         of_spring = last.spring * changes[:, PLACE] / unit
         of_slips = np.zeros((3, 0))
@@ -145,9 +147,9 @@ def answer(
             more = max((bound.holding for bound in last.flown), default=0.0)
             of_holding = of_holding._replace(size=min(most + more, 1.0))
             errors = total((*parts, *unseen)), total(unseen), of_contacts, of_holding.size
-            beside = _beside(clocks, changes[:, :, : asked.size], np.array(errors), safety)
+            beside = _beside(clocks, of_columns, np.array(errors), safety)
         in_time = total((*parts, *unseen)) * unit / last.spring
-        if last.may_pass_slips and (len(begun) > 1 or _may_slip(last, in_time)):
+        if last.may_pass_slips and (len(begun) > 1 or clocks.may_slip(in_time)):
             # as large as any, and none may hold
             most = float(np.abs(clocks.pull(asked, limit[PLACE, : asked.size])).max(initial=0.0))
             beside = Beside(at_end._replace(size=most / unit), most / unit, 1.0)
@@ -158,6 +160,7 @@ def answer(
     of_contacts += total(unseen) + more_of_contacts
     return HeavyAnswer(
         columns,
+        of_columns,
         slips,
         tuple(parts),
         of_contacts,
@@ -184,22 +187,6 @@ def _beside(clocks: Clocks, changes: Array, errors: Array, safety: float) -> Bes
     where = clocks.near(off[0]) if more[0] else ""
     of_force = ErrorPart(f"slips, whose times are not known so well{where}", more[0], ELSEWHERE)
     return Beside(of_force, more[1], min(more[2], 1.0))
-
-
-def _may_slip(slider: HeavySlider, drive_error: float) -> bool:
-    """Whether the slider gets faster so soon before the path ends that a slip may begin there, which is known to an
-    error in X_T (a length). Towards a slip its speed grows as the time left to the power -1/2, or faster."""
-    motion = slider.motion
-    nodes = [node for nodes in slider.sections[-2:] for node in nodes]
-    if motion is None or len(nodes) < 2:
-        return False
-    last = nodes[-1]
-    before = next((one for one in nodes[::-1] if one.time < last.time), last)
-    ahead = np.sign(motion.speeds[0])
-    if not last.speed * ahead > before.speed * ahead > 0.0:
-        return False
-    left = (last.time - before.time) / ((last.speed / before.speed) ** 2 - 1.0)
-    return bool(left * abs(motion.speeds[0]) < MORE_ROOM * drive_error)
 
 
 def _of_durations(slips: SlipRows, error: float, slider: HeavySlider, drive: Drive) -> float:

@@ -19,6 +19,8 @@ from origins.thresholds.law import Array
 
 # Part of a period of ringing: a time that is not known to this leaves the phase of the swing unknown.
 OF_PERIOD = 0.25
+# Times the error of X_T at which a slip begins within which one may come after the path's end.
+MORE_ROOM = 2.0
 # Columns of a node that are read: all behind its size and its time.
 COLUMNS = HeavyNode._fields[2:]
 FORCE, HOLDING, PLACE = (COLUMNS.index(of) for of in ("force", "holding", "position"))
@@ -121,6 +123,21 @@ class Clocks:
                 swing = 2.0 * ring.motion.bound(since)
                 most = np.maximum(most, swing * np.array([self.last.spring, ring.stiff]))
         return most
+
+    def may_slip(self, drive_error: float) -> bool:
+        """Whether the last slider gets faster so soon before the path ends that a slip may begin there, which is known
+        to an error in X_T (a length). Towards a slip its speed grows as the time left to the power -1/2, or faster."""
+        motion = self.last.motion
+        nodes = [node for nodes in self.last.sections[-2:] for node in nodes]
+        if motion is None or len(nodes) < 2:
+            return False
+        last = nodes[-1]
+        before = next((one for one in nodes[::-1] if one.time < last.time), last)
+        ahead = np.sign(motion.speeds[0])
+        if not last.speed * ahead > before.speed * ahead > 0.0:
+            return False
+        left = (last.time - before.time) / ((last.speed / before.speed) ** 2 - 1.0)
+        return bool(left * abs(motion.speeds[0]) < MORE_ROOM * drive_error)
 
     def pull(self, times: Array, places: Array) -> Array:
         """The spring's force (lengths) on the last slider at these places at these times, on a drive that moves."""

@@ -17,8 +17,10 @@ from master.soft.in_time.refining import (
     memory_of,
 )
 from master.soft.in_time.steps import CONTROL
+from master.soft.inertia.energies import Energy, EnergyError
 from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.in_time.answer import COMPARED, HeavyAnswer, answer, spacing_error
+from master.soft.inertia.in_time.energy_errors import energies_told
 from master.soft.inertia.in_time.long_slips import long_slips_of
 from master.soft.inertia.in_time.ringing import Ringing
 from master.soft.inertia.in_time.slider import HeavySlider
@@ -33,13 +35,14 @@ NAMED = 3
 
 
 class HeavyFound(NamedTuple):
-    """What is found: force and slips with their errors; the motion and energies at the points of the path, by the names
-    of HeavyNode; the error of the contacts' force (mean thresholds); and what the contacts store at t = 0."""
+    """What is found: force and slips with their errors; the motion at the points of the path, by the names of
+    HeavyNode; the error of the contacts' force (mean thresholds); and energies with their errors."""
 
     followed: Followed
     columns: dict[str, Array]
     contact_force_error: float
-    stored_first: float
+    energy: Energy
+    energy_error: EnergyError
 
 
 def follow_in_steps(
@@ -202,6 +205,6 @@ def _found(
     )
     if last.slides and last.motion is not None:
         followed = followed._replace(**_sliding(last, last.motion))
-    stored_first = last.sections[0][0].stored
     of_contacts = best.of_contacts + best.beside.contact_force
-    return HeavyFound(followed, best.columns, of_contacts, stored_first)
+    told = energies_told(best, last, drive, balance, force)
+    return HeavyFound(followed, best.columns, of_contacts, *told)
