@@ -418,6 +418,18 @@ def test_samples_in_newtons_have_the_places_that_their_scatter_leaves(
     assert "stiff heat at 300 K (attempt frequency 1e+10/s)" in page and "Thermal(" not in page
 
 
+def test_the_regime_has_the_digits_that_samples_leave() -> None:
+    """K* of eighty samples has two, that of a law more."""
+    drive = {"to": 3.0, "points": 11, "spring": 0.1}
+    for law, digits in (
+        ({"kind": "from-samples", "x_s": np.linspace(0.4, 1.7, 80).tolist()}, 2),
+        ({"kind": "gaussian", "mean": 1.0, "std": 0.2}, 6),
+    ):
+        reason = toolkit.run(scene(law, drive=drive)).master.regime.reason
+        found = re.search(r"K = 0\.1 N_c<k>, a rigid slider as fast .* K\* = (\d\.\d+)", reason)
+        assert found and len(found[1].replace(".", "").lstrip("0")) == digits, reason
+
+
 def test_a_run_on_a_spring_is_told_in_newtons_and_metres(capsys: Any) -> None:
     """Its regime, its period, and how late the slips of the ensemble come."""
     drive = {"spring": "1 kN/m", "area": 1e-6, "to": 1e-3, "points": 20}
@@ -425,8 +437,10 @@ def test_a_run_on_a_spring_is_told_in_newtons_and_metres(capsys: Any) -> None:
     _, out, _ = said(capsys, "run", write(contacts={"thresholds": ROUGH}, drive=drive, eq=eq))
     page = "\n".join(out)
     assert re.search(
-        r"K = 1\.000 kN/m, a rigid slider as fast as the drive has K\* = \S+ .?N/m", page
+        r"K = 1\.000 kN/m, a rigid slider as fast as the drive has K\* = (\d\.\d|\d\d|\d00) .?N/m",
+        page,
     )
+    assert re.search(r"^slip    from \d{3} mN to 0 N, the last", page, re.MULTILINE)
     assert re.search(r"last period \d{3} µm: ", page)
     assert re.search(r"place in eq less that of the master equation: \S+ ± \S+ .m", page)
     assert "K = " in page and "N_c<k>, a rigid" not in page and " of <x_s>, " not in page

@@ -19,6 +19,7 @@ from scenes import ROUGH, refused, said, scene, write
 import master
 import toolkit
 from toolkit.pictures.points import plot_points, plot_points_swing
+from toolkit.results.points import write_sweep
 from toolkit.results.report import report
 from toolkit.running import pool
 from toolkit.running.points import earlier_points
@@ -393,7 +394,22 @@ def test_a_spring_that_never_slipped_has_no_swing_and_a_contradiction_no_regime(
     axes = plot_points_swing(Figure().subplots(), done)
     assert [*np.isfinite(axes.lines[0].get_ydata())] == [False, True, True]
     said = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert said == ["swings end between 0.1 and 5", "no mark: no slip up to the end of the path"]
+    assert said == [
+        "swings end between 0.1 and 5",
+        "no mark: the force only rises at the end of the path",
+    ]
+    # so it does by the ensemble alone, and between two slips that are farther apart than the path's last quarter
+    short = tables | {"drive": drive | {"to": 4.0}, "master": None}
+    del short["master"]
+    alone = toolkit.run(short | {"sweep": {"drive.spring": [0.1, 0.5, 2.0]}})
+    assert [*np.isfinite(alone.sweep["eq_force_swing"])] == [False, False, True]
+    assert [*alone.sweep["eq_slips_a_slider"]][:2] == [0.0, 1.0]
+    unknown = alone.sweep.columns | {"eq_force_swing": np.full(3, np.nan)}
+    write_sweep(replace(alone, sweep=replace(alone.sweep, columns=unknown)), Path("alone.csv"))
+    head, *_ = Path("alone.csv").read_text().splitlines()
+    assert "eq_last_force" in head and "eq_force_swing [" not in head  # of no value at all
+    marks = plot_points(Figure().subplots(), alone, "kinetic_force").lines[0].get_ydata()
+    assert [*np.isfinite(marks)] == [False, True, False]
     forces = plot_points(Figure().subplots(), done, "kinetic_force")
     assert done.sweep["force_after_slip"][1] == 0.0 and forces.get_ylim()[0] < -0.01
     columns = done.sweep.columns | {"message": np.array(["", "", "disagree: they slip"])}

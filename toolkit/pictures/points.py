@@ -28,8 +28,11 @@ _FLAT = 0.01
 _ROOM = 0.05  # of an axis below its lowest mark
 _ALIKE = 1e-6  # of K*: values nearer to each other are one, but for the tolerance of its search
 _LOG_FROM = 30.0  # largest over smallest value from which an axis is logarithmic
+# of keys of smooth sliding, and of the drive
 _SYMBOLS = {"velocity": "speed $v$", "temperature": r"temperature $k_BT/\langle k\rangle$"}
 _SYMBOLS |= {"kelvin": "temperature $T$", "rate": "rate of ageing", "delay": r"delay $\tau$"}
+_SYMBOLS |= {"drive.velocity": "speed of the drive $v$", "drive.area": "nominal area $A$"}
+_SHARED_SPRING = r"spring $K/(N_c\langle k\rangle)$"
 _SPEEDS = ("velocity", "drive.velocity")
 # last over first of the speeds along which F_k is a straight line of ln v; along fewer its slope says little
 _STRAIGHT = 100.0
@@ -81,7 +84,7 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     axes.update_datalim(np.column_stack([x, x]), updatey=False)
     if x.min() > 0.0 and x.max() > _LOG_FROM * x.min():
         axes.set_xscale("log")
-    name_axis(axes.xaxis, _SYMBOLS.get(first, first), unit or units.get(first, ""))
+    name_axis(axes.xaxis, *_axis_of_key(first, unit or units.get(first, "")))
     value, _ = _drawn(result, name)
     least, most = np.nanmin(value), np.nanmax(value)
     if least > 0.0 and most > _LOG_FROM * least:
@@ -97,6 +100,13 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     if len(columns) > 1 or ((others or marked or sloped) and name in ("force", "kinetic_force")):
         legend_above(axes, letters=_LETTERS)
     return axes
+
+
+def _axis_of_key(key: str, unit: str) -> tuple[str, str]:
+    """Name and unit of an axis of a key that is swept."""
+    if key == "drive.spring":
+        return (_SHARED_SPRING, "") if unit in ("", SHARED) else ("spring $K$", unit)
+    return _SYMBOLS.get(key, key), unit
 
 
 def _draw_slope(axes: Any, speed: Array, force: Array, error: Array, color: str) -> float:
@@ -173,19 +183,18 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
 
 
 def _swings_on(sweep: SweepRecord) -> NDArray[np.bool_]:
-    """At which points the force of the ensemble's spring still swings in the end: elsewhere its slips are those of the
-    first transient alone."""
-    swing = np.where(_never_slipped(sweep), 0.0, sweep.columns["eq_force_swing"].ravel())
-    return np.asarray(swing > _NOISE * np.nanmax(swing, initial=0.0))
+    """At which points the force of the ensemble's spring still swings in the end, or rises after slips: elsewhere its
+    slips are those of the first transient alone."""
+    swing = sweep.columns["eq_force_swing"].ravel()
+    slipped = sweep.columns["eq_slips_a_slider"].ravel() > 0.0
+    largest = np.nanmax(swing) if np.isfinite(swing).any() else 0.0
+    return np.asarray((swing > _NOISE * largest) | (_still_rises(sweep) & slipped))
 
 
-def _never_slipped(sweep: SweepRecord) -> NDArray[np.bool_]:
-    """At which points the path ends before the first slip, so that F still rises on the spring, and swings by that
-    alone."""
-    if not {"regime", "eq_slips_a_slider"} <= {*sweep.columns}:
-        return np.zeros(sweep.size, dtype=bool)
-    slips = sweep.columns["eq_slips_a_slider"].ravel()
-    return np.asarray((sweep.columns["regime"].ravel() == "undecided") & (slips == 0.0))
+def _still_rises(sweep: SweepRecord) -> NDArray[np.bool_]:
+    """At which points the force but rises where the path ends, so that its swing is not known."""
+    known = np.isfinite(sweep.columns["eq_last_force"].ravel())
+    return np.asarray(known & np.isnan(sweep.columns["eq_force_swing"].ravel()))
 
 
 def _drawn(result: Result, name: str) -> tuple[Array, Array]:
@@ -193,8 +202,6 @@ def _drawn(result: Result, name: str) -> tuple[Array, Array]:
     value, error = _with_error(result, name)
     if name == _OF_ENSEMBLE:
         value = np.where(_swings_on(cast(Any, result.sweep)), value, np.nan)
-    if name == "eq_force_swing":
-        value = np.where(_never_slipped(cast(Any, result.sweep)), np.nan, value)
     return value, error
 
 
@@ -216,7 +223,7 @@ def _axis_of(name: str, columns: dict[str, str], result: Result) -> tuple[str, s
         return spring_name(result.scale.spring_unit)
     whole, unit = force_name(result.scale, "F_k" if [*columns] in _OF_RIGID else "F")
     if name == "eq_force_swing":
-        return f"swing of spring {whole}\n", unit
+        return f"swing of {whole.removeprefix('force ')}\n", unit
     said = "".join(columns.values()) if len(columns) == 1 else ""
     return f"{whole}\n{said}".strip(), unit
 
@@ -248,7 +255,7 @@ def plot_points_swing(axes: Any, result: Result) -> Any:
     x, unit = _numbers(sweep[first])
     unit = unit or key_units([first], result.scale).get(first, "")
     order = np.argsort(x, kind="stable")
-    x, swings, rising = x[order], _swings_on(sweep)[order], _never_slipped(sweep)[order]
+    x, swings, rising = x[order], _swings_on(sweep)[order], _still_rises(sweep)[order]
     ends = np.flatnonzero(swings[:-1] & ~(swings | rising)[1:])
     if len(sweep.along) == 1 and ends.size == 1 and not swings[ends[0] + 1 :].any():
         low, high = x[ends[0]], x[ends[0] + 1]
@@ -256,16 +263,16 @@ def plot_points_swing(axes: Any, result: Result) -> Any:
         label = f"swings end between {' and '.join(where)}"
         axes.axvspan(low, high, color="0.9", lw=0, zorder=0, label=label)
     if rising.any():
-        axes.plot([], [], " ", label="no mark: no slip up to the end of the path")
+        axes.plot([], [], " ", label="no mark: the force only rises at the end of the path")
     if axes.get_legend_handles_labels()[1]:
         legend_above(axes)
     return axes
 
 
 def with_swing(sweep: object) -> bool:
-    """Whether a sweep has swings of the force of a spring, other than its rise before the first slip."""
-    has = isinstance(sweep, SweepRecord) and "eq_force_swing" in sweep.columns
-    return has and not bool(_never_slipped(cast(SweepRecord, sweep)).all())
+    """Whether a sweep has swings of the force of a spring somewhere."""
+    own = sweep.columns.get("eq_force_swing") if isinstance(sweep, SweepRecord) else None
+    return own is not None and bool(np.isfinite(own).any())
 
 
 def with_spring(sweep: object) -> bool:

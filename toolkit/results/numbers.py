@@ -9,6 +9,8 @@ from toolkit.results.slips import main_slips
 from toolkit.scene.interfaces import Number
 from toolkit.scene.scale import ROUNDING, with_uncertainty, written
 
+_SEEN = 1e-6  # of the largest force of a run: a smaller error is not told
+
 
 def numbers_of(result: Any) -> dict[str, Number]:
     """Forces, friction coefficients, springs and slips of a run, by name, in the units of its `scale`, each with its
@@ -105,9 +107,15 @@ def in_words(result: Any) -> list[str]:
     numbers, lines = numbers_of(result), list[str]()
     forces, springs = (3, 2) if is_rough(result) else (4, 4)
 
+    each = [abs(numbers[name].value) for name in numbers if name.endswith(("_force", "_slip"))]
+
     def said(name: str) -> str:
         own, digits = numbers[name], springs if "spring" in name else forces
-        return with_uncertainty(own.value, own.error or 0.0, own.unit, digits)
+        error = own.error or 0.0
+        # that of a force of 0 after a slip is seen beside the others
+        if name.endswith(("_force", "_slip")) and error <= _SEEN * max(each):
+            error = 0.0
+        return with_uncertainty(own.value, error, own.unit, digits)
 
     def over_load(name: str) -> str:
         own = numbers.get(f"{name}_over_load")

@@ -147,10 +147,15 @@ def _plainly(unit: str) -> str:
     return re.sub(r"\((.+)\)\^2", r"\1²", unit).replace(" / ", "/")
 
 
+def _is_empty(column: Array) -> bool:
+    """Whether a column of numbers has none."""
+    return column.dtype.kind == "f" and bool(np.isnan(column).all())
+
+
 def write_sweep(result: Any, path: Path) -> None:
-    """A line for each point of a Result's sweep, a column for each of `by_head`, with all digits; `message` is
-    "as asked" where nothing was missed."""
-    columns = by_head(result)
+    """A line for each point of a Result's sweep, a column for each of `by_head` that has a value somewhere, with all
+    digits; `message` is "as asked" where nothing was missed."""
+    columns = {head: own for head, own in by_head(result).items() if not _is_empty(own)}
     if "message" in columns:
         said = columns["message"]
         columns["message"] = np.where(said == "", "as asked", said)

@@ -12,6 +12,7 @@ from toolkit.results.verdicts import DISAGREE, contradiction
 from toolkit.scene.interfaces import in_a_line, with_error
 from toolkit.scene.scale import spoken, with_uncertainty
 
+_SEEN = 1e-6  # of a period: a smaller error, numerical as a rule, is not told
 APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3
 
 
@@ -38,7 +39,7 @@ def report(result: Any) -> list[str]:
         lines.append(f"master  {accuracy}  run time {took}  {solved.path.size} points")
     if solved is not None and solved.slips is not None and not nothing:
         error = solved.slips.period_error
-        period = with_error(solved.period, error, 9)
+        period = with_error(solved.period, error * (error > _SEEN * solved.period), 6)
         if result.thresholds.in_metres:
             period = with_uncertainty(solved.period, error, "m", 3 if is_rough(result) else 4)
         periodic = is_precise(solved) and solved.slips.period is not None

@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from origins.roughness.interface import Interface
+from origins.samples.from_samples import sampled_parts
 from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
 from toolkit.scene.scale import SHARED, of_contacts, written
@@ -80,19 +82,21 @@ def _large(slips: Any) -> int:
 
 
 def with_units(scene: Scene, regime: Any) -> str:
-    """The reason of a soft slider's regime, with the machine's spring and K* in N/m where the surface knows them."""
+    """The reason of a soft slider's regime, with the machine's spring and K* in N/m where the surface knows them; K* of
+    a rough surface or of samples has two digits."""
     reason, scale = f"{regime.reason}{_of_so_many(scene, regime)}", scene.scale
+    machine, law = float(f"{scene.drive.spring or 0.0:.6g}"), scene.contacts.thresholds
+    vague = isinstance(law.interface, Interface) or bool(sampled_parts(law))
+    error = regime.critical_spring_error * scale.spring
+    value = regime.critical_spring * scale.spring
+    critical = f"K* = {written(value, scale.spring_unit, error, 2 if vague else 4)}"
+    shared, told = f"K = {machine:.6g} {SHARED}", f"K* = {regime.critical_spring:.6g}"
     if scale.spring_unit == SHARED:
-        return reason
-    spring, critical = (
-        written(own * scale.spring, scale.spring_unit, digits=4)
-        for own in (scene.drive.spring or 0.0, regime.critical_spring)
-    )
-    shared = f"K = {scene.drive.spring or 0.0:.6g} N_c<k>"
+        return reason.replace(told, critical.removesuffix(f" {SHARED}")) if vague else reason
+    spring = f"K = {written(machine * scale.spring, scale.spring_unit, digits=4)}"
     if shared in reason:
-        reason = reason.replace(shared, f"K = {spring}")
-        return reason.replace(f"K* = {regime.critical_spring:.6g}", f"K* = {critical}")
-    return f"K = {spring}, K* = {critical}; {reason}"
+        return reason.replace(shared, spring).replace(told, critical)
+    return f"{spring}, {critical}; {reason}"
 
 
 def of_infinitely_many(scene: Scene, regime: Any) -> bool:

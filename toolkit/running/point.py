@@ -1,15 +1,19 @@
 """One point of a sweep over keys of the scene: a whole scene, solved for its most important numbers."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from origins.errors import InputError
+from origins.thresholds.law import Array
 from toolkit.results.kinds import is_coupled, is_precise
+from toolkit.results.sliding import STILL
 from toolkit.results.verdicts import disagreement, of_infinitely_many
 from toolkit.running.solvers import follow, make_ensemble, solve_master
 from toolkit.scene.scene import Scene, Source, checked
+
+_NO_MORE = 1.05  # times its rise: a force that swings by no more has but risen
 
 
 class Column(NamedTuple):
@@ -108,14 +112,15 @@ def _by_master(scene: Scene) -> tuple[Any, dict[str, Column]]:
 
 def _by_ensemble(scene: Scene) -> tuple[Any, dict[str, Column]]:
     """The answer, and the ensemble's force at the end of the drive with its standard error; of sliders on a spring
-    their slips, and by how much the spring's force swings over the last quarter of the path's points."""
+    their slips, and by how much the spring's force swings over the last quarter of the path's points, nan where that of
+    some is but its rise."""
     asked: Any = scene.eq
     found: Any = follow(make_ensemble(scene, asked, None))
     unit = scene.scale.length_unit
     columns = {"eq_last_force": Column(float(found.force[-1]), unit)}
     columns["eq_last_force_error"] = Column(float(found.force_standard_error[-1]), unit)
     if is_coupled(found):
-        swings = np.ptp(found.forces[:, -max(found.path.size // 4, 2) :], axis=1)
+        swings = _swings(found, cast(float, scene.drive.spring))
         count = len(swings)
         scatter = swings.std(ddof=1) / np.sqrt(count) if count > 1 else np.nan
         columns["eq_force_swing"] = Column(float(swings.mean()), unit)
@@ -126,3 +131,13 @@ def _by_ensemble(scene: Scene) -> tuple[Any, dict[str, Column]]:
             float(before.mean()) if len(before) else np.nan, unit
         )
     return found, columns if found.success else columns | {"message": Column(found.message)}
+
+
+def _swings(found: Any, spring: float) -> Array:
+    """By how much the force of each slider swings over the last quarter of the path's points (lengths); nan where it
+    does nothing but rise as the drive loads the spring, before a slip that may come or not."""
+    late = slice(-max(found.path.size // 4, 2), None)
+    forces, way = found.forces[:, late], abs(float(found.path[-1] - found.path[late][0]))
+    swings, rise = np.ptp(forces, axis=1), np.abs(forces[:, -1] - forces[:, 0])
+    rising = (rise >= STILL * spring * way) & (swings <= _NO_MORE * rise)
+    return np.where(rising, np.nan, swings)
