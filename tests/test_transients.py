@@ -31,6 +31,7 @@ from toolkit.verdict.sliders.machine import Machine, RigidSlider, rigid_slider
 from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
 from toolkit.verdict.sliders.steady import friction_falls, is_stable_with_delay
 from toolkit.verdict.sliders.told import behaviour_of
+from toolkit.verdict.text.hangs_on import dependence
 from toolkit.verdict.text.words import page, sentence
 
 WIDE = gaussian(1.0, 0.4)
@@ -606,7 +607,7 @@ def test_the_way_on_which_contacts_hold_is_that_of_their_share() -> None:
     contacts = Contacts(WIDE, delay=Delay(1.0))
     told = on_area(SLIDES, Finite("mass", 300, "smooth"), machine, contacts)
     own = replace(told.own, holding=0.2)
-    text = "\n".join(page(replace(told, answers=(own,))))
+    text = "\n".join(dependence(replace(told, answers=(own,))))
     assert (
         "waits while the drive goes on by 2.00 length, and holds while it goes on by 0.500 length: 20% of"
         in text

@@ -44,7 +44,7 @@ KEYS = {
     "verdict": "the answer, as the first sentence of verdict.txt",
     "would_turn": "what would make the slider do something else",
     "numbers": "what happens under each slip rule, with its numbers, where the answer gives none",
-    "hangs_on": "what the answer hangs on, the worst first",
+    "hangs_on": "what the answer hangs on, the worst first, with reasons; the page has the first of these",
     "velocity": "of the drive [length/time]",
     "success": "whether the numbers are known to their tolerance",
     "interrupted": "there where the work was ended before it was done",

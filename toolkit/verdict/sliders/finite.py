@@ -130,8 +130,8 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
         scatter = f"F_s of such sliders scatters by some {100.0 * present**-0.5:.2g}%"
         far = spoken(further * mean, length_unit_of(contacts.thresholds))
         why = (
-            f"{scatter}, so that on this spring one begins to slide {far} of the drive's way after another, and "
-            "several are followed at once, which takes too long so far apart"
+            f"{scatter}, and on this spring they begin to slide {far} of the drive's way apart, which takes too long "
+            "to follow"
         )
         return Finite(rule, present, "unknown", message=why)
     steady = plan.end - SETTLED * BEYOND * mean

@@ -25,7 +25,7 @@ from toolkit.verdict.text.kinds import (
     Line,
     by_reason,
     named,
-    sorted_texts,
+    worst_first,
 )
 from toolkit.verdict.text.of_delay import of_rules
 from toolkit.verdict.text.of_mass import of_a_mass, why_no_more_slips
@@ -33,9 +33,28 @@ from toolkit.verdict.text.table import HOLDING
 from toolkit.verdict.text.undone import RULE, of_errors, of_readings, unanswered, with_rules
 from toolkit.verdict.uncertainty import WORTH_TELLING, uncertainties_of, widest_uncertainty
 
+# lines of the page; the others are in verdict.json
+MOST = 8
+
 
 def dependence(verdict: Verdict) -> list[str]:
-    """What the verdict hangs on, the worst first: slip rule, readings, number of contacts; what was not answered."""
+    """What the verdict hangs on, in full, the worst first."""
+    return [line.text + line.more for line in _lines(verdict)]
+
+
+def on_the_page(verdict: Verdict) -> list[str]:
+    """What of it a page has: MOST lines at most, without their reasons, and none of what stands above; and where the
+    others are."""
+    lines = [one for one in _lines(verdict) if not one.above]
+    left, shown = len(lines[MOST:]), lines[:MOST]
+    there = [f"{left} more line{'s' * (left > 1)}"] * bool(left)
+    there += ["the reasons of these"] * any(one.more for one in shown)
+    said = [one.text for one in shown]
+    return [*said, f"verdict.json (hangs_on) has {' and '.join(there)}"] if there else said
+
+
+def _lines(verdict: Verdict) -> list[Line]:
+    """All lines: slip rule, readings, number of contacts; what was not answered."""
     lines = (
         of_rules(verdict),
         of_readings(verdict),
@@ -47,7 +66,7 @@ def dependence(verdict: Verdict) -> list[str]:
         unanswered(verdict),
         of_errors(verdict),
     )
-    return sorted_texts(chain(*lines))
+    return worst_first(chain(*lines))
 
 
 def _of_a_speed(verdict: Verdict) -> Iterator[Line]:
@@ -81,9 +100,10 @@ def _of_a_stuck_slider(verdict: Verdict) -> Iterator[Line]:
     apart = max((abs(abs(one.before) - static) for one in slipping), default=0.0) / static
     yield Line(
         UNSIZED if own.static.unknown else apart,
-        "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive; one that sticks is slower, "
-        "and contacts that wait, break by heat or age bear another force: what a stuck slider reaches is the force "
-        f"before a slip{_of_waiting(own)}",
+        "F_s, F_k and K* of the table are those of a rigid slider as fast as the drive: what a stuck slider reaches "
+        "is the force before a slip",
+        ". One that sticks is slower, and contacts that wait, break by heat or age bear another force"
+        + _of_waiting(own),
     )
     if own.contacts.changing is not None:
         yield Line(
@@ -184,17 +204,19 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
             f"only where it is above some {SMOOTH_ABOVE:g}",
         )
-    yield from (
-        Line(_size_of(verdict, one), one)
-        for one in remarks(own.contacts.thresholds, machine is not None)
-    )
+    first = doubts(own.contacts)
+    for one in remarks(own.contacts.thresholds, machine is not None):
+        yield Line(_size_of(verdict, one), one, above=any(one in each for each in first))
     followed = [finite for finite in verdict.finite if finite.kind != "unknown"]
     # what the headline tells already, in place of infinitely many, is not told again
     alone = [one.finite for one in own.behaviours if one.finite and not one.finite.message]
     followed = [finite for finite in followed if not any(finite is one for one in alone)]
     for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in followed).items():
         change = max(_change_by(verdict, one) for one in followed if one.rule in rules)
-        yield Line(change, with_rules(said, rules, verdict.own))
+        # with these forces; of slips now and then the answer may tell the force between them alone
+        sure = {one.rule for one in followed if one.kind in ("stick-slip", "smooth")}
+        told = set(rules) <= finite_told_apart(verdict).keys() & sure
+        yield Line(change, with_rules(said, rules, verdict.own), above=told)
     # where infinitely many are not decided either, what to do stands beside these
     no_news = {one.rule for one in own.behaviours if one.kind == "undecided" and not one.slips}
     unknown = [one for one in verdict.finite if one.kind == "unknown"]

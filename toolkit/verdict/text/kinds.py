@@ -21,15 +21,24 @@ TURNS, UNSIZED, GENERAL, NOTHING = float("inf"), 0.5, 0.0, -1.0
 
 @dataclass(frozen=True)
 class Line:
-    """A sentence, and by how much what it names changes the forces that are told, relative to these."""
+    """A sentence, and by how much what it names changes the forces that are told, relative to these.
+
+    more : its reasons, which go on from the sentence, and which verdict.json alone has
+    of_readings : whether it tells how far the readings differ, which comes before what else changes the forces
+    above : whether the page tells it above, in its answer or as a doubt
+    """
 
     change: float
     text: str
+    more: str = ""
+    of_readings: bool = False
+    above: bool = False
 
 
-def sorted_texts(lines: Iterable[Line]) -> list[str]:
-    """The sentences, that which changes the answer most first; those alike in their order."""
-    return [line.text for line in sorted(lines, key=lambda line: -line.change)]
+def worst_first(lines: Iterable[Line]) -> list[Line]:
+    """What turns the answer, then how far the readings differ, then that which changes the forces most; those alike in
+    their order."""
+    return sorted(lines, key=lambda one: (one.change < TURNS, not one.of_readings, -one.change))
 
 
 def by_reason(reasons: Iterable[tuple[str, str]]) -> dict[str, list[str]]:

@@ -27,7 +27,7 @@ def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
     slow, fast = scale.speed(looked[0]), scale.speed(looked[-1])
     small = f"{written(RISE * unit, scale.force_unit, digits=2)} ({RISE:g} <x_s>)"
     most = max(one.heat_on_the_way or 0.0 for one in told)
-    said = "the slider in heat was not followed, as it goes on too slowly for steps in time. What is told follows from "
+    said = "the slider in heat was not followed, as it goes on too slowly for steps in time: what is told follows from "
     said += "steady sliding, which is stable with this spring, mass and damping"
     if not most:
         why = f"at {slow} to {fast} no force is above that of faster sliding by what counts as a slip, {small} or more"
@@ -44,7 +44,7 @@ def of_steady_sliding(verdict: Verdict) -> Iterator[Line]:
     if swing > own.kinetic.value and not most:
         swung = written(swing * scale.force, scale.force_unit, digits=2)
         why += f". As the drive begins the mass swings by up to {swung} of the spring's force, until that dies away"
-    yield Line(most * unit / (own.kinetic.value * scale.force), f"{said}; {why}")
+    yield Line(most * unit / (own.kinetic.value * scale.force), said, f"; {why}")
 
 
 def of_unstable_sliding(verdict: Verdict) -> Iterator[Line]:
@@ -122,7 +122,7 @@ def of_heat(verdict: Verdict) -> Iterator[Line]:
         which += ", of the contacts of the area, too" * few
         size = max(cold[rule] for rule in rules) * unit / (own.static.value * scale.force)
         bound = f"heat is left out{which}: it would change the force by {most} at most"
-        yield Line(size, f"{bound}; {kinetic}" if kinetic else bound)
+        yield Line(size, bound, f"; {kinetic}" if kinetic else "")
         kinetic = ""  # is told once
     if kinetic:
         yield Line(change or GENERAL, kinetic)

@@ -25,8 +25,9 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             yield Line(
                 UNSIZED,
                 "the damping: none is given, and without one the slider rings for too long: give drive.damping, the "
-                f"machine's own. {_why_so_damped(part)}. With less the force falls farther in a slip, and the slider "
-                f"rings longer; F_k and F_s are the same{_of_too_little(own, behaviour.damping)}",
+                f"machine's own{_of_too_little(own, behaviour.damping)}",
+                f". {_why_so_damped(part)}. With less the force falls farther in a slip, and the slider rings longer; "
+                "F_k and F_s are the same",
             )
         if behaviour.kind == EVER_RARER and own.machine is not None:
             each = friction_falls(own.machine, own.contacts), own.machine.damping

@@ -61,7 +61,7 @@ def of_readings(verdict: Verdict) -> Iterator[Line]:
     ]
     if len(known) > 1:
         said = f"K* {_range_of_springs(known)} over {len(known)} readings, and {range_of_force(verdict)}"
-        yield Line(size, f"threshold law, contact model and resolution: {said}")
+        yield Line(size, f"threshold law, contact model and resolution: {said}", of_readings=True)
     for kind, names in differ.items():
         yield Line(size, f"of these, {kind}: {', '.join(names)}")
     missing = not_decided(verdict)
@@ -189,13 +189,13 @@ def of_errors(verdict: Verdict) -> Iterator[Line]:
         slips = [one.finite.slips for one in by_contacts if one.rule in rules and one.finite]
         if slips and 0.0 < min(slips) < ENOUGH:
             often = "once" if min(slips) == 1.0 else f"some {min(slips):.2g} times"
-            said += f", each of which slipped {often}: few, so that their scatter is in the errors"
+            said += f", each of which slipped {often} (few: their scatter is in the errors)"
         more = ", with what more contacts would change" * any(
             _fewer_than_there_are(verdict, one) for one in by_contacts if one.rule in rules
         )
         errors_of = " and ".join(f"some {error}{which}" for error, which in of_rules)
         said += f", their forces known to {errors_of} (one standard error{more})"
-        yield Line(max(errors[rule] for rule in rules), f"{said}: {_not_solved(verdict)}")
+        yield Line(max(errors[rule] for rule in rules), said, f": {_not_solved(verdict)}")
     mean, missing = own.contacts.mean_threshold, [one for one in own.behaviours if not one.success]
     missed = [(in_units(one.message, scale, mean), one.rule) for one in missing]
     for why, rules in by_reason(missed).items():

@@ -31,7 +31,7 @@ from toolkit.verdict.slips_in_words import (
 from toolkit.verdict.text.above_static import why_above
 from toolkit.verdict.text.border import on_the_border
 from toolkit.verdict.text.doubts import warnings
-from toolkit.verdict.text.hangs_on import dependence, why_smooth
+from toolkit.verdict.text.hangs_on import on_the_page, why_smooth
 from toolkit.verdict.text.k_star import without_spring
 from toolkit.verdict.text.kinds import (
     a_slip,
@@ -74,7 +74,7 @@ def page(verdict: Verdict) -> list[str]:
     lines += [*table(verdict), *of_spread(verdict), *other_samples(verdict), *why_above(verdict)]
     lines += [*why_smooth(verdict), *against_k_star(verdict), ""]
     lines += numerical_errors(verdict)
-    if assumed := dependence(verdict):
+    if assumed := on_the_page(verdict):
         lines += ["", "What it hangs on", *(f"  {line}" for line in assumed)]
     return [*lines, "", f"run time {verdict.run_time:.1f} s"]
 
