@@ -95,12 +95,13 @@ QUESTIONS = {
         "toolkit:LateSlips",
     ),
     "the period for a verdict; on its page": ("toolkit:behaviour_of", "toolkit:period_of"),
-    "the rule of a slip at T = 0: reset; reform-after, its end and its births; instant": (
+    "the rule of a slip at T = 0: reset; reform-after, its end and its births; instant, far ahead": (
         "master:ColdSlider.reset",
         "master:ColdSlider.reform_after",
         "master:MoveWithoutBirths.end_of_slip",
         "master:March.postpone_births",
         "master:Move.end_of_slip",
+        "master:Waves.skip",
     ),
     "the same in time: no births in the slip; those after it; instant": (
         "master:slip_without_births",

@@ -8,8 +8,9 @@ from master.motion import Motion
 from master.renewal.births import reforming_law
 from master.steady.cycle import Cycle
 from master.stick_slip.roots import decoherence_length
+from master.stick_slip.spectrum import DecoherenceSpectrum, leading_terms
 from master.survival.life import ColdLife
-from origins import Contacts
+from origins import Contacts, InputError
 from origins.start import Start
 
 # Part of the tolerance, and of K, that a panel may miss, and most, in mean thresholds: the begin of a slip depends on
@@ -94,8 +95,19 @@ class ColdContacts:
         return self._cycle.force()
 
     @cached_property
+    def spectrum(self) -> DecoherenceSpectrum | None:
+        """The waves of F on a slider that goes forward from the start; None where they are not told, as of exact
+        thresholds or heavy tails."""
+        try:
+            return leading_terms(self._cycle)
+        except InputError:
+            return None
+
+    @cached_property
     def decoherence_length(self) -> float:
         """X*, not too short by its error (a length); inf where F does not tend to F_k as an exponential."""
+        if self.spectrum is not None and self.spectrum.roots.size:
+            return float(self.spectrum.decay_length[0] + self.spectrum.decay_length_error[0])
         length, error = decoherence_length(self._cycle)
         return length + error
 

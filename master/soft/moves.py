@@ -27,12 +27,13 @@ import numpy as np
 from master.motion import Motion
 from master.numerics import polynomials
 from master.outcome import StoppedError
-from master.renewal.births import MOST_WORK, Births, panel_at
+from master.renewal.births import MOST_WORK, Births
 from master.renewal.edges import SMOOTHER, Kink, edges
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
 from master.soft.cold_contacts import ColdContacts
 from master.soft.curve import LoadCurve, SlipBegin, SteadyForce
+from master.soft.decohered import ONE_LIFE, LastLife, Waves
 from origins.start import Start
 from origins.thresholds.law import Array
 
@@ -48,19 +49,8 @@ WORK_OF_LUMP = 15
 # Share of the contacts above which those that break together make a slip: well above rounding. That of the force,
 # relative to the distance travelled, and on one panel, in mean thresholds.
 DROPS, ROUNDING, OWN_ROUNDING = 1e-13, 1e-14, 1e-15
-# Travels along which breaks are compared, in longest stretches: one life and two, and a tenth for panels at the ends.
-ONE_LIFE, TWO_LIVES = 1.1, 2.2
 # Part of a panel's tolerance that sums over births may miss.
 OF_SUMS = 0.1
-# Contacts that decohere more slowly than within this many spans of two lives are not followed until they have where X*
-# tells how much is left; modes of longer X* may be hidden by this factor in the range of the force.
-DECOHERES, HIDDEN = 2.0, 100.0
-# To values at four times as many Chebyshev points as its degree, between which a polynomial passes beyond their mean by
-# at most this factor (Ehlich and Zeller).
-BETWEEN = polynomials.values(
-    0.5 - 0.5 * np.cos(np.pi * np.arange(4 * polynomials.DEGREE + 1) / (4 * polynomials.DEGREE))
-)
-BEYOND = 1.0 / np.cos(0.125 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -104,7 +94,7 @@ class Move:
     _ahead : travel from the end of the panels on, up to which edges are planned
     _kinks : those of the history and of the plan
     _guess : the first guess of a panel's width (a length)
-    _steady : the force, once it no longer changes
+    _steady, _waves : the force, once it no longer changes, or is a sum of waves that fade
     _found : the last slip that was found, and the travel after which it is the first: resets repeat one move
     """
 
@@ -115,6 +105,7 @@ class Move:
         self._plan(loaded.march, loaded.cut_at, loaded.move_begins_at)
         self.first = self.march.solved.count
         self._steady: SteadyForce | None = None
+        self._waves: Waves | None = None
         self._found: tuple[float, SlipBegin] | None = None
 
     def at(self, y: Array | float) -> Any:
@@ -153,12 +144,16 @@ class Move:
             if np.isfinite(y):
                 return SlipEnd(curve, y)
             searched = max(searched, curve.to_travel)
-            travel = curve.to_travel + self.contacts.life.resolution_length
-            if goes_on and self._steady is None:
-                self._steady = self._decohered_at(load)
+            if goes_on and self._steady is None and self._waves is None:
+                self._look_ahead(load)
+            if self._waves is not None:
+                searched = self._waves.skip(load, searched)
+            travel = searched + self.contacts.life.resolution_length
 
     def curve_to(self, y: float) -> LoadCurve:
         """The load along the move, solved up to the travel y at least."""
+        if self._waves is not None:
+            return self._waves.curve_to(y)
         while self.march.solved.count == self.first or (
             self._steady is None and self.march.solved.end < self.loaded.move_begins_at + y
         ):
@@ -176,7 +171,16 @@ class Move:
     @property
     def steady(self) -> bool:
         """Whether the force no longer changes, and no more panels are solved."""
-        return self._steady is not None
+        return self._steady is not None or (
+            self._waves is not None and self._waves.steady is not None
+        )
+
+    @property
+    def solved_to(self) -> float:
+        """The travel up to which panels are solved, or waves laid out (a length)."""
+        if self._waves is not None:
+            return self._waves.laid_to
+        return self.march.solved.end - self.loaded.move_begins_at
 
     @property
     def solved(self) -> bool:
@@ -185,6 +189,8 @@ class Move:
 
     def solved_curve(self, y: float = 0.0) -> LoadCurve:
         """The load on the panels solved so far; where breaks are steady, up to the travel y at least."""
+        if self._waves is not None:
+            return self._waves.curve_to(y)
         loaded, march, largest = self.loaded, self.march, self.contacts.life.largest_stretch
         solved, own_panels = march.solved, slice(self.first, None)
         begin, width = solved.begin[own_panels] - loaded.move_begins_at, solved.width[own_panels]
@@ -223,30 +229,14 @@ class Move:
         last, steady = float(march.solved.force[-1, -1]), march.solved.force[-len(rates) :]
         return SteadyForce(self.direction * last, differ * abs(last) + float(np.ptp(steady)))
 
-    def _decohered_at(self, load: float) -> SteadyForce | None:
-        """The force of steady breaks, where it is F to the tolerance before it can be at this `load` again.
-
-        Once none of the contacts of the move's begin, and of those born before, is left, F is a mean of its values
-        over the longest life (renewal equation) and stays within them, and F - F_k falls as e^(-y/X*).
-        """
-        march, contacts = self.march, self.contacts
-        memory = TWO_LIVES * contacts.life.largest_stretch
-        undisturbed = march.solved.end - max(self.loaded.move_begins_at, march.lumps[-1].birth)
-        if undisturbed < DECOHERES * memory:
-            return None
-        first = panel_at(march.solved.begin, march.solved.end - memory)
-        force = self.direction * march.solved.force[first:] @ BETWEEN.T
-        half_range = BEYOND * 0.5 * float(np.ptp(force))
-        largest = 0.5 * float(force.max() + force.min()) + half_range
-        # F stays below `largest`, so that the load, F + K y, is below that of the slip's begin for so far
-        ahead = (load - largest) / contacts.spring - (march.solved.end - self.loaded.move_begins_at)
-        if ahead <= 0.0 or not np.isfinite(contacts.decoherence_length):
-            return None
-        remaining = HIDDEN * half_range * np.exp(-ahead / contacts.decoherence_length)
-        if remaining > contacts.steady_rates * contacts.unit:
-            return None
-        kinetic, error = contacts.steady_force
-        return SteadyForce(kinetic, error + remaining)
+    def _look_ahead(self, load: float) -> None:
+        """Know the force where it is to the tolerance before it can be at this `load` again, if it is known yet."""
+        begin = self.loaded.move_begins_at
+        last = LastLife(self.contacts, self.march, begin, self.direction)
+        if last.renewed and last.ahead(load) > 0.0:
+            first = self.loaded.march is None
+            self._waves = Waves.behind(self.contacts, last, load) if first else None
+            self._steady = last.steady(load) if self._waves is None else None
 
     def breaks_per_travel(self, y: float) -> float:
         """The largest rate of breaks on the panel of the travel y (per length)."""
@@ -256,7 +246,7 @@ class Move:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
         return (
             y
-            if self._steady is None
+            if self._steady is None and self._waves is None
             else min(y, self.march.solved.end - self.loaded.move_begins_at)
         )
 

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from master.outcome import StoppedError
-from master.soft.moves import DECOHERES, HIDDEN, TWO_LIVES, Move
+from master.soft.decohered import DECOHERES, HIDDEN, TWO_LIVES
+from master.soft.moves import Move
 
 # Most instants at which number conservation is solved beyond the path's end: some 0.5 s.
 MOST_NODES = 20_000
@@ -73,8 +74,7 @@ def _next_slip(move: Move, after: float, most_nodes: int) -> float:
         curve = move.curve_to(travel)
         if np.isfinite(begins := curve.slip_begins(after)):
             return begins
-        solved_to = move.march.solved.end - move.loaded.move_begins_at
-        if _rises_from(move) <= max(after, solved_to):
+        if _rises_from(move) <= max(after, move.solved_to):
             # a fall within the error of F' may be one
             return np.nan if np.isfinite(curve.may_fall(after)) else np.inf
         if move.steady:
@@ -85,21 +85,20 @@ def _next_slip(move: Move, after: float, most_nodes: int) -> float:
 
 def _rises_from(move: Move) -> float:
     """A travel from which on the load rises for good; inf where none is known yet."""
-    contacts, march, begin = move.contacts, move.march, move.loaded.move_begins_at
-    largest, life = contacts.life.largest_stretch, march.present.straight(1.0).longest
+    contacts, end = move.contacts, move.solved_to
+    largest, life = contacts.life.largest_stretch, move.march.present.straight(1.0).longest
     # the travel after which no contact from before the move is left
     renewed = max(life, largest - min(move.loaded.start.span[0], 0.0))
-    end = march.solved.end
-    undisturbed = end - max(begin, march.lumps[-1].birth)
+    undisturbed = end - max(0.0, move.march.lumps[-1].birth - move.loaded.move_begins_at)
     if undisturbed < renewed + life:
         return np.inf
-    slope, error = move.solved_curve().largest_slope(end - begin - life, end - begin)
+    slope, error = move.solved_curve().largest_slope(end - life, end)
     spring = contacts.spring
     if slope + error < spring:
-        return end - begin
+        return end
     # the error of F' is no part of what falls
     slow = undisturbed < DECOHERES * TWO_LIVES * largest
     if slow or error > OF_SPRING * spring or not np.isfinite(contacts.decoherence_length):
         return np.inf
     lengths = float(np.log(HIDDEN * slope / (OF_SPRING * spring)))
-    return end - begin + lengths * contacts.decoherence_length
+    return end + lengths * contacts.decoherence_length

@@ -5,6 +5,7 @@ F - F_k ~ sum over pairs of roots of Re[c_n e^(s_n X)], c_n = 2 K^(s_n) e^(-s_n 
 
 import time
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -93,6 +94,25 @@ class DecoherenceSpectrum:
             off = off + self._left_out * np.exp(-x / self.beyond)
         return (off / self._unit + self.kinetic_force_error)[()]
 
+    def compared_with(self, x: Array, force: Array, error: Array | float = 0.0) -> Self:
+        """The same, with the terms that are left out estimated from F (lengths) at positions x, known to `error`."""
+        apart = np.abs(force - self.force(x))
+        significant = apart > 3.0 * error
+        # twice as much, as the terms left out may add up in phase elsewhere
+        remainder = 2.0 * apart * np.exp(np.minimum(x / self.beyond, 700.0))
+        return replace(self, _left_out=float(remainder[significant].max(initial=0.0)))
+
+    def complete_from(self, x: float, least: float) -> float:
+        """The position >= x from which on terms that are left out are below `least` (lengths)."""
+        left_out = self._left_out * np.exp(-x / self.beyond)
+        return x + self.beyond * float(np.log(max(left_out / least, 1.0)))
+
+    def from_place(self, x: float, least: float) -> Self:
+        """The same of positions from x on alone, without the terms that are below `least` there (lengths)."""
+        lasts = np.abs(self.amplitude) * np.exp(x * self.roots.real) > least
+        names = "roots", "roots_error", "amplitude", "amplitude_error", "decay_length_error"
+        return replace(self, **{name: getattr(self, name)[lasts] for name in names})
+
 
 def decoherence_spectrum(
     contacts: Contacts, *, velocity: float = 1.0, n_roots: int = 8
@@ -111,15 +131,23 @@ def decoherence_spectrum(
     began = time.perf_counter()
     check_contacts(contacts, "master.decoherence_spectrum", LAWS, own_rates=True)
     velocity, n_roots = between("velocity", velocity, 1e-100, 1e100), whole("n_roots", n_roots, 1)
-    cycle, start = cycle_table(contacts, velocity, TOLERANCE), contacts.start
+    cycle = cycle_table(contacts, velocity, TOLERANCE)
+    spectrum = leading_terms(cycle, n_roots)
+    return replace(_with_remainder(cycle, spectrum), run_time=time.perf_counter() - began)
+
+
+def leading_terms(cycle: Cycle, n_roots: int | None = None) -> DecoherenceSpectrum:
+    """The slowest terms of the cycle's contacts, with nothing said about those that are left out. `n_roots` None: all
+    that fade within some two mean distances from birth to birth or more slowly, and that are found together."""
+    contacts, start = cycle.contacts, cycle.contacts.start
     wait, unit = cycle.wait, contacts.mean_threshold
     transform = Transform(cycle, _deepest(cycle))
-    roots, searched = leading_roots(transform, n_roots + 1)
+    roots, searched = leading_roots(transform, (n_roots or 0) + 1)
     s, of_start = roots[:n_roots], transform
-    next_decay = float(-roots[n_roots].real) if roots.size > n_roots else searched
+    next_decay = float(-roots[s.size].real) if roots.size > s.size else searched
     # at X = 0 contacts may be older than those just formed, at the same stretch, too
     if contacts.older_at_start or not (start.is_single and start.span == cycle.born.span):
-        from_start = Cycle(contacts, cycle.life, velocity, born=start)
+        from_start = Cycle(contacts, cycle.life, cycle.velocity, born=start)
         of_start = Transform(from_start, -float(s.real.min(initial=0.0)))
     root_error = transform(s).root_error()
     beside = np.append(s, s + root_error)
@@ -129,7 +157,7 @@ def decoherence_spectrum(
     relative = values.force_error / np.abs(values.force) + ROUNDING
     relative += first.survival_error / np.abs(1.0 / beside - first.survival)
     kinetic, kinetic_off = cycle.force()
-    spectrum = DecoherenceSpectrum(
+    return DecoherenceSpectrum(
         roots=s,
         roots_error=root_error,
         amplitude=amplitude,
@@ -142,8 +170,6 @@ def decoherence_spectrum(
         _unit=unit,
         _left_out=0.0,
     )
-    remainder = _remainder(cycle, spectrum)
-    return replace(spectrum, _left_out=remainder, run_time=time.perf_counter() - began)
 
 
 def _deepest(cycle: Cycle) -> float:
@@ -168,16 +194,12 @@ def _deepest(cycle: Cycle) -> float:
     return deepest_wave(cycle, min(tail, crowd))
 
 
-def _remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> float:
-    """The largest error of the terms over COMPARED_OVER mean distances, times e^(X/beyond), a length."""
+def _with_remainder(cycle: Cycle, spectrum: DecoherenceSpectrum) -> DecoherenceSpectrum:
+    """The terms beside F, solved over COMPARED_OVER mean distances from birth to birth."""
     horizon = COMPARED_OVER * cycle.birth_to_birth + max(-2.0 * cycle.contacts.start.span[0], 0.0)
     march = forward_march(cycle, horizon, TOLERANCE).run()
     relative = np.append(0.0, polynomials.NODES)
     solved = march.solved
     x = cycle.velocity * (solved.begin[:, None] + solved.width[:, None] * relative)
     off = (solved.error + march.unseen_error) * march.longest_stretch
-    apart = np.abs(solved.force - spectrum.force(x))
-    significant = apart > 3.0 * off[:, None]  # larger than 3 errors of F
-    # twice as much, as the terms left out may add up in phase elsewhere
-    remainder = 2.0 * apart * np.exp(np.minimum(x / spectrum.beyond, 700.0))
-    return float(remainder[significant].max(initial=0.0))
+    return spectrum.compared_with(x, solved.force, off[:, None])
