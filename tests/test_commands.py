@@ -377,8 +377,7 @@ def test_scenes_lists_every_shipped_scene(capsys: Any) -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ([], "usage: mesofriction"),
-        (["run"], "usage: mesofriction"),
+        ([], "mesofriction: the following arguments are required: COMMAND; mesofriction --help"),
         (["run", "gaussian", "--speed", "3"], "mesofriction: --speed 3: not known here"),
         (["run", "gaussian", "--set", "drive.to=2.0", "--foo"], "mesofriction: --foo: not known"),
     ],
@@ -393,6 +392,26 @@ def test_an_unknown_command_names_the_one_that_is_meant(capsys: Any) -> None:
         line = refused(capsys, word, "mine.toml")
         command = f"{word}: unknown command; {meant}mesofriction --help lists the commands"
         assert line == command
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["run"], "the following arguments are required: SCENE; mesofriction run --help says more"),
+        (
+            ["run", "gaussian", "--out", ""],
+            "--out = '': names no folder; name one, or leave it out",
+        ),
+        (["thresholds", "samples", "--out", os.devnull], "is a file, not a folder; choose another"),
+    ],
+)
+def test_a_missing_scene_or_folder_is_told_in_one_line(
+    words: list[str], line: str, capsys: Any
+) -> None:
+    """That a folder cannot be written before the work, which has lines of progress."""
+    status, out, err = said(capsys, *words)
+    assert status == 2 and not out and len(err) == 1
+    assert err[0].startswith("mesofriction: ") and err[0].endswith(line)
 
 
 def test_compare_takes_machines_without_a_path(capsys: Any) -> None:

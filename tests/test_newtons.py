@@ -418,6 +418,15 @@ def test_samples_in_newtons_have_the_places_that_their_scatter_leaves(
     assert "stiff heat at 300 K (attempt frequency 1e+10/s)" in page and "Thermal(" not in page
 
 
+def test_a_small_area_of_contact_is_not_told_as_none() -> None:
+    """Under 1 Pa."""
+    drive = {"to": 1e-8, "points": 3}
+    for pressure, share in ((1.0, r"\d\.\de-0\d%"), (1e6, r"\d\.\d\d%")):
+        result = toolkit.run(scene(ROUGH | {"pressure": pressure}, drive=drive))
+        (line,) = [line for line in report(result) if line.startswith("surface ")]
+        assert re.search(f", area of contact {share}; thresholds", line), line
+
+
 def test_the_regime_has_the_digits_that_samples_leave() -> None:
     """K* of eighty samples has two, that of a law more."""
     drive = {"to": 3.0, "points": 11, "spring": 0.1}

@@ -498,6 +498,16 @@ WRONG: list[tuple[str, Any, str]] = [
         "contacts.thresholds.area = 1e-06: unknown key; it stands in [drive]; gaussian takes mean, std",
     ),
     (
+        "contacts.kelvin",
+        300.0,
+        "contacts.kelvin: unknown key; temperature = { kelvin = 300.0 } stands in [contacts.thermal]; ",
+    ),
+    (
+        "contacts.rate",
+        1.0,
+        "contacts.rate: unknown key; it stands in [contacts.ageing]; known here",
+    ),
+    (
         "contacts.thresholds.std",
         "0,4",
         "contacts.thresholds.std = '0,4': must be a number alone, in the scene's unit of length, m of "

@@ -373,6 +373,10 @@ def test_fewer_contacts_than_the_area_holds_change_slips_alone() -> None:
         drive = {"to": 5e-8, "points": 3, "area": 1e-6} | ({"spring": spring} if spring else {})
         notes = " ".join(foreseen(toolkit.load_scene(scene(ROUGH, drive=drive, eq=eq))))
         assert "N_c = " in notes and ("follows 1,000 contacts" in notes) == (spring is not None)
+    # with the load, by which an area in another unit is seen, in newtons whatever the units of forces
+    wide = scene(ROUGH, drive={"to": 5e-8, "points": 3, "area": 1.0}) | {"units": "N_c<k>"}
+    told = [note for note in foreseen(toolkit.load_scene(wide)) if note.startswith("N_c = ")]
+    assert re.search(r"and N_c<k> = \S+ N/m, under \S+ [MGk]?N, on drive.area = 1 m²$", told[0])
 
 
 def test_files_dicts_and_names(tmp_path: Path) -> None:

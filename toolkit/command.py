@@ -4,7 +4,7 @@ import atexit
 import gc
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:  # else imported in functions, so that `main` catches an interrupt
     import argparse
@@ -75,8 +75,14 @@ def _parse(words: list[str]) -> "argparse.Namespace":
 
     from toolkit.version import __version__
 
+    class Parser(argparse.ArgumentParser):
+        """One that tells a mistake in one line."""
+
+        def error(self, message: str) -> NoReturn:
+            self.exit(2, f"mesofriction: {message}; {self.prog} --help says more\n")
+
     purpose = "Friction at the mesoscale, from thresholds to sliding."
-    parser = argparse.ArgumentParser(prog="mesofriction", description=purpose)
+    parser = Parser(prog="mesofriction", description=purpose)
     parser.add_argument("--version", action="version", version=f"mesofriction {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, purpose in COMMANDS.items():
@@ -127,6 +133,8 @@ def _parse(words: list[str]) -> "argparse.Namespace":
     parsed, left = parser.parse_known_args(words)
     if left:
         parser.exit(2, f"mesofriction: {_of_words_left(words, left, parsed.command)}\n")
+    if getattr(parsed, "out", None) == "":  # as of a variable of the shell that is not set
+        parser.exit(2, "mesofriction: --out = '': names no folder; name one, or leave it out\n")
     return parsed
 
 

@@ -149,6 +149,7 @@ def thresholds(arguments: argparse.Namespace, comm: Any) -> int:
     def describe_it() -> Description:
         if (whose := another(folder, scene.name, scene.text)) is not None:
             refuse("out", str(folder), f"holds the result of {whose}; choose another folder")
+        check_folder(folder)  # before the work, not after it
         for note in foreseen(scene):
             say(note)
         shown = closing(Progress("thresholds", "resampled laws"))

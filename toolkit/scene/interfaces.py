@@ -94,9 +94,12 @@ def in_a_line(numbers: Mapping[str, Number]) -> str:
     if "area_fraction" not in value:
         density = f"{value['contact_density']:.3g} contacts/m², " * ("contact_density" in value)
         return f"{density}<k> = {value['mean_stiffness']:.3g} N/m, as stated"
+    share = f"{value['area_fraction']:.2%}"
+    if share == f"{0.0:.2%}":
+        share = f"{100.0 * value['area_fraction']:.1e}%"
     return (
         f"{value['contact_density']:.3g} contacts/m², <k> = {value['mean_stiffness']:.3g} N/m, area of contact "
-        f"{value['area_fraction']:.2%}; thresholds alone give F_k/load = {value['friction_coefficient']:.3g}, "
+        f"{share}; thresholds alone give F_k/load = {value['friction_coefficient']:.3g}, "
         f"{written(value['kinetic_stress'], 'Pa')} under {written(value['pressure'], 'Pa')}"
     )
 
@@ -257,8 +260,12 @@ def foreseen(scene: Scene) -> list[str]:
     if surface is not None and surface.contact_density is not None and scene.area is not None:
         number = surface.contact_density * scene.area
         together = f"N_c<k> = {number * surface.mean_stiffness:.4g} N/m"
+        load = None if surface.pressure is None else surface.pressure * scene.area
+        under = "" if load is None else f", under {written(load, 'N')},"
         few = ": so few scatter, add [eq] with as many" * (number < 1e4 and scene.eq is None)
-        said.append(f"N_c = {of_contacts(number, '.4g')} and {together} on drive.area{few}")
+        said.append(
+            f"N_c = {of_contacts(number, '.4g')} and {together}{under} on drive.area = {scene.area:.3g} m²{few}"
+        )
         soft = scene.given_drive is not None and scene.drive.spring is not None
         if soft and scene.eq is not None and not 0.5 < scene.eq.contacts / number < 2.0:
             said.append(

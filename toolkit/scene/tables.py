@@ -205,6 +205,14 @@ def keys_of_tables() -> dict[str, tuple[str, ...]]:
     return {name: table.__struct_encode_fields__ for name, table in _TABLES.items() if name}
 
 
+# keys of a contact's laws, which [sweep] has, too
+_OF_LAWS = {"kelvin": "temperature = { kelvin = 300.0 } stands in [contacts.thermal]; "}
+_OF_LAWS |= {
+    "temperature": "it stands in [contacts.thermal]; ",
+    "rate": "it stands in [contacts.ageing]; ",
+}
+
+
 def what_is_meant(key: str, names: Iterable[str]) -> str:
     """For a message on an unknown key: the table that has it, if one does; else the known key nearest to it."""
     tables = [
@@ -214,6 +222,8 @@ def what_is_meant(key: str, names: Iterable[str]) -> str:
         return f"it is a table of its own, [contacts.{key}]; "
     if (other := _ALSO_CALLED.get(key)) and other[0] in names:
         return f"give {other[0]}, {other[1]}; "
+    if key in _OF_LAWS:
+        return _OF_LAWS[key]
     if tables and key in SceneTable.__struct_encode_fields__:
         return "it stands before all tables; "
     return f"it stands in [{tables[0]}]; " if len(tables) == 1 else did_you_mean(key, names)
