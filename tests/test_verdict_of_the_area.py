@@ -8,13 +8,16 @@ import pytest
 from scipy import stats
 
 import eq_model
-from origins import Contacts, Delay, gaussian
+import master
+from origins import Contacts, Delay, InputError, gaussian
 from tests.test_verdict_words import HEAVY, slips, told
 from toolkit.verdict import answers
 from toolkit.verdict.of_area import with_more
+from toolkit.verdict.sliders import finite
+from toolkit.verdict.sliders import follow as following
 from toolkit.verdict.sliders.finite import follow_finite
-from toolkit.verdict.sliders.machine import Machine
-from toolkit.verdict.sliders.records import Finite
+from toolkit.verdict.sliders.machine import Machine, RigidSlider
+from toolkit.verdict.sliders.records import Finite, not_followed
 from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.text.words import page, sentence
 
@@ -118,6 +121,49 @@ def test_few_contacts_slip_above_k_star_and_not_on_far_stiffer_springs() -> None
     for spring, kind in ((0.4, "stick-slip"), (1.6, "smooth")):
         machine = Machine(spring, None, 0.0, 1.0)
         assert follow_finite(machine, contacts, 100.0, smooth, 0.8, 1e4).kind == kind
+
+
+def test_sliders_whose_slips_leave_all_contacts_new_are_followed_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Beside slips of infinitely many that go on they were followed twice as far, all from the begin; not where nobody
+    knows whether those go on."""
+    machine, number = Machine(1e-3, 1e-4, 6e-5, 1.0), 500
+    contacts = Contacts(gaussian(1.0, 0.4), delay=Delay(5.0))
+    asked, further = list[float](), finite.until_settled
+
+    def counted(*each: Any) -> Any:
+        asked.append(each[-1])
+        return further(*each)
+
+    monkeypatch.setattr(finite, "until_settled", counted)
+    found = dict[bool, Finite]()
+    for known in (True, False):
+        known_of = slips("mass", before=0.6, after=-0.4, slips=4, contacts=None if known else 100)
+        found[known] = follow_finite(machine, contacts, float(number), known_of, 0.56, 1e4)
+        assert bool(asked) is not known
+    once, more = found[True], found[False]
+    assert once.kind == more.kind == "stick-slip" and once.slips < more.slips
+    assert abs(once.before - more.before) < 3.0 * once.before_error < 0.1 * once.before
+
+
+def test_of_other_readings_the_master_equation_has_most_of_the_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A thousand contacts take a moment, and know the force to 20 %; more of them took the time, and were given up."""
+    given = list[float]()
+
+    def solve(*arguments: Any, wall_time: float, **named: Any) -> None:
+        given.append(wall_time)
+        raise InputError("mass: is not solved")
+
+    monkeypatch.setattr(master, "solve", solve)
+    monkeypatch.setattr(following, "follow_by_contacts", lambda *each: not_followed("mass", ""))
+    machine, known = Machine(1e-2, 1e-4, 2e-4, 1.0), RigidSlider(0.69, 0.52, 1e-9, 1.0, 4.0)
+    contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(5.0))
+    for tolerance in (1e-3, following.WHETHER_IT_SLIPS):
+        following.follow(machine, contacts, "mass", known, 1e4, tolerance_in_time=tolerance)
+    assert given == pytest.approx([5e3, 8.5e3], rel=0.01)
 
 
 def test_the_first_slip_is_that_of_the_contacts_whose_later_ones_are_told() -> None:

@@ -33,7 +33,7 @@ from toolkit.verdict.sliders.ensemble import (
     sliders,
     until_settled,
 )
-from toolkit.verdict.sliders.late import SLIDERS, in_the_end, with_late_slips
+from toolkit.verdict.sliders.late import SLIDERS, in_the_end, renew_all, with_late_slips
 from toolkit.verdict.sliders.machine import Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
 from toolkit.verdict.sliders.records import Behaviour, Finite
@@ -163,7 +163,8 @@ def _pulled(asked: Asked, seconds: float, above: float, sliding: float) -> Finit
         except InputError as refused:
             told = Finite(rule, seen.contacts // SLIDERS, "unknown", message=str(refused))
             return with_late_slips(told, seen.slips)
-    if not asked.settles:
+    renewed = asked.sticks_on and renew_all(main_slips(found.slips), found.contacts // SLIDERS)
+    if not (asked.settles or renewed):
         found = until_settled(found, machine, contacts, rule, until, settling)
         path, steady = found.path, max(steady, float(np.ptp(found.path)) - settling)
     return _judged(asked, found, Way(path, steady, settling))

@@ -68,6 +68,8 @@ FIRST_OF_SHORT = 0.65
 # the same where steady sliding is stable, as slips may end after hundreds of delays, which the ensemble follows; or in
 # heat beside a mass, as the master equation seldom knows the force at points near slips, or takes too many steps
 FIRST_OF_STABLE = 0.25
+# the same of readings other than the scene's own, in the rest of which a thousand contacts are followed in a moment
+FIRST_OF_OTHERS = 0.85
 # the same in heat, of which steps are refused in a moment as a rule, or lead nowhere, before other roads are asked
 FIRST_IN_HEAT = 0.25
 # slips that tell a regime, and part of a period by which the path goes on beyond them
@@ -109,6 +111,8 @@ def follow(
     in_heat = rule == "mass" and contacts.thermal is not None and bool(contacts.waiting_time)
     if by_contacts and (in_heat or is_stable_with_delay(machine, contacts)):
         first = FIRST_OF_STABLE
+    elif by_contacts and rule == "mass" and tolerance_in_time >= WHETHER_IT_SLIPS:
+        first = FIRST_OF_OTHERS
     if rule == "mass" and not by_contacts and machine.damping and contacts.waiting_time:
         # a shorter delay, which the master equation takes as a rule; else a few contacts tell what as many do
         first, by_contacts = FIRST_OF_SHORT, few_are_followed(machine, cold, rigid.static)

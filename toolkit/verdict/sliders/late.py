@@ -19,6 +19,8 @@ from toolkit.verdict.sliders.steady import is_stable_with_delay
 SLIDERS = 4
 # the word for slips that get ever rarer where steady sliding is stable
 EVER_RARER = "ever rarer"
+# part of a slider's contacts that a slip breaks which leaves nearly all of them new
+RENEWED = 0.99
 # part of themselves that slips which fade leave after so many more, below which they are not told as stick-slip
 FADED, FURTHER = 0.5, 32
 FADES = "their slips still fade where the path ends"
@@ -52,6 +54,13 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
         shrinks_by=shrinks_by(slips, SLIDERS),
         still_changing=still_changing(slips, SLIDERS),
     )
+
+
+def renew_all(slips: Any, number: int) -> bool:
+    """Whether each of these slips breaks nearly all of so many contacts of a slider, of sliders that have slipped twice
+    or more: the next one hardly hangs on what was before."""
+    counts = np.bincount(slips.replica, minlength=SLIDERS)
+    return bool(counts.min() > 1 and slips.breaks.min() >= RENEWED * number)
 
 
 def may_slip_again(found: Any, machine: Machine, contacts: Contacts, settling: float) -> bool:

@@ -9,6 +9,7 @@ from toolkit.verdict.sliders.budget import LONG_DELAY
 from toolkit.verdict.sliders.late import SLIDERS
 from toolkit.verdict.sliders.machine import Machine, slip_duration
 from toolkit.verdict.sliders.records import Behaviour
+from toolkit.verdict.sliders.steady import is_stable_with_delay
 from toolkit.verdict.sliders.ways import PlannedDrive, lives_in_a_slip, way_without_contacts
 
 # rules under which contacts re-form while a slip goes on, so that each breaks at every threshold passed
@@ -48,6 +49,13 @@ class Asked:
     def sticks(self) -> bool:
         """Whether infinitely many contacts stick and slip."""
         return self.infinite.kind == "stick-slip"
+
+    @property
+    def sticks_on(self) -> bool:
+        """Whether the master equation knows that infinitely many stick and slip on, and no chance leads to steady
+        sliding, as that is unstable."""
+        known = self.sticks and self.infinite.contacts is None and self.infinite.success
+        return known and not is_stable_with_delay(self.machine, self.contacts)
 
     @property
     def settles(self) -> bool:
