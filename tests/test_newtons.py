@@ -21,11 +21,12 @@ from toolkit.judge.describe import Description, describe, onset_in_words, table_
 from toolkit.results.numbers import in_words, numbers_of
 from toolkit.results.report import report
 from toolkit.scene.barriers import of_cold
-from toolkit.scene.interfaces import Number, doubts, of_linked, of_temperature, remarks, with_error
+from toolkit.scene.interfaces import Number, doubts, of_linked, of_temperature, remarks
 from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import (
     of_surface,
     scale_of,
+    with_error,
     with_scatter,
     with_uncertainty,
     written,
@@ -232,6 +233,9 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert (
         with_error(1.2345, 0.024, 5) == "1.23 ± 0.03" and with_error(2.0, 0.097, 5) == "2.0 ± 0.1"
     )
+    # K* of 300 samples: an error of a third was told as of two thirds
+    assert with_error(3268.0, 1012.0, 5) == "3.3e+03 ± 1.1e+03"
+    assert with_error(0.5, 0.6, 5) == "0.5 ± 0.6" and with_error(1.0, 0.95, 5) == "1.00 ± 0.95"
     assert with_scatter(0.2512, 3e-4, "N") == "251.2 ± 0.3 mN"
     assert with_scatter(0.2512, 9.8e-4, "N") == "251.2 ± 1.0 mN"
     assert with_scatter(0.2512, 3e-6, "N") == "251.2 mN ± 3 µN"

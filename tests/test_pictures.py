@@ -332,6 +332,14 @@ def test_holds_are_shaded_and_speeds_are_named() -> None:
     assert [text.get_text() for text in axes.texts] == ["speed 1", "hold", "speed 2"]
 
 
+def test_the_speed_of_a_short_leg_is_written_upright() -> None:
+    drive = {"turns": [6.0, 7.0, 13.0], "times": [6.0, 6.5, 12.5], "points": 13}
+    result = toolkit.run(scene(WIDE, drive=drive))
+    plot_position(axes := Figure().subplots(), result)
+    named = [(text.get_text(), text.get_rotation()) for text in axes.texts]
+    assert named == [("speed 1", 0.0), ("2", 90.0), ("speed 1", 0.0)]
+
+
 def test_legs_of_very_different_durations_are_equally_wide() -> None:
     result = toolkit.run(
         scene(WIDE, drive={"turns": [2.0, 2.0, 4.0], "times": [2.0, 302.0, 304.0], "points": 31})
@@ -553,7 +561,10 @@ def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:
     toolkit.plot(result, axes)
     names = [text.get_text() for text in axes[0].get_legend().get_texts()]
     # on the stiffest spring it slides smoothly, which stands on the axis, too
-    assert names[0] == "before the last slip (no mark: no slip)" and "kinetic force" in names[-1]
+    assert (
+        names[0] == "before the last slip (no mark: no slip on this path)"
+        and "kinetic force" in names[-1]
+    )
     assert axes[0].get_xlim()[1] > 3.0
     before = axes[0].containers[0].lines[0].get_ydata()
     np.testing.assert_array_equal(before, result.sweep["force_before_slip"])

@@ -22,8 +22,16 @@ from toolkit.running.resampled import (
     of_resampled,
     scatter_of,
 )
-from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite, with_error
-from toolkit.scene.scale import PREFIXED, SHARED, Scale, length_unit_of, with_scatter, written
+from toolkit.scene.interfaces import Number, of_interface, remarks, why_infinite
+from toolkit.scene.scale import (
+    PREFIXED,
+    SHARED,
+    Scale,
+    length_unit_of,
+    with_error,
+    with_scatter,
+    written,
+)
 
 PROPENSITY = ("critical_spring", "static_to_kinetic", "decoherence_length")
 # numbers in units of N_c<k>

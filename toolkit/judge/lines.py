@@ -6,8 +6,8 @@ import numpy as np
 
 from toolkit.judge.compare import FORCES, SHOWN, SPRINGS, ComparedScene, common_unit
 from toolkit.judge.describe import onset_in_words
-from toolkit.scene.interfaces import Number, with_error
-from toolkit.scene.scale import SHARED, guarded, written
+from toolkit.scene.interfaces import Number
+from toolkit.scene.scale import SHARED, guarded, with_error, written
 from toolkit.verdict.answers import Quantity
 from toolkit.verdict.text.table import in_columns, row
 from toolkit.verdict.uncertainty import two_digits

@@ -12,6 +12,8 @@ from toolkit.scene.scale import written
 _UNEVEN = 20.0  # legs whose durations differ by more are drawn equally wide
 # legs that are named; part of the axis that a letter of a name needs; ticks at ends of legs
 _MOST_LEGS, _LETTER, _TICKS = 12, 0.011, 8
+# part of the axis along the drive that a line of upright text needs, and of that across what stands above the data
+_LINE, _ABOVE = 0.02, 0.4
 
 
 class Leg(NamedTuple):
@@ -82,13 +84,17 @@ def mark_legs(axes: Any, result: Result, named: bool = False) -> None:
     if not named or len(legs) > _MOST_LEGS:
         return
     low, high = axes.get_ylim()
-    axes.set_ylim(low, high + 0.25 * (high - low))
+    axes.set_ylim(low, high + _ABOVE * (high - low))
     for leg in legs:
         ends = axes.transData.transform([(leg.begin, 0.0), (leg.end, 0.0)])
         (left, _), (right, _) = axes.transAxes.inverted().transform(ends)
         unit = result.scale.speed_unit
-        speed = f"{leg.speed:.3g}" if unit != "m/s" else written(leg.speed, unit)
+        speed = f"{leg.speed:.3g}" if unit != "m/s" else written(leg.speed, unit, digits=3)
         said = "hold" if leg.speed == 0.0 else f"speed {speed}"
-        if right - left > _LETTER * len(said):
+        upright = right - left < _LETTER * len(said)
+        if upright:
+            said = said.removeprefix("speed ")
+        if not upright or right - left > _LINE:
             where: dict[str, Any] = {"transform": axes.transAxes, "ha": "center", "va": "top"}
+            where |= {"rotation": "vertical"} if upright else {}
             axes.text(0.5 * (left + right), 0.96, said, fontsize="small", **where)

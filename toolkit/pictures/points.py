@@ -173,7 +173,7 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
     known = {name: np.isfinite(sweep[name]) for name in named if name in sweep.columns}
     if _OF_ENSEMBLE in known:
         known[_OF_ENSEMBLE] &= _swings_on(sweep).reshape(known[_OF_ENSEMBLE].shape)
-    none = dict.fromkeys(named, " (no mark: no slip)")
+    none = dict.fromkeys(named, " (no mark: no slip on this path)")
     none[_OF_ENSEMBLE] = " (no mark: no slips in the end)"
     return {
         name: named[name] + ("" if there.all() else none[name])

@@ -9,8 +9,7 @@ from origins.thresholds.law import Array
 from toolkit.results.kinds import is_coupled, is_heavy, is_precise
 from toolkit.results.records import Result
 from toolkit.results.slips import main_slips
-from toolkit.scene.interfaces import with_error
-from toolkit.scene.scale import spoken, with_scatter
+from toolkit.scene.scale import spoken, with_error, with_scatter
 
 _FEWEST = 30  # least number of broken contacts for which standard errors are meaningful
 # mean thresholds, times N^(-2/3), by which N contacts on a soft slider bear more than infinitely many: the most that

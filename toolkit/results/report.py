@@ -9,8 +9,8 @@ from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
 from toolkit.results.kinds import is_coupled, is_precise
 from toolkit.results.numbers import in_words, is_rough
 from toolkit.results.verdicts import DISAGREE, contradiction
-from toolkit.scene.interfaces import in_a_line, with_error
-from toolkit.scene.scale import spoken, with_uncertainty
+from toolkit.scene.interfaces import in_a_line
+from toolkit.scene.scale import spoken, with_error, with_uncertainty
 
 _SEEN = 1e-6  # of a period: a smaller error, numerical as a rule, is not told
 APART = 6.0  # standard errors at which both solvers do not agree; chance makes about 3

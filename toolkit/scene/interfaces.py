@@ -18,7 +18,6 @@ from toolkit.scene.of_samples import of_islands, of_samples
 from toolkit.scene.scale import (
     length_unit_of,
     of_contacts,
-    rounded_up,
     written,
 )
 from toolkit.scene.scene import Scene
@@ -54,19 +53,6 @@ class Number:
     def lost(self) -> bool:
         """Whether its error is as large as itself; where that is numerical it says nothing. 0 and infinity do."""
         return 0.0 < abs(self.value) < np.inf and (self.error or 0.0) >= abs(self.value)
-
-
-def with_error(value: float, error: float, digits: int) -> str:
-    """Value and error, rounded up, as text, the value to `digits` or to the first digit of the error; without an error
-    of 0."""
-    if not (np.isfinite(value) and 0.0 < error < np.inf):
-        return f"{value:.{digits}g}" + " ± inf" * bool(np.isfinite(value) and error == np.inf)
-    error_text = f"{rounded_up(error):.1g}"
-    shown = int(np.floor(np.log10(abs(value) or error)) - np.floor(np.log10(float(error_text)))) + 1
-    if shown >= digits:
-        return f"{value:.{digits}g} ± {error_text}"
-    # with its last zeros
-    return f"{value:#.{max(shown, 1)}g}".removesuffix(".").replace(".e", "e") + f" ± {error_text}"
 
 
 def of_interface(interface: InSI) -> dict[str, Number]:

@@ -207,13 +207,35 @@ def with_uncertainty(value: float, error: float, unit: str, digits: int = 4) -> 
     return f"{said} ± {written(rounded_up(error), unit, digits=1)}" if shown else said
 
 
-def rounded_up(error: float) -> float:
-    """A finite error with one digit, none below it: 0.024 becomes 0.03, as a bound that is told too small is wrong."""
+def rounded_up(error: float, digits: int = 1) -> float:
+    """A finite error with so many digits, none below it: 0.024 becomes 0.03 with one, as a bound that is told too small
+    is wrong."""
     if not error > 0.0:
         return error
-    power = float(np.floor(np.log10(error)))
+    power = float(np.floor(np.log10(error))) - (digits - 1)
     # a digit that a sum of floating point exceeds by its rounding stays
     return float(f"{np.ceil(error / 10.0**power * (1.0 - 1e-9)):.0f}e{power:.0f}")
+
+
+def with_error(value: float, error: float, digits: int) -> str:
+    """Value and error, rounded up, as text, the value to `digits` or to the first digit of the error, and to the second
+    where it is of the size of the first; without an error of 0."""
+    if not (np.isfinite(value) and 0.0 < error < np.inf):
+        return f"{value:.{digits}g}" + " ± inf" * bool(np.isfinite(value) and error == np.inf)
+    magnitude = np.floor(np.log10(abs(value) or error))
+    said, of_error = rounded_up(error), 1
+    if error < abs(value) and magnitude == np.floor(np.log10(said)):
+        said, of_error = rounded_up(error, digits=2), 2
+    shown = int(magnitude - np.floor(np.log10(said))) + of_error
+    error_text = _with_zeros(said, of_error)
+    if shown >= digits:
+        return f"{value:.{digits}g} ± {error_text}"
+    return f"{_with_zeros(value, max(shown, 1))} ± {error_text}"
+
+
+def _with_zeros(value: float, digits: int) -> str:
+    """The value in so many digits, its last zeros among them."""
+    return f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e")
 
 
 def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
