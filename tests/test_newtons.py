@@ -90,7 +90,7 @@ def test_newtons_that_are_not_known_are_refused() -> None:
             call(result.master.force)
     with pytest.raises(InputError, match="area = -1"):
         bare.newtons(1.0, area=-1.0)
-    assert bare.scale.force_unit == "Pa" and own.scale.force_unit == "N_c<k> length"
+    assert bare.scale.force_unit == "Pa" and own.scale.force_unit == "N_c<k>·length"
     with pytest.raises(InputError, match='units = \'N\': must be "SI" or "N_c<k>"'):
         toolkit.load_scene(scene(units="N"))
 
@@ -132,7 +132,7 @@ def test_the_report_is_in_newtons_or_pascals_or_in_units_of_n_c_k(capsys: Any) -
     for tables, unit in (
         ({"drive": DRIVE}, "mN"),
         ({"drive": bare}, "kPa"),
-        ({"drive": DRIVE, "units": "N_c<k>"}, "N_c<k> m"),
+        ({"drive": DRIVE, "units": "N_c<k>"}, "N_c<k>·m"),
     ):
         status, lines, _ = said(capsys, "run", write(thresholds=ROUGH, **tables))
         (force,) = (line for line in lines if line.startswith("force"))
@@ -241,8 +241,8 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert with_scatter(0.2512, 3e-6, "N") == "251.2 mN ± 3 µN"
     assert with_scatter(0.0, 3e-6, "N") == with_uncertainty(0.0, 3e-6, "N")
     assert with_scatter(1.778e-3, 6e-7, "N") == "1.7780 ± 0.0006 mN"
-    assert with_scatter(1.25, 0.02, "N_c<k> length") == "1.25 ± 0.02 N_c<k> length"
-    assert with_scatter(5.571e-9, 2e-11, "N_c<k> m") == "(5.57 ± 0.02)e-09 N_c<k> m"
+    assert with_scatter(1.25, 0.02, "N_c<k>·length") == "1.25 ± 0.02 N_c<k>·length"
+    assert with_scatter(5.571e-9, 2e-11, "N_c<k>·m") == "(5.57 ± 0.02)e-09 N_c<k>·m"
     # the forces of one slider have no scatter
     assert with_uncertainty(0.2512, np.inf, "N") == "251.2 mN (error unknown)"
     assert of_surface(1e11, 200.0, 1e6, None).force == 2e13
@@ -521,9 +521,9 @@ def test_samples_of_a_file_have_a_unit(monkeypatch: Any) -> None:
     assert units == ["length", "m"]
     results = [toolkit.run(scene(one, master={"tolerance": 1e-3})) for one in (table, law)]
     assert [one.thresholds.in_metres for one in results] == [False, True]
-    assert [one.scale.force_unit for one in results] == ["N_c<k> length", "N_c<k> m"]
+    assert [one.scale.force_unit for one in results] == ["N_c<k>·length", "N_c<k>·m"]
     numbers = describe(toolkit.load_scene(scene(law)).contacts).numbers
-    assert numbers["mean"].unit == numbers["kinetic_force"].unit == "m"
+    assert (numbers["mean"].unit, numbers["kinetic_force"].unit) == ("m", "N_c<k>·m")
     fixed = {"kind": "identical", "value": 4e-9}
     mixed = scene({"kind": "mixture", "components": [law, fixed], "weights": [0.9, 0.1]})
     assert toolkit.load_scene(mixed).scale.length_unit == "m"

@@ -456,7 +456,7 @@ def test_the_slope_of_the_kinetic_force_is_drawn_where_it_is_straight_in_the_log
     np.testing.assert_allclose(slopes, 0.0299 * kinetic, rtol=0.01)
     assert speed[0] < 1e-7 and 1e-4 < speed[-1] < 0.03
     said = axes.get_legend().get_texts()[0].get_text()
-    assert said == "slope $dF_k/d\\,\\ln v$ = 0.0156 N_c<k> length", said
+    assert said == "slope $dF_k/d\\,\\ln v$ = 0.0156 N_c<k>·length", said
     bare = picture(delay={"time": 1.0})
     assert bare.get_legend() is None and len(bare.get_lines()) == 3  # a curve and its error bars
 

@@ -71,7 +71,7 @@ def test_a_point_is_the_scene_with_its_values(capsys: Any) -> None:
         head, *rows = list(csv.reader(stream))
     keys = ["drive.spring", "contacts.thresholds.std [length]"]
     assert head[:3] == [*keys, "mean_threshold [length]"] and "critical_spring [N_c<k>]" in head
-    assert [float(row[head.index("last_force [length]")]) for row in rows] == found[
+    assert [float(row[head.index("last_force [N_c<k>·length]")]) for row in rows] == found[
         "last_force"
     ].tolist()
     assert head[-1] == "message" and {row[-1] for row in rows} == {"as asked"}

@@ -190,7 +190,7 @@ def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:
     assert found.kelvin is None and not hasattr(found, "colour")
     assert "columns=<velocity, force, " in repr(found) and {"delay", "force"} <= set(dir(found))
     head, *lines = Path("out/sweep.csv").read_text().splitlines()
-    assert head.startswith("velocity [length/time],force [length],force_error [<x_s>],holding,")
+    assert head.startswith("velocity [length/time],force [N_c<k>·length],force_error [N_c<k>·l")
     table = np.array([line.split(",") for line in lines], dtype=float)
     np.testing.assert_array_equal(table[:, 1], found.force.ravel())
     np.testing.assert_array_equal(table[:, -2], found.critical_spring.ravel())
@@ -590,13 +590,13 @@ def test_spreadsheets_hold_force_and_slips_in_the_units_of_the_scene() -> None:
     result = toolkit.run(scene(drive=drive, eq={"contacts": 500, "replicas": 2}), folder="out")
     with Path("out/force.csv").open(encoding="utf-8") as stream:
         head, *rows = list(csv.reader(stream))
-    force = head.index("master force [N_c<k> length]")
+    force = head.index("master force [N_c<k>·length]")
     assert head[0] == "drive [length]" and len(rows) == 21
     assert [float(row[force]) for row in rows] == result.master.force.tolist()
     with Path("out/slips.csv").open(encoding="utf-8") as stream:
         slips = list(csv.DictReader(stream))
     own = [slip for slip in slips if slip["solver"] == "master"]
-    before = [float(slip["force before [N_c<k> length]"]) for slip in own]
+    before = [float(slip["force before [N_c<k>·length]"]) for slip in own]
     assert before == result.master.slips.force_before.tolist() != []
     assert len(slips) - len(own) == result.eq.slips.drive.size and {
         slip["slider"] for slip in own

@@ -189,7 +189,7 @@ def test_smooth_sliding_after_slips_that_shrink_is_told_at_f_k_with_what_is_left
     assert re.search(rf"once slips have died out: {many} were seen, each drop", said)
     # swings of more than a twentieth of the force are told by their ends, and smaller ones are its error
     assert slides.swings == ((low, high) if many == 9 else None) and low < exact < high
-    swings = f", still swinging between {low:.2g} N_c<k> length and {high:.2g} N_c<k> "
+    swings = f", still swinging between {low:.2g} N_c<k>·length and {high:.2g} N_c<k>·"
     assert (swings in said) is (many == 9)
     assert said.startswith(f"smooth at {exact:.4f} N" if many == 9 else "smooth at 0.498 ± 0.004 N")
     # where its ends are not known what is left is an error, of more than the force itself
@@ -462,7 +462,7 @@ def test_slips_that_get_ever_rarer_end_where_steady_sliding_is_stable() -> None:
     force = kinetic.value + RARE.damping
     assert f"slips ever rarer, smooth in the end at {force:.2e} " in said
     assert re.search(r"\d{3} slips a slider over 5\.\de\+06.*every 1\d,000 .*every \d\d,000 ", said)
-    usual = re.search(r"fluctuating by ± (\S+) N_c<k> length between slips", said)
+    usual = re.search(r"fluctuating by ± (\S+) N_c<k>·length between slips", said)
     # about as large as the force itself, as few contacts hold
     assert usual is not None and 0.4 * force < float(usual[1]) < 2.0 * force
     assert "stick-slip" not in text
@@ -521,9 +521,9 @@ def test_swings_that_have_not_died_out_are_told_by_their_ends_and_are_no_error()
     told = on_area(found, few, machine, contacts)
     said, text = sentence(told), "\n".join(page(told))
     delays = found.drive[-1] / 5.6
-    assert re.match(r"smooth at 0\.\d+ N_c<k> length", said) and "±" not in said
+    assert re.match(r"smooth at 0\.\d+ N_c<k>·length", said) and "±" not in said
     assert f"of the drive, {delays:.3g} delays of its contacts" in said
-    assert f", still swinging between {low:.2g} N_c<k> length and {high:.2g} N_c<k> " in said
+    assert f", still swinging between {low:.2g} N_c<k>·length and {high:.2g} N_c<k>·" in said
     assert "forces of the slider" not in text  # which would be an error of it
     assert "20,000 contacts: smooth after 36 slips" in text
     twice = replace(found, slips=13)
@@ -578,7 +578,7 @@ def test_on_the_border_of_steady_sliding_chance_decides_on_slips(part: float) ->
             f"on the border: friction falls with the speed by {falls:.3g} N_c<k> time" in told
         ) is said
         assert (
-            "by chance the force of 5,000 contacts falls by 0.0201 N_c<k> length or more" in told
+            "by chance the force of 5,000 contacts falls by 0.0201 N_c<k>·length or more" in told
         ) is said
     # large slips, and very many contacts, are no chance
     large = replace(few, before=0.7)
@@ -594,7 +594,7 @@ def test_the_force_of_few_contacts_that_slide_beside_a_mass_fluctuates() -> None
     machine, contacts = Machine(2.0, 0.5, 0.3, 0.25), Contacts(WIDE)
     few = Finite("mass", 39, "smooth", fluctuation=0.05)
     told = sentence(on_area(SLIDES, few, machine, contacts))
-    assert ", fluctuating by ± 0.050 N_c<k> length with 39 contacts" in told
+    assert ", fluctuating by ± 0.050 N_c<k>·length with 39 contacts" in told
     for other in (replace(few, fluctuation=5e-4), replace(few, fluctuation=np.nan)):
         assert "fluctuating" not in sentence(on_area(SLIDES, other, machine, contacts))
     swings = replace(SLIDES, swings=(0.0, 0.2), drive=np.array([0.0, 9.0]))

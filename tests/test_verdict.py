@@ -332,7 +332,7 @@ def test_a_force_below_what_counts_as_a_slip_says_so() -> None:
         sliding = answers.Quantity(force, 1e-9)
         own = answers.Answer("own", contacts, scale, sliding, sliding, spring, SOFT, (slides,))
         found = sentence(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0))
-        counts = ", where swings of less than 0.020 N_c<k> length would count as no slips"
+        counts = ", where swings of less than 0.020 N_c<k>·length would count as no slips"
         assert found.startswith("smooth at 0.0") and (counts in found) is small, found
 
 
@@ -649,7 +649,7 @@ def test_slips_stand_in_the_trace_at_their_own_places(capsys: Any) -> None:
     assert head == [
         "slip rule",
         "drive [length]",
-        "spring force [N_c<k> length]",
+        "spring force [N_c<k>·length]",
         "slider [length]",
         "time [time]",
     ]
@@ -829,7 +829,7 @@ def test_digits_are_those_that_the_uncertainty_leaves() -> None:
 
 def test_units_follow_what_is_known() -> None:
     plain = scale_of(Contacts(gaussian(1.0, 0.1)), None)
-    assert (plain.force_unit, plain.spring_unit, plain.load) == ("N_c<k> length", "N_c<k>", None)
+    assert (plain.force_unit, plain.spring_unit, plain.load) == ("N_c<k>·length", "N_c<k>", None)
     tables = {"thresholds": ROUGH, "drive": {"area": 1e-6}, "master": None}
     contacts = load_scene(write(**tables), solved=False).contacts
     per_area, pad = scale_of(contacts, None), scale_of(contacts, 2e-6)
@@ -1396,11 +1396,11 @@ def test_forces_under_two_rules_are_told_each_with_its_own_error() -> None:
     own = answers.Answer("own", contacts, scale, number, number, number, SOFT, (early, full))
     text = "\n".join(page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)))
     assert (
-        "stick-slip: 0.040 ± 0.020 N_c<k> length down to 0 N_c<k> length if a slip renews" in text
+        "stick-slip: 0.040 ± 0.020 N_c<k>·length down to 0 N_c<k>·length if a slip renews" in text
     )
-    assert "stick-slip: 1.500 ± 0.002 N_c<k> length down to 0" in text
-    assert re.search(r"^force before a slip \(reset\) +0.040 ± 0.020 N_c<k> length$", text, re.M)
-    told = r"^force before a slip \(reform-after\) +1.500 ± 0.002 N_c<k> length$"
+    assert "stick-slip: 1.500 ± 0.002 N_c<k>·length down to 0" in text
+    assert re.search(r"^force before a slip \(reset\) +0.040 ± 0.020 N_c<k>·length$", text, re.M)
+    told = r"^force before a slip \(reform-after\) +1.500 ± 0.002 N_c<k>·length$"
     assert re.search(told, text, re.M)
     assert re.search(r"^period \(reform-after\) +15,120 length, 15,120 time$", text, re.M)
     assert "forces of the slider (reset): at most 5e-01\n" in text
@@ -1509,7 +1509,7 @@ def test_an_error_that_is_told_leaves_the_force_no_more_digits() -> None:
     scale = scale_of(contacts, None)
     answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
     found = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
-    assert found.startswith("smooth at 0.54 ± 0.01 N_c<k> length")
+    assert found.startswith("smooth at 0.54 ± 0.01 N_c<k>·length")
 
 
 def test_beside_an_error_of_what_still_swings_stands_the_force_that_it_swings_about() -> None:
@@ -1523,7 +1523,7 @@ def test_beside_an_error_of_what_still_swings_stands_the_force_that_it_swings_ab
         answer = answers.Answer("own", contacts, scale, number, number, number, machine, each)
         said = dependence(answers.Verdict("a", "a", 2.0, (answer,), (), {}, 1.0))
         (line,) = (one for one in said if "is known less well than others" in one)
-        share = "sliding that swings no more bears 0.450 N_c<k> length, F_k and the damping's share"
+        share = "sliding that swings no more bears 0.450 N_c<k>·length, F_k and the damping's share"
         assert line.endswith(share) is told
 
 
@@ -2173,7 +2173,7 @@ def test_below_the_critical_spring_smooth_sliding_has_its_reason_beside_the_tabl
     """A fall of less than 0.02 <x_s> is no slip of a heavy slider; a slider that slipped has forgotten its start."""
     contacts, smooth = Contacts(gaussian(1.0, 0.3)), replace(infinite("smooth", 0), rule="mass")
     for behaviour, reason in (
-        (smooth, "the fall from F_s to F_k, 0.0100 N_c<k> length, is too small to count as a slip"),
+        (smooth, "the fall from F_s to F_k, 0.0100 N_c<k>·length, is too small to count as a slip"),
         (replace(smooth, slips=1), "the slider slips once, and then no more"),
         (replace(smooth, slips=36), "the slider slips 36 times, and then no more"),
     ):
@@ -2190,7 +2190,7 @@ def test_below_the_critical_spring_smooth_sliding_has_its_reason_beside_the_tabl
     damped = replace(once.own, machine=replace(heavy, damping=1e9))
     for own, why in (
         (replace(waiting, machine=heavy), "as contacts wait on a longer way of the drive than"),
-        (damped, "as the damping bears 1.00e+09 N_c<k> length at the drive's speed"),
+        (damped, "as the damping bears 1.00e+09 N_c<k>·length at the drive's speed"),
     ):
         assert f"and then no more, {why}" in "\n".join(page(replace(once, answers=(own,))))
     stiff = told_of(smooth, None, contacts)

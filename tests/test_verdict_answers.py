@@ -55,7 +55,7 @@ def test_falls_of_few_contacts_are_no_slips_of_the_slider() -> None:
     assert pulled.few_break == pytest.approx(solved_share, rel=1e-3)
     slides = slips("instant", kind="smooth", slips=1, before=0.5, after=0.5)
     answer, after = sentence(told(pulled, slides)).split("; ")
-    assert answer == "smooth at 0.5000 N_c<k> length if contacts re-form at once"
+    assert answer == "smooth at 0.5000 N_c<k>·length if contacts re-form at once"
     assert after.startswith("no stick-slip, as at most 1.7% of the contacts break in each of ")
     assert after.endswith("if a slip renews all contacts")
     text = "\n".join(page(told(pulled, slides)))
@@ -93,7 +93,7 @@ def test_the_first_slip_of_a_mass_has_its_forces(kind: str) -> None:
         line for line in page(told(first, machine=HEAVY)) if line.startswith("first slip (mass)")
     ]
     assert len(rows) == 1
-    assert rows[0].split(maxsplit=3)[-1] == "0.610 N_c<k> length down to -0.300 N_c<k> length"
+    assert rows[0].split(maxsplit=3)[-1] == "0.610 N_c<k>·length down to -0.300 N_c<k>·length"
     ends = later["before"], later["after"]
     alike = replace(first, in_time=SlipsOfMass(first_forces=ends))
     unknown = replace(first, in_time=replace(begins, first_error=0.5))
@@ -102,7 +102,7 @@ def test_the_first_slip_of_a_mass_has_its_forces(kind: str) -> None:
         assert shown is (kind == "smooth")
     chance = page(told(replace(first, in_time=replace(begins, first_error=0.02)), machine=HEAVY))
     (row,) = (line for line in chance if line.startswith("first slip (mass)"))
-    assert "0.61 ± 0.02 N_c<k> length down to -0.30 ± 0.02 N_c<k> length" in row
+    assert "0.61 ± 0.02 N_c<k>·length down to -0.30 ± 0.02 N_c<k>·length" in row
 
 
 def test_a_mass_tells_the_forces_of_its_first_slip() -> None:

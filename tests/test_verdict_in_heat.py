@@ -254,8 +254,8 @@ def test_the_sentence_tells_how_the_way_to_steady_sliding_was_followed(
     told = answers.Verdict("a", "a", 1.0, (one,), (), {}, 1.0)
     assert re.match(rf"smooth at \S+ .*in the end \(the way there was {how}\)", sentence(told))
     (line,) = (each for each in dependence(told) if "was not followed, as it goes on" in each)
-    changed = "heat changes F_k and F_s by 0.010 N_c<k> length at most, less than" in line
-    steadies = "changes F_k and F_s by 0.10 N_c<k> length at most, more than what counts as a slip"
+    changed = "heat changes F_k and F_s by 0.010 N_c<k>·length at most, less than" in line
+    steadies = "changes F_k and F_s by 0.10 N_c<k>·length at most, more than what counts as a slip"
     assert (steadies in line and "but steadies: F_k rises" in line) == (off > 0.02)
     assert (changed or steadies in line) == bool(off) and (
         "no force is above that of faster sliding" in line

@@ -270,7 +270,7 @@ def test_each_rule_has_its_own_error_in_the_line_on_sliders_that_tell_the_slips(
     verdict = of(sharp)
     verdict = replace(verdict, answers=(replace(verdict.own, behaviours=each),))
     (line,) = [one for one in dependence(verdict) if "slips are means" in one]
-    known = "known to some 7.0e-04 N_c<k> length if a slip renews all contacts and some 0.028 N"
+    known = "known to some 7.0e-04 N_c<k>·length if a slip renews all contacts and some 0.028 N"
     assert known in line and "length if contacts re-form after the slip (one standard" in line
 
 
@@ -317,7 +317,7 @@ def test_the_force_of_a_slider_on_which_few_contacts_hold_says_so_beside_the_mea
     (kinetic,) = (one for one in lines if one.startswith("kinetic friction F_k"))
     assert "with 0.1% of the contacts holding" in kinetic
     (mean,) = (one for one in lines if one.startswith("mean force of stick-slip (mass)"))
-    assert "0.4000 N_c<k> length" in mean
+    assert "0.4000 N_c<k>·length" in mean
     (why,) = (one for one in dependence(few) if "F_k is smaller than without a delay" in one)
     assert "waits while the drive goes on by 30.0" in why and "0.1% of them hold" in why
     many = table(found)
@@ -341,7 +341,7 @@ def test_a_slider_that_is_not_decided_in_time_lies_between_two_that_are() -> Non
         "the command's --set wall_time=600 gives it ten minutes"
     )
     text = "\n".join(page(between))
-    assert "stick-slip: 0.8000 N_c<k> length down to" in text and "smooth at 0.8000" in text
+    assert "stick-slip: 0.8000 N_c<k>·length down to" in text and "smooth at 0.8000" in text
     refused = replace(late, message="no such slider")
     other = replace(between, answers=(replace(found.own, behaviours=(refused, *light)),))
     said = sentence(other)
@@ -371,10 +371,10 @@ def test_one_number_is_written_once() -> None:
     found = of(of_a_mass("smooth", 0.80008))
     own = replace(found.own, machine=Machine(1e-3, 1e-5, 8e-5, 1.0))
     known = replace(found, answers=(own,))
-    assert sentence(known).startswith("smooth at 0.8001 N_c<k> length (8.00e-05 N_c<k> length of")
+    assert sentence(known).startswith("smooth at 0.8001 N_c<k>·length (8.00e-05 N_c<k>·length of")
     sampled = replace(own, kinetic=answers.Quantity(0.8, 1e-9, 0.015))
     said = sentence(replace(found, answers=(sampled,)))
-    assert said.startswith("smooth at 0.800 N_c<k> length; other samples")
+    assert said.startswith("smooth at 0.800 N_c<k>·length; other samples")
     far = replace(sampled, behaviours=(of_a_mass("smooth", 0.81),))
     assert sentence(replace(found, answers=(far,))).startswith("smooth at 0.810 ")
 
@@ -388,11 +388,11 @@ def test_smooth_sliding_of_contacts_that_were_not_followed_is_that_of_infinitely
     unknown = Finite("instant", 1000, "unknown", message="no time")
     said = sentence(replace(found, finite=(followed, unknown)))
     assert said == (
-        "smooth at 0.8000 N_c<k> length if a slip renews all contacts; "
-        "smooth at 0.8000 N_c<k> length for infinitely many contacts if contacts re-form at once"
+        "smooth at 0.8000 N_c<k>·length if a slip renews all contacts; "
+        "smooth at 0.8000 N_c<k>·length for infinitely many contacts if contacts re-form at once"
     )
     both = replace(found, finite=(followed, replace(followed, rule="instant")))
-    assert sentence(both) == "smooth at 0.8000 N_c<k> length"
+    assert sentence(both) == "smooth at 0.8000 N_c<k>·length"
 
 
 @pytest.mark.parametrize("law", ["soft", "stiff"])
@@ -408,7 +408,7 @@ def test_heat_tells_what_it_changes_in_the_kinetic_force(law: str) -> None:
     )
     (line,) = (one for one in dependence(verdict(scene)) if one.startswith("heat "))
     change = (warm - cold) / cold
-    told = r"F_k by (\S+) N_c<k> length, ([^\s%]+)(%?) of the (\S+) N_c<k> length without it"
+    told = r"F_k by (\S+) N_c<k>·length, ([^\s%]+)(%?) of the (\S+) N_c<k>·length without it"
     said = re.fullmatch(rf"heat (raises|lowers) {told}", line)
     assert said is not None and (said[1] == "raises") is (change > 0.0)
     assert float(said[2]) == pytest.approx(abs(warm - cold), rel=0.05)
@@ -419,12 +419,12 @@ def test_heat_tells_what_it_changes_in_the_kinetic_force(law: str) -> None:
     found = of(left_out)
     own = replace(found.own, cold=answers.Quantity(0.8 - 1e-3, 0.0))
     (line,) = (one for one in dependence(replace(found, answers=(own,))) if "left out" in one)
-    raised = "heat raises F_k of a rigid slider as fast as the drive by 0.0010 N_c<k> length"
-    assert "by 0.10 N_c<k> length at most; " + raised in line
+    raised = "heat raises F_k of a rigid slider as fast as the drive by 0.0010 N_c<k>·length"
+    assert "by 0.10 N_c<k>·length at most; " + raised in line
     # of the barriers of a scan, 4e-06%
     own = replace(own, kinetic=answers.Quantity(0.8, 0.0), cold=answers.Quantity(0.8 - 3e-8, 0.0))
     (line,) = (one for one in dependence(replace(found, answers=(own,))) if "left out" in one)
-    assert "by 3.0e-08 N_c<k> length, 3.8e-08 of the 0.8" in line
+    assert "by 3.0e-08 N_c<k>·length, 3.8e-08 of the 0.8" in line
 
 
 def test_one_other_reading_is_no_plural() -> None:
@@ -632,11 +632,11 @@ def test_a_slider_that_is_not_decided_is_told_with_its_mass_at_both_extremes_of_
     assert "smooth if it were far below 0.0125 units of time" in said or "far below 12.5" in said
     text = page(told)
     (at_once,) = (one for one in text if "form again at once would make it" in one)
-    assert "make it smooth at 0.5000 N_c<k> length" in at_once
+    assert "make it smooth at 0.5000 N_c<k>·length" in at_once
     (after,) = (
         one for one in text if "form again only after 30 units of time would make it" in one
     )
-    assert "stick-slip: 0.8000 N_c<k> length down to -0.4000" in after and "every 1,200" in after
+    assert "stick-slip: 0.8000 N_c<k>·length down to -0.4000" in after and "every 1,200" in after
     (delay,) = (one for one in text if one.startswith("  the contacts' delay: "))
     assert "friction falls with the speed by more than the damping rises" in delay
     loaded = "units of time in which the drive loads the spring to F_s"  # F_s/(K v), 0.8/1e-3
@@ -826,8 +826,8 @@ def test_rules_that_agree_on_slips_and_not_on_their_drop_say_so() -> None:
     """Both stick and slip, one by half as much as the other."""
     told = of(of_a_mass("stick-slip", 0.8))
     each = [replace(told.own.behaviours[0], rule="reset", after=0.0)]
-    apart = "0.8000 N_c<k> length down to 0 N_c<k> length every 800.0 length if a slip renews all contacts and "
-    apart += "0.8000 N_c<k> length down to 0.4000 N_c<k> length every 400.0 length if contacts re-form after the slip"
+    apart = "0.8000 N_c<k>·length down to 0 N_c<k>·length every 800.0 length if a slip renews all contacts and "
+    apart += "0.8000 N_c<k>·length down to 0.4000 N_c<k>·length every 400.0 length if contacts re-form after the slip"
     for after, end in ((0.0, "all rules agree"), (0.4, f"all stick and slip, between {apart}")):
         each[0] = replace(each[0], period=800.0)
         other = replace(each[0], rule="reform-after", after=after, period=1e3 * (0.8 - after))

@@ -80,7 +80,7 @@ def test_slips_that_do_not_recur_are_no_stick_slip() -> None:
         assert few.kind == kind and (few.period is None) is (kind == "now and then")
         if few.period is None:
             found = page(of_the_area(1e3, 0.0, (few,)))
-            assert found[2].startswith("1,000 contacts slip now and then, from 1.04 N_c<k> length")
+            assert found[2].startswith("1,000 contacts slip now and then, from 1.04 N_c<k>·length")
             assert (
                 f", {few.slips:.2g} a slider on the way that was followed, sliding at" in found[3]
             )
@@ -107,11 +107,11 @@ def test_an_assumed_damping_is_no_part_of_the_force_of_smooth_sliding() -> None:
     """F_k = 0.5, and the damping bears 0.02: of a machine's own one the spring's force is told, with its share."""
     slides = slips("mass", **(SMOOTH | {"before": 0.52, "after": 0.52}))
     assumed = sentence(told(replace(slides, damping=0.02), machine=HEAVY))
-    more = "the spring's force is larger by 0.0200 N_c<k> length, which the damping bears"
-    assert f"smooth at 0.5000 N_c<k> length ({more}), with an assumed damping of " in assumed
+    more = "the spring's force is larger by 0.0200 N_c<k>·length, which the damping bears"
+    assert f"smooth at 0.5000 N_c<k>·length ({more}), with an assumed damping of " in assumed
     given = sentence(told(slides, machine=replace(HEAVY, damping=0.02)))
-    share = "0.0200 N_c<k> length of it borne by the damping"
-    assert f"smooth at 0.5200 N_c<k> length ({share})" in given
+    share = "0.0200 N_c<k>·length of it borne by the damping"
+    assert f"smooth at 0.5200 N_c<k>·length ({share})" in given
 
 
 def test_few_contacts_slip_above_k_star_and_not_on_far_stiffer_springs() -> None:

@@ -144,7 +144,7 @@ def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
     assert re.fullmatch(
         r"\. With a delay far below \S+, (in|above) which .*, contacts re-form in effect at once; with one far above "
         r"the 0\.31\d of a slip, and far below the 800 in which the drive loads the spring to the force before a slip, "
-        r"0\.800 N_c<k> length, only after the slip",
+        r"0\.800 N_c<k>·length, only after the slip",
         slow,
     )
     fast = of_delay.of_short_delays(of_a_mass(Machine(1e-3, 1e-5, 1e-5, 1e4), 1e-3))
@@ -185,7 +185,7 @@ def test_an_error_above_the_force_stands_beside_it() -> None:
     smooth = replace(smooth, success=True, slips=13, shrinks_by=0.05, error=0.8)
     own = replace(answer, behaviours=(smooth,), kinetic=answers.Quantity(1e-3, 1e-9))
     text = page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0))
-    assert text[2].startswith("smooth at 0.0010 ± 0.80 N_c<k> length (")
+    assert text[2].startswith("smooth at 0.0010 ± 0.80 N_c<k>·length (")
     assert "the path ends while they swing by more than the force" in text[2]
     (line,) = (one for one in text if one.startswith("  forces of the slider (mass)"))
     assert line.endswith("at most 8e+02, more than the force")

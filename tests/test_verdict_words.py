@@ -80,12 +80,12 @@ def test_numbers_have_two_digits_where_other_samples_change_them_by_more_than_a_
     found = told(slips("instant", kind="smooth", before=0.5123, after=0.5123), kinetic=vague)
     other = replace(found.own, name="other", kinetic=replace(vague, value=0.5234))
     text = page(replace(found, answers=(found.own, other)))
-    assert text[2].startswith("smooth at 0.51 N_c<k> length; other samples would change F_k by ±")
+    assert text[2].startswith("smooth at 0.51 N_c<k>·length; other samples would change F_k by ±")
     (row,) = (one for one in text if one.startswith("kinetic friction F_k"))
-    assert re.search(r"0\.51 N_c<k> length +± 0\.15 .* 0\.51 \S+ length to 0\.52", row)
+    assert re.search(r"0\.51 N_c<k>·length +± 0\.15 .* 0\.51 \S+ to 0\.52", row)
     wide = replace(vague, sampling=0.08)
     own = replace(found.own, kinetic=wide, static=wide)
-    assert page(replace(found, answers=(own,)))[2].startswith("smooth at 0.51 N_c<k> length")
+    assert page(replace(found, answers=(own,)))[2].startswith("smooth at 0.51 N_c<k>·length")
     # readings differ by what their own errors, which are small, let know
     exact = replace(vague, sampling=None)
     own = replace(found.own, kinetic=exact, static=exact)
@@ -93,8 +93,8 @@ def test_numbers_have_two_digits_where_other_samples_change_them_by_more_than_a_
     text = page(replace(found, answers=(own, other)))[2]
     assert (
         text
-        == "smooth at 0.512 N_c<k> length; F_k of the 2 readings is 0.512 N_c<k> length to "
-        + ("0.800 N_c<k> length")
+        == "smooth at 0.512 N_c<k>·length; F_k of the 2 readings is 0.512 N_c<k>·length to "
+        + ("0.800 N_c<k>·length")
     )
 
 
@@ -105,21 +105,21 @@ def test_a_range_of_forces_has_the_digits_of_their_errors() -> None:
     other = replace(own, name="b", behaviours=(slips("mass", before=3.13, error=0.3),))
     verdict = replace(told(), answers=(own, other))
     assert range_of_force(verdict).endswith(
-        "is 2.1 N_c<k> length to 3.1 N_c<k> length, each known to ± 0.30 N_c<k> length or better"
+        "is 2.1 N_c<k>·length to 3.1 N_c<k>·length, each known to ± 0.30 N_c<k>·length or better"
     )
     sharp = (slips("mass", before=3.13, error=1e-5),)
     verdict = replace(told(), answers=(own, replace(other, behaviours=sharp)))
-    assert "is 2.1 N_c<k> length to 3.130 N_c<k> length, each" in range_of_force(verdict)
+    assert "is 2.1 N_c<k>·length to 3.130 N_c<k>·length, each" in range_of_force(verdict)
     between = replace(other, name="c", behaviours=(slips("mass", before=3.05, error=0.3),))
     own, other = (replace(one, behaviours=sharp) for one in (own, other))
     own = replace(own, behaviours=(replace(sharp[0], before=2.09),))
     for given, told_too in (((own, other), False), ((own, other, between), True)):
         said = range_of_force(replace(verdict, answers=given))
-        assert "is 2.090 N_c<k> length to 3.130" in said and ("each known to" in said) == told_too
+        assert "is 2.090 N_c<k>·length to 3.130" in said and ("each known to" in said) == told_too
     # ends that lie nearer to each other than their errors are none
     near = replace(own, behaviours=(slips("mass", before=2.99, error=0.3),))
     said = range_of_force(replace(verdict, answers=(near, other)))
-    assert said.endswith("is 2.7 N_c<k> length to 3.3 N_c<k> length, with the error of each")
+    assert said.endswith("is 2.7 N_c<k>·length to 3.3 N_c<k>·length, with the error of each")
 
 
 def test_a_range_beside_slips_of_the_areas_contacts_is_of_infinitely_many() -> None:
@@ -132,14 +132,14 @@ def test_a_range_beside_slips_of_the_areas_contacts_is_of_infinitely_many() -> N
     assert range_of_force(verdict).startswith(plainly)
     said = range_of_force(replace(verdict, finite=(few,)))
     assert said.startswith("the force before a slip with infinitely many contacts by the 2 of 2")
-    assert said.endswith("is 0.603 N_c<k> length to 0.621 N_c<k> length")
+    assert said.endswith("is 0.603 N_c<k>·length to 0.621 N_c<k>·length")
 
 
 def test_rules_with_errors_of_their_own_stand_apart_in_the_headline() -> None:
     """The same forces, one known to 1e-2 and one to 0.1; as one they would both have the larger error."""
     apart = page(told(slips("reset", error=1e-2), slips("reform-after", error=0.1)))[2]
-    assert "0.60 ± 0.01 N_c<k> length down to 0 N_c<k> length if a slip renews" in apart
-    assert "stick-slip: 0.60 ± 0.10 N_c<k> length down to 0" in apart
+    assert "0.60 ± 0.01 N_c<k>·length down to 0 N_c<k>·length if a slip renews" in apart
+    assert "stick-slip: 0.60 ± 0.10 N_c<k>·length down to 0" in apart
     assert apart.endswith("if contacts re-form after the slip")
     alike = page(told(slips("reset", error=1e-2), slips("reform-after", error=1e-2)))[2]
     assert alike.count("±") == 1
@@ -152,8 +152,8 @@ def test_slips_of_two_sizes_are_not_told_as_one_range(other: tuple[float, float]
     text = page(told(slips("reset"), slips("instant", before=before, after=after)))
     (said,) = (one for one in text if one.startswith("stick-slip"))
     first, second = said.split("; ")
-    assert "0.6000 N_c<k> length down to 0 " in first
-    assert f"{before:.4f} N_c<k> length down to {after:.4f}" in second
+    assert "0.6000 N_c<k>·length down to 0 " in first
+    assert f"{before:.4f} N_c<k>·length down to {after:.4f}" in second
 
 
 def test_few_slips_say_how_many_and_why_they_tell() -> None:
@@ -272,7 +272,7 @@ def test_a_swing_that_outlives_the_path_is_named() -> None:
     drive = np.linspace(0.0, 100.0, 5000)
     swings = replace(not_followed("mass", STILL_SWINGS), drive=drive, force=np.sin(drive))
     page_text = "\n".join(page(told(swings, machine=HEAVY)))
-    assert "at the path's end, by 2.0 N_c<k> length: a swing takes 0.628 units of time" in page_text
+    assert "at the path's end, by 2.0 N_c<k>·length: a swing takes 0.628 units of time" in page_text
     assert "dies away by a factor e in 1 units of time, so that a larger drive.damping" in page_text
 
 
@@ -343,7 +343,7 @@ def test_the_picture_ends_behind_what_happens_and_its_title_is_short() -> None:
     # the error of a trace is a force, and no formula that lines of the legend would break
     rough = draw_verdict(told(replace(slides, error=0.01, success=False), machine=HEAVY)).axes[0]
     (label,) = (one.get_text() for one in rough.get_legend().get_texts())
-    assert label.replace("\n", " ").endswith(": smooth, error 0.010 N_c<k> length")
+    assert label.replace("\n", " ").endswith(": smooth, error 0.010 N_c<k>·length")
     stick = slips("reset", drive=drive, force=drive % 2.0, period=2.0)
     for each in ((stick,), (stick, replace(slides, rule="instant"))):
         trace = draw_verdict(told(*each)).axes[0]
@@ -446,7 +446,7 @@ def test_a_verdict_in_units_of_the_own_contacts_stiffness_has_that_of_one_readin
     surface = load_scene("mine.toml", solved=False).contacts.interface
     together = surface.contact_density * 1e-8 * surface.mean_stiffness
     for one, shared in zip(*(each["readings"] for each in found), strict=True):
-        assert shared["units"]["force"] == "N_c<k> m" and shared["units"]["spring"] == "N_c<k>"
+        assert shared["units"]["force"] == "N_c<k>·m" and shared["units"]["spring"] == "N_c<k>"
         for name in ("kinetic", "static", "critical_spring"):
             assert shared[name]["value"] * together == pytest.approx(one[name]["value"], rel=1e-9)
         for name in ("spring", "load"):
@@ -455,7 +455,7 @@ def test_a_verdict_in_units_of_the_own_contacts_stiffness_has_that_of_one_readin
         assert before[0] * together == pytest.approx(before[1], rel=1e-9)
     mu = [re.search(r"F_k/load +(\S+)", text)[1] for text in pages]
     assert mu[0] == mu[1] and "mN" in pages[0]
-    assert "N_c<k> m" in pages[1] and not re.search(r"\d [mµn]?N\b", pages[1])
+    assert "N_c<k>·m" in pages[1] and not re.search(r"\d [mµn]?N\b", pages[1])
 
 
 def test_progress_says_how_long_a_verdict_takes_at_most(capsys: Any) -> None:
@@ -510,7 +510,7 @@ def test_forces_with_another_delay_say_that_they_are_without_heat() -> None:
     slides = slips("mass", kind="smooth", slips=1, before=0.5, after=0.5)
     heat = Thermal(law="stiff", temperature=1e-7, attempt_frequency=1e6)
     warm = replace(told(slides, machine=HEAVY, thermal=heat), turned=slips("mass", before=0.9))
-    assert re.search(r"make it stick-slip: 0\.9\S* .* length, without heat$", page(warm)[3])
+    assert re.search(r"make it stick-slip: 0\.9\S* .*·length, without heat$", page(warm)[3])
     cold = replace(told(slides, machine=HEAVY), turned=slips("mass", before=0.9))
     assert "make it stick-slip" in page(cold)[3] and "heat" not in page(cold)[3]
 
@@ -627,7 +627,7 @@ def test_smooth_sliding_that_is_unstable_says_so() -> None:
         said = "\n".join(page(told(replace(slides, heat_left_out=left_out))))
         # how far a slider swings that was not followed nobody knows: it may be by more than counts as a slip
         swings = "swinging by less than 0.020 N" if left_out is None else "swinging, as heat"
-        assert f"\nsmooth at 0.5000 N_c<k> length, or {swings}" in said
+        assert f"\nsmooth at 0.5000 N_c<k>·length, or {swings}" in said
         assert ("(how far was not followed)" in said) is (left_out is not None)
         assert "steady sliding grow by heat on springs below 0.20 N_c<k>" in said and how in said
     stable = "\n".join(page(told(replace(slides, unstable_below=0.0))))
@@ -642,7 +642,7 @@ def test_a_swing_too_small_to_be_written_is_told_by_how_wide_it_is() -> None:
     slides = slips("mass", kind="smooth", slips=0, before=0.5, after=0.5, swings=ends, drive=drive)
     answer = told(slides).own
     said = swinging(replace(answer, machine=HEAVY), slides)
-    assert said.startswith(", still swinging by 2.0e-05 N_c<k> length after 9.0 ")
+    assert said.startswith(", still swinging by 2.0e-05 N_c<k>·length after 9.0 ")
 
 
 @pytest.mark.parametrize(("part", "told_as"), [(0.0312, "3.1%"), (0.2057, "21%"), (2e-7, "2e-05%")])

@@ -216,7 +216,7 @@ def _read(scene: Scene, name: str, contacts: Contacts, found: Description) -> Re
     unit, numbers, springs = contacts.mean_threshold, dict[str, Number](), {SHARED: 1.0}
     for key in SHOWN:
         own = found.numbers.get(key, Number(np.nan, None, ""))
-        length = unit if own.unit in ("m", "length") else 1.0
+        length = unit if own.unit.rpartition("·")[2] in ("m", "length") else 1.0
         error = None if own.error is None else own.error / length
         numbers[key] = Number(own.value / length, error, "")
     for area in (scene.area, None):

@@ -191,7 +191,7 @@ def _slide(
     unit = numbers["mean"].unit
     steady = master.steady_state(contacts, velocity=velocity)
     error = steady.force_error * contacts.mean_threshold
-    numbers["kinetic_force"] = Number(steady.force, error, unit)
+    numbers["kinetic_force"] = Number(steady.force, error, f"{SHARED}·{unit}")
     if tolerance is None:
         return []
     found = master.propensity(contacts, velocity=velocity, tolerance=tolerance)

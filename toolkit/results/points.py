@@ -123,19 +123,18 @@ def by_head(result: Any) -> dict[str, Array]:
     for key in record.along:
         columns[key], its_own = without_unit(columns[key])
         units |= {key: its_own} if its_own else {}
-    if scale.force_unit in ("N", "Pa"):
-        factors = force_factors(record, scale)
-        # of smooth sliding errors are in <x_s>
-        errors = result.mean_threshold if record.smooth else 1.0
-        for name, own in columns.items():
-            if name in ("critical_spring", "critical_spring_error"):
-                columns[name], units[name] = factors * own, scale.spring_unit
-            elif units.get(name) in ("m", "<x_s>") and "force" in name:
-                columns[name] = factors * own * (errors if name == "force_error" else 1.0)
-                units[name] = scale.force_unit
-        for twin in ("kinetic_force_newtons", "kinetic_stress", "critical_spring_newtons"):
-            if units.get(twin) in (scale.force_unit, scale.spring_unit):
-                del columns[twin]
+    factors = force_factors(record, scale)
+    # of smooth sliding errors are in <x_s>
+    errors = result.mean_threshold if record.smooth else 1.0
+    for name, own in columns.items():
+        if name in ("critical_spring", "critical_spring_error"):
+            columns[name], units[name] = factors * own, scale.spring_unit
+        elif units.get(name) in ("m", "length", "<x_s>") and "force" in name:
+            columns[name] = factors * own * (errors if name == "force_error" else 1.0)
+            units[name] = scale.force_unit
+    for twin in ("kinetic_force_newtons", "kinetic_stress", "critical_spring_newtons"):
+        if units.get(twin) in (scale.force_unit, scale.spring_unit):
+            del columns[twin]
     return {
         f"{name} [{_plainly(units[name])}]" if units.get(name) else name: own
         for name, own in columns.items()

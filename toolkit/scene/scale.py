@@ -33,7 +33,7 @@ class Scale:
     """What a force F/(N_c <k>), a length, and a spring K/(N_c <k>), a pure number, are in the user's units.
 
     force : factor of forces; force_unit : its unit, "N" with an area, "Pa" (per area) for a surface without one, else
-        "N_c<k> length" (of a surface "N_c<k> m")
+        "N_c<k>·length" (of a surface "N_c<k>·m")
     spring : factor of springs; spring_unit : "N/m", "N/m³" (per area) or "N_c<k>"
     length_unit, time_unit : "m" and "s" for a surface, and of samples whose unit is given, else "length" and "time"
     load : the normal force in the unit of forces; None where there is none
@@ -41,7 +41,7 @@ class Scale:
     """
 
     force: float = 1.0
-    force_unit: str = "N_c<k> length"
+    force_unit: str = "N_c<k>·length"
     spring: float = 1.0
     spring_unit: str = "N_c<k>"
     length_unit: str = "length"
@@ -69,7 +69,7 @@ class Scale:
         """The same, but forces and springs over N_c<k> of the contacts of `other`, which is in the same unit."""
         if not (self.in_si and other.in_si):
             return self
-        shared = replace(self, force=self.force / other.force, force_unit=f"{SHARED} m")
+        shared = replace(self, force=self.force / other.force, force_unit=f"{SHARED}·m")
         shared = replace(shared, spring=self.spring / other.spring, spring_unit=SHARED)
         return shared if self.load is None else replace(shared, load=self.load / other.force)
 
@@ -115,7 +115,7 @@ def without_stiffness(in_metres: bool) -> Scale:
     """The units of contacts whose <k> is not known: metres and seconds, or units of their own."""
     if not in_metres:
         return Scale()
-    return Scale(force_unit="N_c<k> m", length_unit="m", time_unit="s")
+    return Scale(force_unit="N_c<k>·m", length_unit="m", time_unit="s")
 
 
 def of_surface(
@@ -133,7 +133,7 @@ def of_surface(
     if units == SHARED:
         load = None if pressure is None else pressure / together
         number = None if area is None else density * area
-        return Scale(1.0, "N_c<k> m", 1.0, "N_c<k>", "m", "s", load, number)
+        return Scale(1.0, "N_c<k>·m", 1.0, "N_c<k>", "m", "s", load, number)
     if area is None:
         return Scale(together, "Pa", together, "N/m³", "m", "s", load=pressure, contacts=None)
     each, load = together * area, None if pressure is None else pressure * area
