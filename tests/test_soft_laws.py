@@ -597,3 +597,36 @@ def test_a_long_slip_ends_in_balance_where_decohered_contacts_bear_more_than_ste
     steady = master.steady_state(contacts, velocity=1.0)
     assert solved.success and solved.slips.drive.size == 1
     assert solved.force[0] == pytest.approx(steady.force, abs=solved.force_error)
+
+
+STRONGER = origins.strengthening(stats.lognorm(0.407), 0.029, 25.1)
+
+
+def test_a_slip_on_steps_far_longer_than_the_delay_begins_where_it_does_without() -> None:
+    """Steps of no time let no broken contact form, and the search for a slip took their balance: it claimed 3.3e-5
+    with an error of 6e-5."""
+    waiting = Contacts(STRONGER, delay=Delay(0.0106))
+    spring, unit = 5.6e-8, waiting.mean_threshold
+    path = np.linspace(0.02, 0.95, 9) / spring * unit
+    found = master.solve(waiting, path, 1.8e-4, spring=spring, slip="instant")
+    known = master.solve(Contacts(STRONGER), path, 2e-5, spring=spring, slip="reform-after")
+    assert found.success and known.success
+    apart = spring * np.abs(found.slips.drive - known.slips.drive).max() / unit
+    assert apart <= found.force_error + known.force_error < 1e-4
+
+
+@pytest.mark.parametrize("rule", ["reset", slow("instant"), slow("reform-after")])
+def test_the_force_just_before_a_slip_has_the_error_that_is_told(rule: SlipRule) -> None:
+    """Where nothing holds behind a slip the spring bears K times the way of the drive since, but for the slider's way
+    of a threshold. Read as far before the slip as in the finest steps, F was as far off as that slip, 2.5 times what
+    was told, though slips are extrapolated."""
+    waiting = Delay(0.0106) if rule == "instant" else None
+    contacts = Contacts(STRONGER, delay=waiting)
+    spring, unit = 5.6e-8, contacts.mean_threshold
+    ends = np.array([0.02, 2.5]) / spring * unit
+    third = master.solve(contacts, ends, 1.8e-4, spring=spring, slip=rule).slips.drive[2]
+    path = np.array([ends[0], third * (1.0 - 5e-4), third * (1.0 - 1e-4), ends[1]])
+    found = master.solve(contacts, path, 1.8e-4, spring=spring, slip=rule)
+    borne = spring * (path[1:3] - found.slips.drive[1]) / unit
+    assert found.success
+    assert np.abs(found.force[1:3] / unit - borne).max() <= found.force_error + 2.0 * spring

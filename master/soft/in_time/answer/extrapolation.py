@@ -89,13 +89,16 @@ class ComparedSlips(NamedTuple):
         """Which of the times (n,) lie between a slip's times in one slider and in the next, or nearly so."""
         return np.asarray(np.any([_beside(times, *pair) for pair in pairwise(self.times)], axis=0))
 
-    def as_far_from_slip(self, times: Array) -> Array:
+    def as_far_from_slip(self, times: Array) -> tuple[Array, Array]:
         """Where to read the last slider for an answer at step 0 at these times (n,): as long before or after its own
-        slip as each of them is from the same slip at step 0, the nearest one. There must be a slip."""
+        slip as each of them is from the same slip at step 0, the nearest one; and what to add to the force that is read
+        there (n,), as those before and after that slip are extrapolated, too. There must be a slip."""
         _, middle, fine = self.times
         later = REST_OF_CHANGE * (fine - middle)
         nearest = np.abs(times[:, None] - fine - later).argmin(axis=1)
-        return np.asarray(times - later[nearest])
+        _, before, after = REST_OF_CHANGE * (self.lengths[2] - self.lengths[1])
+        added = np.where(times < (fine + later)[nearest], before[nearest], after[nearest])
+        return np.asarray(times - later[nearest]), np.asarray(added)
 
 
 def extrapolated(
@@ -184,8 +187,9 @@ def _limit(sliders: list[Slider], times: Array) -> Limit:
     slips = _compared(sliders, answers)
     answer, beside = _at_step_0(answers, slips), slips.beside(times)
     if beside.any():
-        from_slip = _answer(last, slips.as_far_from_slip(times[beside]))
-        answer.force[beside], answer.holding[beside] = from_slip.force, from_slip.holding
+        read_at, added = slips.as_far_from_slip(times[beside])
+        from_slip = _answer(last, read_at)
+        answer.force[beside], answer.holding[beside] = from_slip.force + added, from_slip.holding
     # beside a slip F changes by its drop, which is no error; K X_T at slips says how far F is off
     far = ~beside
     parts = [_of_force(last, answers, slips, far, times), _of_slips_unmatched(last, slips)]

@@ -1,5 +1,6 @@
 """Steps of a chosen size on one leg of the drive's motion, at whose ends the forces balance."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -43,6 +44,8 @@ CONTROL = StepControl()
 FIRST_FRACTION = 0.5
 # What may be left of the imbalance, in mean thresholds: it counts as an error of F.
 BALANCED = 1e-8
+# Factor on the time on a step, from the delay on, at which a balance is looked for.
+LONGER_WAIT = 10.0
 # Of K X_T, rounding of K (X_T - X), where X is a sum over thousands of steps.
 ROUNDED_LOAD = 1e-12
 
@@ -188,8 +191,27 @@ class Steps:
         if root.converged and finer < accuracy:
             small *= finer / accuracy
             root = secant(tried, root.step, root.slope, finer, small)
+        if root.step.time_part < 0.0 and here.delay:
+            waited = self._behind_delay(partial(self.tried, slope=slope), size)
+            root = root if waited is None else secant(tried, waited, slope, accuracy, small)
         if root.step.time_part < 0.0 and self.contacts.memory.exact:
             # F jumps where exact thresholds break: the secant may have passed a balance just before that
             before = before_exact(tried, size * np.array(CONTROL.time_fractions), accuracy)
             return root if before is None else Root(before, root.slope, converged=True)
         return root
+
+    def _behind_delay(
+        self, tried: Callable[[float, float], TriedStep], size: float
+    ) -> TriedStep | None:
+        """A step of this size after which contacts pull more than the spring, on which more than a delay passes; None
+        where none is found. In less time none of those that break on it form again, and the spring may pull more:
+        of steps that are far longer than the delay, as on soft springs, those of no time tell nothing."""
+        now, waits = self.contacts.now, self.contacts.delay
+        while (waits := LONGER_WAIT * waits) < np.inf:
+            time_part = self._time_units.at(now + waits) - self._time_units.at(now)
+            if time_part >= size:
+                return None
+            step = tried(size, time_part)
+            if step.imbalance < 0.0:
+                return step
+        return None
