@@ -27,7 +27,7 @@ import numpy as np
 from master.motion import Motion
 from master.numerics import polynomials
 from master.outcome import StoppedError
-from master.renewal.births import MOST_WORK, Births
+from master.renewal.births import MOST_WORK, Births, panel_at
 from master.renewal.edges import SMOOTHER, Kink, edges
 from master.renewal.march import March
 from master.renewal.panel_width import WIDE
@@ -215,10 +215,12 @@ class Move:
 
         Each rate of breaks is a mean of those before, to the longest life (renewal equation), when
         no contact that held at the move's begin is left: where rates agree, so do all that follow.
+        F agrees only once all contacts were born at such a rate: of exponential thresholds that break at one rate from
+        the begin it rises as 1 - e^-X, and its first values tell nothing of those to come.
         """
         march, largest = self.march, self.contacts.life.largest_stretch
-        life = ONE_LIFE * march.present.straight(float(self.direction)).longest
-        memory = max(life, 2.0 * largest)
+        longest = march.present.straight(float(self.direction)).longest
+        memory = max(ONE_LIFE * longest, 2.0 * largest)
         undisturbed = march.solved.end - max(self.loaded.move_begins_at, march.lumps[-1].birth)
         if undisturbed < memory:
             return None
@@ -226,7 +228,8 @@ class Move:
         differ = float(np.ptp(rates) / rates.mean())
         if not 0.0 <= differ <= self.contacts.steady_rates:
             return None
-        last, steady = float(march.solved.force[-1, -1]), march.solved.force[-len(rates) :]
+        since = panel_at(march.solved.begin, march.solved.end - (memory - longest))
+        last, steady = float(march.solved.force[-1, -1]), march.solved.force[since:]
         return SteadyForce(self.direction * last, differ * abs(last) + float(np.ptp(steady)))
 
     def _look_ahead(self, load: float) -> None:
