@@ -25,7 +25,9 @@ from origins.errors import InputError
 from toolkit.pictures.axes import INK
 from toolkit.processes.ranks import cores_of
 from toolkit.results.beside import deviation
+from toolkit.results.files import summary
 from toolkit.results.report import APART, agreeing, report
+from toolkit.results.spreadsheets import write_slips
 from toolkit.results.verdicts import contradiction
 from toolkit.running.checkpoint import identity
 from toolkit.scene.scene import SHIPPED, shipped_scenes
@@ -582,6 +584,48 @@ def test_no_slip_is_written_of_a_force_that_is_not_known(monkeypatch: Any) -> No
     swept = toolkit.run(sweep).sweep
     for name in ("slips", "period", "force_before_slip", "force_after_slip"):
         assert np.isnan(swept[name]).all()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "stick-slip-contacts",
+        "delays",
+        pytest.param("ageing-springs", marks=pytest.mark.slow),
+        pytest.param("ageing-paper", marks=pytest.mark.slow),
+        pytest.param("tribometer", marks=pytest.mark.slow),
+        pytest.param("slide-hold-slide-mass", marks=pytest.mark.slow),
+    ],
+)
+def test_summary_json_tells_what_its_names_mean(name: str) -> None:
+    """But for those that have their unit beside them."""
+    tables = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
+    if "eq" in tables:
+        tables["eq"] |= {"contacts": 200, "replicas": 2}
+    if name == "slide-hold-slide-mass":
+        tables["master"] = {"tolerance": 1e-1}
+    told = summary(toolkit.run(tables))
+
+    def names(content: Any) -> set[str]:
+        if isinstance(content, list):
+            return set().union(*map(names, content))
+        if not isinstance(content, dict):
+            return set()
+        within = (names(one) for key, one in content.items() if key not in ("numbers", "interface"))
+        return set(content).union(*within)
+
+    keys = told.pop("keys")
+    assert names(told) - {*keys} == {"name", "title", "version"}
+    assert all(keys.values()) and {*keys} <= names(told)
+
+
+def test_slips_of_the_master_equation_alone_have_no_column_of_sliders() -> None:
+    result = toolkit.run(scene(drive={"to": 4.0, "points": 21, "spring": 0.7}))
+    write_slips(result, Path("slips.csv"))
+    head, *rows = Path("slips.csv").read_text(encoding="utf-8").splitlines()
+    length = "N_c<k>·length"
+    assert head == f"solver,drive [length],force before [{length}],force after [{length}]"
+    assert len(rows) == result.master.slips.drive.size > 0
 
 
 @pytest.mark.usefixtures("no_picture")

@@ -15,6 +15,7 @@ from origins.errors import InputError, refuse
 from toolkit.results.beside import slips_beside
 from toolkit.results.folders import opened, write_sealed
 from toolkit.results.kinds import is_coupled, is_heavy, is_precise, units_of
+from toolkit.results.legend import keys_of
 from toolkit.results.numbers import numbers_of
 from toolkit.results.points import fill_sweep, read_sweep
 from toolkit.results.records import (
@@ -88,7 +89,7 @@ def another(folder: str | os.PathLike[str], name: str, text: str) -> str | None:
 
 def summary(result: Result) -> dict[str, Any]:
     """The most important numbers of a run; lengths in the unit of the thresholds, run times in seconds; of a surface
-    those that the report tells, too, each with its error and its unit."""
+    those that the report tells, too, each with its error and its unit. `keys` say what the names mean."""
     asked, sweep = result.asked, result.sweep
     solved, eq = result.master, result.eq
     content: dict[str, Any] = {"name": result.name, "title": result.title}
@@ -126,7 +127,8 @@ def summary(result: Result) -> dict[str, Any]:
         content["interface"] = {name: asdict(number) for name, number in result.interface.items()}
         found = numbers_of(result).items()
         content["numbers"] = {name: asdict(number) for name, number in found}
-    return content | {"notes": list(result.notes)}
+    content["notes"] = list(result.notes)
+    return {"keys": keys_of(content)} | content
 
 
 def _flat(answer: Any) -> dict[str, Any]:

@@ -58,6 +58,11 @@ def write_force(result: Result, path: Path) -> None:
     write_rows({name: column.tolist() for name, column in columns.items()}, path)
 
 
+def _is_there(cell: Any) -> bool:
+    """Whether a cell of a table is not empty."""
+    return bool(cell != "")
+
+
 def has_slips(result: Result) -> bool:
     """Whether the run is of a slider on a spring."""
     return is_coupled(result.eq) or (result.master is not None and result.master.slips is not None)
@@ -102,5 +107,8 @@ def write_slips(result: Result, path: Path) -> None:
         for name, head in heavy.items():
             own = getattr(slips, name, None)  # slips without mass take no time
             columns[head] += [""] * count if own is None else own.tolist()
-    empty = [head for head in heavy.values() if not any(cell != "" for cell in columns[head])]
+    # without a mass slips take no time, and infinitely many contacts have one slider
+    kept = ["slider"] * is_coupled(result.eq)
+    empty = [head for head in (*heavy.values(), "slider") if not any(map(_is_there, columns[head]))]
+    empty = [head for head in empty if head not in kept]
     write_rows({head: cells for head, cells in columns.items() if head not in empty}, path)
