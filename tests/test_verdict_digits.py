@@ -69,7 +69,11 @@ def test_a_prefix_is_shared_where_the_number_can_be_read(
 
 @pytest.mark.parametrize(
     "value, said",
-    [(0.0, "K* is 0 N_c<k> to 0.44 N_c<k>"), (np.inf, "K* is 0.44 N_c<k> to infinite")],
+    [
+        (0.0, "K* is 0 N_c<k> to 0.44 N_c<k>"),
+        (np.inf, "K* is 0.44 N_c<k> to infinite"),
+        (0.45, "K* is nearly the same"),  # and no "factor of some 1"
+    ],
 )
 def test_readings_that_slip_on_no_spring_or_on_all_have_no_factor(value: float, said: str) -> None:
     """K* differs by a factor of inf was told."""

@@ -74,3 +74,14 @@ def test_a_doubt_before_the_answer_is_not_told_again(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(hangs_on, "doubts", lambda contacts: ["is this meant? take that"])
     assert "a remark" in lines_of(found) and "is this meant?" not in lines_of(found)
     assert "is this meant?" in plain(found)["hangs_on"]
+
+
+def test_contacts_that_tell_the_answer_are_not_told_again() -> None:
+    """As many of them as stand for those of the area in the answer, followed once more."""
+    one = slips("reset", contacts=500, message="by the ensemble")
+    few = Finite("reset", 500, "stick-slip", 0.6, 1e-3, 0.0, 1e-3, 9.0, message="too many breaks")
+    for number, again in ((500, False), (900, True)):
+        found = replace(told(one), finite=(replace(few, contacts=number),))
+        start = f"{number} contacts, if"
+        assert any(line.startswith(start) for line in lines_of(found)) is again
+        assert any(line.startswith(start) for line in plain(found)["hangs_on"])

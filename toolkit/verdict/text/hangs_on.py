@@ -215,7 +215,8 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
         change = max(_change_by(verdict, one) for one in followed if one.rule in rules)
         # with these forces; of slips now and then the answer may tell the force between them alone
         sure = {one.rule for one in followed if one.kind in ("stick-slip", "smooth")}
-        told = set(rules) <= finite_told_apart(verdict).keys() & sure
+        told_above = finite_told_apart(verdict).keys() & sure | _told_already(verdict, followed)
+        told = set(rules) <= told_above
         yield Line(change, with_rules(said, rules, verdict.own), above=told)
     # where infinitely many are not decided either, what to do stands beside these
     no_news = {one.rule for one in own.behaviours if one.kind == "undecided" and not one.slips}
@@ -224,6 +225,12 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
     for why, rules in by_reason(_unknown(verdict, one) for one in unknown).items():
         size = max(_not_followed(verdict, one) for one in unknown if one.rule in rules)
         yield Line(size, with_rules(why, rules, verdict.own))
+
+
+def _told_already(verdict: Verdict, followed: list[Finite]) -> set[str]:
+    """Slip rules under which as many contacts as tell the answer were followed once more."""
+    telling = {one.rule: one.contacts for one in verdict.own.behaviours}
+    return {one.rule for one in followed if telling[one.rule] == one.contacts}
 
 
 def _unknown(verdict: Verdict, finite: Finite) -> tuple[str, str]:

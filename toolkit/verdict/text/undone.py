@@ -97,7 +97,8 @@ def _range_of_springs(answers: list[Answer]) -> str:
         return f"is {' to '.join(dict.fromkeys(ends))}"
     factor = large.value * high.scale.spring / (small.value * low.scale.spring)
     off = np.hypot(small.error / small.value, large.error / large.value)
-    return f"differs by a factor of some {float(f'{factor:.{0 if off > ONE_DIGIT else 1}e}'):,.6g}"
+    told = float(f"{factor:.{0 if off > ONE_DIGIT else 1}e}")
+    return f"differs by a factor of some {told:,.6g}" if told > 1.0 else "is nearly the same"
 
 
 def _why(answer: Answer) -> str:
