@@ -286,5 +286,8 @@ def test_the_page_tells_what_was_followed_and_what_heat_may_change(
     headline = page.splitlines()[2]
     assert headline.startswith("if contacts form again at once, as no delay is given: smooth at ")
     assert "in the end (the way there was followed without heat)" in headline
-    assert "the slips before it from contacts without heat" in page and "not decided" not in page
+    reasons = "\n".join(found["hangs_on"])
+    assert "the slips before it from contacts without heat" in reasons
+    assert "what is told follows from steady sliding" in page
+    assert "not decided" not in page
     assert 0.0 < one["heat_on_the_way"] < 0.02

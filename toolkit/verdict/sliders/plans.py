@@ -53,8 +53,9 @@ class Asked:
     @property
     def sticks_on(self) -> bool:
         """Whether the master equation knows that infinitely many stick and slip on, and no chance leads to steady
-        sliding, as that is unstable."""
+        sliding, as that is unstable; not where contacts age or break by heat, so that one slip is not as another."""
         known = self.sticks and self.infinite.contacts is None and self.infinite.success
+        known &= not self.contacts.held_in_time
         return known and not is_stable_with_delay(self.machine, self.contacts)
 
     @property
