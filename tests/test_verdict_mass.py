@@ -300,7 +300,7 @@ def test_one_contact_is_no_plural(capsys: Any) -> None:
     _, out, _ = said(capsys, "verdict", name)
     page = "\n".join(out)
     assert "drive.area holds 1 contact: is it right" in page and "1 contacts" not in page
-    assert "\nsliders of 1 contact stick and slip, from " in page
+    assert "; sliders of 1 contact stick and slip, from " in page
 
 
 def test_the_force_of_a_slider_on_which_few_contacts_hold_says_so_beside_the_mean_of_slips() -> (

@@ -13,6 +13,7 @@ from origins import Contacts, Delay, InputError, gaussian
 from tests.test_verdict_words import HEAVY, slips, told
 from toolkit.verdict import answers
 from toolkit.verdict.of_area import with_more
+from toolkit.verdict.picture import draw_verdict
 from toolkit.verdict.sliders import finite
 from toolkit.verdict.sliders import follow as following
 from toolkit.verdict.sliders.finite import follow_finite
@@ -85,6 +86,57 @@ def test_slips_that_do_not_recur_are_no_stick_slip() -> None:
                 f", {few.slips:.2g} a slider on the way that was followed, sliding at" in found[3]
             )
             assert not any(one.startswith("period") or "stick-slip" in one for one in found)
+
+
+def test_slips_that_infinitely_many_have_too_are_not_told_of_those_that_slip_once_more() -> None:
+    """The sentence told the first fall of all sliders, from F_s, as one of those that come now and then; a fall of 4
+    standard deviations of the force, which has such ones by chance, is in the lines below it alone."""
+    contacts = Contacts(stats.weibull_min(3))
+    mean = contacts.mean_threshold
+    kinetic = stats.weibull_min(3).moment(2) / (2.0 * mean)
+    smooth = slips("instant", kind="smooth", before=kinetic, after=kinetic, slips=1)
+    machine = Machine(0.02, None, 0.0, 1.0)
+    few = follow_finite(machine, contacts, 3e3, smooth, 1.15 * kinetic, 1e4)
+    # beside the first of each, two of one slider, two of another and one of a third
+    assert few.kind == "now and then" and few.slips == 1.25
+    assert 0.02 * mean < few.before - few.after < 0.03 * mean
+    assert abs(0.5 * (few.before + few.after) - few.late) < few.fluctuation
+    rigid = replace(of_the_area(3e3, 0.3, ()), finite=(few,))
+    one = replace(smooth, error=1e-9)
+    own = replace(rigid.own, behaviours=(one,), contacts=contacts)
+    found = replace(rigid, answers=(own,))
+    assert sentence(found).startswith("slips now and then, at ")
+    assert "disagree" not in sentence(found)
+    steady = replace(found, finite=(replace(few, fluctuation=0.1 * few.fluctuation),))
+    assert sentence(steady).startswith("3,000 contacts slip now and then, from ")
+
+
+def test_falls_of_sliders_that_slide_for_most_of_the_way_are_no_stick_slip() -> None:
+    """A thousand contacts on a soft spring have falls above 0.02 <x_s> every 5 ± 4 <x_s> of the drive, and slide in
+    between; those of a hundred take back most of what the drive loads."""
+    contacts, machine = Contacts(stats.weibull_min(3)), Machine(0.02, None, 0.0, 1.0)
+    kinetic = stats.weibull_min(3).moment(2) / (2.0 * contacts.mean_threshold)
+    smooth = slips("instant", kind="smooth", before=kinetic, after=kinetic, slips=1)
+    for number, kind in ((1e3, "now and then"), (1e2, "stick-slip")):
+        few = follow_finite(machine, contacts, number, smooth, 1.15 * kinetic, 1e4)
+        assert few.kind == kind and few.period is not None
+
+
+def test_the_headline_leads_with_the_rules_of_the_largest_slips() -> None:
+    """It told a fall of 3 % of the force under one rule before slips down to no force under the others."""
+    rules = [slips(rule) for rule in RULES[:2]] + [slips("instant", **SMOOTH)]
+    found = told(*rules)
+    whole = [Finite(rule, 4000, "stick-slip", 0.7, 1e-3, 0.0, 0.0, 5.0) for rule in RULES[:2]]
+    part = Finite("instant", 4000, "stick-slip", 0.55, 1e-3, 0.45, 1e-3, 5.0)
+    own = replace(found.own, scale=replace(found.own.scale, contacts=4e3))
+    found = replace(found, answers=(own,), finite=(*whole, part))
+    first, second, third = sentence(found).split("; ")
+    after = "if a slip renews all contacts or contacts re-form after the slip"
+    assert first == f"stick-slip, from 0.700 N_c<k> length down to 0 N_c<k> length, {after}"
+    assert second.startswith("4,000 contacts stick and slip, from 0.550 N_c<k> length down to ")
+    assert third.startswith("disagree: infinitely many would slide smoothly at ")
+    title = draw_verdict(found).get_suptitle()
+    assert title.splitlines()[1].startswith("stick-slip, from 0.700 ") and "0.550" not in title
 
 
 @pytest.mark.parametrize(

@@ -278,6 +278,11 @@ def slips_beyond(slips: Any, drive: float) -> Any:
     return _of(slips, np.asarray(slips.drive > drive))
 
 
+def slips_after(slips: Any, first: int) -> Any:
+    """The slips of an ensemble, numbered anew, but the first ones of each slider, so many."""
+    return _of(slips, np.asarray(slips.number >= first))
+
+
 def _of(slips: Any, kept: npt.NDArray[np.bool_]) -> Any:
     """The slips that are kept, numbered anew along each slider."""
     number = np.zeros(kept.size, int)

@@ -32,6 +32,8 @@ from toolkit.verdict.uncertainty import SEEN, error_beside
 # standard errors by which few contacts differ from infinitely many where it is told; the scatter of four sliders is
 # known to some 40 %
 CLEARLY = 4.0
+# standard deviations to each side of its mean within which a force stays that fluctuates by chance
+SURELY = 3.0
 # times as large an error of infinitely many contacts that those of the area are told in their place
 BETTER = 10.0
 
@@ -76,10 +78,14 @@ def _pairs(verdict: Verdict) -> Iterator[tuple[Behaviour, Finite]]:
 
 
 def _kinds_differ(verdict: Verdict, one: Behaviour, finite: Finite) -> bool:
-    """Falls below RISE mean thresholds are no slips of the slider, and slips that get ever rarer end in sliding."""
+    """Falls below RISE mean thresholds are no slips of the slider, nor are rare ones within what its force fluctuates
+    by; and slips that get ever rarer end in sliding."""
     small = RISE * verdict.own.contacts.mean_threshold
     if {one.kind, finite.kind} == {"smooth", EVER_RARER}:
         return False
+    if finite.kind == "now and then":
+        # falls of a force that fluctuates as much
+        small = max(small, 2.0 * SURELY * np.nan_to_num(finite.fluctuation))
     return one.kind != finite.kind and not finite.before - finite.after < small
 
 

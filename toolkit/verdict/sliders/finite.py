@@ -19,6 +19,7 @@ from toolkit.results.slips import (
     large_slips,
     main_slips,
     regained_at,
+    slips_after,
     slips_beyond,
     swing_beyond_slips,
 )
@@ -33,7 +34,13 @@ from toolkit.verdict.sliders.ensemble import (
     sliders,
     until_settled,
 )
-from toolkit.verdict.sliders.late import SLIDERS, in_the_end, renew_all, with_late_slips
+from toolkit.verdict.sliders.late import (
+    SLIDERS,
+    if_it_recurs,
+    in_the_end,
+    renew_all,
+    with_late_slips,
+)
 from toolkit.verdict.sliders.machine import Machine
 from toolkit.verdict.sliders.plans import BEYOND, Asked
 from toolkit.verdict.sliders.records import Behaviour, Finite
@@ -251,6 +258,9 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
             late = slips_beyond(found.slips, float(path[[0, -1]].mean()))
             more = np.minimum(more, np.bincount(late.replica, minlength=SLIDERS))
             found = replace(found, slips=late) if (more > 0).any() else found
+        elif (more > 0).any():  # those that infinitely many have, too, are not told
+            found = replace(found, slips=slips_after(found.slips, infinite.slips))
+        all_slips = found.slips.drive.size
     kind = "stick-slip" if more.min() >= 1 else "now and then" if (more > 0).any() else "smooth"
     followed, message = found.contacts // SLIDERS, ""
     if followed < present:
@@ -270,9 +280,8 @@ def _judged(asked: Asked, found: Any, way: Way) -> Finite:
         main = found.slips if settles else main_slips(found.slips)
         smaller = 0 if settles else all_slips - main.drive.size
         finite = with_late_slips(replace(finite, smaller=smaller), main)
-        # by chance beside infinitely many that slide: where not all have slipped again none is known to recur
-        if kind == "stick-slip" and infinite.kind == "smooth" and finite.period is None:
-            finite = replace(finite, kind="now and then")
+        if kind == "stick-slip" and infinite.kind == "smooth":  # by chance
+            finite = if_it_recurs(finite, main, float(path[-1]), machine.spring if settles else 0.0)
         if not settles and (kind != "smooth" or infinite.kind != "undecided"):
             lasting = kind == "stick-slip" and rule == "mass" and not message
             asked_of = replace(found, slips=main)

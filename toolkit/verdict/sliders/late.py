@@ -21,6 +21,9 @@ SLIDERS = 4
 EVER_RARER = "ever rarer"
 # part of a slider's contacts that a slip breaks which leaves nearly all of them new
 RENEWED = 0.99
+# of what the drive loads on the spring of a slider that sticks, the least that slips take back of one that sticks and
+# slips: one that slides for most of the way, by breaks of few contacts each, has falls that only chance makes large
+STICKS = 0.5
 # part of themselves that slips which fade leave after so many more, below which they are not told as stick-slip
 FADED, FURTHER = 0.5, 32
 FADES = "their slips still fade where the path ends"
@@ -54,6 +57,18 @@ def with_late_slips(finite: Finite, slips: Any) -> Finite:
         shrinks_by=shrinks_by(slips, SLIDERS),
         still_changing=still_changing(slips, SLIDERS),
     )
+
+
+def if_it_recurs(finite: Finite, slips: Any, end: float, spring: float) -> Finite:
+    """As it is where these `slips` recur beside infinitely many contacts that slide, else "now and then": all
+    sliders have slipped again, after a period that is known, and of what the drive loads up to its `end` (a length) on
+    a spring of K/(N_c <k>) whose slider sticks, K/(1 + K) of its way, slips take back STICKS; `spring` is 0 where that
+    is not asked."""
+    first = slips.number == 0
+    loaded = spring / (1.0 + spring) * float((end - slips.drive[first]).sum())
+    known = finite.period is not None and finite.period_error < finite.period
+    recurs = known and float(slips.drop[~first].sum()) >= STICKS * loaded
+    return finite if recurs else replace(finite, kind="now and then")
 
 
 def renew_all(slips: Any, number: int) -> bool:

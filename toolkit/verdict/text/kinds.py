@@ -11,7 +11,8 @@ from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import long_delay
 from toolkit.verdict.sliders.machine import NAMED, RULES, Machine, slip_duration, top_speed
-from toolkit.verdict.sliders.records import Behaviour
+from toolkit.verdict.sliders.records import Behaviour, Finite
+from toolkit.verdict.slips_in_words import plain_fall
 from toolkit.verdict.uncertainty import WORTH_TELLING, assumed_share
 
 # what turns the answer or leaves it open; what changes the forces nobody knows how much, which is taken for half of
@@ -64,6 +65,28 @@ def named(rules: Sequence[str]) -> str:
         if set(rules) == set(RULES)
         else " or ".join(NAMED[rule] for rule in rules)
     )
+
+
+def larger_slips(verdict: Verdict, differ: Sequence[tuple[Behaviour, Finite]]) -> list[str]:
+    """That the slider sticks and slips by rules under which as many contacts as there are do as infinitely many, with a
+    larger fall than by those of `differ`; none where no rule has one."""
+    own, drops = verdict.own, [one.before - one.after for pair in differ for one in pair]
+    most = max((drop for drop in drops if np.isfinite(drop)), default=0.0)
+    apart = {one.rule for one, _ in differ}
+    larger = [
+        one
+        for one in own.behaviours
+        if one.kind == "stick-slip" and one.rule not in apart and one.before - one.after > most
+    ]
+    if not larger:
+        return []
+    few = {one.rule: one for one in verdict.finite if one.kind == "stick-slip"}
+    unit, each = own.scale.force_unit, [few.get(one.rule) for one in larger]
+    told = {plain_fall(one, own.scale.force, unit) if one else "" for one in each}
+    fall = told.pop() if len(told) == 1 else ""
+    return [
+        f"stick-slip{f', from {fall},' if fall else ''} if {named([one.rule for one in larger])}"
+    ]
 
 
 def a_slip(own: Answer) -> tuple[float, float]:

@@ -36,6 +36,7 @@ from toolkit.verdict.text.k_star import without_spring
 from toolkit.verdict.text.kinds import (
     a_slip,
     in_a_word,
+    larger_slips,
     long_delay_of,
     named,
     not_decided,
@@ -163,7 +164,8 @@ def _rules(alike: Sequence[Behaviour]) -> str:
 
 
 def _disagreement(verdict: Verdict) -> str:
-    """The headline where the number of contacts decides, that of the user's machine first; "" where it does not."""
+    """The headline where the number of contacts decides, that of the user's machine first, but for rules with larger
+    slips; "" where it does not."""
     differ = disagreeing(verdict)
     if not differ:
         return ""
@@ -182,7 +184,8 @@ def _disagreement(verdict: Verdict) -> str:
     if infinite == {"smooth"} and len(at) == 1:
         other += f" at {at.pop()}"
     said = f"{subject(finite)} {said}{where}"
-    return f"{said}; disagree: infinitely many would {other}"
+    each = [*larger_slips(verdict, differ), said, f"disagree: infinitely many would {other}"]
+    return "; ".join(each)
 
 
 def _groups(answer: Answer) -> dict[str, list[Behaviour]]:
