@@ -132,8 +132,9 @@ def test_the_headline_leads_with_the_rules_of_the_largest_slips() -> None:
     found = replace(found, answers=(own,), finite=(*whole, part))
     first, second, third = sentence(found).split("; ")
     after = "if a slip renews all contacts or contacts re-form after the slip"
-    assert first == f"stick-slip, from 0.700 N_c<k> length down to 0 N_c<k> length, {after}"
-    assert second.startswith("4,000 contacts stick and slip, from 0.550 N_c<k> length down to ")
+    unit = own.scale.force_unit
+    assert first == f"stick-slip, from 0.700 {unit} down to 0 {unit}, {after}"
+    assert second.startswith(f"4,000 contacts stick and slip, from 0.550 {unit} down to ")
     assert third.startswith("disagree: infinitely many would slide smoothly at ")
     title = draw_verdict(found).get_suptitle()
     assert title.splitlines()[1].startswith("stick-slip, from 0.700 ") and "0.550" not in title
