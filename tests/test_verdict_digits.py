@@ -93,3 +93,6 @@ def test_how_often_a_smooth_slider_slips_does_not_hang_on_small_falls() -> None:
             text = page(on_area(smooth, finite=(few,)))
             said |= {one for one in text if one.startswith("K is below K*, and yet")}
     assert len(said) == 1 and "slips once, and then no more" in said.pop()
+    few = Finite("instant", 517_733, "stick-slip", 0.6, 1e-3, 0.4, 1e-3, 9.0, period=60.0)
+    (line,) = [one for one in page(on_area(smooth, finite=(few,))) if "and yet sliding" in one]
+    assert line.count("infinitely many contacts") == 1 and "the slider slips once" in line

@@ -186,7 +186,7 @@ def why_smooth(verdict: Verdict) -> list[str]:
         )
     # of the area's contacts, which may slip otherwise, and are followed where there is time, a line tells
     who = "the slider slips"
-    if verdict.finite and all(one.contacts is None for one in smooth):
+    if verdict.finite and not whose and all(one.contacts is None for one in smooth):
         who = "a slider of infinitely many contacts slips"
     return [f"{said}{after}{who} {often}, {why_no_more_slips(own)}"]
 
