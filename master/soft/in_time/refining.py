@@ -17,6 +17,7 @@ from master.soft.in_time.idle_heat import or_without_heat
 from master.soft.in_time.memory import MeanRateMemory, Memory, ThresholdMemory
 from master.soft.in_time.slider import Slider
 from master.soft.in_time.steps import CONTROL
+from master.soft.in_time.unresolved import OF_BIRTHS
 from origins import Contacts, Drive
 from origins.errors import refuse
 
@@ -38,6 +39,11 @@ QUANTILES = 2000
 # times the work of this one as this one took of the last; and errors below this many times that of the memory are not
 # made smaller by it.
 MORE_STEPS, MORE_WORK, NEAR_MEMORY_ERROR = 2.0, 4.0, 2.0
+
+# Of contacts that age under "instant", with each halving: the factor on the work, by which the unknown force of births
+# falls, and on what that leaves in the end, as steps have an error, too (K = 1e-6, D = 1e-4 to 1e-2: 5.5 to 5.9, 3.4 to
+# 4.2, 1.1 to 1.4).
+WORK_OF_HALVING, UNKNOWN_FALL, MARGIN = 6.0, 3.5, 1.2
 
 
 def memory_of(
@@ -106,6 +112,8 @@ def refined(
                 best = extrapolated([slider], contacts, drive, balance, asked)
             return best._replace(stopped_because=str(why))
         sliders = [*sliders[-2:], slider]
+        if halvings == 1 and memory.error_of_slips and drive.slip == "instant":
+            refuse_unknown_births(cohorts, tolerance)
         found = extrapolated(sliders, contacts, drive, balance, asked)
         if slider.creeps_from is not None:
             found = found._replace(**_creeping(slider, motion))
@@ -151,6 +159,24 @@ def halvings_needed(memory: Memory, drive: Drive, tolerance: float) -> int:
         return least
     more = np.log(memory.error_of_slips / tolerance) / np.log(memory.fall_of_slips)
     return least + max(int(np.ceil(more)), 0)
+
+
+def refuse_unknown_births(contacts: ContactsInSteps, tolerance: float) -> None:
+    """InputError where contacts that age, on steps that were halved once, slide under "instant" so far that births of a
+    step, of which many break before its end, stay unknown by more than the tolerance on the finest steps there may be.
+    That is told before these are taken: they take ten times as long as all before."""
+    by_work = np.log(MOST_WORK / contacts.work) / np.log(WORK_OF_HALVING)
+    by_steps = np.log2(MOST_STEPS / contacts.cost)
+    halvings = max(int(min(by_work, by_steps)), 0)
+    unknown = contacts.unresolved.error_of(OF_BIRTHS) / contacts.unit
+    least = MARGIN * unknown / UNKNOWN_FALL**halvings
+    if least > tolerance:
+        fault = (
+            f"of contacts that age F may be known to some {least:.1e} in the steps that are taken,"
+        )
+        where = 'where the slider slides with its drive under "instant"'
+        hint = 'loosen it, or take slip = "reset"'
+        refuse("tolerance", tolerance, f"{fault} {where}; {hint}")
 
 
 def refuse_long_slides(contacts: Contacts, drive: Drive) -> None:
