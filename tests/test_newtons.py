@@ -233,6 +233,12 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert (
         with_error(1.2345, 0.024, 5) == "1.23 ± 0.03" and with_error(2.0, 0.097, 5) == "2.0 ± 0.1"
     )
+    # what is rounded up to a power of ten has no digit more for that, and its prefix
+    assert (
+        written(0.9999999e-6, "m/s") == "1.00 µm/s" and written(9.999e5, "N", digits=3) == "1.00 MN"
+    )
+    assert written(0.99999, "N", 3e-3, digits=4) == "1.000 N"
+    assert with_scatter(0.999999e-3, 3e-6, "N") == "1.000 ± 0.003 mN"
     # K* of 300 samples: an error of a third was told as of two thirds
     assert with_error(3268.0, 1012.0, 5) == "3.3e+03 ± 1.1e+03"
     assert with_error(0.5, 0.6, 5) == "0.5 ± 0.6" and with_error(1.0, 0.95, 5) == "1.00 ± 0.95"

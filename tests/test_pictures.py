@@ -208,7 +208,7 @@ def test_samples_have_a_histogram_beside_their_smooth_law() -> None:
     # that of one value is a weight, beside the bars
     expected = weights[:800].sum() / weights.sum()
     np.testing.assert_allclose((density * np.diff(edges)).sum(), expected, rtol=1e-9)
-    assert bars.get_label() == "1300 samples"
+    assert bars.get_label() == "1,300 samples"
     assert not plot_histogram(Figure().subplots(), origins.gaussian(1.0, 0.1)).patches
 
 

@@ -65,7 +65,9 @@ def plot_histogram(axes: Any, thresholds: Thresholds) -> Any:
     bars = int(np.clip(np.ceil(np.ptp(x) / width), *_BARS)) if width > 0.0 else _BARS[1]
     share, edges = np.histogram(x, bars, weights=fractions)
     density = share / np.diff(edges)
-    axes.stairs(density, edges, color=_OF_SAMPLES, lw=0.8, label=f"{thresholds.n_samples} samples")
+    axes.stairs(
+        density, edges, color=_OF_SAMPLES, lw=0.8, label=f"{thresholds.n_samples:,} samples"
+    )
     axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * float(density.max())))
     return axes
 
@@ -76,7 +78,7 @@ def plot_samples(axes: Any, thresholds: Thresholds) -> Any:
         some = some_of(thresholds.samples.size, _STEPS)
         x = np.append(0.0, thresholds.samples[some])
         above = 1.0 - np.append(0.0, np.cumsum(thresholds.fractions)[some])
-        label = f"{thresholds.n_samples} samples"
+        label = f"{thresholds.n_samples:,} samples"
         axes.step(x, above, where="post", color=_OF_SAMPLES, lw=0.6, label=label)
         legend_above(axes)
     return axes

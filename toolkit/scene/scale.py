@@ -148,8 +148,11 @@ def written(value: float, unit: str, uncertainty: float = 0.0, digits: int = 3) 
     if not np.isfinite(value):
         return "infinite" if value > 0.0 else f"{value:g} {unit}".strip()
     significant = digits
-    if value and 0.0 < uncertainty < np.inf:
-        significant = int(np.clip(_significant_digits(value, uncertainty), min(2, digits), digits))
+    for _ in range(2):  # 0.9999 is cut to 1.00, which has a digit more before the same uncertainty
+        if value and 0.0 < uncertainty < np.inf:
+            left = _significant_digits(value, uncertainty)
+            significant = int(np.clip(left, min(2, digits), digits))
+        value = _cut(value, significant)
     if unit not in PREFIXED or not value:
         return f"{_rounded(value, significant)} {unit}".strip()
     power = _power_of(value, unit)
@@ -246,7 +249,9 @@ def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
     # an error of a ten-thousandth stands in the fifth digit
     number, _, prefixed = written(value, unit, error, digits + 1).partition(" ")
     number, _, power = number.partition("e")  # of units without a prefix: (5.57 ± 0.02)e-09 m
-    beside = error / 10.0 ** (int(power) if power else _power_of(value, unit))
+    powers = {prefix: own for own, prefix in PREFIXES.items()}
+    prefix = prefixed.removesuffix(unit) if unit else ""
+    beside = error / 10.0 ** (int(power) if power else powers[prefix])
     # an error that leaves a value less than its two digits has as many places as these
     text = _rounded(beside, 1 if _significant_digits(value, error) > 1 else 2)
     if "e-" in text:  # a value of 1 to 10 with so small an error
@@ -270,9 +275,15 @@ def told_contacts(number: float) -> str:
     return f"{in_three_digits(number)} contact{'s' * (number != 1.0)}"
 
 
+def _cut(value: float, digits: int) -> float:
+    """The value rounded to so many significant digits; 0 or less leave it as it is."""
+    return float(f"{value:.{digits - 1}e}") if digits > 0 else value
+
+
 def _rounded(value: float, digits: int) -> str:
     """The value to so many significant digits, in plain digits where these are few."""
     if value == 0.0 or 1e-3 <= abs(value) < 1e6:
-        places = digits - 1 - int(np.floor(np.log10(abs(value)))) if value else 0
+        # 1e-9 over its prefix may be a last bit below 1
+        places = digits - 1 - int(np.floor(np.log10(abs(value)) + 1e-12)) if value else 0
         return f"{round(value, places):,.{max(places, 0)}f}"
     return f"{value:.{digits - 1}e}"
