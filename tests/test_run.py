@@ -174,7 +174,25 @@ def test_heat_that_is_left_out_is_told_with_a_tolerance_and_without(capsys: Any)
         note, message = toolkit.load("out").master.note, told["master"]["message"]
         assert status == 0 and ("no tolerance was asked for" in message) == (not table)
         assert note.startswith("heat is left out") and message.endswith(f"; {note}")
-        assert note in told["notes"] and f"note    {note}" in page
+        less = f"{note}; it changes F_k of a rigid slider as fast as the drive by less than its numerical error"
+        assert less in told["notes"] and f"note    {less}" in page
+
+
+@pytest.mark.usefixtures("no_picture")
+def test_the_change_of_f_k_stands_beside_the_bound_on_heat_that_is_left_out() -> None:
+    """The bound alone was told, 9e-4 <x_s>, where heat lowers F_k by 1.3e-6."""
+    heat = {"law": "soft", "temperature": 2e-6, "attempt_frequency": 1e6}
+    drive = {"to": 150.0, "points": 4, "spring": 0.01, "velocity": 1.0}
+    warm = {"contacts": {"thresholds": NARROW, "thermal": heat}, "drive": drive, "master": {}}
+    (note,) = toolkit.run(warm).notes
+    contacts = toolkit.load_scene(warm).contacts
+    cold = master.steady_state(contacts.replace(thermal=None), velocity=1.0).force
+    change = master.steady_state(contacts, velocity=1.0).force - cold
+    bound, _, told = note.partition("; it lowers F_k of a rigid slider as fast as the drive by ")
+    assert bound.startswith("heat is left out") and change < 0.0
+    size, part = (float(one.split()[0]) for one in told.split(", "))
+    assert size == pytest.approx(-change, rel=0.05)
+    assert part == pytest.approx(-change / cold, rel=0.05)
 
 
 def test_a_sweep_is_what_the_master_equation_says_and_comes_back() -> None:

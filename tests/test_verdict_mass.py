@@ -41,7 +41,7 @@ from toolkit.verdict.sliders.slips_in_time import SlipsOfMass
 from toolkit.verdict.sliders.ways import lives_in_a_slip, loading_of
 from toolkit.verdict.text import kinds, of_delay
 from toolkit.verdict.text.above_static import why_above
-from toolkit.verdict.text.hangs_on import dependence
+from toolkit.verdict.text.hangs_on import dependence, on_the_page
 from toolkit.verdict.text.spread import widest
 from toolkit.verdict.text.table import in_units, table
 from toolkit.verdict.text.words import page, sentence
@@ -421,6 +421,8 @@ def test_heat_tells_what_it_changes_in_the_kinetic_force(law: str) -> None:
     (line,) = (one for one in dependence(replace(found, answers=(own,))) if "left out" in one)
     raised = "heat raises F_k of a rigid slider as fast as the drive by 0.0010 N_c<k>·length"
     assert "by 0.10 N_c<k>·length at most; " + raised in line
+    # on the page, too, as the bound may be far above it
+    assert any(raised in line for line in on_the_page(replace(found, answers=(own,))))
     # of the barriers of a scan, 4e-06%
     own = replace(own, kinetic=answers.Quantity(0.8, 0.0), cold=answers.Quantity(0.8 - 3e-8, 0.0))
     (line,) = (one for one in dependence(replace(found, answers=(own,))) if "left out" in one)

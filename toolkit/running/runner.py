@@ -13,6 +13,7 @@ from toolkit.results.files import another
 from toolkit.results.folders import check_folder, only_writer
 from toolkit.results.records import Result, sample_curve
 from toolkit.running.checkpoint import EVERY, Checkpoint, say
+from toolkit.running.left_out import with_change_of_f_k
 from toolkit.running.points import forget_points, solve_points
 from toolkit.running.progress import Progress
 from toolkit.running.rules import beside_other_rules
@@ -144,7 +145,7 @@ def solve(
         notes.append(NUMERICAL_ONLY)
     soft: Any = master if master is not None and master.regime is not None else None
     if soft is not None:
-        notes += [soft.note] if soft.note else []
+        notes += [with_change_of_f_k(scene, soft)] if soft.note else []
         with shown("slip rules"):
             notes += beside_other_rules(scene, soft, deadline)
     if before:

@@ -6,6 +6,7 @@ import numpy as np
 
 from origins.drive import RISE
 from origins.laws.thermal import Thermal
+from toolkit.results.of_heat import OF_RIGID, raised
 from toolkit.scene.scale import written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.in_heat import looked_at
@@ -110,10 +111,11 @@ def of_heat(verdict: Verdict) -> Iterator[Line]:
     own, scale = verdict.own, verdict.own.scale
     unit = own.contacts.mean_threshold * scale.force
     kinetic, change = _by_heat(own), own.cold and abs(own.kinetic.value / own.cold.value - 1.0)
+    more = _of_few_atoms(own) * bool(kinetic)
     seen = own.behaviours[:1] and own.contacts.changing is None and own.behaviours[0]
     if kinetic and seen and (seen.rule, seen.kind, seen.slips) == ("mass", "undecided", 0):
         ask = "leave [contacts.thermal] out to be told what it does then"
-        kinetic += f". Without heat a slider with mass is followed in far fewer steps: {ask}"
+        more += f". Without heat a slider with mass is followed in far fewer steps: {ask}"
     cold = {one.rule: one.heat_left_out for one in own.behaviours if one.heat_left_out is not None}
     said = ((written(most * unit, scale.force_unit, digits=2), rule) for rule, most in cold.items())
     for most, rules in by_reason(said).items():
@@ -122,29 +124,29 @@ def of_heat(verdict: Verdict) -> Iterator[Line]:
         which += ", of the contacts of the area, too" * few
         size = max(cold[rule] for rule in rules) * unit / (own.static.value * scale.force)
         bound = f"heat is left out{which}: it would change the force by {most} at most"
-        yield Line(size, bound, f"; {kinetic}" if kinetic else "")
-        kinetic = ""  # is told once
+        yield Line(size, f"{bound}; {kinetic}" if kinetic else bound, more)
+        kinetic = more = ""  # are told once
     if kinetic:
-        yield Line(change or GENERAL, kinetic)
+        yield Line(change or GENERAL, kinetic + more)
 
 
 def _by_heat(own: Answer) -> str:
     """By how much heat changes F_k, which is known without it, too; "" where it is not."""
     if own.cold is None:
         return ""
-    scale, change = own.scale, own.kinetic.value - own.cold.value
-    at = " of a rigid slider as fast as the drive" * bool(own.machine)
-    if abs(change) <= own.kinetic.error + own.cold.error:
-        return f"heat changes F_k{at} by less than its numerical error{_of_few_atoms(own)}"
-    size = written(abs(change) * scale.force, scale.force_unit, digits=2)
-    share = abs(change) / own.cold.value
-    part = f"{100.0 * share:.2g}%" if share >= 1e-5 else f"{share:.2g}"
-    cold = written(own.cold.value * scale.force, scale.force_unit, digits=3)
-    if -change > MOST * own.cold.value:
-        to = written(own.kinetic.value * scale.force, scale.force_unit, digits=3)
-        return f"heat lowers F_k{at} from {cold} to {to}: contacts hardly hold, and what is left hangs on the speed"
-    said = f"heat {'raises' if change > 0.0 else 'lowers'} F_k{at} by {size}, {part} of the {cold} without it"
-    return said + _of_few_atoms(own)
+    at = OF_RIGID * bool(own.machine)
+    if abs(own.kinetic.value - own.cold.value) <= own.kinetic.error + own.cold.error:
+        return f"heat changes F_k{at} by less than its numerical error"
+    if own.kinetic.value < (1.0 - MOST) * own.cold.value:
+        each = (
+            written(one.value * own.scale.force, own.scale.force_unit, digits=3)
+            for one in (own.cold, own.kinetic)
+        )
+        ends = "from {} to {}".format(*each)
+        return (
+            f"heat lowers F_k{at} {ends}: contacts hardly hold, and what is left hangs on the speed"
+        )
+    return f"heat {raised(own.kinetic.value, own.cold.value, own.scale, at)}"
 
 
 def _of_few_atoms(own: Answer) -> str:
