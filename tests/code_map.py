@@ -212,6 +212,10 @@ QUESTIONS = {
         "toolkit:follow_finite",
         "toolkit/verdict/sliders/ensemble.py:sliders",
     ),
+    "a slider that rings on contacts while others form: of contacts that strengthen; after a delay": (
+        "master/soft/inertia/in_time/ringing.py:Ringing",
+        "master/soft/inertia/delayed/swinging.py:Swinging.swing",
+    ),
     "errors of energies of a slider with mass: of each part; by runs; by steps": (
         "master/soft/inertia/energies.py:energy_errors",
         "master/soft/inertia/runs.py:Runs.energy_error",

@@ -13,6 +13,7 @@ Two kinds of motion take turns (`DelayedSlider.run`), and change the body by its
    changes the body, and `PanelSearch`, which finds the panels).
 2. While hardly a contact breaks or forms, F is a straight line in X: the motion is a damped swing in closed form up to
    where contacts would break, the next births come or the drive's leg ends (`Swinging`; `SwingEnd` names each end).
+   Few that form in many swings do so together at the end of one.
 
 Where the slider is so fast that contacts form and break on one panel, its nodes do not resolve them: as many break as
 form, and what holds follows from the rate of births and its slope (`FastSliding`). Where its speed changes slowly
@@ -29,5 +30,5 @@ In reading order: `slider.py`, `body.py` and `drive_path.py`, `panels.py`, `pane
 `fast_sliding.py`, `swinging.py`, and `small_swings.py`. How the number of contacts is conserved says `past_breaks.py`.
 
 Tests: tests/test_mass_delay_master.py, parts by themselves first, test_births_are_the_breaks_one_delay_before among
-them; and test_mass_agreement.py beside the ensemble.
+them; test_mass_rings.py; and test_mass_agreement.py beside the ensemble.
 """

@@ -134,6 +134,24 @@ class DelayedBody:
         """Be where a closed motion ends, with what was spent on it."""
         self._go_to(state, contacts, spent)
 
+    def take_rings(
+        self, state: SliderState, contacts: Cohorts, spent: Energies, reach: float
+    ) -> None:
+        """The same of many swings in which few contacts formed, who do so together at the end. The next swing stretches
+        them by up to `reach`: those that this breaks are broken, and what they take is taken from the speed."""
+        self._go_to(state, contacts, spent, form_rest=False)
+        formed = self.past.born(state.t) - self.past.formed
+        if formed <= LEAST_REST:
+            return
+        taken = formed * self.contacts.survival.released(reach)
+        left = max(state.w**2 - 2.0 * taken / self.machine.mass, 0.0)
+        self.state = state._replace(w=float(np.copysign(np.sqrt(left), state.w)))
+        of_motion = 0.5 * self.machine.mass * (state.w**2 - left)
+        self.energies = self.energies.and_then(Energies(0.0, 0.0, of_motion))
+        here = np.array([state.x])
+        self.contacts = self.contacts.and_born(here, np.array([formed]), state.x - reach)
+        self.past.formed += formed
+
     def _go_to(
         self, state: SliderState, contacts: Cohorts, spent: Energies, form_rest: bool = True
     ) -> None:

@@ -164,10 +164,11 @@ class Cohorts:
         return replace(self, born=born[stays], largest=largest[stays], weight=weight[stays])
 
     def distance_to_break(
-        self, x: float, direction: int, least: float, least_force: float
+        self, x: float, direction: int, least: float, least_force: float, enough: float = np.inf
     ) -> float:
         """How far the slider can move from x before breaks lower the force of its contacts by more than `least_force`;
-        0 for less than the distance `least`, inf where nothing holds."""
+        0 for less than the distance `least`, inf where nothing holds. It is told to a tenth; where they do not up to
+        the distance `enough`, that is what is told."""
         if self.survival.atoms.size:
             return self._to_atoms(x, direction, self.survival.atoms)
         holding = self._holding
@@ -181,6 +182,8 @@ class Cohorts:
         far = FARTHEST * max(far, self.survival.longest)
         if (self.largest * holding).sum() + far * holding.sum() <= least_force:
             return np.inf
+        if enough < far and lost(np.array([enough]))[0] <= least_force:
+            return enough
         low, high = least, far
         for _ in range(REFINED):
             tried = np.geomspace(low, high, TRIED)
@@ -192,6 +195,11 @@ class Cohorts:
                 return np.inf
             low, high = float(tried[first - 1]), float(tried[first])
         return low
+
+    def breaking_on_from(self, x: float, near: float) -> float:
+        """Share that holds of those that break on from a position, ahead or behind, up to a distance `near`."""
+        off = np.minimum(np.abs(self.born + self.largest - x), np.abs(self.born - self.largest - x))
+        return float(np.abs(self._holding[off <= near]).sum())
 
     def all_broken_beyond(self, x: float) -> float:
         """How far the slider has to move from x until all have broken, either way; inf where none is there."""

@@ -1,9 +1,11 @@
 """The breaks so far in time, one delay after which contacts form again."""
 
 from bisect import bisect_right
+from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from master.soft.inertia.delayed.panel import BREAKS, TimePanel
 from origins.thresholds.law import Array
@@ -120,3 +122,21 @@ class PastBreaks:
             if float(panel.at(panel.end, BREAKS)) - born > fraction:
                 return min(max(begins_to_form, t), due)
         return due
+
+    def when_born(self, t: float, fraction: float) -> float:
+        """The time after t at which this share of all contacts more is born than then; inf where no more are due."""
+        wanted = self.born(t) + fraction
+        first = max(bisect_right(self._begins, t - self.delay) - 1, 0)
+        for panel in self._panels[first:]:
+            begin = max(panel.begin, t - self.delay)
+            if float(panel.at(panel.end, BREAKS)) >= wanted:
+                if float(panel.at(begin, BREAKS)) >= wanted:  # the few of a closed motion
+                    return self.delay + begin
+                lack = partial(_lack, panel, wanted)
+                return self.delay + float(brentq(lack, begin, panel.end))
+        return np.inf
+
+
+def _lack(panel: TimePanel, wanted: float, t: float) -> float:
+    """Breaks at a time of the panel less those wanted."""
+    return float(panel.at(t, BREAKS)) - wanted

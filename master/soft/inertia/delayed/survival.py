@@ -15,6 +15,8 @@ NONE = 1e-18
 # Error of the polynomials, below the errors of panels of time at all tolerances; their coefficients; the shortest
 # piece, in mean thresholds, which only a density that diverges needs.
 ACCURACY, SIZE, SHORTEST = 1e-13, 8, 1e-6
+# Nodes of an integral over S up to a small stretch.
+GAUSS = 8
 # Error in units of that above which the law itself is asked; rounding of narrow laws is some times 1e-13.
 MISSED = 10.0
 
@@ -37,6 +39,14 @@ class Survival:
     def width(self) -> float:
         """See the class."""
         return min(narrowest(self.law), self.law.mean())
+
+    def released(self, reach: float) -> float:
+        """The energy per contact, k x_s²/2 over <k> (length squared), of those with thresholds up to this one: by parts
+        the integral of x S less x² S/2 at its end."""
+        nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+        x = 0.5 * reach * (1.0 + nodes)
+        whole = 0.5 * reach * float(weights @ (x * self.sf(x)))
+        return whole - 0.5 * reach**2 * float(self.sf(np.array([reach]))[0])
 
     def sf(self, x: Array) -> Array:
         """S at stretches from 0 on; as x."""

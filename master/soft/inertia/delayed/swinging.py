@@ -17,6 +17,12 @@ from origins.thresholds.law import Array
 
 # Shortest closed motion that is worth it, in periods.
 SHORTEST = 1e-9
+# Shortest one at whose end contacts that form one by one do so together, in periods; and the part of a period by which
+# it ends later in the swing than it began, the golden section: so places of births are spread evenly over swings.
+RINGS_AT_LEAST, LATER_IN_SWING = 2.0, 0.5 * (5.0**0.5 - 1.0)
+# What such contacts may change the force by, in its tolerance: as each motion ends elsewhere in the swing it is not
+# added up, but told from one swing to the next. And their share of those that hold, whose square is left out.
+OF_SOME, SOME = 0.25, 0.02
 
 
 class SwingEnd(Enum):
@@ -29,6 +35,7 @@ class SwingEnd(Enum):
     LEG_ENDED = "the drive's leg ended", True
     LUMP_FORMS = "contacts that broke together form again", True
     BIRTHS_NEXT = "contacts begin to form one by one", False
+    SOME_FORMED = "contacts that formed one by one in many swings form together", True
     CALM = "what is left of the swings counts as rest", True
 
     @property
@@ -81,12 +88,18 @@ class Swinging:
         motion, calm = self._motion(held)
         births = self._next_births()
         lasts, end = self._coming(births, calm)
+        if end is SwingEnd.BIRTHS_NEXT and motion.swings and motion.size > 0.0:
+            lasts, end = self._while_some_form(motion, calm) or (lasts, end)
         if lasts <= 0.0:
             return SwingEnd.TOO_SHORT
         x = body.state.x
+        near, drifts = body.near(x), motion.drift * lasts
+        # a little farther than it gets, so that it surely does not pass that place
+        farthest = motion.size + near + max(drifts, 0.0) + motion.centre
+        farthest_back = motion.size + near - min(drifts, 0.0) - motion.centre
         forward, back = (
-            body.contacts.distance_to_break(x, direction, body.near(x), ALIKE * body.tolerance)
-            for direction in (1, -1)
+            body.contacts.distance_to_break(x, way, near, ALIKE * body.tolerance, max(enough, near))
+            for way, enough in ((1, farthest), (-1, farthest_back))
         )
         exact = body.contacts.survival.atoms.size > 0
         # breaks of few contacts never count, but on a longer way than this one these would pull without breaking
@@ -104,12 +117,14 @@ class Swinging:
         lasts = ends
         if end is SwingEnd.BREAKS_NEXT and lasts < SHORTEST * motion.period:
             return SwingEnd.TOO_SHORT
-        self._take(motion, lasts, held)
+        self._take(motion, lasts, held, end is SwingEnd.SOME_FORMED)
         if end is SwingEnd.BROKE_TOGETHER:
             body.break_together(x + (forward if breaks_at > 0 else -back), held.holding)
         elif end is SwingEnd.LEG_ENDED:
             body.end_leg()
-        elif end in (SwingEnd.LUMP_FORMS, SwingEnd.BIRTHS_NEXT):
+        elif end is SwingEnd.LUMP_FORMS:
+            body.take_time(body.past.next_lump)
+        elif end is SwingEnd.BIRTHS_NEXT:
             body.take_time(births)
         return end
 
@@ -143,9 +158,29 @@ class Swinging:
         )
         return min(coming, key=lambda one: one.lasts)
 
-    def _take(self, motion: Oscillation, lasts: float, held: Held) -> None:
-        """Go on to the end of a closed motion on which these contacts hold: results at the asked times, energies
-        and falls on the way."""
+    def _while_some_form(self, motion: Oscillation, calm: float) -> Coming | None:
+        """What ends a motion of many swings in which few contacts form, so that these may form together at its end;
+        None where it is too short.
+
+        Formed anywhere in the swing a share bears at most itself times the swing, which may change the force by half of
+        what is alike. Such motions follow each other, each ends later in the swing than it began, and what contacts
+        that form there take of the swing is on average what they take who form all along it.
+        """
+        body, period = self._body, motion.period
+        most = OF_SOME * body.tolerance / min(2.0 * motion.size, body.machine.unit)
+        most = min(most, SOME * body.contacts.unbroken())
+        lasts = body.past.when_born(body.state.t, most) - body.state.t
+        coming = self._coming(body.past.next_lump, calm)
+        if min(lasts, coming.lasts) < RINGS_AT_LEAST * period:
+            return None
+        if coming.lasts <= lasts:
+            return coming
+        whole = np.floor(lasts / period - LATER_IN_SWING)
+        return Coming(float(whole + LATER_IN_SWING) * period, SwingEnd.SOME_FORMED)
+
+    def _take(self, motion: Oscillation, lasts: float, held: Held, some_formed: bool) -> None:
+        """Go on to the end of a closed motion on which these contacts hold, and some form: results at the asked times,
+        energies and falls on the way."""
         body, state, k = self._body, self._body.state, self._body.machine.spring
         which, v = body.asked(state.t, state.t + lasts), body.drive.speed
         at = np.append(body.asked_times(which) - state.t, lasts)
@@ -166,7 +201,12 @@ class Swinging:
             nth = index - which.start
             body.write(index, ends[nth], body.contacts, spent[nth])
         self._watch(motion, lasts)
-        body.take_swing(ends[-1], body.contacts.moved(ends[-1].x), spent[-1])
+        end, contacts = ends[-1], body.contacts.moved(ends[-1].x)
+        if some_formed:
+            reach = motion.bound(lasts) + abs(float(motion.departure(lasts)))
+            body.take_rings(end, contacts, spent[-1], reach)
+        else:
+            body.take_swing(end, contacts, spent[-1])
 
     def _watch(self, motion: Oscillation, lasts: float) -> None:
         """Falls of the spring's force in a closed motion."""
