@@ -92,6 +92,8 @@ def test_set_of_each_command(capsys: Any) -> None:
     never = ("--set", "master.tolerance=2.0")
     assert "master.tolerance = 2.0" in refused(capsys, "precision", file, *never)
     _, out, _ = said(capsys, "show", write("rough", thresholds=ROUGH), "--set", "drive.area=1e-6")
+    # the slip rule of a scene that names none
+    assert any('mass, slip ("reset" on a spring without a mass)' in line for line in out)
     assert "area = 1e-06" in out
 
 

@@ -10,6 +10,9 @@ import msgspec
 from toolkit.scene import laws
 from toolkit.scene.tables import QUOTED, read_table, to_toml
 
+# what a key that is left out stands for, where something else decides whether it is needed
+MEANING = {"drive.slip": ' ("reset" on a spring without a mass)'}
+
 
 def written_out(tables: Mapping[str, Any], folder: Path) -> str:
     """The scene of these tables as TOML text, every default filled in; comments name the keys that are left out.
@@ -57,7 +60,7 @@ def _section(table: Mapping[str, Any], where: str) -> list[str]:
     for key, value in table.items():
         place = f"{where}.{key}".lstrip(".")
         if value is None:
-            absent.append(key)
+            absent.append(key + MEANING.get(place, ""))
         elif isinstance(value, Mapping) and not _short(value, where):
             inner += ["", f"[{place}]", *_section(value, place)]
         else:
