@@ -50,9 +50,8 @@ class PlainSlider:
             self.clock = np.append(0.0, drive.time)
         self.slips, self.begun = list[list[float]](), None
         self.high, self.low, self.lead, self.rushed, self.slip = None, None, -np.inf, False, None
-        self.seen = 0  # breaks but for those at the present place
         self.stuck, self.loose, self.rest = True, 0, (self.x, self.spring_force(self.x, 0.0), 0)
-        self.stuck_at, self.held = self.x, n
+        self.stuck_at, self.held, self.lowest = self.x, n, self.rest[1]
 
     form = PlainReplica.form  # from the same fields
     now = property(lambda self: self.t)
@@ -111,6 +110,8 @@ class PlainSlider:
                     continue
                 at = brentq(excess, times[i - 1], times[i], xtol=1e-15)
                 self.top = top if falls else max(self.top, top)
+                if falls:
+                    self.watch(at, way(at))
                 self.turn(at, way(at), falls, velocity)
             self.top = max(self.top, top)
 
@@ -153,8 +154,8 @@ class PlainSlider:
                 if first and not lower:
                     self.low = (*self.low[:3], self.breaks)
                 if (first or lower) and (self.slip is not None or self.breaks > self.rest[2]):
-                    self.rest = x, force, self.seen
-            self.begun, self.top = None, 0.0
+                    self.rest = x, force, self.breaks
+            self.begun, self.top, self.lowest = None, 0.0, force
 
     def end_slip(self) -> None:
         """The present swing down is over."""
@@ -177,25 +178,24 @@ class PlainSlider:
         each = square / (mean + wait) - (force / (mean + wait)) ** 2 + square / mean / self.n
         return min(6.0 * (each / self.n) ** 0.5, mean) * growth(self.contacts, self.drive)
 
-    def watch(self) -> None:
-        """Whether the slider sticks: contacts hold it in a narrow room, and few break, as the spring's force rises."""
-        x, force, breaks = self.rest
-        now, mean, holds = (
-            self.spring_force(self.x, self.t),
-            self.contacts.mean_threshold,
-            self.zero.size,
-        )
-        if self.x < self.stuck_at - 2.0 * mean:
+    def watch(self, after: float, way: float) -> None:
+        """Whether the slider sticks: contacts hold it in a narrow room, and few break, as the spring's force rises to
+        its value so much later, and so far ahead."""
+        here, mean, holds = self.x + way, self.contacts.mean_threshold, self.zero.size
+        now = self.spring_force(here, self.t + after)
+        if here < self.stuck_at - 2.0 * mean:
             self.stuck = False
         few = holds < 0.02 * self.n or (self.stuck and holds < self.fraction * self.held)
-        if few or abs(self.x - x) > 2.0 * mean:
-            self.rest = self.x, now, self.seen
+        if not few and now - self.lowest >= 0.02 * mean:
+            self.rest = here, self.lowest, self.breaks
+        x, force, breaks = self.rest
+        if few or abs(here - x) > 2.0 * mean:
+            self.rest = here, now, self.breaks
         elif now - force >= 0.02 * mean:
             highest = self.low or self.high is None or now >= self.high[3]
-            if highest and self.seen - breaks < self.fraction * holds:
-                self.stuck, self.stuck_at, self.held = True, self.x, holds
-                self.loose = self.breaks - self.seen
-            self.rest = self.x, now, self.seen
+            if highest and self.breaks - breaks < self.fraction * holds:
+                self.stuck, self.stuck_at, self.held, self.loose = True, here, holds, 0
+            self.rest = here, now, self.breaks
 
     def follow(self) -> Followed:
         """To the end of the path."""
@@ -211,10 +211,9 @@ class PlainSlider:
                 behind = min(places[1], default=np.inf) + self.x
                 if self.law is not None:
                     ahead = behind = self.left(way, np.zeros(1)).min(initial=np.inf)
-                if ahead > 0.0 and behind > 0.0:
-                    if self.begun is None:
-                        self.watch()
-                    self.seen = self.breaks
+                moves = ahead > 0.0 and behind > 0.0
+                if moves and self.begun is None:
+                    self.lowest = self.spring_force(self.x, self.t)
                 times = np.linspace(0.0, due, 200 + int(150.0 * fastest * due))
                 ways = way(times)
                 passed, broke, first = np.flatnonzero((ways >= ahead) | (ways <= -behind)), 0, -1
@@ -237,6 +236,8 @@ class PlainSlider:
                     first = int(np.argmin(self.left(way, np.array([due]))))
                     broke = 1 if self.x + way(due) > self.zero[first] else -1
                 self.falls(times, speed, way, velocity)
+                if moves and self.begun is None:
+                    self.watch(due, way(due))
                 self.x, self.v, self.t = self.x + way(due), speed(due), self.t + due
                 if broke:
                     if self.law is None:

@@ -119,3 +119,27 @@ def test_slips_are_those_of_the_master_equation() -> None:
         off = abs(slip["mean_drive"] - slip["drive"])
         assert off < 4.0 * slip["drive_error"] + result.master.force_error / drive["spring"], slip
     assert not contradiction(result)
+
+
+@pytest.mark.parametrize(
+    "spring, mass, damping, velocity, delay, end",
+    [
+        (0.4599, 9.595e-3, 0.3991, 0.01137, 0.0, 10.79),  # far beyond critical damping
+        (0.05, 0.02, 0.02, 0.02, 30.0, 80.0),  # is held, and rings, where the last slip ended
+        (0.02894, 2.897e-3, 0.02221, 2.922, 0.0, 60.0),  # slips on as the contacts break again
+        (0.04701, 1.273e-3, 6.761e-4, 0.08507, 4.385, 75.73),  # is held far from where it swung
+    ],
+)
+def test_slips_do_not_depend_on_the_points_of_the_path(spring, mass, damping, velocity, delay, end):
+    """Of identical contacts, which load the slider in one move from slip to slip."""
+    contacts = origins.Contacts(origins.identical(1.0))
+    if delay:
+        contacts = contacts.replace(delay=origins.Delay(delay))
+    machine = {"spring": spring, "mass": mass, "damping": damping, "velocity": velocity}
+    few, many = (
+        eq_model.simulate(contacts, np.linspace(0.0, end, n)[1:], n_contacts=100, **machine).slips
+        for n in (2, 1501)
+    )
+    assert many.drive.size > 1 and few.drive.shape == many.drive.shape
+    assert np.allclose(few.drive, many.drive, rtol=0.0, atol=1e-6)
+    assert np.allclose(few.force_before, many.force_before, rtol=0.0, atol=1e-6)

@@ -83,6 +83,7 @@ def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
     begin_heat(contacts.ages.heat, s)
     for i in range(np.int64(pull.n)):
         _form(s, contacts, i, supply, pull, pull.age)
+    s.rest_force = contact_force(s, pull)  # which the spring balances
 
 
 @inlined
@@ -198,13 +199,13 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
         proposal = time_to_next(contacts.ages.heat, s)
         most, slipped = max(min(remaining, s.due, proposal), 0.0), False
         side = 1 if ahead <= 0.0 else -1 if behind <= 0.0 else 0
-        if side == 0:
+        moves = side == 0
+        if moves:
             stiffness = pull.spring + s.stiffness * each
             pulled = spring_force(s, pull)
             net = pulled - contact_force(s, pull)
-            if not s.falling and not s.nothing_broke:
-                watch(s, pull, pulled)
-            s.seen = s.breaks
+            if not (s.falling or s.nothing_broke):
+                s.lowest = pulled
             if known if s.speed >= 0.0 else known_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
                 if side == 0:
@@ -240,6 +241,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
                 breaks = propose(contacts.ages.heat, s, contacts)
             s.nothing_broke = breaks < 0 and (side != 0 or proposed)
             if not s.nothing_broke:
+                if moves and not s.falling:
+                    watch(s, pull)  # before the contacts that held it so far break
                 slipped = begin_if_fast(s, pull)
             if breaks >= 0:
                 forms = _break(s, contacts, breaks, pull)

@@ -130,6 +130,8 @@ def damped_move(s, pull, ahead, most, net, stiffness):  # type: ignore[no-untype
     speed -= step * later
     fading -= step * fast * (1.0 + fading)
     top = max(v, speed)
+    if z < -30.0:
+        later = p * slow  # whose sign the slow part has, too, where rounding has lost it
     if a < 0.0 < later or (speed > limit) != s.falling or not speed > 0.0:
         return 0
     if later < 0.0 < a and even > (s.top if s.falling else limit):

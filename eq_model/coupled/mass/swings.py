@@ -37,25 +37,33 @@ def _level(s, pull):  # type: ignore[no-untyped-def]
 @inlined
 def _rest_at(s, x, force):  # type: ignore[no-untyped-def]
     """From here on the slider may be sticking."""
-    s.rest, s.rest_force, s.rest_breaks = x, force, s.seen
+    s.rest, s.rest_force, s.rest_breaks = x, force, s.breaks
 
 
 @inlined
-def watch(s, pull, force):  # type: ignore[no-untyped-def]
-    """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises;
-    it is `force` now. A small part of those that held it before does not: a heavy slider that slowly breaks the last
-    ones, as it gathers speed, has begun to slip. Neither does it stick anew in a small rise within a fall. One that
-    moves back beyond the room has only turned there: no contact that it stuck to holds it."""
-    x = np.float64(s.at) + s.off
+def watch(s, pull):  # type: ignore[no-untyped-def]
+    """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises.
+
+    Called where a move ends, as one move may load it all the way to its next break; where the slider is fast by then,
+    the force was largest as it became so. A small part of the contacts that held it before does not hold it: a heavy
+    slider that slowly breaks the last ones, as it gathers speed, has begun to slip. Neither does it stick anew in a
+    small rise within a fall. One that moves back beyond the room has only turned there: no contact that it stuck to
+    holds it."""
+    before, travel_before = (s.fast_for, s.fast_way) if s.fast else (0.0, 0.0)
+    x = np.float64(s.at) + (s.off - travel_before)
+    drive = pull.places[unsigned(s.leg)] + pull.speeds[unsigned(s.leg)] * (s.elapsed - before)
+    force = pull.spring * (drive - x)
     if x < s.stuck_at - pull.room:
         s.stuck = False
     least_holding = max(RISE * pull.n, pull.slip_fraction * s.held if s.stuck else 0.0)
+    if s.n_holding >= least_holding and force - s.lowest >= pull.rise:
+        _rest_at(s, x, s.lowest)  # this move alone tells, in which nothing broke
     if s.n_holding < least_holding or abs(x - s.rest) > pull.room:
         _rest_at(s, x, force)
     elif force - s.rest_force >= pull.rise:
-        few = s.seen - s.rest_breaks < pull.slip_fraction * s.n_holding
+        few = s.breaks - s.rest_breaks < pull.slip_fraction * s.n_holding
         if few and (s.in_swing or force >= pull.swing[F_BEFORE]):
-            s.stuck, s.stuck_at, s.held, s.loose = True, x, s.n_holding, s.breaks - s.seen
+            s.stuck, s.stuck_at, s.held, s.loose, s.tried = True, x, s.n_holding, 0, 0
         _rest_at(s, x, force)
 
 
@@ -115,7 +123,7 @@ def end_fall(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
     drive = pull.places[unsigned(s.leg)] + speed * (s.elapsed - before)
     x = np.float64(s.at) + (s.off - travel_before)
     force, chance = pull.spring * (drive - x), pull.chance[unsigned(s.leg)]
-    s.falling = False
+    s.falling, s.lowest = False, force
     swing[TOP_SPEED] = max(swing[TOP_SPEED], s.top)
     if s.top >= FASTER * speed and s.force_before - force >= chance:
         s.rushed = True
