@@ -170,7 +170,8 @@ class _Kinks:
         Those born before them have met the bend by then, those born after meet it at their largest |x| on the way
         back. So breaks bend where these contacts come back to it, 2 bends behind the turn, though their births are
         smooth. Looked for are births on the leg that ends at the turn, without a rest there: else panels find the bend
-        by their errors."""
+        by their errors (180 paths were drawn that rest at the turn, or have two speeds before it: all were within what
+        is told, one by a hair: 4.3e-4 of 4.6e-4)."""
         found, law, motion = list[Kink](), self.births.law, self.motion
         ends = zip(motion.times, motion.times[1:-1], motion.speeds, motion.speeds[1:], strict=False)
         for begin, turn, speed, speed_after in ends:
