@@ -507,3 +507,39 @@ def test_runs_do_not_share_where_slow_motion_ends_before_a_slip() -> None:
     ):
         off = np.abs(getattr(found, force) - getattr(finer, force)).max() / unit
         assert off < 0.5 * claims
+
+
+@pytest.mark.parametrize(
+    ("damping", "velocity"), [(4.47e-2, 1.1e-4), slow(4.47e-3, 1.1e-3), slow(4.47e-3, 1.1e-2)]
+)
+def test_a_heavily_damped_slider_on_a_slow_drive_tends_to_one_without_mass(
+    damping: float, velocity: float
+) -> None:
+    """Its speed relaxes within 1e-9 to 1e-6 of the way's time. It was said to ring for too long, or took half a minute:
+    its modes of motion alternated, and steps resolved that time. Its slips begin late by what damping lets it lag."""
+    contacts, tolerance = origins.Contacts(origins.gaussian(1.0, 0.2)), 1e-4
+    machine = {"spring": 0.05, "mass": 1e-6, "damping": damping, "velocity": velocity}
+    found = master.solve(contacts, [8.0, 14.0, 16.0], tolerance, **machine)
+    assert found.success, found.message
+    off, slips = found.force_error + damping * velocity, found.slips
+    limit = master.solve(contacts, [8.0, 14.0, 16.0], 1e-6, spring=0.05, slip="instant")
+    assert np.abs(found.force - limit.force).max() < off
+    # it slips from the largest force on, where it gets as fast as its drive; "instant", where F' = -K just behind
+    highest = master.solve(contacts, np.linspace(0.7, 0.9, 401), 1e-7).force.max()
+    assert slips.drive.size == 1 and abs(slips.force_before[0] - highest) < off
+    assert 0.0 < limit.slips.drive[0] - slips.drive[0] < 5e-3
+    # the slip ends where the limit's does, but for what the drive pulls in the slip's time, g/K and more
+    lasts = float(slips.duration[0])
+    assert 0.0 < slips.force_after[0] - limit.slips.force_after[0] < off + 0.05 * velocity * lasts
+
+
+@pytest.mark.parametrize(("damping", "why"), [(4e-2, "leave mass and"), (1e-3, "a larger one")])
+def test_what_takes_too_many_steps_is_told_by_its_damping(
+    damping: float, why: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Above the critical one, 2e-3, nothing rings, and no larger damping helps."""
+    monkeypatch.setattr("master.soft.inertia.moving.MOST_STEPS", 20)
+    machine = {"spring": 0.05, "mass": 1e-6, "damping": damping, "velocity": 1e-3}
+    found = master.solve(origins.Contacts(origins.gaussian(1.0, 0.2)), [16.0], 1e-3, **machine)
+    assert not found.success and why in found.message
+    assert ("rings" in found.message) == (damping < 2e-3)

@@ -147,6 +147,15 @@ class Body:
             times, d * w, places, forces, holding, drive_speed, self.drive_direction, at, when
         )
 
+    @property
+    def _heavily_damped(self) -> bool:
+        """Whether the damping is above the critical one of a slider that sticks, so that it never rings."""
+        return self.damping > 2.0 * float(np.sqrt(self.mass * self.stiff))
+
+    def _goes_on_slowly(self, rate: float) -> bool:
+        """Whether a slider that follows its drive slowly does so for a way that is worth to change the mode."""
+        raise NotImplementedError
+
     def _follows(self, part: float) -> bool:
         """Whether the slider follows its drive slowly, up to a part of what counts as rest."""
         raise NotImplementedError

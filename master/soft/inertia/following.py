@@ -15,6 +15,9 @@ PANELS, POINTS, AHEAD = 40, 17, 2.0
 FALLS = -1e-9
 # Longest way that is looked ahead on a panel, in mean thresholds: steady breaks have an endless one.
 FURTHEST = 1e9
+# Shortest slow way, in mean thresholds, for which a slider above critical damping leaves `moving`: that mode takes
+# longer steps there than a way that ends at once, after which both would alternate.
+WORTH_IT = 1e-3
 # Distance from a panel's beginning of the place just inside, in widths of the panel.
 JUST_INSIDE = 1e-9
 # A slider accelerates too much to be slow where the force on its mass is above so much of what counts as rest, and of
@@ -53,15 +56,26 @@ class Following(Body):
         quickly = OF_REST * part * self.quiet + OF_START * of_start
         if slope <= 0.0 or abs(force) > quickly:
             return False
-        slow = self._slow(np.array([y]), rate)
+        slow = self._slow(np.array([y]), rate, min(part, 1.0))
         if not slow.missed[0] <= part * self.quiet:
             return False
         rings = force - slow.inertia[0], np.sqrt(m * slope) * (slow.speed[0] - self.w)
         return bool(np.hypot(*rings) <= part * self.quiet) and not self._lags_before_drop()
 
-    def _slow(self, balance: Array, rate: float) -> Slow:
-        """The slow motion at these balances on the present move."""
-        given = rate, self.mass, self.damping, self.fastest
+    def _goes_on_slowly(self, rate: float) -> bool:
+        """See Body."""
+        if not self._heavily_damped or rate == 0.0:
+            return True
+        # the balance, ahead of the slider, may be past that place already
+        place = self._look_ahead(rate).travel
+        ahead = (
+            float(self.move.curve.force(place)) + self.spring * place - float(self._pull(self.t))
+        )
+        return ahead > WORTH_IT * self.unit * self.spring
+
+    def _slow(self, balance: Array, rate: float, part: float = 1.0) -> Slow:
+        """The slow motion at these balances on the present move, with this part of the changes that count as slow."""
+        given = rate, self.mass, self.damping, part * self.fastest
         return slow_motion(self.move.curve, balance, *given)
 
     def _lags_before_drop(self) -> bool:

@@ -4,6 +4,7 @@ their delay: told before the work."""
 import numpy as np
 
 from master.soft.first_fall import first_fall, path_beyond
+from master.soft.inertia.body import RINGS
 from master.stick_slip.extremes import extremes
 from origins import Contacts
 from origins.drive import Drive
@@ -25,10 +26,26 @@ BELOW_HIGHEST = 0.01
 OF_EXTREMES = 1e-3
 
 
+def _critical_damping(drive: Drive) -> float:
+    """Above it no slider rings: that of one that sticks."""
+    return 2.0 * float(np.sqrt(float(drive.mass or 0.0) * (1.0 + float(drive.spring or 0.0))))
+
+
 def enough_damping(drive: Drive) -> str:
     """A damping that lets no slider ring for long, in words."""
-    critical = 2.0 * (float(drive.mass or 0.0) * (1.0 + float(drive.spring or 0.0))) ** 0.5
-    return f"a hundredth of the critical one of a slider that sticks is {0.01 * critical:.3g}"
+    asked = 0.01 * _critical_damping(drive)
+    return f"a hundredth of the critical one of a slider that sticks is {asked:.3g}"
+
+
+def why_too_long(drive: Drive) -> str:
+    """Why a slider was not followed to its end, and what to do."""
+    critical = _critical_damping(drive)
+    if drive.damping <= critical:
+        return f"{RINGS} ({enough_damping(drive)})"
+    return (
+        f"stopped as a slider this heavily damped (critical is a damping of {critical:.3g}) takes too many steps; "
+        "it follows the balance of forces: leave mass and damping out, or shorten the path"
+    )
 
 
 def _after_first_slip(contacts: Contacts, drive: Drive) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebroots, chebtrim, chebvander
-from scipy.integrate import DOP853, DenseOutput
+from scipy.integrate import DOP853, LSODA, DenseOutput
 from scipy.optimize import brentq
 
 from master.outcome import StoppedError, stop_after
@@ -29,6 +29,9 @@ UNWATCHED = 64
 # hangs on the unit of time, and where it is too long its stages lie so far ahead that F is solved there without end.
 # The far shorter swing on the contacts would let `moving` and `following` alternate without getting on.
 FIRST_STEP = 1.0
+# Above critical damping, first step in times M/g in which a speed relaxes: these are far shorter than all else, and
+# LSODA, whose implicit steps need not resolve them, begins at its lowest order.
+FIRST_RELAXING = 1e-3
 # Accuracy of an instant within a step, in steps; and relative, the least that brentq takes is 4 spacings.
 INSTANT, INSTANT_RELATIVE = 1e-15, 1e-14
 
@@ -137,10 +140,10 @@ class Moving(Body):
             if finished:
                 self._next_leg()
                 return self.moving
-            if rate >= 0.0 and self._follows(GETS_SLOW):
+            if rate >= 0.0 and self._follows(GETS_SLOW) and self._goes_on_slowly(rate):
                 return self.following
 
-    def _solver(self) -> DOP853:
+    def _solver(self) -> DOP853 | LSODA:
         """The integrator from the present state to the end of the drive's leg."""
         m, g, k = self.mass, self.damping, self.spring
         move, v = self.move, self._speed
@@ -161,7 +164,23 @@ class Moving(Body):
         fine, unit = max(FINE * self.tolerance / self.unit, FINEST), self.unit
         fast = unit / np.sqrt(m / self.stiff)
         sizes = fine * np.array([unit, fast, unit**2, unit**2, unit**2])
-        solver = DOP853(change, 0.0, state, self._leg_end() - self.t, rtol=fine, atol=sizes)
+        lasts = self._leg_end() - self.t
+
+        def slopes(t: float, state: Array) -> Array:
+            """Derivatives of `change` by the state, shape (5, 5)."""
+            y, w = float(state[0]), float(state[1])
+            panel, out = move.panel_at(y, self._drop), np.zeros((5, 5))
+            slope = panel.slope(y)
+            out[0, 1], out[1, :2], out[2, 1] = 1.0, ((-k - slope) / m, -g / m), 2.0 * g * w
+            out[3, 0], out[4, :2] = -v * k, (slope * w, panel.force(y))
+            return out
+
+        if self._heavily_damped:
+            first = min(FIRST_RELAXING * m / g, lasts)
+            return LSODA(
+                change, 0.0, state, lasts, first_step=first, rtol=fine, atol=sizes, jac=slopes
+            )
+        solver = DOP853(change, 0.0, state, lasts, rtol=fine, atol=sizes)
         solver.h_abs = min(solver.h_abs, FIRST_STEP * float(np.sqrt(m / self.spring)))
         return solver
 

@@ -13,7 +13,7 @@ from master.soft.in_time.refining import AT_BALANCE
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.slider import DelayedSlider
 from master.soft.inertia.energies import Energy
-from master.soft.inertia.foretold import enough_damping
+from master.soft.inertia.foretold import why_too_long
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
 from master.soft.inertia.slow import FALLS_AS, FASTEST
@@ -133,7 +133,7 @@ class Run:
         except StoppedError as why:
             self.stopped = str(why)
             if self.stopped == RINGS:
-                self.stopped += f" ({enough_damping(drive)})"
+                self.stopped = why_too_long(drive)
         self.nodes = slider.nodes
         self.goes_on = slider.goes_on if isinstance(slider, DelayedSlider) else None
         solved = np.isfinite(self.record.place)
