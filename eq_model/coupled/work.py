@@ -4,7 +4,7 @@ import numpy as np
 
 from eq_model.engine import breaks_by_heat
 from eq_model.whole_drive import durations
-from origins import Contacts, Drive, ProportionalGrowth
+from origins import Contacts, Drive, ProportionalGrowth, Thresholds
 from origins.errors import refuse
 from origins.laws.compiled import compiled_rates
 from origins.thresholds.law import Array
@@ -63,14 +63,23 @@ def expected_breaks(contacts: Contacts, drive: Drive, n: int) -> float:
     if drive.slip != "instant" or low == high:
         loading = mean * (1.0 + 1.0 / spring)
         return float(n * np.maximum(ways / loading - turned, 0.0).sum())
-    # from relaxed contacts F = X - (the mean over all contacts of the stretch that their first breaks have released)
-    x = np.linspace(0.0, 4.0 * mean, 4001)
-    force = x - np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(law.cdf(x))))
-    falls = np.flatnonzero(np.diff(force) < 0.0)
-    kinetic = float(law.moment(2)) / (2.0 * mean)
-    static = max(kinetic, force[falls[0]] if falls.size else 0.0)
+    kinetic, static = kinetic_force(law), static_force(law)
     slides = ways > (static + kinetic * turned) / spring
     return float(n * (ways - (1 + turned) * kinetic / spring)[slides].sum() / mean)
+
+
+def kinetic_force(law: Thresholds) -> float:
+    """F_k of steady sliding, a length."""
+    return float(law.moment(2)) / (2.0 * law.mean())
+
+
+def static_force(law: Thresholds) -> float:
+    """The first maximum of F from relaxed contacts, or F_k if that is larger, a length: F = X - (the mean over all
+    contacts of the stretch that their first breaks have released)."""
+    x = np.linspace(0.0, 4.0 * law.mean(), 4001)
+    force = x - np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(law.cdf(x))))
+    falls = np.flatnonzero(np.diff(force) < 0.0)
+    return max(kinetic_force(law), force[falls[0]] if falls.size else 0.0)
 
 
 def often_by_heat(contacts: Contacts, drive: Drive) -> float:

@@ -13,7 +13,7 @@ from eq_model.coupled.ensemble import (
     unit_of,
 )
 from eq_model.coupled.mass.chance import fall_by_chance
-from eq_model.coupled.work import growth, often_by_heat, slower_by_own_law
+from eq_model.coupled.work import growth, often_by_heat, slower_by_own_law, static_force
 from eq_model.result import SIZES, Energy, HeavySlips, means
 from origins import Contacts, Drive
 from origins.drive import RISE, ROOM, SLIP_FRACTION
@@ -90,8 +90,8 @@ class HeavySliders:
         if force > spring * most:
             hint = f"must be above {force / most:.3g}; slips are longer than positions have digits"
             refuse("spring", spring, hint)
-        # before the first slip no contact need break; a contact breaks once a mean threshold where it does not wait
-        breaks = self._n * max(end / mean / growth(contacts, drive) - 1.0 / spring, 0.0)
+        # a contact breaks once a mean threshold where it does not wait
+        breaks = self._n * max(end - self._most_behind(), 0.0) / mean / growth(contacts, drive)
         breaks *= contacts.delay is None
         breaks += self._n * often_by_heat(contacts, drive)
         if breaks > self._most_breaks:
@@ -111,6 +111,18 @@ class HeavySliders:
                 f"oscillates {most:.1e} times between two points of the path, and at most {LONGEST:.0e} times are "
                 "followed; give a larger mass, or points that are closer",
             )
+
+    def _most_behind(self) -> float:
+        """About how far the slider is behind the drive at most (a length): by the contacts' static force, by the force
+        of its damping, which swings up to twice what it is, and by its inertia as the drive starts."""
+        contacts, drive = self._contacts, self._drive
+        spring, mean = drive.spring or 0.0, contacts.mean_threshold
+        force = mean  # no contact bears more on the average
+        if contacts.stiffness == "independent" and not contacts.growing:
+            force = min(mean, static_force(contacts.thresholds) + abs(contacts.start.mean()))
+        speed = float(np.abs(self._legs(contacts.start.mean() / spring).speeds).max())
+        swung = speed * ((drive.mass or 0.0) / spring) ** 0.5
+        return (force * growth(contacts, drive) + 2.0 * drive.damping * speed) / spring + swung
 
     def _legs(self, balance: float) -> DriveLegs:
         """The legs of the drive, from the balance at t = 0 on."""
