@@ -5,7 +5,7 @@ left, F is a mean of its values over the longest life (renewal equation), and st
 stays below that of the slip's begin up to a travel that K and the largest of these values tell, and none of the births
 up to there can end the slip. Behind it F is known, too:
 
-- it is F_k where F - F_k, which falls as e^(-y/X*), is nothing any more (`steady_ahead`);
+- it is F_k where F - F_k, which falls as e^(-y/X*), is nothing any more (`LastLife.steady`);
 - else it is F_k and a sum of waves that fade (`Waves`; master/stick_slip/spectrum.py). Thresholds of 1 +- 0.002 keep
   their step for 1e4 lives, which on K = 1e-6 ended a slip after 7 s; their waves are known after six lives.
 """
