@@ -277,7 +277,7 @@ def counted(*job):
     while not begun.exists():  # rank 0 leaves a point for the other
         time.sleep(0.01)
     return solve(*job)
-pool.solve_point = counted
+pool.solve_point, pool.cores_of = counted, lambda comm: 1
 found = toolkit.run("mine.toml", comm=MPI.COMM_WORLD).sweep
 told = json.dumps([len(count), [column.tolist() for column in found.columns.values()]])
 for own in MPI.COMM_WORLD.gather(told) or []:
@@ -299,18 +299,20 @@ def test_what_ends_one_rank_ends_all_and_keeps_their_points(mpirun: Any) -> None
 
 ENDED = """
 import sys, time
+from pathlib import Path
 from mpi4py import MPI
 from toolkit.command import main
 from toolkit.running import pool
-solve, count = pool.solve_point, []
+solve, count, third = pool.solve_point, [], Path("third")
 def ended(*job):
     count.append(1)
     if MPI.COMM_WORLD.Get_rank() and len(count) == 3:
+        third.touch()
         raise KeyboardInterrupt
-    if not MPI.COMM_WORLD.Get_rank():
-        time.sleep(2.0 if len(count) == 1 else 60.0)  # the other is at its third point by then
+    while not MPI.COMM_WORLD.Get_rank() and not third.exists():
+        time.sleep(0.01)
     return solve(*job)
-pool.solve_point = ended
+pool.solve_point, pool.cores_of = ended, lambda comm: 1
 sys.exit(main(["run", "mine.toml"]))
 """
 

@@ -31,9 +31,9 @@ ONE_LIFE, TWO_LIVES = 1.1, 2.2
 # Contacts that decohere more slowly than within this many spans of two lives are not followed until they have where X*
 # tells how much is left; modes of longer X* may be hidden by this factor in the range of the force.
 DECOHERES, HIDDEN = 2.0, 100.0
-# To values at so many times as many Chebyshev points as its degree, between which a polynomial passes beyond the middle
-# of their range by at most this factor (Ehlich and Zeller): by a part of 3e-4, as on K = 1e-6 a force that is known to
-# 1e-3 alone leaves a thousand lives to be followed.
+# Chebyshev points in multiples of a polynomial's degree, between which it passes beyond the middle of the range of its
+# values there by at most BEYOND (Ehlich and Zeller), here by a part of 3e-4: on K = 1e-6 a force that is known to 1e-3
+# alone leaves a thousand lives to be followed.
 FINELY = 64
 BETWEEN = polynomials.values(
     0.5
@@ -44,11 +44,12 @@ BEYOND = 1.0 / np.cos(0.5 * np.pi / FINELY)
 # A wave along ON_PANEL radians is met by polynomials to MISSED of its size: 2 (radians/4)^17/17! with as many nodes as
 # theirs. Panels meet waves to this part of what those of a march may miss.
 ON_PANEL, MISSED, OF_PANELS = 4.0, 2.0 / math.factorial(polynomials.DEGREE + 1), 1e-2
-# Radians of the shortest wave between places at which F is looked at for its largest value.
+# Radians of the shortest wave between places at which F is looked at for its largest value: between them it may rise by
+# 5e-4 of the waves' size, which is added.
 LOOKED_AT = 0.0625
 # Waves and errors below this part of a mean threshold are rounding.
 ROUNDED = 1e-15
-# How many lives are laid out at once, and most panels.
+# How many lives are laid out at once, as fewer take longer by their calls, and most panels: some 5 MB of values.
 AT_ONCE, MOST_PANELS = 16.0, 2000
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-# [length], [time]: as `unit` says, m and s where that is m; [force]: F/(N_c<k>), a length; [energy]: over N_c<k>
+# [length], [time]: as `unit` says, m and s where that is m. Forces are F/(N_c<k>), lengths; energies are over N_c<k>
 _KEYS = {
     "unit": "of all lengths; times are in s where it is m",
     "mean_threshold": "<x_s> [length]",
@@ -33,7 +33,7 @@ _KEYS = {
     "largest_slip": "largest share of the contacts that breaks in a slip",
     "slip_drive_error": "of the places of slips [length]",
     "slip_spacing_error": "of the ways between them [length]",
-    "slip_force_error": "of forces before and after them [length]",
+    "slip_force_error": "of forces before and after them, in <x_s>",
     "slip_duration_error": "of their durations [time]",
     "critical_spring": "K*/(N_c<k>) of a rigid slider",
     "critical_spring_error": "of K*/(N_c<k>)",
@@ -61,10 +61,10 @@ _KEYS = {
     "have": "replicas that have it",
     "drive": "its place by the master equation [length]",
     "mean_drive": "the same by the ensemble",
-    "drive_error": "standard error of that",
+    "drive_error": "standard error of mean_drive",
     "drop": "fall of F/(N_c<k>) by the master equation [length]",
     "mean_drop": "the same by the ensemble",
-    "drop_error": "standard error of that",
+    "drop_error": "standard error of mean_drop",
     "energy": "over N_c<k> where the path ends, mean over replicas [length²]",
     "work": "of the drive",
     "start": "as the slider began",

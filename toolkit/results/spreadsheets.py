@@ -108,7 +108,6 @@ def write_slips(result: Result, path: Path) -> None:
             own = getattr(slips, name, None)  # slips without mass take no time
             columns[head] += [""] * count if own is None else own.tolist()
     # without a mass slips take no time, and infinitely many contacts have one slider
-    kept = ["slider"] * is_coupled(result.eq)
-    empty = [head for head in (*heavy.values(), "slider") if not any(map(_is_there, columns[head]))]
-    empty = [head for head in empty if head not in kept]
+    optional = [*heavy.values(), *([] if is_coupled(result.eq) else ["slider"])]
+    empty = [head for head in optional if not any(map(_is_there, columns[head]))]
     write_rows({head: cells for head, cells in columns.items() if head not in empty}, path)

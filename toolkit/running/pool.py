@@ -19,6 +19,8 @@ from toolkit.running.point import Column, solve_point
 
 # s of work left from which other processes are started: each imports for a second or two
 WORTH = 6.0
+# shares in which a rank of several cores gets what is its part of the points: a kill loses those that are begun
+SHARES = 4
 # What ended the work of this rank: the pool of ranks tells it to rank 0 alone, and all of them have to end.
 _ended = list[BaseException]()
 
@@ -58,7 +60,8 @@ def solve_by_ranks(jobs: list[Job], comm: Any, tell: Callable[[Solved], None]) -
     from mpi4py.futures import MPICommExecutor
 
     # a rank with several cores gets many jobs at once, as its processes start anew for each share
-    share = 1 if cores == 1 else max(cores, len(jobs) // (2 * size))
+    even = -(-len(jobs) // size)
+    share = 1 if cores == 1 else min(max(cores, even // SHARES), even)
     dealing: Any = MPICommExecutor(comm, root=0)
     with dealing as pool:
         if pool is not None:
@@ -91,7 +94,7 @@ def _deal(
             dealt[given] = first
         for given, first in reversed(dealt.items()):
             if not failed.is_set() and given.cancel():
-                for one in _share(jobs[first : first + share], first, cores):
+                for one in _solved(jobs[first : first + share], cores, first):
                     tell(one)
         for given in dealt:
             if not given.cancelled():
@@ -102,24 +105,25 @@ def _deal(
 
 
 def _share(jobs: list[Job], first: int, cores: int) -> list[Solved]:
-    """The jobs solved, the first of which has the number `first` among those of all ranks."""
+    """What another rank solves for rank 0: these jobs, the first of which has the number `first` among all."""
     try:
-        return [Solved(first + one.number, *one[1:]) for one in _solved(jobs, cores)]
+        return list(_solved(jobs, cores, first))
     except (InputError, KeyboardInterrupt, Terminated) as end:
         _ended.append(end)
         raise
 
 
-def _solved(jobs: list[Job], cores: int) -> Iterator[Solved]:
-    """Each job as it is done: here, and by other processes too where that pays."""
+def _solved(jobs: list[Job], cores: int, first: int = 0) -> Iterator[Solved]:
+    """Each job as it is done: here, and by other processes too where that pays; they are numbered from `first` on."""
     began = time.monotonic()
     for k, job in enumerate(jobs):
         remaining = (time.monotonic() - began) / max(k, 1) * (len(jobs) - k)
         if k and cores > 1 and remaining > WORTH:
-            yield from _by_processes(jobs, k, min(cores, len(jobs) - k))
+            for one in _by_processes(jobs, k, min(cores, len(jobs) - k)):
+                yield one._replace(number=first + one.number)
             return
         started = time.monotonic()
-        yield Solved(k, solve_point(*job), time.monotonic() - started)
+        yield Solved(first + k, solve_point(*job), time.monotonic() - started)
 
 
 def _by_processes(jobs: list[Job], first: int, count: int) -> Iterator[Solved]:

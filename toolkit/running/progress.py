@@ -7,7 +7,7 @@ from datetime import timedelta
 
 PATIENCE = 10.0  # s before anything is said of work that seems short
 
-# s between two counts that give a rate: points that other ranks solved are counted at one time
+# s since the first count before which no rate is told: points that other ranks solved are counted at one time
 SHORTEST = 0.1
 
 

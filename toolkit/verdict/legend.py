@@ -1,7 +1,8 @@
 """What each key of verdict.json means, for who opens the file without the program, and in which unit its number is."""
 
 # the unit of each number of a slider's record, by its name in `units` of the reading, "speed": length/time, or "": of
-# none. Lengths and times are in the user's units from the solvers on, a damping is a spring times a time
+# none, or s of the clock. Lengths and times are in the user's units from the solvers on, a damping is a spring times a
+# time
 UNITS = {
     "before": "force",
     "before_error": "force",
@@ -26,7 +27,7 @@ UNITS = {
     "first_slip": "length",
     "slip_time": "time",
     "delay": "time",
-    "run_time": "time",
+    "run_time": "",
     "top_speed": "speed",
     "error": "",
     "heat_left_out": "",

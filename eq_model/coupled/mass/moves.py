@@ -19,6 +19,8 @@ from eq_model.coupled.mass.state import pass_time, speed_limit
 from eq_model.coupled.mass.swings import end_fall
 
 MOVED = 2  # what quick_move returns where no contact breaks
+# exponent of the slow part below which it is 1e-13 of what it was, and its sum with 1 is rounding
+LOST = -30.0
 
 
 @inlined
@@ -130,7 +132,7 @@ def damped_move(s, pull, ahead, most, net, stiffness):  # type: ignore[no-untype
     speed -= step * later
     fading -= step * fast * (1.0 + fading)
     top = max(v, speed)
-    if z < -30.0:
+    if z < LOST:
         later = p * slow  # whose sign the slow part has, too, where rounding has lost it
     if a < 0.0 < later or (speed > limit) != s.falling or not speed > 0.0:
         return 0

@@ -57,8 +57,9 @@ SLIDER = np.dtype(
         # from where on the slider may be sticking
         ("rest", np.float64),  # X there
         ("rest_force", np.float64),  # the spring's force there
-        ("lowest", np.float64),  # the same where the present move, or the rise in it, began
         ("rest_breaks", np.int64),  # number of all breaks up to there
+        # the spring's force where the present move, or the rise in it, began
+        ("lowest", np.float64),
         # the slider is faster than the drive since an event that broke nothing: not yet a fall
         ("fast", np.bool_),  # whether it is
         ("fast_for", np.float64),  # since when

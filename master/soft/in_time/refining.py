@@ -171,9 +171,7 @@ def refuse_unknown_births(contacts: ContactsInSteps, tolerance: float) -> None:
     unknown = contacts.unresolved.error_of(OF_BIRTHS) / contacts.unit
     least = MARGIN * unknown / UNKNOWN_FALL**halvings
     if least > tolerance:
-        fault = (
-            f"of contacts that age F may be known to some {least:.1e} in the steps that are taken,"
-        )
+        fault = f"of contacts that age F would be known to some {least:.1e} at best, with the finest steps,"
         where = 'where the slider slides with its drive under "instant"'
         hint = 'loosen it, or take slip = "reset"'
         refuse("tolerance", tolerance, f"{fault} {where}; {hint}")

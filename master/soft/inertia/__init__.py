@@ -20,5 +20,5 @@ swings of steady sliding grow, and how large, is told by `growing_swings.py`.
 
 In reading order: `slider.py`, `body.py`, `reaction.py`, the three modes, `record.py`, `run.py`, `short_delay.py`,
 `runs.py`, `energies.py`, `solution.py`; then `delayed/` and `in_time/`.
-Tests: tests/test_mass_master.py, test_mass_turns.py, test_mass.py and test_mass_agreement.py.
+Tests: tests/test_mass_master.py, test_mass_turns.py, test_mass_energy.py, test_mass.py and test_mass_agreement.py.
 """

@@ -19,7 +19,8 @@ MOST_STEPS = 50_000
 FINE, FINEST = 1e-4, 1e-12
 # Points of a step at which the speed is compared with the drive's.
 POINTS = 17
-# Degree in time of the state within a step of DOP853; and the matrix that takes values at POINTS even points of a step
+# Degree in time of the state within a step of DOP853 (in a step of LSODA, of up to 12, turning points of the speed are
+# looked for with as many terms); and the matrix that takes values at POINTS even points of a step
 # to coefficients of Chebyshev's polynomials, in which a coefficient below ROUNDING of the largest is none.
 DEGREE, ROUNDING = 7, 1e-14
 COEFFICIENTS = np.linalg.pinv(chebvander(np.linspace(-1.0, 1.0, POINTS), DEGREE))

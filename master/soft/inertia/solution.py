@@ -49,13 +49,13 @@ ANYWHERE = 1.0
 class InertialSolution(SoftSolution):
     """Motion of a slider with mass; see SoftSolution, whose `force` is that of the spring, K (X_T - X).
 
-    velocity : dX/dt at the points of the path, shape (n,)
+    velocity : dX/dt at the points of the path, shape (n,), without an error of its own: beside a slip, and while the
+        slider rings on its contacts, it may be that of another moment
     contact_force : F/(N_c<k>), shape (n,), a length; contact_force_error : estimate from above of its largest error, in
         mean thresholds: above `force_error` where the slider passes many thresholds in a slip
     holding_error : the same of `holding`, 0 where contacts form at once; where they wait out a delay `success` does not
         ask for it, as it hangs, as the contacts' force does, on when a slip comes
-    energy, energy_error : by parts, see Energy and EnergyError; beside a slip, and while the slider rings on its
-        contacts, `velocity`, which has no error of its own, may be that of another moment of it
+    energy, energy_error : by parts, see Energy and EnergyError
     """
 
     velocity: Array

@@ -1,4 +1,4 @@
-"""What pulls a slider, what is known of it before it is followed, and what it does."""
+"""What pulls a slider, and what is known of it before it is followed."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -197,7 +197,7 @@ class Cohorts:
         return low
 
     def breaking_on_from(self, x: float, near: float) -> float:
-        """Share that holds of those that break on from a position, ahead or behind, up to a distance `near`."""
+        """Share of the contacts whose next break, ahead or behind, comes within the distance `near` of a position."""
         off = np.minimum(np.abs(self.born + self.largest - x), np.abs(self.born - self.largest - x))
         return float(np.abs(self._holding[off <= near]).sum())
 

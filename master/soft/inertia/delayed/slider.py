@@ -1,8 +1,9 @@
 """A slider with mass whose contacts form again after a delay, at T = 0, along the whole path of its drive.
 
 While contacts break or form, X(t) is found panel by panel (`OnPanels.advance`). A panel ends where the slider turns,
-where it passes a place at which it turned before, and where births begin. Where none breaks or forms the motion is
-closed (`Swinging.swing`): millions of swings of a slider that sticks, or whose contacts are all out, cost nothing.
+where it passes a place at which it turned before, if the force has a kink there that counts, and where births begin.
+Where none breaks or forms the motion is closed (`Swinging.swing`): millions of swings of a slider that sticks, or whose
+contacts are all out, cost nothing.
 """
 
 from master.motion import Motion

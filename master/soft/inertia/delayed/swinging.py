@@ -20,8 +20,8 @@ SHORTEST = 1e-9
 # Shortest one at whose end contacts that form one by one do so together, in periods; and the part of a period by which
 # it ends later in the swing than it began, the golden section: so places of births are spread evenly over swings.
 RINGS_AT_LEAST, LATER_IN_SWING = 2.0, 0.5 * (5.0**0.5 - 1.0)
-# What such contacts may change the force by, in its tolerance: as each motion ends elsewhere in the swing it is not
-# added up, but told from one swing to the next. And their share of those that hold, whose square is left out.
+# Part of the tolerance of the force by which such contacts may change it: it does not add up over motions, as each ends
+# elsewhere in the swing. And their largest share of those that hold, as its square is left out.
 OF_SOME, SOME = 0.25, 0.02
 
 
@@ -162,9 +162,9 @@ class Swinging:
         """What ends a motion of many swings in which few contacts form, so that these may form together at its end;
         None where it is too short.
 
-        Formed anywhere in the swing a share bears at most itself times the swing, which may change the force by half of
-        what is alike. Such motions follow each other, each ends later in the swing than it began, and what contacts
-        that form there take of the swing is on average what they take who form all along it.
+        A share that forms anywhere in the swing is stretched by at most the whole swing, which may change the force by
+        OF_SOME of the tolerance. Such motions follow each other, each ending later in the swing than it began, so that
+        contacts that form at their ends take on average as much of the swing as if they had formed all along it.
         """
         body, period = self._body, motion.period
         most = OF_SOME * body.tolerance / min(2.0 * motion.size, body.machine.unit)
