@@ -59,7 +59,11 @@ class Following(Body):
         slow = self._slow(np.array([y]), rate, min(part, 1.0))
         if not slow.missed[0] <= part * self.quiet:
             return False
-        rings = force - slow.inertia[0], np.sqrt(m * slope) * (slow.speed[0] - self.w)
+        faster = abs(self.w - slow.speed[0])
+        # above critical damping nothing rings, and a slider far from its slow motion goes to it at a speed of its own
+        if self._heavily_damped and self.damping * faster > part * self.quiet:
+            return False
+        rings = force - slow.inertia[0], np.sqrt(m * slope) * faster
         return bool(np.hypot(*rings) <= part * self.quiet) and not self._lags_before_drop()
 
     def _goes_on_slowly(self, rate: float) -> bool:
