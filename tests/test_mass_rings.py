@@ -30,7 +30,7 @@ def test_a_slider_rings_on_contacts_while_others_form_in_few_panels() -> None:
     assert all(run.nodes < 4_000 for run in runs)
     assert 1e-6 * abs(runs[0].record.place[-1] - runs[1].record.place[-1]) < 1e-3
     energy = runs[1].energy()
-    assert energy.missing < 1e-3 * energy.drive[-1]
+    assert np.abs(energy.missing).max() < 1e-3 * energy.drive[-1]
 
 
 @pytest.mark.slow

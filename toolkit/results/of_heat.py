@@ -9,7 +9,8 @@ IN_PER_CENT = 1e-5
 
 
 def raised(warm: float, cold: float, scale: Scale, at: str = OF_RIGID) -> str:
-    """By how much heat raises, or lowers, F_k, F/(N_c <k>) (lengths), from `cold` to `warm`; `at` : whose F_k it is."""
+    """By how much heat raises or lowers F_k, in words: from `cold` to `warm`, F_k/(N_c <k>) without and with heat
+    (lengths). `at` : whose F_k it is."""
     change = warm - cold
     share = abs(change) / cold
     size = written(abs(change) * scale.force, scale.force_unit, digits=2)

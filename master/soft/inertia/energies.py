@@ -43,14 +43,13 @@ class Energy:
         is more, shape (n,)."""
         parts = np.stack([self.spring, self.contacts, self.kinetic, self.damped, self.released])
         whole = np.maximum(np.abs(self.drive), np.abs(parts).max(axis=0))
-        missing = self.drive + self.start - parts.sum(axis=0)
-        return np.divide(missing, whole, out=np.zeros_like(whole), where=whole > 0.0)
+        return np.divide(self.missing, whole, out=np.zeros_like(whole), where=whole > 0.0)
 
     @property
-    def missing(self) -> float:
-        """The largest of what is missing of the work at the points (length squared)."""
-        whole = self.spring + self.contacts + self.kinetic + self.damped + self.released
-        return float(np.abs(self.drive + self.start - whole).max(initial=0.0))
+    def missing(self) -> Array:
+        """What is missing of the work at each point (length squared), shape (n,)."""
+        there = self.spring + self.contacts + self.kinetic + self.damped + self.released
+        return self.drive + self.start - there
 
 
 @dataclass(frozen=True)
@@ -119,7 +118,8 @@ def energy_errors(
     """Errors of energies that were told, by how much each part changes in other runs or steps, by its name (lengths
     squared). Those of the drive and of the spring follow from X, and so from the error of the spring's force. What is
     missing of the balance may be missing of any of the others."""
-    beside, missing = unseen.beside, told.missing + unseen.at_begin
+    beside = unseen.beside
+    missing = float(np.abs(told.missing).max(initial=0.0)) + unseen.at_begin
     by_force = {
         "drive": unseen.of_force * ways.driven + beside * ways.largest * ways.per_spring,
         "spring": (ways.largest + 0.5 * beside) * beside * ways.per_spring,

@@ -99,8 +99,7 @@ class Behaviour:
     damping : γ/(N_c <k>) (time) of a mass without one, which was taken for it to come to rest; None: as given
     contacts : of each of the ensemble's sliders that tell it; None: infinitely many, by the master equation
     error : of the force, in mean thresholds: estimated from above, with the standard error of the mean drop where slips
-        differ; by the ensemble one standard error between
-        sliders, and what fewer contacts than there are may change
+        differ; by the ensemble one standard error between sliders, and what fewer contacts than there are may change
     cut : whether the path was not followed to its end
     heat_left_out : what heat that was left out changes in the force at most, in mean thresholds, a part of `error`;
         None where there is no heat, or it was followed
