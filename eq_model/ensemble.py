@@ -17,7 +17,14 @@ from eq_model.coupled.mass.sliders import HeavySliders
 from eq_model.engine import Engine
 from eq_model.result import CoupledResult, EnsembleResult, HeavyResult
 from origins import Contacts, Drive
-from origins.errors import InputError, check_seed, positive, refuse, whole
+from origins.errors import (
+    InputError,
+    NothingInTimeError,
+    check_seed,
+    positive,
+    refuse,
+    whole,
+)
 
 
 class Ensemble:
@@ -36,7 +43,7 @@ class Ensemble:
     results of this rank so far, from which another run can continue; `clock`, a function that returns seconds, for
     wall time and run time. It may be replaced, on the class or before the first block, to count work instead;
     `interrupted`, a function that may be replaced, too: once it is true, also the replica on a spring that is being
-    followed is given up, as all are but the first when the wall time is over. Nothing is kept of it.
+    followed is given up, as when the wall time is over. Nothing is kept of it.
     """
 
     clock: Callable[[], float] = staticmethod(perf_counter)
@@ -67,7 +74,7 @@ class Ensemble:
         if comm is not None and not hasattr(comm, "Get_rank"):
             refuse("comm", comm, "must be a communicator of mpi4py, as MPI.COMM_WORLD, or None")
         self.comm, self._threads, self._stopped = comm, whole("threads", threads, 1), False
-        self._begun, self._followed, self._nobody_waits = np.inf, 0, False
+        self._begun, self._given_up, self._nobody_waits = np.inf, False, False
         each = whole("n_contacts", n_contacts, 1)
         self._replicas = whole("n_replicas", n_replicas, 1)
         if self._replicas >= 1 << 28:
@@ -133,7 +140,6 @@ class Ensemble:
                 self.state = replace(self.state.joined(found), run_time=seconds)
                 started = self.clock()
                 done += size
-                self._followed = done
                 yield done, total
                 if late := self._stopped or self._over():
                     break
@@ -155,6 +161,7 @@ class Ensemble:
                 try:
                     yield from zip(some, results, strict=True)
                 except DroppedError:
+                    self._given_up = True
                     return
                 finally:
                     self._nobody_waits = True  # unless ended here, threads follow others yet
@@ -165,8 +172,8 @@ class Ensemble:
         return self.clock() - self._begun > self._wall_time
 
     def _dropped(self) -> bool:
-        """Whether a replica that is being followed is given up. The first one is not, where only the time is over."""
-        return self._nobody_waits or self.interrupted() or (self._followed > 0 and self._over())
+        """Whether a replica that is being followed is given up."""
+        return self._nobody_waits or self.interrupted() or self._over()
 
     def stop(self) -> None:
         """Begin no further block of this rank's share: the result will be that of the finished blocks."""
@@ -196,7 +203,8 @@ class Ensemble:
         return float(found.force_standard_error.max()) / self.contacts.mean_threshold
 
     def result(self, histograms: bool = True) -> EnsembleResult:
-        """The result of all ranks, if asked with histograms; every rank must call, and gets the same bits."""
+        """The result of all ranks, if asked with histograms; every rank must call, and gets the same bits. Raises
+        NothingInTimeError, an InputError, where time was over before a replica on a spring was followed to the end."""
         started, own, comm = self.clock(), self.state, self.comm
         totals = [own.sums, own.counts if histograms else own.counts[:0]]
         states = [own.without_sums()]
@@ -207,6 +215,13 @@ class Ensemble:
                 if array.size:  # sums of whole numbers do not depend on the order
                     comm.Allreduce(array, totals[k])
         joined = replace(reduce(State.joined, states), sums=totals[0], counts=totals[1])
+        given_up = self._given_up if comm is None else any(comm.allgather(self._given_up))
+        if not joined.contacts and given_up:
+            limit = "" if np.isinf(self._wall_time) else f" = {self._wall_time:g}"
+            raise NothingInTimeError(
+                f"wall_time{limit}: no slider was followed to the end of the path before it was over, or interrupted, "
+                "so that nothing is known; give more, fewer contacts, or a shorter path"
+            )
         if not joined.contacts:
             hint = "no block of contacts is finished yet; iterate over it first, or give it more"
             raise InputError(f"ensemble: {hint} wall_time")

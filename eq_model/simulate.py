@@ -76,7 +76,7 @@ def simulate(
         Largest standard error of the force, in units of the mean threshold: the number of contacts is doubled until it
         is reached or all n_contacts * n_replicas are followed.
     wall_time : float, optional
-        Seconds after which no further block is begun, and on a spring replicas but the first are given up; the result
+        Seconds after which no further block is begun, and on a spring replicas are given up on their way; the result
         then depends on the machine.
     histograms : array of int
         Indices of points of the path at which stretches and thresholds of the contacts that hold are counted; at most
@@ -88,7 +88,8 @@ def simulate(
 
     Returns an EnsembleResult, with a spring a CoupledResult, with a mass a HeavyResult.
 
-    Raises InputError for arguments that cannot be used, and for thresholds that cannot be tabulated.
+    Raises InputError for arguments that cannot be used, for thresholds that cannot be tabulated, and where `wall_time`
+    is over before one replica on a spring has reached the end of the path.
 
     Plain Python twin: eq_model/closest.py, the paper's algorithm (Sec. II).
     """

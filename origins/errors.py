@@ -14,6 +14,10 @@ class InputError(ValueError):
     """A value that cannot be used; the message gives its name, the value, what holds, and what to write instead."""
 
 
+class NothingInTimeError(InputError):
+    """The wall time was over before anything was known."""
+
+
 def refuse(name: str, value: object, hint: str) -> NoReturn:
     """Raise InputError as one line: ``name = value: hint``."""
     raise InputError(f"{name} = {shown(value)}: {hint}")

@@ -237,6 +237,20 @@ def test_at_the_wall_time_the_master_equation_ends_with_what_it_has(
     assert 0 < solved.path.size < 9 and not solved.success and 90.0 < given[0] <= 100.0
 
 
+def test_where_no_slider_of_the_ensemble_is_done_at_the_wall_time_the_master_equation_is_kept(
+    capsys: Any,
+) -> None:
+    drive = {"to": 3.0, "points": 4, "spring": 0.5}
+    asked = {"contacts": 1000, "replicas": 2, "wall_time": 1e-9}
+    file, said_in_one_line = write(drive=drive, eq=asked), "eq.wall_time = 1e-09: no slider was "
+    status, out, _ = said(capsys, "run", file, "--out", "half")
+    assert status == 1 and any(line.startswith(f"note    {said_in_one_line}") for line in out)
+    found = toolkit.load("half")
+    assert found.master.success and found.eq is None and not found.success
+    line = refused(capsys, "run", write(drive=drive, eq=asked, master=None), "--out", "none")
+    assert line.startswith(said_in_one_line)
+
+
 def test_resampled_laws_are_the_same_in_any_number_of_threads(monkeypatch: Any) -> None:
     from origins.samples.from_samples import bootstrap_laws
     from toolkit.running import resampled

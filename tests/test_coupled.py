@@ -1,5 +1,6 @@
 """Contacts on a soft slider: against plain Python, exact excursions, the master equation; and gone on with."""
 
+import itertools
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -12,6 +13,7 @@ from plain_coupled import PlainReplica
 import eq_model
 import master
 import origins
+from origins.errors import InputError
 
 RULES = ["instant", "reform-after", "reset"]
 NARROW = origins.gaussian(1.0, 0.1)
@@ -167,6 +169,30 @@ def test_a_replica_that_nobody_waits_for_is_given_up_on_its_way_and_followed_ane
         rest = eq_model.Ensemble(contacts, path, **asked, earlier=[first.state])
         list(rest)
         assert (rest.result().forces == whole.forces).all()
+
+
+@pytest.mark.parametrize("mass", [{}, {"mass": 0.01, "damping": 0.01}])
+def test_the_first_replica_is_given_up_at_the_wall_time_too_and_one_line_says_that_nothing_is_known(
+    mass,
+):
+    """The clock goes on by a second each time it is asked, so that the time is over on the way of the first replica."""
+    rule = {} if mass else {"slip": "reset"}
+    asked = {"spring": 0.5, "n_contacts": 1000, "n_replicas": 2} | mass | rule
+    late = eq_model.Ensemble(CONTACTS["narrow"], np.linspace(0.0, 90.0, 10), **asked, wall_time=5.0)
+    seconds = itertools.count()
+    late.clock = lambda: float(next(seconds))
+    *_, (done, total) = late
+    assert (done, total) == (0, 2000) and next(seconds) < 15
+    with pytest.raises(InputError, match=r"^wall_time = 5: no slider was followed to the end"):
+        late.result()
+    # what another run has is the result
+    path, contacts = np.linspace(0.0, 4.0, 5), CONTACTS["narrow"]
+    first = eq_model.Ensemble(contacts, path, **asked)
+    next(iter(first))
+    late = eq_model.Ensemble(contacts, path, **asked, wall_time=1e-9, earlier=[first.state])
+    list(late)
+    found = late.result()
+    assert found.contacts == 1000 and not found.success and "stopped before all 2" in found.message
 
 
 # -- beside the master equation, extrapolated to infinitely many contacts --------------------------

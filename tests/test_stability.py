@@ -16,6 +16,7 @@ from conftest import slow
 
 import origins
 from origins.contacts import Contacts
+from origins.errors import NothingInTimeError
 from toolkit.command import main
 from toolkit.scene.laws import THRESHOLDS
 from toolkit.scene.scene import load_scene
@@ -153,6 +154,23 @@ def test_a_busy_machine_answers_as_a_quiet_one(
     monkeypatch.setattr("toolkit.stability.work.time", solver)
     assert within_work(solver, 10.0).success is success
     assert solver.asked == pytest.approx(asked)
+
+
+def test_an_ensemble_of_which_no_slider_is_done_in_time_is_slow_and_not_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = list[float]()
+
+    def over(*_: object, wall_time: float, **__: object) -> None:
+        asked.append(wall_time)
+        raise NothingInTimeError("wall_time = 10: no slider was followed")
+
+    monkeypatch.setattr("eq_model.simulate", over)
+    monkeypatch.setattr("toolkit.stability.work.time", Solver(needs=20.0, share=1.0, clock=10.0))
+    contacts = Contacts(origins.identical(1.0))
+    case = Case("", "", lambda: contacts, [0.5], drive={"spring": 1.0}, n_contacts=10)
+    by_both = rows(case)
+    assert [row.verdict for row in by_both if row.solver == "ensemble"] == ["slow"] and asked
 
 
 @pytest.mark.usefixtures("unrendered")

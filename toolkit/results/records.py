@@ -225,8 +225,12 @@ class Result:
 
     @property
     def success(self) -> bool:
-        """Whether every solver reached its tolerance."""
-        return all(one is None or one.success for one in (self.master, self.eq, self.sweep))
+        """Whether every solver reached its tolerance; not where an ensemble was asked for, and the wall time was over
+        before it knew anything."""
+        along_scene = self.sweep is None or self.sweep.smooth  # else the points have the ensembles
+        nothing = self.eq is None and along_scene and self.asked.eq is not None
+        found = self.master, self.eq, self.sweep
+        return not nothing and all(one is None or one.success for one in found)
 
 
 def sample_curve(thresholds: Thresholds) -> ThresholdCurve:

@@ -29,7 +29,9 @@ def forecast(scene: Scene, comm: Any = None, done: int = 0) -> Forecast:
     soft, ranks = scene.drive.spring is not None, 1 if comm is None else comm.Get_size()
     contacts = asked.contacts * asked.replicas
     size = min(1 << 12, asked.contacts) if soft else min(ranks << 16, contacts)
-    small: dict[str, Any] = {"n_contacts": size, "n_replicas": 1, "wall_time": 1.0}
+    # of one replica on a spring nothing is known before its path ends
+    small: dict[str, Any] = {"n_contacts": size, "n_replicas": 1}
+    small["wall_time"] = None if soft else 1.0
     ensemble: Any = make_ensemble(scene, asked, comm, **small, tolerance=None)
     ready = ensemble.state.run_time  # tables are made once
     found: Any = follow(ensemble)

@@ -6,6 +6,7 @@ from contextlib import ExitStack, closing, contextmanager, nullcontext
 from os import PathLike
 from typing import Any
 
+from origins.errors import NothingInTimeError
 from origins.samples.from_samples import sampled_parts
 from toolkit.processes.ranks import on_root
 from toolkit.processes.signals import Terminated
@@ -121,7 +122,7 @@ def solve(
     def shown(what: str) -> Any:
         return closing(Progress(what)) if show_progress else nullcontext()
 
-    ensemble, before = None, 0
+    ensemble, before, nothing = None, 0, list[str]()
     master = sweep = eq = None
     if scene.eq is not None:  # made first, so that it refuses bad input before any work
         with shown("eq"):
@@ -139,8 +140,14 @@ def solve(
             sweep = solve_sweep(scene.contacts, scene.sweep)
     if ensemble is not None:
         with laws.inside("eq", EQ_KEYS), shown("eq") as bar:
-            eq = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
-    notes = [*remarks(law), *foreseen(scene)]
+            try:
+                eq = follow(ensemble, bar.count if bar else progress, kept, before, deadline)
+            except NothingInTimeError as over:
+                asked: Any = scene.eq
+                nothing = [f"{'' if asked.wall_time is None else 'eq.'}{over}"]
+        if nothing and master is None and sweep is None:
+            raise NothingInTimeError(*nothing)
+    notes = [*nothing, *remarks(law), *foreseen(scene)]
     if sampled_parts(law):
         notes.append(NUMERICAL_ONLY)
     soft: Any = master if master is not None and master.regime is not None else None

@@ -43,17 +43,17 @@ def follow(
     SIGINT, SIGTERM and SIGHUP wait until the block is finished and its checkpoint written, and then act as usual: as a
     rule they end the program; a replica on a spring, which may take minutes, is given up. A rank that gets one informs
     the others, which end in the same way. `progress` includes contacts `done_before`, and takes the other ranks to be
-    as far as this one. After the `deadline`, s of the monotonic clock, no block begins, and replicas but the first are
-    given up.
+    as far as this one. After the `deadline`, s of the monotonic clock, no block begins, and replicas on a spring are
+    given up: NothingInTimeError where none has reached the end of its path.
     """
-    comm, shown, done = ensemble.comm, (-1, -1), 0
+    comm, shown = ensemble.comm, (-1, -1)
     ranks = 1 if comm is None else comm.Get_size()
     with deferred() as asked:
         relay = Relay(comm, asked)
 
         def interrupted() -> bool:
             relay.listen()
-            late = done > 0 and deadline is not None and time.monotonic() > deadline
+            late = deadline is not None and time.monotonic() > deadline
             return late or asked.signal is not None
 
         ensemble.interrupted = interrupted

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import special
 
 from origins.contacts import Contacts
-from origins.errors import InputError
+from origins.errors import InputError, NothingInTimeError
 from origins.thresholds.law import Array
 from toolkit.stability.work import OUT_OF_TIME, within_work
 
@@ -206,6 +206,8 @@ def _timed(ask: Callable[[], CaseAnswer]) -> tuple[CaseAnswer | str, float]:
     began = time.process_time()
     try:
         answer: CaseAnswer | str = ask()
+    except NothingInTimeError as over:
+        answer = CaseAnswer(np.empty(0), np.inf, False, None, str(over))
     except InputError as refusal:
         answer = str(refusal)
     return answer, time.process_time() - began

@@ -4,6 +4,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from origins.errors import NothingInTimeError
+
 # in the messages of solutions that their wall time has cut, of the master equation and of the ensemble
 OUT_OF_TIME = ("wall_time", "stopped before all")
 _ENOUGH = 0.7  # of the time: a process that worked for so much of it was not kept from its work
@@ -14,14 +16,20 @@ def within_work(solve: Callable[..., Any], seconds: float) -> Any:
     """What `solve(wall_time=...)` gives in so many CPU-seconds, a solution with `success`.
 
     It has as many on the clock first. Where these have cut it while other programs had the cores, it is asked again
-    with more of them.
+    with more of them. Raises NothingInTimeError as it does.
     """
     wall_time = seconds
     while True:
         began, begun = time.monotonic(), time.process_time()
-        found = solve(wall_time=wall_time)
+        try:
+            found = solve(wall_time=wall_time)
+        except NothingInTimeError as over:
+            found = over
         took, worked = time.monotonic() - began, time.process_time() - begun
-        cut = not found.success and took >= wall_time
-        if not cut or worked > _ENOUGH * min(took, seconds):
+        nothing = isinstance(found, NothingInTimeError)
+        cut = nothing or (not found.success and took >= wall_time)
+        if not cut or worked >= _ENOUGH * min(took, seconds):
+            if nothing:
+                raise found
             return found
         wall_time *= min(seconds / max(worked, 1e-3), _BUSIEST)
