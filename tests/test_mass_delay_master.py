@@ -1036,3 +1036,12 @@ def test_an_undamped_slider_that_swings_on_while_contacts_wait_is_refused_before
         master.solve(delayed(5.0), [1e6, 2.6e6], 1e-3, velocity=100.0, **ENDLESS)
     drive = Drive(path, 100.0, **(ENDLESS | changed))
     refuse_endless_swings(delayed(delay), drive, np.inf)
+
+
+def test_an_undamped_slider_whose_force_hardly_falls_is_refused_where_its_slip_outruns_the_delay():
+    """gw_elastic falls by 1e-4 of its force as a slip begins, which is fast beside a long delay; of a short one no
+    energy is sure."""
+    asked = {"velocity": 100.0} | ENDLESS
+    with pytest.raises(origins.InputError, match="without damping the slider swings"):
+        master.solve(delayed(5.0, ELASTIC), [1e6, 2.6e6], 1e-3, **asked)
+    refuse_endless_swings(delayed(1e-3, ELASTIC), Drive([1e6, 2.6e6], 100.0, **ENDLESS), np.inf)
