@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from eq_model.blocks import Whole
 from origins.brief import brief
+from origins.energy import Energy
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
@@ -181,42 +182,6 @@ class HeavySlips(CoupledSlips):
     __repr__ = brief
 
 
-@dataclass(frozen=True)
-class Energy:
-    """Energies of each replica at the path's points, per N_c <k> (lengths squared), arrays of shape (replicas, n).
-
-        drive + start = spring + contacts + kinetic + damped + released
-
-    drive : its work since t = 0. spring, contacts, kinetic : stored in the spring, in the contacts that hold and in the
-    slider's motion. damped, released : taken since t = 0 by the slider's damping, and by contacts as they break.
-    start : stored at t = 0 by spring and contacts, shape (replicas,).
-    """
-
-    drive: Array
-    spring: Array
-    contacts: Array
-    kinetic: Array
-    damped: Array
-    released: Array
-    start: Array
-
-    __repr__ = brief
-
-    @property
-    def work(self) -> Array:
-        """Of the drive over the whole path, shape (replicas,)."""
-        return self.drive[:, -1]
-
-    @property
-    def imbalance(self) -> Array:
-        """What is missing of the work at each point, as a share of it, or of the largest part of the energy where that
-        is more, shape (replicas, n)."""
-        parts = [self.spring, self.contacts, self.kinetic, self.damped, self.released]
-        whole = np.maximum(np.abs(self.drive), np.abs(parts).max(axis=0))
-        missing = (self.drive + self.start[:, None]) - np.sum(parts, axis=0)
-        return np.divide(missing, whole, out=np.zeros_like(whole), where=whole > 0.0)
-
-
 @dataclass(frozen=True, kw_only=True)
 class HeavyResult(CoupledResult):
     """Results for contacts on a soft slider with mass; fields as in CoupledResult, and more.
@@ -227,7 +192,7 @@ class HeavyResult(CoupledResult):
     contact_forces, velocities : of each replica, shape (replicas, n).
     slips : from one stick to the next, see HeavySlips; avalanches : numbers of other falls of the spring's force,
         however small, while the slider is faster than the drive, in which contacts broke, by size as in CoupledResult.
-    energy : by parts, at the path's points.
+    energy : by parts, at the path's points, see origins.energy.Energy.
     """
 
     contact_force: Array

@@ -225,7 +225,7 @@ QUESTIONS = {
         "eq_model/coupled/mass/state.py:pass_time",
         "eq_model/coupled/mass/kernel.py:_break",
         "eq_model:HeavySliders.follow",
-        "eq_model/result.py:Energy.imbalance",
+        "origins/energy.py:Energy.imbalance",
     ),
     "a verdict: the command's work; all readings; one reading; one slip rule; its kind; the sentence; verdict.json": (
         "toolkit:report_verdict",

@@ -5,8 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from conftest import slow
-from plain_heavy_in_time import Heavy, swung
-from plain_in_time import Pulled
 from solving import oscillator
 
 import master
@@ -19,6 +17,7 @@ from master.soft.inertia.in_time.answer import error_by
 from master.soft.inertia.in_time.refining import HeavyFound, follow_in_steps
 from master.soft.inertia.in_time.slider import HeavySlider
 from origins import Ageing, Contacts, Delay, Drive, InputError, Thermal, strengthening
+from toolkit.stability.heavy import by_steps
 
 WIDE = origins.gaussian(1.0, 0.2)
 EYRING = Thermal("eyring", width=0.03)
@@ -124,7 +123,7 @@ def test_errors_of_nearly_equal_contacts_that_swing_back_hold() -> None:
     assert off < roughly.force_error + well.force_error
 
 
-@pytest.mark.slow  # quick: strengthening beside a plain integrator, below
+@pytest.mark.slow  # quick: strengthening beside even steps, below
 @pytest.mark.parametrize(
     "contacts",
     [
@@ -206,41 +205,24 @@ def test_steady_sliding_bears_kinetic_friction_and_damping(mass: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("growth", "thermal", "slips"),
+    ("contacts", "slips"),
     [
-        slow(0.0, EYRING, 1, id="eyring"),
-        slow(0.0, Thermal("soft", 0.02), 1, id="soft"),
-        pytest.param(0.05, None, 0, id="strengthening"),
+        slow(HOT, 1, id="eyring"),
+        slow(Contacts(WIDE, thermal=Thermal("soft", 0.02)), 1, id="soft"),
+        pytest.param(GROWING, 0, id="strengthening"),
     ],
 )
-def test_a_plain_integrator_leads_through_the_same_motion(
-    growth: float, thermal: Thermal | None, slips: int
+def test_even_steps_with_cohorts_lead_through_the_same_motion(
+    contacts: Contacts, slips: int
 ) -> None:
-    """Verlet's rule with contacts in cells of thresholds; both step to step 0, and cells to cells 0."""
-    law, spring, mass, damping, speed, points = WIDE, 0.1, 0.3, 0.1, 0.5, 48 if slips else 24
-    contacts = Contacts(strengthening(law, growth, 1.0) if growth else law, thermal=thermal)
-    path, end = 0.25 * np.arange(1, points + 1), 0.5 * points
-    found = master.solve(
-        contacts, path, 3e-3, spring=spring, mass=mass, damping=damping, velocity=speed
-    )
+    """By Verlet's rule: nothing is searched for, and no balance solved."""
+    path = 0.25 * np.arange(1, 49 if slips else 25)
+    drive = {"spring": 0.1, "mass": 0.3, "damping": 0.1, "velocity": 0.5}
+    found, plain = master.solve(contacts, path, 3e-3, **drive), by_steps(contacts, path, drive)
     assert found.success and found.slips.drive.size == slips, found.message
-
-    def growing(age: np.ndarray) -> np.ndarray:
-        return 1.0 + growth * np.log1p(age)
-
-    of, heavy = Pulled(law, spring, thermal, growth=growing), Heavy(mass, damping, speed)
-
-    def plain(steps: int, cells: int) -> np.ndarray:
-        every = steps // points
-        return swung(of, heavy, end, steps, cells)[:, every - 1 :: every]
-
-    few, many = 10 * points, 20 * points
-    coarse, finer_steps, finer_cells = plain(few, 100), plain(many, 100), plain(few, 200)
-    limit = coarse + 4.0 / 3.0 * (finer_steps - coarse + finer_cells - coarse)
-    off = np.abs(limit - [found.force, found.velocity, found.contact_force]).max(axis=1)
-    assert off[0] <= found.force_error + 2e-4 and off[2] <= found.contact_force_error + 5e-4
-    assert off[1] < 5e-3
-    assert np.ptp(limit[0]) > 0.4
+    off = np.abs(found.force / contacts.mean_threshold - plain.values)
+    assert (off <= found.force_error + plain.error).all() and plain.error.max() < 1e-5
+    assert np.ptp(plain.values) > 0.4
 
 
 @pytest.mark.slow

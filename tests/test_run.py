@@ -19,8 +19,9 @@ from solving import same_bits
 import eq_model
 import master
 import toolkit
-from master.soft.inertia.energies import PARTS, Energy, EnergyError
+from master.soft.inertia.energies import PARTS, EnergyError
 from master.soft.inertia.run import SlipsInTime
+from origins.energy import Energy
 from origins.errors import InputError
 from toolkit.pictures.axes import INK
 from toolkit.processes.ranks import cores_of

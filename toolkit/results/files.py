@@ -230,10 +230,11 @@ def _read_interface(group: Any) -> dict[str, Number]:
 def _read_master(group: Any) -> SolvedRecord:
     if "position" not in group:
         return _read(group, SolvedRecord)
-    from master.soft.inertia.energies import Energy, EnergyError
+    from master.soft.inertia.energies import EnergyError
     from master.soft.inertia.run import SlipsInTime
     from master.soft.regime import Regime
     from master.soft.slips import Slips
+    from origins.energy import Energy
 
     heavy = "energy_drive" in group
     slips = _read(group, SlipsInTime if heavy else Slips, "slip_")

@@ -125,7 +125,7 @@ def rate_of(heat: Thermal, x: Array, limit: Array) -> Array:
         return heat.attempt_frequency * np.exp(-s / dict(heat.own)["width"])
     warmth = 2.0 * float(heat.temperature or 0.0)
     if heat.law == "soft":
-        return heat.attempt_frequency * np.exp(-(limit**2 - x**2) / warmth)
+        return heat.attempt_frequency * np.exp(-(limit**2) * s * (2.0 - s) / warmth)
     return heat.attempt_frequency * np.sqrt(s) * np.exp(-(limit**2) * s**1.5 / warmth)
 
 

@@ -1,4 +1,4 @@
-"""Energies of a slider with mass by parts, and errors of them.
+"""Errors of the energies of a slider with mass, by parts.
 
 No run knows by itself what its energies miss. As of the force two runs with other tolerances, or steps, tell it by what
 they differ in; an error of the force that none of them shows counts on the whole way; and what is missing of the
@@ -11,45 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from origins.brief import brief
+from origins.energy import Energy
 from origins.thresholds.law import Array
 
 # Parts that are sums along the motion, or follow from its speed or the contacts: the others follow from X.
 SUMMED = "contacts", "kinetic", "damped", "released"
-
-
-@dataclass(frozen=True)
-class Energy:
-    """Energy per N_c<k> (length squared) at the points of the path, arrays of shape (n,):
-
-        drive + start = spring + contacts + kinetic + damped + released.
-
-    drive : work of the drive since t = 0; damped, released : taken by the damping and by breaks since t = 0
-    spring, contacts : stored in them; kinetic : of the mass; start : stored at t = 0, a float
-    """
-
-    drive: Array
-    spring: Array
-    contacts: Array
-    kinetic: Array
-    damped: Array
-    released: Array
-    start: float = np.nan
-
-    __repr__ = brief
-
-    @property
-    def imbalance(self) -> Array:
-        """What is missing of the work at each point, as a share of it, or of the largest part of the energy where that
-        is more, shape (n,)."""
-        parts = np.stack([self.spring, self.contacts, self.kinetic, self.damped, self.released])
-        whole = np.maximum(np.abs(self.drive), np.abs(parts).max(axis=0))
-        return np.divide(self.missing, whole, out=np.zeros_like(whole), where=whole > 0.0)
-
-    @property
-    def missing(self) -> Array:
-        """What is missing of the work at each point (length squared), shape (n,)."""
-        there = self.spring + self.contacts + self.kinetic + self.damped + self.released
-        return self.drive + self.start - there
 
 
 @dataclass(frozen=True)

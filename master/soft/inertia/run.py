@@ -12,7 +12,6 @@ from master.soft.cold_contacts import ColdContacts
 from master.soft.in_time.refining import AT_BALANCE
 from master.soft.inertia.body import RINGS
 from master.soft.inertia.delayed.slider import DelayedSlider
-from master.soft.inertia.energies import Energy
 from master.soft.inertia.foretold import why_too_long
 from master.soft.inertia.record import Record
 from master.soft.inertia.slider import InertialSlider
@@ -21,6 +20,7 @@ from master.soft.slips import Slips
 from origins import Contacts
 from origins.brief import brief
 from origins.drive import Drive
+from origins.energy import Energy
 from origins.errors import refuse
 from origins.thresholds.law import Array
 

@@ -24,6 +24,6 @@ mass nothing is unstable: no slip rule is needed, and a step of any small size h
 Sections along which all is smooth end where the slider turns round (V = 0), as contacts may break ahead of it and not
 behind; where a swing becomes small, so that longer steps follow it; and where the slider comes to rest or leaves it.
 
-Tests: tests/test_mass_laws_in_time.py, beside the two other roads at T = 0 and a plain integrator; and
+Tests: tests/test_mass_laws_in_time.py, beside the two other roads at T = 0 and even steps with cohorts; and
 tests/test_mass_steady_sliding.py; tests/test_mass_long_slips.py; tests/test_mass_flights.py.
 """

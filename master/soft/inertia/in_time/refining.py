@@ -17,7 +17,7 @@ from master.soft.in_time.refining import (
     memory_of,
 )
 from master.soft.in_time.steps import CONTROL
-from master.soft.inertia.energies import Energy, EnergyError
+from master.soft.inertia.energies import EnergyError
 from master.soft.inertia.foretold import enough_damping
 from master.soft.inertia.in_time.answer import COMPARED, HeavyAnswer, answer, spacing_error
 from master.soft.inertia.in_time.energy_errors import energies_told
@@ -27,6 +27,7 @@ from master.soft.inertia.in_time.slider import HeavySlider
 from master.soft.inertia.in_time.steady_sliding import sliding_of
 from master.soft.inertia.run import SlipsInTime
 from origins import Contacts, Drive, ProportionalGrowth
+from origins.energy import Energy
 from origins.errors import refuse
 from origins.thresholds.law import Array
 
