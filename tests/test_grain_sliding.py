@@ -9,11 +9,12 @@ import pytest
 from conftest import slow
 from references import mp, psi
 from scipy.optimize import brentq, minimize_scalar
-from solving import gauss
+from solving import gauss, through
 
 import eq_model
 import master
 from origins import Contacts, Delay, InputError, Thermal, growing_grains
+from toolkit.stability.cohorts import by_cohorts
 
 GRAINS = growing_grains(1.0, 1.0, age=4.0)
 
@@ -166,41 +167,11 @@ def test_steady_sliding_and_what_follows_from_it() -> None:
     assert told.critical_spring_error < 2e-7 and line.critical_spring[0] < line.critical_spring[1]
 
 
-def plain_force(turn: float, end: float, steps_in_wait: int) -> float:
-    """F at the end of a path 0 -> turn -> end, taken at v = 1, by number conservation in equal steps.
-
-    What breaks within a step is born in the middle of a step, one wait later. The force is known to 5e-6 with 40 steps.
-    """
-    wait = GRAINS.growth.first_pinning_time
-    step = wait / steps_in_wait
-    t = np.append(np.arange(0.0, 2.0 * turn - end, step), 2.0 * turn - end)
-    born = 0.5 * (t[1:] + t[:-1]) + wait
-
-    def place(time):
-        return np.interp(time, [0.0, turn, t[-1]], [0.0, turn, end])
-
-    def held(now, birth, age):
-        """Hazards are largest where a leg ends, or now; age : at the birth."""
-        worst = np.full(birth.shape, 0.0 if age > wait else GRAINS.lost_hazard(1.0))
-        for at in [min(turn, now), now]:
-            lasts = np.maximum(at - birth, 0.0)
-            hazard = GRAINS.hazard(np.abs(place(at) - place(birth)), age + lasts)
-            worst = np.maximum(worst, np.where(lasts > 0.0, hazard, 0.0))
-        return np.exp(-worst)
-
-    broken = np.zeros(born.size)
-    for n, now in enumerate(t[1:]):
-        of_start = float(held(now, np.zeros(1), 4.0)[0])
-        counted = np.where(born[:n] < now, held(now, born[:n], wait), 1.0)
-        broken[n] = 1.0 - of_start - counted @ broken[:n]
-    hold = broken * np.where(born < now, held(now, born, wait), 0.0)
-    return float(of_start * place(now) + hold @ (place(now) - place(born)))
-
-
 def test_no_contacts_are_lost_between_births_of_the_leg_before():
     """The few that hold long after a turn were born within a short time of it: in the middle of a leg, where neither
     end of it is near."""
-    turn, end = 3.0, -0.3
-    solved = master.solve(Contacts(GRAINS), [0.0, turn, end], 5e-6)
+    contacts, path = Contacts(GRAINS), through([0.0, 3.0, -0.3], 31)
+    solved = master.solve(contacts, path[[30, -1]], 5e-6)
     assert solved.success
-    assert abs(solved.force[-1] - plain_force(turn, end, 40)) < 1e-5
+    plain = by_cohorts(contacts, path).values[-1] * contacts.mean_threshold
+    assert abs(solved.force[-1] - plain) < 1e-5

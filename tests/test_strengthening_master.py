@@ -1,4 +1,4 @@
-"""Contacts that strengthen with their age, by the master equation: held to quadratures, a plain twin, the ensemble."""
+"""Contacts that strengthen with their age, by the master equation: held to quadratures, even steps, the ensemble."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import master
 import origins
 from master.survival.growing import GrowingLife
 from origins import Contacts, Delay, InputError, Thermal, strengthening
+from toolkit.stability.cohorts import by_cohorts
 
 PC = origins.gaussian(mean=1.0, std=0.2)
 TAU = 0.01  # τ_0
@@ -185,43 +186,23 @@ def test_the_force_of_heat_and_growth_falls_and_then_rises_with_the_speed():
 # -- paths -----------------------------------------------------------------------------------------
 
 
-def twin(law, beta, tau, times, places, count, start=0.0, age=0.0):
-    """F on an even grid of times that has the corners of the path: births in the middle of each step, and of each
-    cohort the largest |x|/g so far, which on a straight leg is that at one of its ends."""
-    t = np.linspace(0.0, times[-1], count + 1)
-    middle = 0.5 * (t[1:] + t[:-1])
-    x, born_at = np.interp(t, times, places), np.interp(middle, times, places)
-    births, most, force = np.zeros(count), np.zeros(count), np.full(count + 1, start)
-    first = abs(start) / growth(beta, age, tau)
-    at_birth = law.sf(first)
-    for i in range(1, count + 1):
-        first = max(first, abs(start + x[i]) / growth(beta, age + t[i], tau))
-        of_start = law.sf(first) / at_birth
-        stretch = x[i] - born_at[:i]
-        most[:i] = np.maximum(most[:i], np.abs(stretch) / growth(beta, t[i] - middle[:i], tau))
-        held = law.sf(most[:i])
-        births[i - 1] = (1.0 - of_start - held[:-1] @ births[: i - 1]) / held[-1]
-        force[i] = (start + x[i]) * of_start + (stretch * held) @ births[:i]
-    return force
-
-
 TIMES, PLACES = [0.0, 1.5, 2.5, 4.0, 5.0], [0.0, 1.5, -0.1, -0.1, 2.9]
 
 
 @pytest.mark.parametrize(("start", "age"), [slow(0.0, 0.0), slow(0.3, 2.0), (-0.3, 0.05)])
 def test_a_path_that_turns_rests_and_changes_its_speed(start, age):
-    """The twin comes nearer as its steps are halved, and from without growth nobody comes near."""
-    beta, tau, t = 0.2, 0.5, np.linspace(0.25, 5.0, 20)
-    contacts = Contacts(strengthening(PC, beta, tau, age=age), start=start)
-    found = master.solve(contacts, np.interp(t, TIMES, PLACES), 1e-5, time=t)
+    """Beside cohorts in even steps, which are good to 2e-5 here; without growth nobody comes near."""
+    contacts, t = (
+        Contacts(strengthening(PC, 0.2, 0.5, age=age), start=start),
+        np.linspace(0.0, 5.0, 101),
+    )
+    path = np.interp(t, TIMES, PLACES)
+    found = master.solve(contacts, path[1:], 1e-5, time=t[1:])
     assert found.success, found.message
     assert found.holding == pytest.approx(1.0, abs=1e-9)
-    off = []
-    for count in (200, 400, 800):
-        exact = twin(PC, beta, tau, TIMES, PLACES, count, start, age)[count // 20 :: count // 20]
-        off.append(float(np.abs(found.force - exact).max()))
-    assert off[2] < 0.2 * off[0] and off[2] < 6e-5
-    without_growth = master.solve(Contacts(PC, start=start), np.interp(t, TIMES, PLACES)).force
+    plain = by_cohorts(contacts, path, t).values[1:] * contacts.mean_threshold
+    assert np.abs(found.force - plain).max() < 3e-5
+    without_growth = master.solve(Contacts(PC, start=start), path[1:]).force
     assert np.abs(found.force - without_growth).max() > 0.1
 
 
