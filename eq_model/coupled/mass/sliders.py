@@ -14,10 +14,9 @@ from eq_model.coupled.ensemble import (
 )
 from eq_model.coupled.mass.chance import fall_by_chance
 from eq_model.coupled.work import growth, often_by_heat, slower_by_own_law, static_force
-from eq_model.result import SIZES, HeavySlips, means
+from eq_model.result import SIZES, Energy, HeavySlips, means
 from origins import Contacts, Drive
 from origins.drive import RISE, ROOM, SLIP_FRACTION
-from origins.energy import Energy
 from origins.errors import InputError, refuse
 from origins.thresholds.law import Array
 
