@@ -1818,7 +1818,7 @@ def test_the_widest_uncertainty_stands_in_the_headline() -> None:
     found = with_contacts(own, finite)
     scattered = answers.Quantity(1.0, 0.0, 0.05)
     found = replace(found, answers=(replace(found.own, kinetic=scattered),))
-    assert sentence(found) == "smooth at 1.00 N; other samples would change F_k by ± 50 mN"
+    assert sentence(found) == "smooth at 1.00 N; other samples would change F_k by ± 0.050 N"
 
 
 def test_with_a_delay_the_headline_ends_with_the_reach_of_the_force_before_a_slip() -> None:
@@ -2164,7 +2164,7 @@ def test_of_k_star_0_by_few_samples_the_sentence_says_that_others_may_slip() -> 
     ):
         critical = answers.Quantity(spring, 1e-9, sampling)
         own = replace(found.own, critical_spring=critical)
-        said = "; K* = 0 N_c<k> ± 0.0010 N_c<k> by these samples: infinitely many contacts of other samples "
+        said = "; K* = 0.000 ± 0.001 N_c<k> by these samples: infinitely many contacts of other samples "
         said += "may slip on this spring"
         assert (said in sentence(replace(found, answers=(own,)))) is told
 

@@ -185,7 +185,7 @@ def test_an_error_above_the_force_stands_beside_it() -> None:
     smooth = replace(smooth, success=True, slips=13, shrinks_by=0.05, error=0.8)
     own = replace(answer, behaviours=(smooth,), kinetic=answers.Quantity(1e-3, 1e-9))
     text = page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0))
-    assert text[2].startswith("smooth at 0.0010 ± 0.80 N_c<k>·length (")
+    assert text[2].startswith("smooth at 0.00 ± 0.80 N_c<k>·length (")
     assert "the path ends while they swing by more than the force" in text[2]
     (line,) = (one for one in text if one.startswith("  forces of the slider (mass)"))
     assert line.endswith("at most 8e+02, more than the force")

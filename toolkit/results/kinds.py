@@ -7,6 +7,9 @@ from toolkit.results.slips import WITHOUT
 # of a slider with mass: the drive's work, and what becomes of it
 ENERGIES = "drive", "spring", "contacts", "kinetic", "damped", "released"
 
+# error of a force, in mean thresholds, that is hardly visible in a picture
+HARDLY_SEEN = 1e-3
+
 # arrays of the records by what they are; those of slips without "slip_"; all others are pure numbers
 _NAMES = {
     "length": """path position position_standard_error positions x atoms stretch_edges threshold_edges
@@ -25,6 +28,13 @@ QUANTITIES = {name: quantity for quantity, names in _NAMES.items() for name in n
 def is_precise(solved: Any) -> bool:
     """Whether the force is known well enough to be drawn: to a tenth of <x_s>, where F_k is about half of it."""
     return bool(solved.success or solved.force_error < 0.1)
+
+
+def is_known_without_heat(solved: Any) -> bool:
+    """Whether heat was left out, and the force is known but for what that may change, which is told beside it."""
+    if solved.heat_left_out is None or not is_precise(solved):
+        return False
+    return bool(solved.force_error - solved.heat_left_out <= HARDLY_SEEN)
 
 
 def kind_of(solved: Any) -> str:

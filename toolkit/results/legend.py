@@ -24,6 +24,7 @@ _KEYS = {
     "compile_time": "s",
     "message": "why it is, or is not, as asked",
     "note": "on the solution",
+    "heat_left_out": "what heat that is left out changes in the force at most, in <x_s>",
     "reason": "of the verdict",
     "balance": "position of the drive where the path begins [length]",
     "slips": "their number, of the ensemble that of all its sliders",

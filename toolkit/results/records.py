@@ -31,8 +31,8 @@ class SolvedRecord:
     that hold, `force_error` in mean thresholds, `run_time` in s.
 
     A soft slider's `path` is the drive's; `position` (n,) the slider's, `balance` the drive's position at t = 0,
-    `period` that of the slips, nan for fewer than two (lengths); `slips`, `regime` and `note`, None where it is empty,
-    are those of master.solve.
+    `period` that of the slips, nan for fewer than two (lengths); `slips`, `regime`, `heat_left_out` and `note`, None
+    where it is empty, are those of master.solve.
 
     Of a slider with mass `force` is the spring's; `contact_force` is that of the contacts, with an error of its own,
     `velocity` the slider's at each point, `energy` its energies by parts, with their largest errors in `energy_error`;
@@ -55,6 +55,7 @@ class SolvedRecord:
     slips: Any = None
     regime: Any = None
     note: str | None = None
+    heat_left_out: float | None = None
     velocity: Array | None = None
     contact_force: Array | None = None
     contact_force_error: float | None = None

@@ -6,7 +6,12 @@ from typing import Any
 import numpy as np
 
 from toolkit.results.beside import NOT_COMPARED, deviation, slip_line
-from toolkit.results.kinds import is_coupled, is_precise
+from toolkit.results.kinds import (
+    HARDLY_SEEN,
+    is_coupled,
+    is_known_without_heat,
+    is_precise,
+)
 from toolkit.results.numbers import in_words, is_rough
 from toolkit.results.verdicts import DISAGREE, contradiction
 from toolkit.scene.interfaces import in_a_line
@@ -33,6 +38,8 @@ def report(result: Any) -> list[str]:
         error = f"numerical error {result.scale.error(solved.force_error, result.mean_threshold)}"
         if solved.success and is_rough(result):
             error = "solved to its tolerance (numerical errors are in summary.json)"
+            if is_known_without_heat(solved) and solved.force_error > HARDLY_SEEN:
+                error = "solved without heat, whose bound is the error of its numbers"
         took = f"{solved.run_time:.4f} s"
         # its message, which the command ends with, says why
         accuracy = "not solved" if nothing else error

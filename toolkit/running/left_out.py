@@ -15,7 +15,7 @@ def with_change_of_f_k(scene: Scene, solved: SolvedRecord) -> str:
 
     note, contacts = solved.note or "", scene.contacts
     velocity = scene.drive.velocity
-    if "heat is left out" not in note or scene.drive.time is not None:
+    if solved.heat_left_out is None or scene.drive.time is not None:
         return note
     try:
         warm: Any = master.steady_state(contacts, velocity=velocity)

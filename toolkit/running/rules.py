@@ -5,6 +5,7 @@ from typing import Any, get_args
 
 from origins.drive import SlipRule
 from origins.errors import InputError
+from toolkit.results.kinds import is_known_without_heat
 from toolkit.results.records import SolvedRecord
 from toolkit.scene.scene import Scene
 
@@ -17,14 +18,16 @@ _SMALL = 0.1
 def beside_other_rules(scene: Scene, solved: SolvedRecord, deadline: float | None) -> list[str]:
     """Notes on a slider that slips: the verdict of each slip rule, where they differ, and that of few contacts' slips.
 
-    Until the first slip all rules are the same: without one there is nothing to say. Laws in time are left out, as are
-    rules that the solver does not take or does not finish in some seconds. `deadline`: s of the monotonic clock.
+    Until the first slip all rules are the same: without one there is nothing to say. Laws in time, but for heat that is
+    left out, are not looked at, nor rules that the solver does not take or does not finish in some seconds. `deadline`:
+    s of the monotonic clock.
     """
     import master
 
     drive, contacts, own = scene.drive, scene.contacts, scene.drive.slip
     # with laws in time a solve takes seconds to minutes
-    if own is None or not solved.slips.drive.size or contacts.in_time:
+    followed = contacts if solved.heat_left_out is None else contacts.replace(thermal=None)
+    if own is None or not solved.slips.drive.size or followed.in_time:
         return []
     verdicts, answers = {own: solved.regime.verdict}, dict[str, Any]({own: solved})
     for rule in set(get_args(SlipRule)) - {own}:
@@ -36,7 +39,7 @@ def beside_other_rules(scene: Scene, solved: SolvedRecord, deadline: float | Non
             answers[rule] = master.solve(contacts, scene.path, _TOLERANCE, **asked)
         except InputError:
             continue
-        if answers[rule].success:
+        if answers[rule].success or is_known_without_heat(answers[rule]):
             verdicts[rule] = answers[rule].regime.verdict
     decided = {rule: verdicts[rule] for rule in get_args(SlipRule) if rule in verdicts}
     decided = {rule: verdict for rule, verdict in decided.items() if verdict != "undecided"}

@@ -16,6 +16,7 @@ from origins.laws.temperature import TooHot
 from origins.thresholds.law import Array
 from toolkit.processes.ranks import Relay, cores_of
 from toolkit.processes.signals import TimeIsUp, deferred, no_longer_than
+from toolkit.results.kinds import HARDLY_SEEN, is_known_without_heat
 from toolkit.results.points import SMOOTH, SweepRecord
 from toolkit.results.records import SolvedRecord, record_of
 from toolkit.results.verdicts import with_units
@@ -136,9 +137,10 @@ def solve_master(
             with_units_of(scene.scale, said or "", mean) for said in (found.note, found.message)
         )
         found = replace(found, note=note, message=message)
-    # without a tolerance an error that is hardly visible in a picture will do
+    # without a tolerance an error that is hardly visible in a picture will do, and what heat may change that is left
+    # out, which no tolerance lessens, is told beside the numbers
     as_asked = scene.tolerance_given or found.success or found.path.size != scene.path.size
-    if as_asked or not found.force_error <= 1e-3:
+    if as_asked or not (found.force_error <= HARDLY_SEEN or is_known_without_heat(found)):
         return found
     said = f"error {found.force_error:.1e} of <x_s>; no tolerance was asked for"
     said += f"; {found.note}" if found.note else ""

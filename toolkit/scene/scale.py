@@ -16,8 +16,6 @@ PREFIXED = ("N", "N/m", "N/m³", "m", "s", "Pa", "m/s")
 ROUNDING = 1e-12
 # first digits of an uncertainty below which a value has one digit more
 FINER = 3.55
-# of a value: a smaller error has a prefix of its own
-_BESIDE = 1e-4
 SI, SHARED = "SI", "N_c<k>"  # what a scene's `units` may be
 
 
@@ -201,13 +199,11 @@ def spoken(value: float, unit: str) -> str:
 
 
 def with_uncertainty(value: float, error: float, unit: str, digits: int = 4) -> str:
-    """A value with its error, rounded up, each with a prefix of its own, such as 0.2512 N ± 3 µN; an error below a
-    millionth of the value, numerical as a rule, is left out, and that of one replica is unknown."""
-    said = written(value, unit, error, digits)
+    """As `with_scatter`, with a bound of its error, which is rounded up: 251 ± 10 mN of 0.2512 N known to 9.1 mN; that
+    of one replica is unknown."""
     if error == np.inf:
-        return f"{said} (error unknown)"
-    shown = error > 1e-6 * abs(value)
-    return f"{said} ± {written(rounded_up(error), unit, digits=1)}" if shown else said
+        return f"{written(value, unit, error, digits)} (error unknown)"
+    return _with_one_prefix(value, error, rounded_up(error), unit, digits)
 
 
 def rounded_up(error: float, digits: int = 1) -> float:
@@ -242,22 +238,31 @@ def _with_zeros(value: float, digits: int) -> str:
 
 
 def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
-    """As `with_uncertainty`, and both with one prefix, such as 251.2 ± 0.3 mN, where the error is a ten-thousandth of
-    the value or more."""
-    if not (value and _BESIDE * abs(value) <= error < np.inf):
-        return with_uncertainty(value, error, unit, digits)
-    # an error of a ten-thousandth stands in the fifth digit
-    number, _, prefixed = written(value, unit, error, digits + 1).partition(" ")
-    number, _, power = number.partition("e")  # of units without a prefix: (5.57 ± 0.02)e-09 m
-    powers = {prefix: own for own, prefix in PREFIXES.items()}
-    prefix = prefixed.removesuffix(unit) if unit else ""
-    beside = error / 10.0 ** (int(power) if power else powers[prefix])
-    # an error that leaves a value less than its two digits has as many places as these
-    text = _rounded(beside, 1 if _significant_digits(value, error) > 1 else 2)
-    if "e-" in text:  # a value of 1 to 10 with so small an error
-        text = np.format_float_positional(beside, precision=1, fractional=False, trim="-")
-    both = f"({number} ± {text})e{power}" if power else f"{number} ± {text}"
-    return f"{both} {prefixed}".strip()
+    """A value with its error, both with one prefix, such as 251.2 ± 0.3 mN: to the first digit of the error, and to its
+    second where the value has no digit before that. An error that would be a second digit behind `digits`, numerical as
+    a rule, is left out."""
+    return _with_one_prefix(value, error, error, unit, digits)
+
+
+def _with_one_prefix(value: float, error: float, told: float, unit: str, digits: int) -> str:
+    """The value to the digit of its error, with the error that is `told` of it, rounded up or not."""
+    if not (np.isfinite(value) and max(10.0**-digits * abs(value), 1e-300) <= error < np.inf):
+        return written(value, unit, error, digits)
+    last = int(np.floor(np.log10(error)))  # power of ten of the last digit
+    if value and np.floor(np.log10(abs(value))) <= last:
+        last -= 1
+        told = told if told == error else rounded_up(error, digits=2)
+    value, told = (round(one / 10.0**last) * 10.0**last for one in (value, told))
+    larger = max(abs(value), told)
+    if unit in PREFIXED:
+        power = _power_of(larger, unit)
+    else:
+        power = 0 if 1e-3 <= larger < 1e6 else int(np.floor(np.log10(larger)))
+    places = max(power - last, 0)
+    both = " ± ".join(f"{one / 10.0**power:,.{places}f}" for one in (value, told))
+    if unit in PREFIXED:
+        return f"{both} {PREFIXES[power]}{unit}"
+    return f"{f'({both})e{power:+03d}' if power else both} {unit}".strip()
 
 
 def of_contacts(number: float, digits: str = ",.0f") -> str:

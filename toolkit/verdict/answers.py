@@ -8,7 +8,7 @@ import numpy as np
 from origins.contacts import Contacts
 from toolkit.results.html import as_table
 from toolkit.scene.of_samples import of_smoothing
-from toolkit.scene.scale import Scale, told_contacts, with_uncertainty, written
+from toolkit.scene.scale import Scale, prefixed_like, told_contacts, with_uncertainty
 from toolkit.verdict.sliders.machine import Machine
 from toolkit.verdict.sliders.records import Behaviour, Finite
 
@@ -134,7 +134,7 @@ class Verdict:
                 continue
             rows.append((name, with_uncertainty(one.value * factor, one.error * factor, unit)))
             if one.sampling and not one.unknown:
-                scatter = written(one.sampling * factor, unit, digits=2)
+                scatter = prefixed_like(one.sampling * factor, one.value * factor, unit)
                 rows.append((f"{name}, by other samples", f"± {scatter}"))
         rows += [(f"slip rule {one.rule}", one.kind) for one in own.behaviours]
         followed = [one for one in self.finite if one.kind != "unknown"]

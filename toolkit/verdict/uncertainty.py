@@ -168,8 +168,7 @@ def unsure_of_springs(own: Answer) -> list[str]:
     if critical.value + off <= machine.spring:
         return []
     value, error = (one * own.scale.spring for one in (critical.value, off))
-    unit = own.scale.spring_unit
-    said = f"{written(value, unit, digits=2)} ± {written(error, unit, digits=2)}"
+    said = with_scatter(value, error, own.scale.spring_unit, digits=2)
     return [
         f"K* = {said} by these samples: infinitely many contacts of other samples may slip on this spring"
     ]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from toolkit.scene.scale import told_contacts, written
+from toolkit.scene.scale import prefixed_like, told_contacts
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.sliders.budget import NO_FORCES
 from toolkit.verdict.uncertainty import two_digits, writer_of_springs
@@ -71,7 +71,7 @@ def without_spring(verdict: Verdict) -> str:
         )
         said += ", as K* is infinite"
     if sampling >= own:
-        said += f" ± {written(sampling, unit, digits=2)} by other samples, which may slip"
+        said += f" ± {prefixed_like(sampling, own, unit)} by other samples, which may slip"
     if len(springs) > 1:
         ends = {to_digits(one, unit, spread): one for one in (min(springs), max(springs))}
         over = f"from {' to '.join(ends)}" if len(ends) > 1 else "the same"

@@ -29,6 +29,8 @@ from toolkit.verdict.uncertainty import (
 _RUNG = 0.05
 # the row that says how many slips there were, where they are few
 SLIPS_SEEN = "slips seen"
+# what a slip rule says of how long a slip takes: nothing; M is what moves with the surface
+WITHOUT_MASS = "hangs on the mass M, some π (M/K)^(1/2): give drive.mass"
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
 WAITING = 0.02
 
@@ -85,6 +87,8 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
             values[SLIPS_SEEN] = told
         if (lasts := behaviour.in_time.slip_time) is not None:
             values["time of a slip"] = written(lasts, scale.time_unit)
+        elif machine is not None and machine.mass is None:
+            values["time of a slip"] = WITHOUT_MASS
         whose = ", infinitely many contacts" * (behaviour.rule in few)
         for name, value in values.items():
             rule = behaviour.rule + _unfinished(behaviour)
@@ -111,6 +115,7 @@ def _with_error(value: float, unit: str, uncertainty: float, error: float, vague
 def _of_few_slips(behaviour: Behaviour) -> str:
     """How many slips were seen where these are fewer than usual, and why no more are needed."""
     seen, why = f"{behaviour.slips} slip", behaviour.message.partition("; ")[0]
+    why = why.partition(": ")[0]  # sizes of drops, in the solver's own unit
     if why.startswith(seen):
         return why
     whose = f" of each of {SLIDERS} sliders" * (behaviour.contacts is not None)

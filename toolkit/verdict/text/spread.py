@@ -3,7 +3,7 @@
 from origins.roughness.interface import Interface
 from origins.samples.from_samples import sampled_parts
 from toolkit.running.resampled import RATHER_LARGE, known_to
-from toolkit.scene.scale import written
+from toolkit.scene.scale import prefixed_like, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import finite_told_apart
 from toolkit.verdict.sliders.budget import HOW_TO_GIVE_MORE_TIME
@@ -25,7 +25,8 @@ def widest(verdict: Verdict) -> list[str]:
     if uncertainties.sampling > uncertainties.readings:
         slips = any(one.kind == "stick-slip" for one in own.behaviours)
         told = own.static if slips and own.static.sampling else own.kinetic
-        error = written((told.sampling or 0.0) * scale.force, scale.force_unit, digits=2)
+        each = ((told.sampling or 0.0) * scale.force, told.value * scale.force)
+        error = prefixed_like(*each, scale.force_unit)
         force = "F_k" if told is own.kinetic else "F_s"
         whose = " of a rigid slider" * bool(own.contacts.in_time and own.machine)
         return [f"other samples would change {force}{whose} by ± {error}"]
@@ -69,7 +70,7 @@ def range_of_force(verdict: Verdict, whose: str = "") -> str:
         each = (written(end, scale.force_unit, digits=2) for end in (low, high))
         return f"{what} is {' to '.join(each)}, with the error of each"
     if error > WORTH_TELLING * force:
-        said += f", each known to ± {written(error, scale.force_unit, digits=2)} or better"
+        said += f", each known to ± {prefixed_like(error, force, scale.force_unit)} or better"
     return said
 
 

@@ -7,7 +7,7 @@ from itertools import zip_longest
 import numpy as np
 
 from toolkit.scene.messages import with_units_of
-from toolkit.scene.scale import PREFIXED, Scale, guarded, in_three_digits, written
+from toolkit.scene.scale import PREFIXED, Scale, guarded, in_three_digits, prefixed_like, written
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.text.k_star import of_chance, of_critical_spring
@@ -134,7 +134,9 @@ def row(
     return [
         name,
         told,
-        f"± {written(sampling, unit, digits=2)}" if sampling else "not known" * (own.error > 0.0),
+        f"± {prefixed_like(sampling, values[0], unit)}"
+        if sampling
+        else "not known" * (own.error > 0.0),
         " to ".join(dict.fromkeys(ends)) if apart else "the same" * (len(each) > 1),
     ]
 
