@@ -43,6 +43,14 @@ def test_gaussian_roots_and_amplitudes_in_closed_form(std: float) -> None:
     np.testing.assert_allclose(found.amplitude, amplitude, rtol=1e-9)
 
 
+def test_no_deep_root_is_told_twice() -> None:
+    """Newton's method ended beside deep roots, known to 1e-3 alone, more than once: their waves counted double."""
+    found = master.decoherence_spectrum(Contacts(gaussian(1.0, 0.035)), n_roots=60)
+    exact = gaussian_roots(0.035, found.roots.size)
+    assert found.roots.size > 30
+    assert (np.abs(found.roots - exact) <= found.roots_error).all()
+
+
 NARROW, HOT = gaussian(1.0, 0.1), Thermal("soft", 0.1, closure="paper")
 AGED = origins.Ageing(gaussian(1.0, 0.02), 5e-4)
 LATE = {

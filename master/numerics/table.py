@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from master.numerics import polynomials
@@ -90,6 +91,16 @@ class Table:
         distance = np.where(inside, x, self.begin[-1]) - self.begin[panel]
         z, parts = 2.0 * distance / self.widths[panel] - 1.0, self._parts.take(panel, axis=2)
         return np.asarray(legendre.legval(z, parts, tensor=False) * inside)
+
+    def near(self, function: int, value: float, rounding: float) -> npt.NDArray[np.bool_]:
+        """On which panels this function is the value, to such a rounding; shape (panels,)."""
+        parts = self._parts[:, function]
+        return np.asarray(np.abs(parts[0] - value) + np.abs(parts[1:]).sum(axis=0) <= rounding)
+
+    def lines(self, rounding: float) -> npt.NDArray[np.bool_]:
+        """On which panels all functions are lines, to a rounding of their largest coefficient; shape (panels,)."""
+        size = np.abs(self._parts)
+        return np.asarray((size[2:].sum(axis=0) <= rounding * size.max(axis=0)).all(axis=0))
 
     def integrals(self) -> Array:
         """Integral of each function over all panels, shape (functions,)."""

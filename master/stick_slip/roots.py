@@ -144,7 +144,7 @@ def _right(transform: Transform, decay: float, some: Complex) -> tuple[Complex, 
 def _newton(transform: Transform, starts: Complex, decay: float, step: float) -> Complex:
     """Roots of log w near `starts` right of Re s = -decay, or by BESIDE steps left of it, slowest first."""
     nodes = transform.nodes(float(np.abs(starts).max(initial=0.0)) + step, decay + step)
-    ends, last = starts.copy(), np.full(starts.size, np.inf)
+    ends, last, off = starts.copy(), np.full(starts.size, np.inf), np.zeros(starts.size)
     for _ in range(MOST_NEWTON):
         moving = last > LAST_NEWTON * step
         if not moving.any():
@@ -155,9 +155,12 @@ def _newton(transform: Transform, starts: Complex, decay: float, step: float) ->
             broken = 1.0 - s * found.conserved
             move = np.log1p(-s * found.conserved) * broken / (found.conserved + s * found.slope)
         ends[moving] += move
-        last[moving] = np.abs(move)
+        last[moving], off[moving] = np.abs(move), found.root_error()
     # of each pair one: the others lie below the real axis, and s = 0 on it, which is no root
     good = (last <= CONVERGED * np.abs(ends)) & (ends.imag > 0.1 * step)
-    ends = ends[good & (ends.real > -decay - BESIDE * step)]
-    ends = ends[~np.tril(np.abs(np.subtract.outer(ends, ends)) <= SAME * step, -1).any(axis=1)]
+    good &= ends.real > -decay - BESIDE * step
+    ends, off = ends[good], off[good]
+    # deep roots are known so little that Newton's method may end beside one twice
+    same = np.maximum(SAME * step, np.add.outer(off, off))
+    ends = ends[~np.tril(np.abs(np.subtract.outer(ends, ends)) <= same, -1).any(axis=1)]
     return ends[np.argsort(-ends.real, kind="stable")]

@@ -143,15 +143,15 @@ def leading_terms(cycle: Cycle, n_roots: int | None = None) -> DecoherenceSpectr
     wait, unit = cycle.wait, contacts.mean_threshold
     transform = Transform(cycle, _deepest(cycle))
     roots, searched = leading_roots(transform, (n_roots or 0) + 1)
-    s, of_start = roots[:n_roots], transform
+    s = roots[:n_roots]
     next_decay = float(-roots[s.size].real) if roots.size > s.size else searched
+    root_error = transform(s).root_error()
+    beside = np.append(s, s + root_error)
+    values = first = transform(beside)
     # at X = 0 contacts may be older than those just formed, at the same stretch, too
     if contacts.older_at_start or not (start.is_single and start.span == cycle.born.span):
         from_start = Cycle(contacts, cycle.life, cycle.velocity, born=start)
-        of_start = Transform(from_start, -float(s.real.min(initial=0.0)))
-    root_error = transform(s).root_error()
-    beside = np.append(s, s + root_error)
-    values, first = transform(beside), of_start(beside)
+        first = Transform(from_start, -float(s.real.min(initial=0.0)))(beside)
     late = np.exp(-beside * wait) * (1.0 / beside - first.survival)
     amplitude, moved = np.split(2.0 * values.force * late / values.slope, 2)
     relative = values.force_error / np.abs(values.force) + ROUNDING
