@@ -57,6 +57,27 @@ def test_closed_values(name: str) -> None:
         assert abs(found.static_to_kinetic - static) <= found.static_to_kinetic_error <= 3e-8
 
 
+@pytest.mark.parametrize("delay", [0.0, 1.3])
+@pytest.mark.parametrize("start", [None, 0.4, origins.gaussian_start(-0.2, 0.1)])
+def test_no_slope_and_no_force_lie_beyond_one_life_without_the_start(start, delay) -> None:
+    """F is followed until it is a mean of its values before: brute force along 25 thresholds finds nothing more."""
+    contacts = Contacts(
+        origins.rectangular(0.3, 1.7), start, delay=origins.Delay(delay) if delay else None
+    )
+    x = np.linspace(0.0, 25.0, 5001)
+    force, found = master.solve(contacts, x, 1e-10).force, master.propensity(contacts, 1e-6)
+    slope = -np.diff(force).min() / x[1]
+    assert found.success and -1e-9 <= found.critical_spring - slope <= 1e-2
+    static = found.static_to_kinetic * master.steady_state(contacts).force
+    assert -1e-9 <= static - force.max() <= 1e-5
+
+
+def test_a_drop_of_the_strongest_contacts_is_met() -> None:
+    """F is followed to the longest life, at whose end they break together."""
+    law = origins.mixture([origins.rectangular(0.0, 1.0), origins.identical(1.5)], [0.9, 0.1])
+    assert master.propensity(Contacts(law)).critical_spring == np.inf
+
+
 @pytest.mark.parametrize("law", [origins.gw_elastic(1.588), slow(origins.gw_gaussian(0.5, 1.0))])
 def test_averages_over_a_spread_start_are_as_fine_as_slopes_need(law: origins.Thresholds) -> None:
     """F falls by a ten thousandth of its rise; averages too coarse for its slope cost minutes and missed 1e-8."""

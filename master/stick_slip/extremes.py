@@ -37,7 +37,7 @@ NARROW = 1e-6
 # The largest value on a panel is searched by so many rounds of so many points, each between the neighbours of the best
 # one: then its place is known to 1e-6 of a panel.
 ROUNDS, LOOKED_AT = 5, 33
-# Where generations of breaks do not overlap, F is followed by this part of a mean threshold beyond the last break.
+# F is followed by this part of a mean threshold beyond the last break of a generation.
 BEYOND_BREAKS = 0.01
 
 
@@ -164,7 +164,8 @@ def _largest(series: Array, errors: Array, begin: Array, width: Array) -> Larges
 
 def _horizon(cycle: Cycle) -> tuple[float, bool]:
     """How far to follow F (a length), and if its extremes surely lie before. If generations of breaks do not overlap,
-    the first is the sharpest, or the second if contacts re-form elsewhere than relaxed: else three delays more then."""
+    the first is the sharpest, or the second if contacts re-form elsewhere than relaxed: else three delays more then.
+    Never beyond where F is `_renewed`."""
     life, contacts, elsewhere = cycle.life, cycle.contacts, any(cycle.born.span)
     low, high = contacts.start.span
     if life.largest_stretch - low < 2.0 * life.safe_stretch - high - max(cycle.born.span[1], 0.0):
@@ -177,7 +178,23 @@ def _horizon(cycle: Cycle) -> tuple[float, bool]:
     furthest = max(UNITS * unit, old + unit)
     horizon = min(furthest, MOST_UNITS * unit)
     # contacts that re-form relaxed fall most steeply in the first generation
-    return horizon - min(low, 0.0) + 3.0 * cycle.wait * elsewhere, bool(furthest <= horizon)
+    horizon, followed = horizon - min(low, 0.0) + 3.0 * cycle.wait * elsewhere, furthest <= horizon
+    return min(horizon, renewed := _renewed(cycle)), bool(followed or renewed <= horizon)
+
+
+def _renewed(cycle: Cycle) -> float:
+    """The travel (a length) beyond which F and F' are means of their values over the longest cycle before, and do not
+    exceed these: once no contact of the start is left, nor those born of their breaks, the renewal equation says
+    F(X) = integral of p(s) F(X - s - delay). inf where lives change with time."""
+    contacts = cycle.contacts
+    if contacts.changing is not None:
+        return np.inf
+    # the last of them may break together
+    longest = cycle.longest + cycle.wait + BEYOND_BREAKS * contacts.mean_threshold
+    start = contacts.start
+    if start.is_single and start.span == cycle.born.span and not contacts.older_at_start:
+        return longest
+    return longest + cycle.wait + cycle.life.largest_stretch - min(start.span[0], 0.0)
 
 
 def _beyond(cycle: Cycle, horizon: float) -> tuple[float, float]:

@@ -62,7 +62,8 @@ def propensity(
 
     F(X) is followed for ten mean thresholds, with heat ten mean distances from birth to break; where generations of
     breaks do not overlap, along the first, or the first two where contacts re-form elsewhere than relaxed; and up to
-    100 times as far where more than 1e-6 of the contacts live longer. Errors bound what may follow, too.
+    100 times as far where more than 1e-6 of the contacts live longer. It is followed no further than the contacts of
+    the start, and then one longest life: beyond, F is a mean of its values before. Errors bound what may follow, too.
 
     Raises InputError where <x_s^2> is infinite: there is no kinetic force to compare with; and where contacts re-form
     so far behind x = 0 that the kinetic force is not above 0.
