@@ -102,6 +102,25 @@ def test_two_bad_widths_tell_the_next_one_where_errors_are_as_their_square():
     assert 1e-6 < widths[2] < 1e-5 and widths[1] > 1e-3
 
 
+def test_panels_up_to_an_open_end_keep_their_width():
+    """A plan that ends amid smooth breaks makes no panels of another width, whose sums over births are new ones."""
+    widths, width, end = PanelWidth(True), 0.3, 0.0
+    for plan in (1.0, 2.0):  # each from where the panels before end
+        widths.begin(0, plan, width, 1.0, 1e-8, open_end=True)
+        remaining = plan
+        while not widths.at_edge(remaining):
+            proposal = widths.propose(remaining)
+            assert proposal.width == width
+            widths.widen(proposal, np.full(proposal.panels, 1e-10), 1.0, unresolved=False)
+            remaining -= proposal.panels * width
+        assert 0.0 < remaining < width
+        end += plan - remaining
+    assert end == pytest.approx(9 * width)
+    # a plan below one panel is met
+    widths.begin(0, 0.1, width, 1.0, 1e-8, open_end=True)
+    assert widths.propose(0.1).width == 0.1
+
+
 def test_births_on_earlier_legs_are_cut_where_their_survival_bends():
     """Between the right cuts E of a rectangular law is a line in the time of birth, so that no piece is halved."""
     contacts = Contacts(BOX)

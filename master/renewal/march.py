@@ -56,15 +56,11 @@ class March:
     steady_since : when the march ended because breaks were steady; inf where they were not
     unfinished, fault : whether it was stopped before the last edge, and the fault of the program if one stopped it
     jumps : those on its panels, in the order of time
+    open_end : whether the last edge is no kink, but as far as the march is planned: it may end a panel before
     """
 
     def __init__(
-        self,
-        births: Births,
-        start: Start,
-        edges: Array,
-        tolerance: float,
-        guess: float,
+        self, births: Births, start: Start, edges: Array, tolerance: float, guess: float
     ) -> None:
         """Begin with the start as the only lump, before the first panel."""
         self.births, self.life, self.motion = births, births.life, births.motion
@@ -75,7 +71,7 @@ class March:
         self.lumps = [Lump(0.0, 1.0, start)]
         self.present, self._past = Present(births), Past(births)
         self.widths, self.steady_since = PanelWidth(self.life.quick), np.inf
-        self.unfinished, self.fault = False, ""
+        self.unfinished, self.fault, self.open_end = False, "", False
         self.jumps = list[Jump]()
 
         # whether all contacts of the start are as if born at t = 0: G_0(t) = E(t, 0), in the table of the first leg
@@ -115,16 +111,17 @@ class March:
         legs = self.motion.legs_between(self.edges, slack)
         for begin, end, leg in zip(self.edges[:-1], self.edges[1:], legs.tolist(), strict=True):
             self._break_lumps(begin, end)
-            leg_start_path = float(self.motion.times[leg])
-            yield from self._segment(leg, begin - leg_start_path, end - leg_start_path)
+            yield from self._segment(leg, begin, end)
 
-    def _segment(self, leg: int, now_leg: float, edge_leg: float) -> Iterator[None]:
-        """Solve up to the next edge, yielding after each good batch. Clocks: past.py."""
-        leg_start_path, segment_begin_leg = float(self.motion.times[leg]), now_leg
-        tolerance, widths = self.tolerance, self.widths
+    def _segment(self, leg: int, begin: float, edge: float) -> Iterator[None]:
+        """Solve from an edge to the next, yielding after each good batch. Clocks: past.py."""
+        leg_start_path = float(self.motion.times[leg])
+        open_end = self.open_end and edge == self.edges[-1]
+        segment_begin_leg, edge_leg = begin - leg_start_path, edge - leg_start_path
+        tolerance, widths, now_leg = self.tolerance, self.widths, segment_begin_leg
         guess_duration = self.motion.duration(self.guess, leg)
         whole_life = self.motion.duration(self.life.largest_stretch, leg)
-        widths.begin(leg, edge_leg - now_leg, guess_duration, whole_life, tolerance)
+        widths.begin(leg, edge_leg - now_leg, guess_duration, whole_life, tolerance, open_end)
         while not widths.at_edge(edge_leg - now_leg):
             stop_after(self.births.until)
             proposal = widths.propose(edge_leg - now_leg)
@@ -148,12 +145,13 @@ class March:
                 batch, kept, begin=now_path, breaks_begin_own_leg=now_leg, width=proposal.width
             )
 
-            now_leg = now_leg + kept * proposal.width if kept < proposal.to_edge else edge_leg
+            at_end = kept >= proposal.to_edge and not open_end
+            now_leg = edge_leg if at_end else now_leg + kept * proposal.width
             if kept < batch.error.size:
                 widths.narrow(kept, float(batch.error[kept]))
             else:
-                broken = float(np.abs(batch.breaks[:, -1]).max())
-                widths.widen(proposal, batch.error, broken, unresolved=keep_all)
+                most = float(np.abs(batch.breaks[:, -1]).max())
+                widths.widen(proposal, batch.error, broken=most, unresolved=keep_all)
                 yield
 
     def longest_cycle(self, leg: int) -> float:
@@ -267,10 +265,10 @@ class March:
         after = self._sums_on_leg(leg, np.array([[edge_leg, edge_leg + beside]]))[0]
         return float(until[0, -1]), float(after[0, 0])
 
-    def cut(self, t: float, births: Births) -> "March":
+    def cut(self, t: float, births: Births, goes_on: bool = False) -> "March":
         """For master/soft: a march that has the contacts of this one at the time t, and none of its plans: set its
         edges before it runs. `births` are along a motion that is the same up to t, of the same life, a timeless one.
-        Tests: test_soft.py."""
+        `goes_on` : t is where the panels so far end, and the next ones may be as wide. Tests: test_soft.py."""
         start = self.lumps[0].law
         other = March(births, start, self.edges, self.tolerance, self.guess)
         # the contacts, and the errors with which they are known
@@ -281,7 +279,7 @@ class March:
         other.jumps = self.jumps.copy()
         # work that is done: tables and sums of panels, found again at the widths so far; no motion changes them
         other.present = self.present.counted_on(births)
-        other.widths = PanelWidth(self.life.quick, first_widest=self.widths.widest)
+        other.widths = self.widths.after_cut(goes_on)
         births.work = self.births.work
         return other
 

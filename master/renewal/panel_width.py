@@ -4,6 +4,7 @@ From one edge to the next panels have equal widths as long as they are good. A p
 ends its batch: the next panels are narrower. Panels whose errors are far below the tolerance make the next ones wider.
 """
 
+from copy import copy
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -112,36 +113,59 @@ class PanelWidth:
         goes on from has found."""
         self.widest, self.rules, self._quick = first_widest, rules, quick
         self._leg = -1  # of the panels so far; -1 before the first
+        self._width, self._open_end = 0.0, False
+
+    def after_cut(self, goes_on: bool) -> "PanelWidth":
+        """Those of a march that is continued: as these where it `goes_on` from the last panel, else as a new one whose
+        first panels are no wider than these."""
+        return copy(self) if goes_on else PanelWidth(self._quick, self.rules, self.widest)
 
     def begin(
-        self, leg: int, duration: float, guess: float, whole_life: float, tolerance: float
+        self,
+        leg: int,
+        duration: float,
+        guess: float,
+        whole_life: float,
+        tolerance: float,
+        open_end: bool = False,
     ) -> None:
         """Begin at an edge, with panels as wide as those before it on the same leg, else with those of the first guess,
-        as the leg before had another speed."""
+        as the leg before had another speed. `open_end` : the next edge is no kink, but as far as the march is planned:
+        panels need not meet it, and end before it as wide as they are."""
         rules = self.rules
         if leg != self._leg:
             first = guess if guess < np.inf else rules.of_hold * duration
             self.widest = min(first, self.widest) if self._leg < 0 else first
-            self._leg = leg
+        goes_on = leg == self._leg and self._open_end  # where the plan before ended
+        self._leg, self._open_end = leg, open_end
         self.duration, self.tolerance = duration, tolerance
         self._guess, self._whole_life = guess, whole_life
         self._narrowest = min(guess, duration) * (rules.least_quick if self._quick else rules.least)
-        self._width, self._batch_size = 0.0, rules.first_batch
+        self._any = False  # panel up to this edge
+        if goes_on:
+            return
+        self._batch_size = rules.first_batch
         self._good_panels = 0  # in a row, with errors that let panels widen
         self._bad_width = self._bad_error = 0.0  # of the last attempt, 0 if that was good
 
     def at_edge(self, remaining: float) -> bool:
-        """Whether the `remaining` time to the edge is 0 but for rounding."""
+        """Whether the `remaining` time to the edge is 0 but for rounding, or less than a panel before an open end."""
+        if self._open_end and self._any:
+            return remaining < self.widest * (1.0 - self.rules.same)
         return remaining <= self.rules.same * min(self.widest, self.duration)
 
     def propose(self, remaining: float) -> Proposal:
         """Equal panels that fill the `remaining` time to the edge, none wider than the widest, and how many to solve
         now."""
         rules = self.rules
-        to_edge = max(1, int(np.ceil(remaining / self.widest * (1.0 - rules.same))))
+        panels = remaining / self.widest
+        to_edge = max(1, int(np.ceil(panels * (1.0 - rules.same))))
+        width = remaining / to_edge
+        if self._open_end and panels >= 1.0 - rules.same:
+            to_edge, width = int(panels * (1.0 + rules.same)), self.widest
         # the same width, to the last bit, finds its sums again
-        if abs(remaining / to_edge - self._width) > rules.same * self._width:
-            self._width = remaining / to_edge
+        if abs(width - self._width) > rules.same * self._width:
+            self._width = width
         return Proposal(self._width, min(self._batch_size, to_edge), to_edge)
 
     def too_narrow(self, t: float) -> bool:
@@ -159,6 +183,7 @@ class PanelWidth:
         self._bad_width, self._bad_error = self._width, error
         self.widest = factor * self._width
         self._batch_size, self._good_panels = rules.batch_after_narrowing, 0
+        self._any = self._any or good > 0
 
     def widen(self, proposal: Proposal, errors: Array, broken: float, unresolved: bool) -> None:
         """Learn that all panels of a proposal were kept, with these errors, and at most a share `broken` of the
@@ -168,7 +193,7 @@ class PanelWidth:
             behind the point that no panel resolves breaks are smooth, and without allowed work few panels are to come.
         """
         rules, width, largest = self.rules, proposal.width, float(errors.max())
-        self._bad_error = 0.0
+        self._bad_error, self._any = 0.0, True
         few_break = broken < rules.calm * self.tolerance
         is_narrow = width <= rules.is_narrow * self._guess
         # where contacts break at rates of all sizes, and behind a point that no polynomial resolves, wider panels soon

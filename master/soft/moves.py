@@ -163,7 +163,8 @@ class Move:
             before = self.march.solved.count
             if not self._advance():
                 self._ahead *= 2.0
-                self._plan(self.march, self.march.solved.end, self.march.solved.end)
+                end = self.march.solved.end
+                self._plan(self.march, end, end, goes_on=True)
             self.contacts.nodes += (self.march.solved.count - before) * polynomials.DEGREE
             self._steady = self._steady_force()
         return self.solved_curve(y)
@@ -265,9 +266,11 @@ class Move:
         kinks = (*(kink for kink in self._kinks if kink.time < end), Kink(end, SMOOTHER))
         return LoadingHistory(self.loaded.start, self.march, end, end, places, kinks, error)
 
-    def _plan(self, march: March | None, cut_at: float, continued_from: float) -> None:
+    def _plan(
+        self, march: March | None, cut_at: float, continued_from: float, goes_on: bool = False
+    ) -> None:
         """Plan edges, and set the march that goes on from the time `continued_from`, its panels up to `cut_at` being
-        those of `march`; from there to `continued_from`, in a slip, no contact is born."""
+        those of `march`; from there to `continued_from`, in a slip, no contact is born. `goes_on`: on this move."""
         contacts, start = self.contacts, self.loaded.start
         life, travel = contacts.life, continued_from - self.loaded.move_begins_at
         # no finer than the rounding of positions, to which survivals fall within a resolution length
@@ -279,7 +282,7 @@ class Move:
         if march is None:
             march = March(births, start, np.empty(0), tolerance, self._guess)
         else:
-            march = march.cut(cut_at, births)
+            march = march.cut(cut_at, births, goes_on)
             march.tolerance = tolerance
             if cut_at < continued_from:
                 march.postpone_births(cut_at, continued_from)
@@ -287,4 +290,5 @@ class Move:
         if plan.too_many_jumps:
             raise StoppedError("stopped as exact thresholds break too often to be followed")
         self._kinks, march.edges = tuple(plan.kinks), plan.times
+        march.open_end = all(kink.time <= plan.times[-2] for kink in plan.kinks)
         self.march, self._batches = march, march.batches()
