@@ -22,7 +22,8 @@ from toolkit.judge.compare import compare
 from toolkit.judge.lines import table
 from toolkit.judge.picture import draw_comparison
 from toolkit.pictures.axes import INK, MARKERS, OKABE_ITO, name_axis, style_of
-from toolkit.pictures.points import plot_points, plot_points_spring
+from toolkit.pictures.critical_spring import plot_points_spring
+from toolkit.pictures.points import plot_points
 from toolkit.pictures.run import (
     draw_run,
     plot_force,
@@ -562,7 +563,7 @@ def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:
     names = [text.get_text() for text in axes[0].get_legend().get_texts()]
     # on the stiffest spring it slides smoothly, which stands on the axis, too
     assert (
-        names[0] == "before the last slip (no mark: no slip on this path)"
+        names[0] == "before the last slip (no mark: no slip)"
         and "kinetic force" in names[-1]
     )
     assert axes[0].get_xlim()[1] > 3.0
@@ -652,6 +653,14 @@ def test_a_sweep_on_which_k_star_does_not_depend_says_so_in_place_of_a_flat_line
         drawn_there = any("critical spring" in axes.get_ylabel() for axes in figure.axes)
         said = f"K* = {result.sweep.critical_spring[0]:.4g} N_c<k>, which does not depend on spring"
         assert drawn_there is not flat and (said in figure.get_suptitle()) is flat
+    # along both the axis was the spring, on which nothing hangs, with a flat line for each std
+    both = {"drive.spring": [0.6, 0.9], "contacts.thresholds.std": [0.1, 0.2]}
+    result = toolkit.run(scene(drive=drive, sweep=both | {"critical_spring": True}))
+    figure = draw_run(result, Figure())
+    (panel,) = (axes for axes in figure.axes if "critical spring" in axes.get_ylabel())
+    assert "std" in panel.get_xlabel() and len(panel.containers) == 1
+    np.testing.assert_array_equal(panel.containers[0].lines[0].get_xdata(), [0.1, 0.2])
+    assert "K* does not depend on spring" in figure.get_suptitle()
 
 
 def test_a_critical_spring_below_its_numerical_error_is_not_compared() -> None:

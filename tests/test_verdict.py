@@ -1487,8 +1487,10 @@ def test_a_short_delay_is_told_beside_contacts_without_one(capsys: Any, monkeypa
     # friction of contacts that wait falls with the speed by F_k τ/<x_s>: from γ<x_s>/F_k on by more than the damping
     unstable = 1e-4 * mean / own["kinetic"]["value"]
     assert unstable < mean / fastest
-    assert f"a delay far below {unstable:.3g} units of time, above which friction falls" in page
-    assert f"far above the {time[np.argmax(speed[1:] < 0.0)]:.3g} units of time of a slip" in page
+    lasts, reasons = f"{time[np.argmax(speed[1:] < 0.0)]:.3g} units of time", found["hangs_on"][0]
+    assert f"; short is far below {unstable:.3g} units of time, long far above {lasts}, " in page
+    assert f"a delay far below {unstable:.3g} units of time, above which friction" in reasons
+    assert f"far above the {lasts} of a slip" in reasons
 
 
 def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:

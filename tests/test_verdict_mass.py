@@ -640,6 +640,8 @@ def test_a_slider_that_is_not_decided_is_told_with_its_mass_at_both_extremes_of_
     )
     assert "stick-slip: 0.8000 N_c<k>·length down to -0.4000" in after and "every 1,200" in after
     (delay,) = (one for one in text if one.startswith("  the contacts' delay: "))
+    assert delay.endswith(" units of time, the time of a slip") and "; short is far below" in delay
+    (delay,) = (one for one in dependence(told) if one.startswith("the contacts' delay: "))
     assert "friction falls with the speed by more than the damping rises" in delay
     loaded = "units of time in which the drive loads the spring to F_s"  # F_s/(K v), 0.8/1e-3
     assert f"of a slip, and far below the 800 {loaded}, only after the slip" in delay

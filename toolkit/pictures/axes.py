@@ -155,7 +155,7 @@ def _set_ticks(axis: Any, power: int) -> None:
 
 def in_lines(title: str, letters: int = 110) -> str:
     """A title in lines of so many letters. (matplotlib's own `wrap` takes any $ of a title for a formula.)"""
-    return "\n".join(textwrap.wrap(title, letters))
+    return "\n".join(textwrap.wrap(title, letters, break_on_hyphens=False))
 
 
 def legend_above(axes: Any, title: str = "", letters: int = 90) -> None:

@@ -1,5 +1,6 @@
 """The picture of a sweep: F_k, K* where it was asked for, and the swings of a spring's force."""
 
+from collections.abc import Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -24,9 +25,8 @@ _LINES = 8  # as can be distinguished
 _LETTERS = 98  # of a legend above the panel, which is wider than others
 _MARKED = 30  # points of a line; with more, some carry a mark
 # of the largest value: a change of no account, which is not to fill the axis
-_FLAT = 0.01
+FLAT = 0.01
 _ROOM = 0.05  # of an axis below its lowest mark
-_ALIKE = 1e-6  # of K*: values nearer to each other are one, but for the tolerance of its search
 _LOG_FROM = 30.0  # largest over smallest value from which an axis is logarithmic
 # of keys of smooth sliding, and of the drive
 _SYMBOLS = {"velocity": "speed $v$", "temperature": r"temperature $k_BT/\langle k\rangle$"}
@@ -43,12 +43,15 @@ _OF_ENSEMBLE = "eq_force_before_slip"
 _NOISE = 0.1  # part of the largest swing below which the force swings by chance
 
 
-def plot_points(axes: Any, result: Result, name: str = "") -> Any:
+def plot_points(
+    axes: Any, result: Result, name: str = "", along: Sequence[str] | None = None
+) -> Any:
     """A column with its errors, F_k by default, in the unit of the result's scale, along the key that was swept first,
     a line for each combination of the others; of sliders on springs the forces before and after a slip beside F_k.
-    Where F_k goes straight with ln v, its slope is told, and drawn as a pale line."""
+    Where F_k goes straight with ln v, its slope is told, and drawn as a pale line. `along` : the keys on which the
+    column hangs, all by default."""
     sweep: Any = result.sweep
-    first, *others = sweep.along
+    first, *others = sweep.along if along is None else along
     x, unit = _numbers(sweep[first].ravel())
     name = name or ("force" if sweep.smooth else "kinetic_force")
     units = key_units(sweep.along, result.scale)
@@ -58,18 +61,21 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
         if others:  # whose lines are many: one column
             columns = dict([*slips.items()][:1])
     each = {key: sweep[key].ravel() for key in others}
-    short = _short(others)
+    short = last_words(others)
     lines = [
         ", ".join(
             f"{short[key]} = {_written(own[row], units.get(key, ''))}" for key, own in each.items()
         )
         for row in range(x.size)
     ]
+    # of keys on which nothing hangs one value each
+    unused = [sweep[key].ravel() for key in sweep.along if key not in (first, *others)]
+    shown = np.logical_and.reduce([own == own[0] for own in unused] or [np.full(x.size, True)])
     names, number, sloped = list(dict.fromkeys(lines)), 0, False
     for column, said in columns.items():
         value, error = _drawn(result, column)
         for k in some_of(len(names), _LINES):
-            rows = np.flatnonzero([line == names[k] for line in lines])
+            rows = np.flatnonzero(shown & [line == names[k] for line in lines])
             rows = rows[np.argsort(x[rows], kind="stable")]
             style = style_of(number) | {"ms": 4, "lw": 1.2, "capsize": 2, "label": names[k] or said}
             style |= dict.fromkeys(("markevery", "errorevery"), max(rows.size // _MARKED, 1))
@@ -89,7 +95,7 @@ def plot_points(axes: Any, result: Result, name: str = "") -> Any:
     least, most = np.nanmin(value), np.nanmax(value)
     if least > 0.0 and most > _LOG_FROM * least:
         axes.set_yscale("log")
-    elif name == "critical_spring" or most - least < _FLAT * most:
+    elif name == "critical_spring" or most - least < FLAT * most:
         top, lowest = 1.15 * max(axes.get_ylim()[1], most), axes.dataLim.y0
         # room below marks at 0, as those after a slip, and below
         axes.set_ylim(min(lowest - _ROOM * top, 0.0) if lowest <= 0.0 else 0.0, top)
@@ -132,13 +138,14 @@ def _draw_slope(axes: Any, speed: Array, force: Array, error: Array, color: str)
 def _mark_critical(axes: Any, result: Result) -> bool:
     """A line where the springs of a sweep over them alone pass K*, straight in ln K between points; whether they do."""
     sweep: Any = result.sweep
-    if [*sweep.along] != ["drive.spring"] or not with_spring(sweep):
+    critical = sweep.columns.get("critical_spring", np.array(np.nan))
+    if [*sweep.along] != ["drive.spring"] or not np.isfinite(critical).any():
         return False
     x, unit = _numbers(sweep["drive.spring"].ravel())
     if (unit or SHARED) != result.scale.spring_unit:
         return False
     order = np.argsort(x, kind="stable")
-    springs, critical = x[order], _with_error(result, "critical_spring")[0][order]
+    springs, critical = x[order], column_with_error(result, "critical_spring")[0][order]
     with np.errstate(divide="ignore", invalid="ignore"):
         above = np.log(springs / critical)
     passed = np.flatnonzero((above[:-1] < 0.0) & (above[1:] >= 0.0) & np.isfinite(np.diff(above)))
@@ -150,7 +157,7 @@ def _mark_critical(axes: Any, result: Result) -> bool:
     return bool(passed.size)
 
 
-def _short(keys: list[str]) -> dict[str, str]:
+def last_words(keys: Sequence[str]) -> dict[str, str]:
     """The last words of the keys, such as "area" of "drive.area", where these tell them apart; else the keys."""
     last = {key: key.rpartition(".")[2] for key in keys}
     return last if len({*last.values()}) == len(last) else {key: key for key in keys}
@@ -173,7 +180,7 @@ def _of_slips(sweep: SweepRecord) -> dict[str, str]:
     known = {name: np.isfinite(sweep[name]) for name in named if name in sweep.columns}
     if _OF_ENSEMBLE in known:
         known[_OF_ENSEMBLE] &= _swings_on(sweep).reshape(known[_OF_ENSEMBLE].shape)
-    none = dict.fromkeys(named, " (no mark: no slip on this path)")
+    none = dict.fromkeys(named, " (no mark: no slip)")
     none[_OF_ENSEMBLE] = " (no mark: no slips in the end)"
     return {
         name: named[name] + ("" if there.all() else none[name])
@@ -198,14 +205,14 @@ def _still_rises(sweep: SweepRecord) -> NDArray[np.bool_]:
 
 
 def _drawn(result: Result, name: str) -> tuple[Array, Array]:
-    """A column and its error as `_with_error` has them, nan where they tell of no sliding that goes on."""
-    value, error = _with_error(result, name)
+    """A column and its error as `column_with_error` has them, nan where they tell of no sliding that goes on."""
+    value, error = column_with_error(result, name)
     if name == _OF_ENSEMBLE:
         value = np.where(_swings_on(cast(Any, result.sweep)), value, np.nan)
     return value, error
 
 
-def _with_error(result: Result, name: str) -> tuple[Array, Array]:
+def column_with_error(result: Result, name: str) -> tuple[Array, Array]:
     """A column and its error, 0 where it is not known, in the unit of the scale; nan where there is no value."""
     sweep: Any = result.sweep
     none = np.zeros(sweep.size)
@@ -226,24 +233,6 @@ def _axis_of(name: str, columns: dict[str, str], result: Result) -> tuple[str, s
         return f"swing of {whole.removeprefix('force ')}\n", unit
     said = "".join(columns.values()) if len(columns) == 1 else ""
     return f"{whole}\n{said}".strip(), unit
-
-
-def plot_points_spring(axes: Any, result: Result) -> Any:
-    """K* along the sweep, from 0: below it stick-slip."""
-    return plot_points(axes, result, "critical_spring")
-
-
-def flat_spring(result: Result) -> str:
-    """That K* hangs on none of the keys swept, with its value, in a sentence; "" where it does, or is not known."""
-    sweep: Any = result.sweep
-    value, error = _with_error(result, "critical_spring")
-    precise = np.isfinite(value).all() and error.max() <= _FLAT * value.max()
-    if not precise or np.ptp(value) > max(2.0 * error.max(), _ALIKE * value.max()):
-        return ""
-    # samples, whose scatter a sweep does not look at, seldom tell K* to more than two digits
-    digits = 2 if result.asked.contacts.thresholds.get("kind") == "from-samples" else 4
-    text = written(float(np.median(value)), result.scale.spring_unit, digits=digits)
-    return f"K* = {text}, which does not depend on {', '.join(_short([*sweep.along]).values())}"
 
 
 def plot_points_swing(axes: Any, result: Result) -> Any:
@@ -272,12 +261,6 @@ def plot_points_swing(axes: Any, result: Result) -> Any:
 def with_swing(sweep: object) -> bool:
     """Whether a sweep has swings of the force of a spring somewhere."""
     own = sweep.columns.get("eq_force_swing") if isinstance(sweep, SweepRecord) else None
-    return own is not None and bool(np.isfinite(own).any())
-
-
-def with_spring(sweep: object) -> bool:
-    """Whether a sweep has K* somewhere."""
-    own = sweep.columns.get("critical_spring") if isinstance(sweep, SweepRecord) else None
     return own is not None and bool(np.isfinite(own).any())
 
 

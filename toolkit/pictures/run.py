@@ -19,15 +19,14 @@ from toolkit.pictures.axes import (
     name_over_load,
     some_of,
 )
-from toolkit.pictures.legs import mark_legs, write_along
-from toolkit.pictures.points import (
+from toolkit.pictures.critical_spring import (
     flat_spring,
-    plot_points,
+    keys_of_spring,
     plot_points_spring,
-    plot_points_swing,
     with_spring,
-    with_swing,
 )
+from toolkit.pictures.legs import mark_legs, write_along
+from toolkit.pictures.points import plot_points, plot_points_swing, with_swing
 from toolkit.pictures.thresholds import plot_density
 from toolkit.pictures.traces import (
     along,
@@ -262,7 +261,7 @@ def draw_run(result: Result, figure: Any) -> Any:
         below.append(plot_deviation)
     swept: list[Any] = [plot_points] if result.curves and result.sweep is not None else []
     flat = flat_spring(result) if with_spring(result.sweep) else ""
-    if with_spring(result.sweep) and not flat:
+    if with_spring(result.sweep) and keys_of_spring(result):
         swept.append(plot_points_spring)
     if with_swing(result.sweep):
         swept.append(plot_points_swing)

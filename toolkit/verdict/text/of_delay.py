@@ -147,12 +147,12 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
     if len(set(words.values())) > 1:
         light = by_reason((kind, rule) for rule, kind in words.items() if rule != "mass")
         each = ", ".join(f"{kind} if {named(rules)}" for kind, rules in light.items())
-        yield Line(TURNS, f"the slip rule: {each}. {_what_decides(own)}")
+        yield _of_the_rule(own, each)
     elif len(words) > 1 and "undecided" not in {one.kind for one in own.behaviours}:
         yield _of_so_many(verdict) or _of_agreeing(own)
     elif own.extremes:
-        said = "a slider with this one was not followed far enough"
-        yield Line(TURNS, f"the contacts' delay: {said}{of_short_delays(own)}")
+        said = f"a slider with this one was not followed far enough{short_and_long(own)}"
+        yield Line(TURNS, f"the contacts' delay: {said}", of_short_delays(own))
     elif len(words) == 1 and own.machine and own.machine.mass:
         given, turned_found = bool(own.contacts.waiting_time), verdict.turned is not None
         unknown = not turned_found or cast(Behaviour, verdict.turned).kind == "undecided"
@@ -162,8 +162,8 @@ def of_rules(verdict: Verdict) -> Iterator[Line]:
             swings = "" if would_swing(verdict) else _untried(verdict)
             yield Line(TURNS, f"the contacts' delay: {said}{swings}")
         elif delay_decides(verdict):
-            said = f"another one may change the answer{of_short_delays(own)}"
-            yield Line(TURNS, f"the contacts' delay: {said}")
+            said = f"another one may change the answer{short_and_long(own)}"
+            yield Line(TURNS, f"the contacts' delay: {said}", of_short_delays(own))
         elif turned_found and verdict.turned and verdict.turned.kind != "undecided":
             other = verdict.turned
             what = "without one" if given else "as long as contacts form again only after a slip"
@@ -185,9 +185,16 @@ def _of_so_many(verdict: Verdict) -> Line | None:
     if len(kinds := by_reason(told)) < 2:
         return None
     each = ", ".join(f"{kind} if {named(rules)}" for kind, rules in kinds.items())
-    said = f"the slip rule, for {counted(verdict, differ[0][1])}: {each}"
     alike = f"infinitely many {verb({one.kind for one, _ in differ})}"
-    return Line(TURNS, f"{said}; {alike}. {_what_decides(verdict.own)}")
+    whose = f", for {counted(verdict, differ[0][1])}"
+    return _of_the_rule(verdict.own, f"{each}; {alike}", whose)
+
+
+def _of_the_rule(own: Answer, each: str, whose: str = "") -> Line:
+    """That the slip rule decides: what it is by `each` rule, and `whose`; and which numbers decide in its place."""
+    mass = own.machine is not None and own.machine.mass is not None
+    more = of_short_delays(own) * bool(mass and own.contacts.waiting_time)
+    return Line(TURNS, f"the slip rule{whose}: {each}. {_what_decides(own)}", more)
 
 
 def _of_agreeing(own: Answer) -> Line:
@@ -243,13 +250,28 @@ def _what_decides(own: Answer) -> str:
         if _RINGS in followed.message:
             give = f"; give {'a larger damping' if own.machine.damping else 'drive.damping'}"
         said = f"That is without the mass: the slider with it, which would decide, was not followed{give}"
-        return said + of_short_delays(own) * (not delay)
+        return said + short_and_long(own) * (not delay)
     give = (
         "drive.mass, drive.damping and [contacts.delay]"
         if delay
         else "drive.mass and drive.damping"
     )
     return f"In nature mass, damping and the contacts' delay decide: give {give}"
+
+
+def short_and_long(own: Answer) -> str:
+    """Which delays of a slider with mass are short, and which are long, after what it says of another one; "" where
+    that is not known. `of_short_delays` has the reasons."""
+    machine = own.machine
+    if machine is None or not machine.mass or own.static.unknown:
+        return ""
+    duration, fastest = a_slip(own)
+    unit, loads = own.scale.time_unit, before_a_slip(own) / machine.spring / machine.velocity
+    short = short_delay_of(own) or own.contacts.mean_threshold / fastest
+    long = f"long far above {spoken(duration, unit)}, the time of a slip"
+    if loads < APART * duration:
+        long = f"none is long, as the drive loads the spring in {spoken(loads, unit)}"
+    return f"; short is far below {spoken(short, unit)}, {long}"
 
 
 def of_short_delays(own: Answer) -> str:
