@@ -341,6 +341,20 @@ def test_the_speed_of_a_short_leg_is_written_upright() -> None:
     assert named == [("speed 1", 0.0), ("2", 90.0), ("speed 1", 0.0)]
 
 
+def test_an_upright_speed_does_not_lie_over_the_curve() -> None:
+    """That of the last of ten legs did, of a slider that goes to the right end of its axis."""
+    moves, rests = 1.0 / 0.00123, [10.0**decade for decade in range(5)]
+    lasting = [each for rest in rests for each in (moves, rest)]
+    turns = [float(1 + k // 2) for k in range(10)]
+    drive = {"turns": turns, "times": np.cumsum(lasting).tolist(), "points": 31}
+    figure = draw_run(toolkit.run(scene(WIDE, drive=drive)), Figure(layout="constrained"))
+    (axes,) = (one for one in figure.axes if one.get_ylabel().startswith("position"))
+    drawn(figure)
+    top = axes.transData.transform([(0.0, float(axes.lines[0].get_ydata().max()))])[0, 1]
+    assert [text.get_text() for text in axes.texts][-2:] == ["0.00123", "hold"]
+    assert min(text.get_window_extent().y0 for text in axes.texts) > top
+
+
 def test_legs_of_very_different_durations_are_equally_wide() -> None:
     result = toolkit.run(
         scene(WIDE, drive={"turns": [2.0, 2.0, 4.0], "times": [2.0, 302.0, 304.0], "points": 31})
@@ -562,10 +576,7 @@ def test_a_sweep_over_a_spring_shows_forces_before_and_after_slips() -> None:
     toolkit.plot(result, axes)
     names = [text.get_text() for text in axes[0].get_legend().get_texts()]
     # on the stiffest spring it slides smoothly, which stands on the axis, too
-    assert (
-        names[0] == "before the last slip (no mark: no slip)"
-        and "kinetic force" in names[-1]
-    )
+    assert names[0] == "before the last slip (no mark: no slip)" and "kinetic force" in names[-1]
     assert axes[0].get_xlim()[1] > 3.0
     before = axes[0].containers[0].lines[0].get_ydata()
     np.testing.assert_array_equal(before, result.sweep["force_before_slip"])

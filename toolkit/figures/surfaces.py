@@ -94,7 +94,7 @@ def a12(figure: Any) -> Found:
     """P_c of grains at several times; dotted with the exact Jacobian."""
     figure.set_size_inches(5.5, 4.5)
     axes, x = figure.subplots(), np.linspace(0.0, 3.5, 1401)
-    for ink, time in zip(INKS, (0.4, 1.0, 2.0, 4.0, 8.0), strict=False):
+    for ink, time in zip(INKS, (0.6, 1.0, 2.0, 4.0, 8.0), strict=False):
         forms: tuple[tuple[Any, str], ...] = (("paper", "-"), ("exact", ":"))
         for jacobian, dash in forms:
             law = origins.grains(alpha=1.0, time=time, B=1.0, jacobian=jacobian)
@@ -102,7 +102,7 @@ def a12(figure: Any) -> Found:
             axes.plot(x, law.pdf(x), dash, color=ink, lw=1.2, label=name)
             if time == 1.0 and jacobian == "paper":
                 found = float(law.mean())
-    axes.set(xlabel="$x$", ylabel="$P_c(x)$", ylim=(0.0, 3.0), xlim=(0.0, 3.5))
+    axes.set(xlabel="$x$", ylabel="$P_c(x)$", ylim=(0.0, None), xlim=(0.0, 3.5))
     axes.legend(fontsize="small")
     place, weights = _nodes(0.0, np.sqrt(1.25))
     u = np.sqrt(1.0 + place * place)

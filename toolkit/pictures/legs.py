@@ -12,8 +12,9 @@ from toolkit.scene.scale import written
 _UNEVEN = 20.0  # legs whose durations differ by more are drawn equally wide
 # legs that are named; part of the axis that a letter of a name needs; ticks at ends of legs
 _MOST_LEGS, _LETTER, _TICKS = 12, 0.011, 8
-# part of the axis along the drive that a line of upright text needs, and of that across what stands above the data
-_LINE, _ABOVE = 0.02, 0.4
+# part of the axis along the drive that a line of upright text needs; of the one across, what words above the data need,
+# and each letter of upright ones
+_LINE, _WORDS, _UPRIGHT_LETTER = 0.02, 0.29, 0.05
 
 
 class Leg(NamedTuple):
@@ -83,8 +84,7 @@ def mark_legs(axes: Any, result: Result, named: bool = False) -> None:
         axes.axvline(leg.begin, color="0.7", lw=0.8, ls=":", zorder=1)
     if not named or len(legs) > _MOST_LEGS:
         return
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high + _ABOVE * (high - low))
+    names = list[tuple[float, str, bool]]()
     for leg in legs:
         ends = axes.transData.transform([(leg.begin, 0.0), (leg.end, 0.0)])
         (left, _), (right, _) = axes.transAxes.inverted().transform(ends)
@@ -95,6 +95,11 @@ def mark_legs(axes: Any, result: Result, named: bool = False) -> None:
         if upright:
             said = said.removeprefix("speed ")
         if not upright or right - left > _LINE:
-            where: dict[str, Any] = {"transform": axes.transAxes, "ha": "center", "va": "top"}
-            where |= {"rotation": "vertical"} if upright else {}
-            axes.text(0.5 * (left + right), 0.96, said, fontsize="small", **where)
+            names.append((0.5 * (left + right), said, upright))
+    room = max([_WORDS, *(_UPRIGHT_LETTER * len(said) for _, said, upright in names if upright)])
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, low + (high - low) / (1.0 - room))
+    for middle, said, upright in names:
+        where: dict[str, Any] = {"transform": axes.transAxes, "ha": "center", "va": "top"}
+        where |= {"rotation": "vertical"} if upright else {}
+        axes.text(middle, 0.97, said, fontsize="small", **where)

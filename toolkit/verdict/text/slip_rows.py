@@ -29,6 +29,8 @@ from toolkit.verdict.uncertainty import (
 _RUNG = 0.05
 # the row that says how many slips there were, where they are few
 SLIPS_SEEN = "slips seen"
+# what the answer tells of infinitely many contacts beside those of the area
+IN_BRACKETS = "force before a slip", "drop of a slip", "of it regained over a period", "period"
 # what a slip rule says of how long a slip takes: nothing; M is what moves with the surface
 WITHOUT_MASS = "hangs on the mass M, some π (M/K)^(1/2): give drive.mass"
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
@@ -89,6 +91,8 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
             values["time of a slip"] = written(lasts, scale.time_unit)
         elif machine is not None and machine.mass is None:
             values["time of a slip"] = WITHOUT_MASS
+        if behaviour.rule in few:  # whose forces and period stand in the answer, in brackets
+            values = {name: told for name, told in values.items() if name not in IN_BRACKETS}
         whose = ", infinitely many contacts" * (behaviour.rule in few)
         for name, value in values.items():
             rule = behaviour.rule + _unfinished(behaviour)
