@@ -240,7 +240,8 @@ def test_a_prefix_is_chosen_for_each_unit() -> None:
     assert written(0.99999, "N", 3e-3, digits=4) == "1.000 N"
     assert with_scatter(0.999999e-3, 3e-6, "N") == "1.000 ± 0.003 mN"
     # K* of 300 samples: an error of a third was told as of two thirds
-    assert with_error(3268.0, 1012.0, 5) == "3.3e+03 ± 1.1e+03"
+    assert with_error(3268.0, 1012.0, 5) == "3,300 ± 1,100"
+    assert with_error(2.6e-19, 2.9e-20, 8) == "(2.6 ± 0.3)e-19"
     assert with_error(0.5, 0.6, 5) == "0.5 ± 0.6" and with_error(1.0, 0.95, 5) == "1.00 ± 0.95"
     assert with_scatter(0.2512, 3e-4, "N") == "251.2 ± 0.3 mN"
     assert with_scatter(0.2512, 9.8e-4, "N") == "251.2 ± 1.0 mN"
@@ -547,7 +548,7 @@ def test_samples_of_a_file_have_a_unit(monkeypatch: Any) -> None:
 
 def test_a_power_that_few_samples_leave_open_is_told_from_where_to_where() -> None:
     told = [onset_in_words(Number(0.0, error, ""), 8) for error in (0.0, 0.04, 12.3, np.inf)]
-    assert told == ["0", "0 ± 0.04", "0 to 12", "0, error not known"]
+    assert told == ["0", "0.00 ± 0.04", "0 to 12", "0, error not known"]
     assert onset_in_words(Number(3.0, 2.0, ""), 8) == "1 to 5"
     assert onset_in_words(Number(np.inf, 0.0, ""), 8) == "infinite"
     endless = {"critical_spring": Number(np.inf, 0.0, "N_c<k>")}

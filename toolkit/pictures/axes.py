@@ -18,7 +18,7 @@ MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*", "<", ">", "p", "h"]
 _OWN = {"length": "units of length", "time": "units of time"}  # of a scene without SI units
 _MOST_DECADES = 5.0  # of a logarithmic axis whose ticks are plain numbers, not powers of ten
 _SHORT = (1e-3, 1e5)  # from where to where ticks are short without a power of ten
-_LEAST_TICK = 0.05  # of a logarithmic axis in the unit of its upper end
+_LEAST_TICK = 0.0999  # power of ten on a logarithmic axis in the unit of its upper end
 _ROW = 15.0  # height of a row of a legend in points
 _HANDLE = 9  # width of a line's sample in a legend, in letters
 
@@ -115,7 +115,8 @@ def _power(low: float, high: float, log: bool, inverse: bool, seconds: bool) -> 
         return 0
     power = int(3 * np.floor((np.log10(size) + 1e-9) / 3))
     upper = int(3 * np.floor((np.log10(high) + 1e-9) / 3)) if high > 0.0 else power
-    power = upper if log and not wide and low >= _LEAST_TICK * 10.0**upper else power
+    if log and not wide and 10.0 ** np.ceil(np.log10(low) - 1e-9) >= _LEAST_TICK * 10.0**upper:
+        power = upper
     power += 3 * (not wide and high >= 10.0 ** (power + 4))
     least, most = (-9, 15) if inverse else (-15, 0 if seconds else 12)  # 1/Gm to 1/fm
     return int(np.clip(power, least, most))

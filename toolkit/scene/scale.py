@@ -217,24 +217,30 @@ def rounded_up(error: float, digits: int = 1) -> float:
 
 
 def with_error(value: float, error: float, digits: int) -> str:
-    """Value and error, rounded up, as text, the value to `digits` or to the first digit of the error, and to the second
-    where it is of the size of the first; without an error of 0."""
+    """Value and error, rounded up, as text, both with one power of ten where they have any: the value to `digits` or to
+    the first digit of the error, and to the second where it is of the size of the first; without an error of 0."""
     if not (np.isfinite(value) and 0.0 < error < np.inf):
         return f"{value:.{digits}g}" + " ± inf" * bool(np.isfinite(value) and error == np.inf)
     magnitude = np.floor(np.log10(abs(value) or error))
     said, of_error = rounded_up(error), 1
     if error < abs(value) and magnitude == np.floor(np.log10(said)):
         said, of_error = rounded_up(error, digits=2), 2
-    shown = int(magnitude - np.floor(np.log10(said))) + of_error
-    error_text = _with_zeros(said, of_error)
-    if shown >= digits:
-        return f"{value:.{digits}g} ± {error_text}"
-    return f"{_with_zeros(value, max(shown, 1))} ± {error_text}"
+    last = int(np.floor(np.log10(said))) - of_error + 1  # power of ten of the last digit
+    if magnitude - last + 1 >= digits:
+        return f"{value:.{digits}g} ± {said:.{of_error}g}"
+    return _beside(value, said, last, power_of_size(max(abs(value), said)))
 
 
-def _with_zeros(value: float, digits: int) -> str:
-    """The value in so many digits, its last zeros among them."""
-    return f"{value:#.{digits}g}".removesuffix(".").replace(".e", "e")
+def power_of_size(size: float) -> int:
+    """The power of ten to take out of a number: 0 where it is short without."""
+    return 0 if 1e-3 <= size < 1e6 else int(np.floor(np.log10(size)))
+
+
+def _beside(value: float, error: float, last: int, power: int, unit: str = "") -> str:
+    """Value and error, rounded to the digit of 10^`last`, in multiples of 10^`power`, which `unit` stands for."""
+    each = (round(one / 10.0**last) * 10.0**last / 10.0**power for one in (value, error))
+    both = " ± ".join(f"{one:,.{max(power - last, 0)}f}" for one in each)
+    return f"({both})e{power:+03d}" if power and not unit else f"{both}{unit}"
 
 
 def with_scatter(value: float, error: float, unit: str, digits: int = 4) -> str:
@@ -252,17 +258,12 @@ def _with_one_prefix(value: float, error: float, told: float, unit: str, digits:
     if value and np.floor(np.log10(abs(value))) <= last:
         last -= 1
         told = told if told == error else rounded_up(error, digits=2)
-    value, told = (round(one / 10.0**last) * 10.0**last for one in (value, told))
-    larger = max(abs(value), told)
+    larger = max(abs(value), told, 10.0**last)
     if unit in PREFIXED:
-        power = _power_of(larger, unit)
-    else:
-        power = 0 if 1e-3 <= larger < 1e6 else int(np.floor(np.log10(larger)))
-    places = max(power - last, 0)
-    both = " ± ".join(f"{one / 10.0**power:,.{places}f}" for one in (value, told))
-    if unit in PREFIXED:
-        return f"{both} {PREFIXES[power]}{unit}"
-    return f"{f'({both})e{power:+03d}' if power else both} {unit}".strip()
+        # of what is rounded up to a power of ten that has a prefix
+        power = _power_of(_cut(larger, int(np.floor(np.log10(larger))) - last + 1), unit)
+        return _beside(value, told, last, power, f" {PREFIXES[power]}{unit}")
+    return f"{_beside(value, told, last, power_of_size(larger))} {unit}".strip()
 
 
 def of_contacts(number: float, digits: str = ",.0f") -> str:

@@ -25,6 +25,8 @@ from toolkit.verdict.uncertainty import TOLD_FROM, is_vague, widest_uncertainty
 WORTH_SHOWING = 0.01
 # of a mean: a standard deviation from slip to slip above which the range is told, as slips may be of several kinds
 WIDE = 0.3
+# times an error of the mean: no larger a scatter is told beside it, of so few slips that they are one and the same
+NO_MORE = 1.1
 
 
 def does(finite: Finite) -> str:
@@ -151,11 +153,12 @@ def fluctuating(finite: Finite, scale: Scale) -> str:
     return f", fluctuating by ± {said}{between}"
 
 
-def _scatter(each: Spread | None, like: float, unit: str, factor: float = 1.0) -> str:
+def _scatter(each: Spread | None, error: float, like: float, unit: str, factor: float = 1.0) -> str:
     """How a number differs from slip to slip, in brackets: by its standard deviation, or where that is WIDE of the mean
     by the range, as slips of several kinds have no scatter about a mean; "" where it is below WORTH_SHOWING of `like`,
-    the number that it stands behind, with whose prefix it is written."""
-    if each is None or each.std < WORTH_SHOWING * abs(like):
+    the number that it stands behind, with whose prefix it is written, or no more than its `error`, which is told."""
+    hidden = WORTH_SHOWING * abs(like)
+    if each is None or each.std < max(hidden, min(WIDE * abs(each.mean), NO_MORE * error)):
         return ""
     if each.std <= WIDE * abs(each.mean):
         return f" (scatter ± {prefixed_like(each.std * factor, like * factor, unit)})"
@@ -172,7 +175,7 @@ def period_with_scatter(verdict: Verdict, finite: Finite) -> tuple[str, str]:
     known = 0.0 < error < np.inf
     every, later = _with_error(verdict, period, error) if known else period_of(verdict, period)
     unit = verdict.own.scale.length_unit
-    return every + _scatter(finite.periods, period, unit), later
+    return every + _scatter(finite.periods, error, period, unit), later
 
 
 def _with_error(verdict: Verdict, period: float, error: float) -> tuple[str, str]:
@@ -270,7 +273,8 @@ def fall_of(finite: Finite, scale: Scale) -> str:
         for mean, error in means
     )
     drop = (finite.before - finite.after) * factor
-    scatter = [_scatter(one, size, unit, factor) for one in (finite.befores, finite.drops)]
+    each = (finite.befores, finite.before_error), (finite.drops, 0.0)
+    scatter = [_scatter(*one, size, unit, factor) for one in each]
     if scatter[1] and finite.after and finite.drops is not None:
         # slips of one kind have a mean; of several kinds it is no more than a size
         one_kind = "±" in scatter[1]

@@ -29,10 +29,9 @@ from toolkit.verdict.uncertainty import (
 _RUNG = 0.05
 # the row that says how many slips there were, where they are few
 SLIPS_SEEN = "slips seen"
+TIME_OF_A_SLIP = "time of a slip"
 # what the answer tells of infinitely many contacts beside those of the area
 IN_BRACKETS = "force before a slip", "drop of a slip", "of it regained over a period", "period"
-# what a slip rule says of how long a slip takes: nothing; M is what moves with the surface
-WITHOUT_MASS = "hangs on the mass M, some π (M/K)^(1/2): give drive.mass"
 # part of a period, the drive's way while contacts are out, up to which K times the period is what the spring regains
 WAITING = 0.02
 
@@ -88,9 +87,7 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
             told = _of_few_slips(behaviour) + still_changing(behaviour.finite, scale)
             values[SLIPS_SEEN] = told
         if (lasts := behaviour.in_time.slip_time) is not None:
-            values["time of a slip"] = written(lasts, scale.time_unit)
-        elif machine is not None and machine.mass is None:
-            values["time of a slip"] = WITHOUT_MASS
+            values[TIME_OF_A_SLIP] = written(lasts, scale.time_unit)
         if behaviour.rule in few:  # whose forces and period stand in the answer, in brackets
             values = {name: told for name, told in values.items() if name not in IN_BRACKETS}
         whose = ", infinitely many contacts" * (behaviour.rule in few)
@@ -99,6 +96,9 @@ def rows_of_slips(verdict: Verdict) -> Iterator[list[str]]:
             rows.setdefault((name + whose, value), []).append(rule)
     for (name, value), rules in rows.items():
         yield [f"{name} ({', '.join(rules)})", value, "", ""]
+    slip = any(one.slips and one.kind != "smooth" for one in verdict.own.behaviours)
+    if slip and machine is not None and machine.mass is None:
+        yield [TIME_OF_A_SLIP, "hangs on the mass M, some π (M/K)^(1/2): give drive.mass", "", ""]
 
 
 def _of_load(

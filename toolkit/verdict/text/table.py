@@ -11,7 +11,7 @@ from toolkit.scene.scale import PREFIXED, Scale, guarded, in_three_digits, prefi
 from toolkit.verdict.answers import Answer, Quantity, Verdict
 from toolkit.verdict.sliders.records import Behaviour
 from toolkit.verdict.text.k_star import of_chance, of_critical_spring
-from toolkit.verdict.text.slip_rows import SLIPS_SEEN, rows_of_slips
+from toolkit.verdict.text.slip_rows import SLIPS_SEEN, TIME_OF_A_SLIP, rows_of_slips
 from toolkit.verdict.text.spread import other_samples
 from toolkit.verdict.uncertainty import (
     VAGUE,
@@ -104,7 +104,7 @@ def _rows(verdict: Verdict) -> Iterator[list[str]]:
         yield ["contacts on the area", in_three_digits(numbers[0]), "", range_text]
     resampled = bool(own.kinetic.sampling)
     for name, value, *_ in rows_of_slips(verdict):
-        seen = name.startswith(SLIPS_SEEN)
+        seen = name.startswith((SLIPS_SEEN, TIME_OF_A_SLIP))
         yield [name, value, NOT_RESAMPLED if resampled and not seen else "", ""]
 
 
