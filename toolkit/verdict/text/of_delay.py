@@ -29,12 +29,11 @@ from toolkit.verdict.text.kinds import (
     named,
 )
 from toolkit.verdict.text.slip_rows import drop_of
+from toolkit.verdict.text.swinging import among_them, of_swings, swinging_delays
 from toolkit.verdict.uncertainty import WORTH_TELLING
 
 # times as long as a slip its loading is, from which on a delay may be far above the one and far below the other
 APART = 10.0
-# part by which heat changes F_k, above which friction without heat tells nothing of it
-HEAT_MATTERS = 0.1
 # what both solvers say of a mass that a damping would let end
 _RINGS = "the slider rings"
 
@@ -46,58 +45,11 @@ def delay_decides(verdict: Verdict) -> bool:
     return other is not None and "undecided" not in kinds | {other.kind} and other.kind not in kinds
 
 
-def _unstable(own: Answer) -> tuple[float, float] | None:
-    """See `unstable_delays`, of the own reading with the damping that it was followed with; None, too, where heat
-    changes friction much."""
-    if own.machine is None:
-        return None
-    if own.cold and abs(own.kinetic.value - own.cold.value) > HEAT_MATTERS * own.cold.value:
-        return None
-    return unstable_delays(damped(own), own.contacts)
-
-
-def _among_them(own: Answer) -> bool:
-    """Whether the own delay is an unstable one."""
-    band = _unstable(own)
-    return band is not None and band[0] < own.contacts.waiting_time < band[1]
-
-
-def _swinging_delays(own: Answer, longest: float = np.inf) -> str:
-    """Between which delays of the contacts, up to the `longest`, friction falls with the speed by more than the damping
-    rises, in words; "" where there are none, and where that decides nothing."""
-    band = _unstable(own)
-    if band is None:
-        return ""
-    low, high = band[0], min(band[1], longest)
-    unit, cold = own.scale.time_unit, "without heat, " * (own.contacts.thermal is not None)
-    if np.isinf(high):
-        return f"{cold}with any delay"
-    if not low:
-        return f"{cold}with a delay of up to {spoken(high, unit)}"
-    return f"{cold}with a delay between {spoken(low, unit)} and {spoken(high, unit)}"
-
-
-def _of_swings(own: Answer, longest: float = np.inf) -> str:
-    """What a slider does with such delays, in a sentence that follows another one; "" where there are none."""
-    between = _swinging_delays(own, longest)
-    if not between:
-        return ""
-    among = _among_them(own)
-    # a slider that sticks first slips from F_s, which the fall of friction about a steady speed does not end
-    slides = own.behaviours[0].kind == "smooth" and bool(own.contacts.waiting_time) and not among
-    longer = "; with somewhat longer ones it may go on to slip once it has begun" * (not slides)
-    said = (
-        f"{between[0].upper()}{between[1:]}{', as with this one,' * among} friction falls with the speed by more than "
-        f"the damping rises, so that the slider swings or slips{longer * ('between' in between)}"
-    )
-    return f". {said}{' (not followed)' * (not among)}"
-
-
 def _untried(verdict: Verdict) -> str:
-    """`_of_swings` of a slider with mass, but not of longer delays than one with which it was followed and slides."""
+    """`of_swings` of a slider with mass, but not of longer delays than one with which it was followed and slides."""
     own, other = verdict.own, verdict.turned
     slides = other is not None and (other.rule, other.kind) == ("mass", "smooth")
-    return _of_swings(own, long_delay_of(own) if slides else np.inf)
+    return of_swings(own, long_delay_of(own) if slides else np.inf)
 
 
 def would_swing(verdict: Verdict) -> list[str]:
@@ -106,7 +58,7 @@ def would_swing(verdict: Verdict) -> list[str]:
     if [(one.rule, one.kind) for one in own.behaviours] != [("mass", "smooth")]:
         return []
     said = _untried(verdict).removeprefix(". ")
-    return [said] * bool(said and not _among_them(own))
+    return [said] * bool(said and not among_them(own))
 
 
 def of_extremes(verdict: Verdict) -> str:
@@ -130,7 +82,7 @@ def of_extremes(verdict: Verdict) -> str:
         said = f"{each['instant']} if {long}, and if {none}"
     else:
         said = f"{each['reform-after']} if {long}, {each['instant']} if {none}"
-    if between := _swinging_delays(own):
+    if between := swinging_delays(own):
         said += f"; {between} it swings or slips"
     late = "wall_time" in first.message
     return f"not decided{' in time' * late}: {said}{f'; {HOW_TO_GIVE_MORE_TIME}' * late}"
@@ -284,7 +236,7 @@ def of_short_delays(own: Answer) -> str:
     why, shortest, swings = (
         ", in which a slip goes on by <x_s>,",
         short_delay_of(own),
-        _of_swings(own),
+        of_swings(own),
     )
     if 0.0 < shortest < mean / fastest:
         why = ", above which friction falls with the speed by more than the damping rises,"
