@@ -33,13 +33,15 @@ def known(contacts: Contacts, velocity: float) -> RigidSlider:
     return rigid_slider(contacts, steady, found, None)
 
 
-def told(contacts: Contacts, rule: str, machine: Machine = SOFT) -> Behaviour | None:
+def told(
+    contacts: Contacts, rule: str, machine: Machine = SOFT, rigid: RigidSlider | None = None
+) -> Behaviour | None:
     """What contacts without heat tell of the slider."""
     return by_contacts_without_heat(
         machine,
         contacts,
         rule,
-        known(contacts, machine.velocity),
+        rigid or known(contacts, machine.velocity),
         time.monotonic() + 1e4,
         lambda bare, told: follow(machine, bare, rule, told, 1e4),
     )
@@ -112,9 +114,12 @@ def test_contacts_without_heat_tell_of_no_other_slider() -> None:
     assert told(hardly, "reset") is None
     assert told(WEAK, "reset", Machine(0.1, None, 0.0, 1.0)) is None
     assert told(WEAK, "reset", Machine(0.02, 1.0, 0.1, 1.0)) is None
-    assert told(WEAK.replace(delay=Delay(1.0)), "reset") is None
-    assert told(WEAK.replace(start=gaussian_start(0.0, 0.1)), "reset") is None
-    assert told(WEAK.replace(thresholds=identical(1.0)), "reset") is None
+    for other in (
+        {"delay": Delay(1.0)},
+        {"start": gaussian_start(0.0, 0.1)},
+        {"thresholds": identical(1.0)},
+    ):
+        assert told(WEAK.replace(**other), "reset", rigid=known(WEAK, 1.0)) is None
 
 
 def test_contacts_without_heat_tell_of_no_slip_that_heat_may_take_away() -> None:
