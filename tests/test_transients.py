@@ -15,6 +15,7 @@ import eq_model
 import master
 from eq_model.result import CoupledSlips
 from origins import Contacts, Delay, Thermal, gaussian
+from tests.verdicts import reading, text_of, verdict_on
 from toolkit.results.mean_of_pairs import mean_of_pairs
 from toolkit.results.rarer import rarer
 from toolkit.results.slips import are_lasting, late_slips, slips_beyond
@@ -32,7 +33,7 @@ from toolkit.verdict.sliders.records import Behaviour, Finite, not_followed
 from toolkit.verdict.sliders.steady import friction_falls, is_stable_with_delay
 from toolkit.verdict.sliders.told import behaviour_of
 from toolkit.verdict.text.hangs_on import dependence
-from toolkit.verdict.text.words import page, sentence
+from toolkit.verdict.text.words import sentence
 
 WIDE = gaussian(1.0, 0.4)
 
@@ -205,11 +206,8 @@ def test_smooth_sliding_after_slips_that_shrink_is_told_at_f_k_with_what_is_left
 
 def of(behaviour: Behaviour) -> answers.Verdict:
     """A verdict of one reading."""
-    contacts, number = Contacts(WIDE, delay=Delay(0.2)), answers.Quantity(0.5, 1e-9)
-    machine = Machine(0.5, 2e-5, 5e-3, 1.0)
-    scale = scale_of(contacts, None)
-    own = answers.Answer("own", contacts, scale, number, number, number, machine, (behaviour,))
-    return answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)
+    contacts, machine = Contacts(WIDE, delay=Delay(0.2)), Machine(0.5, 2e-5, 5e-3, 1.0)
+    return verdict_on(reading(behaviour, contacts=contacts, machine=machine, kinetic=0.5))
 
 
 @pytest.mark.slow  # quick: test_smooth_sliding_after_slips_that_shrink, of infinitely many
@@ -363,7 +361,7 @@ def test_a_period_has_its_own_error() -> None:
             finite=(),
         )
         assert said in sentence(told)
-        assert said.removeprefix("every ") in "\n".join(page(told)).partition("\n\n")[2]
+        assert said.removeprefix("every ") in text_of(told).partition("\n\n")[2]
 
 
 # of a tribologist's machine, 1.45 kN/m, 60 g, 0.546 N s/m, 22.4 s and 2.66 µm/s, in thresholds: contacts wait on a way
@@ -455,15 +453,12 @@ def test_slips_that_get_ever_rarer_end_where_steady_sliding_is_stable(
     assert found.kind == EVER_RARER and many is not None and many.kind == EVER_RARER
     assert many.rarer is not None and many.rarer.first < 0.5 * many.rarer.last
     share = 1.0 / (1.0 + 11819.0 / WIDE.mean())
-    kinetic = answers.Quantity(share * WIDE.moment(2) / 2.0 / WIDE.mean(), 1e-9)
-    scale = scale_of(RARE_CONTACTS, None)
-    static = answers.Quantity(0.56, 1e-9)
-    own = answers.Answer(
-        "own", RARE_CONTACTS, scale, kinetic, static, static, RARE, (found,), holding=share
-    )
-    told = answers.Verdict("a", "a", 1.0, (own,), (many,), {}, 1.0)
-    said, text = sentence(told), "\n".join(page(told))
-    force = kinetic.value + RARE.damping
+    kinetic = share * WIDE.moment(2) / 2.0 / WIDE.mean()
+    given = {"kinetic": kinetic, "static": 0.56, "spring": 0.56, "holding": share}
+    own = reading(found, contacts=RARE_CONTACTS, machine=RARE, **given)
+    told = verdict_on(own, finite=(many,))
+    said, text = sentence(told), text_of(told)
+    force = kinetic + RARE.damping
     assert f"slips ever rarer, smooth in the end at {force:.2e} " in said
     assert re.search(r"\d{3} slips a slider over 5\.\de\+06.*every 1\d,000 .*every \d\d,000 ", said)
     usual = re.search(r"fluctuating by ± (\S+) N_c<k>·length between slips", said)
@@ -499,10 +494,10 @@ def test_where_sliding_is_stable_slips_that_neither_end_nor_last_are_open() -> N
 
 def on_area(one: Behaviour, few: Finite, machine: Machine, contacts: Contacts) -> answers.Verdict:
     """A verdict on so many contacts of an area, and on infinitely many."""
-    kinetic = answers.Quantity(master.steady_state(contacts, velocity=1.0).force, 1e-9)
+    kinetic = master.steady_state(contacts, velocity=1.0).force
     scale = replace(scale_of(contacts, None), contacts=float(few.contacts))
-    own = answers.Answer("own", contacts, scale, kinetic, kinetic, kinetic, machine, (one,))
-    return answers.Verdict("a", "a", 1.0, (own,), (few,), {}, 1.0)
+    own = reading(one, contacts=contacts, machine=machine, kinetic=kinetic, scale=scale)
+    return verdict_on(own, finite=(few,))
 
 
 SLIDES = Behaviour("mass", "smooth", 0.1, 0.1, None, 1, 1e-6, True, "", 1.0)
@@ -523,7 +518,7 @@ def test_swings_that_have_not_died_out_are_told_by_their_ends_and_are_no_error()
     assert found.after == pytest.approx(steady.force + machine.damping)
     few = Finite("mass", 20_000, "smooth", slips=36.0)
     told = on_area(found, few, machine, contacts)
-    said, text = sentence(told), "\n".join(page(told))
+    said, text = sentence(told), text_of(told)
     delays = found.drive[-1] / 5.6
     assert re.match(r"smooth at 0\.\d+ N_c<k>·length", said) and "±" not in said
     assert f"of the drive, {delays:.3g} delays of its contacts" in said
@@ -556,7 +551,7 @@ def test_means_that_leave_smaller_slips_out_say_so() -> None:
     one = replace(SLIDES, kind="stick-slip", after=-0.1, slips=9, finite=few, contacts=300)
     told = ", without 5 of 17 slips, below a fifth of the largest"
     found = on_area(one, replace(few, before=0.55), machine, contacts)
-    assert sentence(found).count(told) == 1 and "\n".join(page(found)).count(told) == 2
+    assert sentence(found).count(told) == 1 and text_of(found).count(told) == 2
     whole = on_area(
         replace(one, finite=replace(few, smaller=0)), replace(few, smaller=0), machine, contacts
     )

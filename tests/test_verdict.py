@@ -1,7 +1,6 @@
 """`mesofriction verdict`: the sentence, the table and the files hold what closed forms and the solvers say."""
 
 import csv
-import json
 import os
 import re
 import signal
@@ -23,6 +22,19 @@ from master.soft import followed
 from master.soft.turns import LegEnd, remedy_of
 from origins import Contacts, Delay, InputError, gaussian, identical, mixture
 from tests.scenes import CONSTANTS, GAUSSIAN, ROUGH, said, write
+from tests.verdicts import (
+    MACHINE,
+    RESET,
+    SOFT,
+    STATED,
+    WIDE,
+    infinite,
+    judged,
+    reading,
+    rigid,
+    text_of,
+    verdict_on,
+)
 from toolkit.processes.signals import Terminated, TimeIsUp, no_longer_than
 from toolkit.results.slips import spread_of
 from toolkit.running.solvers import within
@@ -50,14 +62,7 @@ from toolkit.verdict.text.words import page, sentence
 from toolkit.verdict.uncertainty import spring_to_digits
 from toolkit.verdict.with_mass import follow_other_delay
 
-MACHINE = {"spring": "1e6 N/m", "area": 1e-6, "velocity": 1e-6}
-# contacts of which all numbers are stated
-STATED = {
-    "thresholds": {"kind": "gaussian", "mean": 4e-9, "std": 8e-10},
-    "interface": {"mean_stiffness": 5.0, "contact_density": 5e11},
-}
 GAUSSIAN_CONTACTS = {"thresholds": {"kind": "gaussian", "mean": 1.0, "std": 0.2}}
-RESET = {"rules": ["reset"]}
 # one picture of each kind
 RENDERED = (
     "test_stick_slip_in_newtons",
@@ -74,13 +79,6 @@ pytestmark = pytest.mark.usefixtures("in_a_folder")
 def _rendered(request: pytest.FixtureRequest) -> None:
     if request.node.name not in RENDERED:
         request.getfixturevalue("unrendered")
-
-
-def judged(capsys: Any, **tables: Any) -> tuple[int, str, dict[str, Any]]:
-    """Status, page and verdict.json of the command for a scene of these tables."""
-    # so long that nothing hangs on the speed of the machine
-    status, out, _ = said(capsys, "verdict", write(**({"master": None, "wall_time": 1e4} | tables)))
-    return status, "\n".join(out), json.loads(Path("mine-output/verdict.json").read_text())
 
 
 def test_stick_slip_in_newtons(capsys: Any) -> None:
@@ -192,9 +190,9 @@ def test_of_other_readings_in_heat_it_is_told_whether_they_slip(capsys: Any) -> 
     status, page, found = judged(capsys, contacts=contacts, drive=drive, verdict=asked)
     own, other = found["readings"]
     assert status == 0 and "not decided" not in page
-    for reading, most in ((own, 1e-3), (other, 0.03)):
-        kinetic = reading["kinetic"]["value"]
-        for one in reading["behaviours"]:
+    for each, most in ((own, 1e-3), (other, 0.03)):
+        kinetic = each["kinetic"]["value"]
+        for one in each["behaviours"]:
             assert one["kind"] == "smooth" and one["error"] < most
             assert one["after"] == pytest.approx(kinetic, rel=1e-4)
 
@@ -318,20 +316,11 @@ def test_a_heavy_slider_on_a_structure_is_answered_with_a_stated_damping(capsys:
     assert behaviour["before"] == pytest.approx(kinetic, rel=1e-6)
 
 
-def infinite(kind: str, slips: int) -> Behaviour:
-    """What infinitely many contacts do under "reset"."""
-    return Behaviour("reset", kind, 0.8, 0.5, None, slips, 0.0, True, "", 0.0)
-
-
 def test_a_force_below_what_counts_as_a_slip_says_so() -> None:
     """Of contacts that hardly hold, as in strong heat: swings of 0.02 <x_s> are more than the force."""
-    contacts = Contacts(gaussian(1.0, 0.2))
-    scale, spring = scale_of(contacts, None), answers.Quantity(1.0, 1e-9)
     for force, small in ((0.019, True), (0.021, False)):
         slides = replace(infinite("smooth", 0), before=force, after=force)
-        sliding = answers.Quantity(force, 1e-9)
-        own = answers.Answer("own", contacts, scale, sliding, sliding, spring, SOFT, (slides,))
-        found = sentence(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0))
+        found = sentence(verdict_on(reading(slides, kinetic=force, spring=1.0)))
         counts = ", where swings of less than 0.020 N_c<k>·length would count as no slips"
         assert found.startswith("smooth at 0.0") and (counts in found) is small, found
 
@@ -1004,19 +993,6 @@ def test_what_takes_long_is_named_where_f_s_of_growing_thresholds_is_too_late(
     assert all(line.strip() for line in found["hangs_on"])
 
 
-# a slider on a spring far below K*, for which the master equation is given no time
-SOFT = Machine(spring=1e-4, mass=None, damping=0.0, velocity=1.0)
-WIDE = Contacts(gaussian(1.0, 0.3))
-
-
-def rigid(contacts: Contacts) -> RigidSlider:
-    """F_s, F_k, K* and the decoherence length of these contacts."""
-    found, steady = master.propensity(contacts, 1e-6), master.steady_state(contacts)
-    static = found.static_to_kinetic * steady.force
-    springs = found.critical_spring, found.decoherence_length
-    return RigidSlider(static, steady.force, 1e-9, *springs)
-
-
 def test_without_time_a_slider_that_forgets_its_start_slides_at_the_kinetic_force() -> None:
     """Contacts that re-form at once: the master equation, given the time, ends at the same force."""
     told = follow(SOFT, WIDE, "instant", rigid(WIDE), wall_time=0.0)
@@ -1239,11 +1215,9 @@ def test_contacts_that_stand_for_infinitely_many_are_told_of_once(
 
 def test_contacts_that_stand_for_more_are_no_contradiction() -> None:
     """Where fewer contacts tell the slips, the page does not say that their number was not looked at."""
-    number = answers.Quantity(1.0, 1e-9)
     few = replace(infinite("stick-slip", 6), period=8e3, contacts=1_000, message="by 1,000")
     late = Finite("reset", 9_000, "unknown", message="no time")
-    answer = answers.Answer("a", WIDE, scale_of(WIDE, None), number, number, number, SOFT, (few,))
-    text = "\n".join(page(answers.Verdict("a", "a", 1.0, (answer,), (late,), {}, 1.0)))
+    text = text_of(verdict_on(reading(few), finite=(late,)))
     told = "1,000 contacts stand for the 9,000 of the area if a slip renews all contacts: no time"
     assert told in text and "not looked at" not in text
 
@@ -1285,18 +1259,15 @@ def test_a_slider_cut_after_a_slip_tells_of_it(capsys: Any, monkeypatch: Any) ->
 
 def test_slips_that_were_seen_are_told_beside_what_was_not_followed() -> None:
     """A mass that no solver takes comes first, and what was seen without it is told all the same."""
-    contacts, nan = Contacts(gaussian(1.0, 0.3)), float("nan")
     seen = replace(infinite("undecided", 16), before=0.2, after=0.0, message="cut", success=False)
-    refused = replace(not_followed("mass", "no such slider"), before=nan)
-    number, scale = answers.Quantity(1.0, 0.0), scale_of(contacts, None)
-    answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (refused, seen))
-    said = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+    refused = replace(not_followed("mass", "no such slider"), before=float("nan"))
+    found = verdict_on(reading(refused, seen))
+    said, text = sentence(found), text_of(found)
     assert said.startswith("not decided (no such slider) if mass, damping and delay decide; ")
     assert (
         "16 slips were seen, the last from 0.2" in said and "if a slip renews all contacts" in said
     )
     assert "and whether it goes on is not known" in said
-    text = "\n".join(page(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0)))
     assert "force before a slip (reset: not decided)" in text
     assert re.search(r"^slips \(mass\) +not known$", text, re.M)
 
@@ -1331,19 +1302,17 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
     None
 ):
     """One reading of three is decided: the sentence is its own, and says so; F_k of all is known all the same."""
-    contacts, scale = Contacts(gaussian(1.0, 0.3)), scale_of(Contacts(gaussian(1.0, 0.3)), None)
     sure, vague = answers.Quantity(2.0, 1e-6), answers.Quantity(10.0, 6.0)
 
     def answer(
         name: str, kinetic: float, spring: answers.Quantity, one: Behaviour
     ) -> answers.Answer:
-        force = answers.Quantity(kinetic, 1e-6)
-        return answers.Answer(name, contacts, scale, force, force, spring, SOFT, (one,))
+        return reading(one, kinetic=answers.Quantity(kinetic, 1e-6), spring=spring, name=name)
 
     smooth, late = replace(infinite("smooth", 0), error=1e-9), not_followed("reset", NO_TIME)
     others = answer("b", 0.4, vague, late), answer("c", 0.5, sure, late)
-    found = answers.Verdict("a", "a", 1.0, (answer("own", 0.9, sure, smooth), *others), (), {}, 1.0)
-    said, text = sentence(found), "\n".join(page(found))
+    found = verdict_on(answer("own", 0.9, sure, smooth), *others)
+    said, text = sentence(found), text_of(found)
     assert said.startswith("smooth at 0.5") and said.count("\n") == 0
     assert "so say own; the other 2 are not decided in time; F_k of all 3 is 0.4" in said
     assert " to 0.9" in said and text.count(said) == 1 and "not decided: b, c: out of time" in text
@@ -1352,24 +1321,23 @@ def test_readings_that_are_not_decided_stand_in_the_headline_and_their_errors_in
     assert "  K* of b, which is in the range: 6e-01, 10 ± 6 N_c<k>\n" in text
     assert "K* of c" not in text
     agreed = replace(found, answers=(found.own, answer("c", 0.5, sure, smooth)))
-    assert "not decided" not in "\n".join(page(agreed)) and "this is of" not in sentence(agreed)
+    assert "not decided" not in text_of(agreed) and "this is of" not in sentence(agreed)
 
 
 def test_a_critical_spring_below_its_error_is_not_told() -> None:
     """Neither of the scene's own reading nor of another one, whose value is then in no range."""
-    contacts, force = Contacts(gaussian(1.0, 0.3)), answers.Quantity(0.5, 1e-9)
-    scale, smooth = scale_of(contacts, None), replace(infinite("smooth", 0), error=1e-9)
+    smooth = replace(infinite("smooth", 0), error=1e-9)
     sure, vague = answers.Quantity(2.0, 1e-6), answers.Quantity(7.0, 9.0)
 
     def told(machine: Machine | None, *springs: answers.Quantity) -> tuple[str, answers.Verdict]:
-        named = [(f"r{number}", spring) for number, spring in enumerate(springs)]
-        behaviours = (smooth,) if machine else ()
-        each = tuple(
-            answers.Answer(name, contacts, scale, force, force, spring, machine, behaviours)
-            for name, spring in named
+        given: Any = {"machine": machine, "kinetic": 0.5}
+        found = verdict_on(
+            *(
+                reading(*[smooth] * bool(machine), spring=spring, name=f"r{number}", **given)
+                for number, spring in enumerate(springs)
+            )
         )
-        verdict = answers.Verdict("a", "a", 1.0, each, (), {}, 1.0)
-        return "\n".join(page(verdict)), verdict
+        return text_of(found), found
 
     for machine in (SOFT, None):
         text, found = told(machine, vague, sure)
@@ -1389,12 +1357,9 @@ def test_a_critical_spring_below_its_error_is_not_told() -> None:
 
 def test_forces_under_two_rules_are_told_each_with_its_own_error() -> None:
     """Of 0.04 of a unit of force one half may be known under one rule, and 1.5 to a thousandth under the other."""
-    contacts, number = Contacts(gaussian(1.0, 0.3)), answers.Quantity(2.0, 1e-6)
     early = replace(infinite("stick-slip", 9), before=0.04, after=0.0, period=None, error=0.02)
     full = replace(early, rule="reform-after", before=1.5, error=2e-3, period=15_123.4)
-    scale = scale_of(contacts, None)
-    own = answers.Answer("own", contacts, scale, number, number, number, SOFT, (early, full))
-    text = "\n".join(page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)))
+    text = text_of(verdict_on(reading(early, full, kinetic=2.0)))
     assert (
         "stick-slip: 0.040 ± 0.020 N_c<k>·length down to 0 N_c<k>·length if a slip renews" in text
     )
@@ -1407,17 +1372,14 @@ def test_forces_under_two_rules_are_told_each_with_its_own_error() -> None:
 
 
 def test_a_reading_decided_under_some_slip_rules_alone_is_named() -> None:
-    contacts, number = Contacts(gaussian(1.0, 0.3)), answers.Quantity(2.0, 1e-6)
-    scale, late = scale_of(contacts, None), not_followed("instant", NO_TIME)
-    smooth = replace(infinite("smooth", 0), error=1e-9)
+    smooth, late = replace(infinite("smooth", 0), error=1e-9), not_followed("instant", NO_TIME)
     at_once = replace(smooth, rule="instant")
-
-    def answer(name: str, *behaviours: Behaviour) -> answers.Answer:
-        return answers.Answer(name, contacts, scale, number, number, number, SOFT, behaviours)
-
-    both = answer("own", smooth, at_once), answer("b", smooth, at_once), answer("c", smooth, late)
+    both = tuple(
+        reading(smooth, other, kinetic=2.0, name=name)
+        for name, other in (("own", at_once), ("b", at_once), ("c", late))
+    )
     for each in (both, both[:2]):
-        text = "\n".join(page(answers.Verdict("a", "a", 1.0, each, (), {}, 1.0)))
+        text = text_of(verdict_on(*each))
         told = "decided under some slip rules, and not under others: c"
         assert (told in text) == (len(each) == 3)
 
@@ -1434,14 +1396,11 @@ def test_a_reading_decided_under_some_slip_rules_alone_is_named() -> None:
 def test_what_is_given_is_not_asked_for(
     drive: dict[str, float], delay: float, told: str, not_told: str
 ) -> None:
-    number, rules = answers.Quantity(1.0, 0.0), [infinite("stick-slip", 5), infinite("smooth", 0)]
+    rules = [infinite("stick-slip", 5), replace(infinite("smooth", 0), rule="instant")]
     if drive:
         rules = [not_followed("mass", NO_TIME), *rules]
-    contacts = Contacts(gaussian(1.0, 0.3), delay=Delay(delay) if delay else None)
-    machine, scale = replace(SOFT, **drive), scale_of(contacts, None)
-    rules[-1] = replace(rules[-1], rule="instant")
-    answer = answers.Answer("a", contacts, scale, number, number, number, machine, tuple(rules))
-    text = page(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+    contacts = WIDE.replace(delay=Delay(delay) if delay else None)
+    text = page(verdict_on(reading(*rules, contacts=contacts, machine=replace(SOFT, **drive))))
     (line,) = (one for one in text if one.startswith("  the slip rule: "))
     assert told in line and not_told not in line and "undecided" not in "\n".join(text)
 
@@ -1495,35 +1454,28 @@ def test_a_short_delay_is_told_beside_contacts_without_one(capsys: Any, monkeypa
 
 def test_a_smooth_slider_with_mass_and_no_delay_hangs_on_that() -> None:
     """Below K* contacts that re-form late would let it slip: none is given, so the first sentence says so."""
-    number, own = answers.Quantity(1.0, 0.0), replace(infinite("smooth", 0), rule="mass")
+    own = replace(infinite("smooth", 0), rule="mass")
     for spring, delay, told in ((1e-4, 0.0, True), (2.0, 0.0, False), (1e-4, 3.0, False)):
-        contacts = Contacts(gaussian(1.0, 0.3), delay=origins.Delay(delay) if delay else None)
-        machine, scale = replace(SOFT, spring=spring, mass=1.0), scale_of(contacts, None)
-        answer = answers.Answer("own", contacts, scale, number, number, number, machine, (own,))
-        found = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+        contacts = WIDE.replace(delay=Delay(delay) if delay else None)
+        machine = replace(SOFT, spring=spring, mass=1.0)
+        found = sentence(verdict_on(reading(own, contacts=contacts, machine=machine)))
         first = "if contacts form again at once, as no delay is given: " * told
         assert found.startswith(f"{first}smooth at 0.5")
 
 
 def test_an_error_that_is_told_leaves_the_force_no_more_digits() -> None:
-    number, own = answers.Quantity(0.5437, 1e-9), replace(infinite("smooth", 0), error=0.01)
-    contacts, own = Contacts(gaussian(1.0, 0.3)), replace(own, before=0.5437, after=0.5437)
-    scale = scale_of(contacts, None)
-    answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
-    found = sentence(answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0))
+    own = replace(infinite("smooth", 0), before=0.5437, after=0.5437, error=0.01)
+    found = sentence(verdict_on(reading(own, kinetic=0.5437)))
     assert found.startswith("smooth at 0.54 ± 0.01 N_c<k>·length")
 
 
 def test_beside_an_error_of_what_still_swings_stands_the_force_that_it_swings_about() -> None:
     """F_k and γ v, 0.05 and 0.2 × 2: an error of 0.1 reaches below what the damping alone bears, and 0.45 is known."""
-    number, contacts = answers.Quantity(0.05, 1e-9), Contacts(gaussian(1.0, 0.3))
     own = replace(infinite("smooth", 1), rule="mass", error=0.1, before=0.47, after=0.47)
     machine = replace(SOFT, mass=1.0, damping=0.2, velocity=2.0)
-    scale = scale_of(contacts, None)
     for rule, told in (("mass", True), ("instant", False)):
-        each = (replace(own, rule=rule),)
-        answer = answers.Answer("own", contacts, scale, number, number, number, machine, each)
-        said = dependence(answers.Verdict("a", "a", 2.0, (answer,), (), {}, 1.0))
+        one = reading(replace(own, rule=rule), machine=machine, kinetic=0.05)
+        said = dependence(verdict_on(one, velocity=2.0))
         (line,) = (one for one in said if "is known less well than others" in one)
         share = "sliding that swings no more bears 0.450 N_c<k>·length, F_k and the damping's share"
         assert line.endswith(share) is told
@@ -1543,25 +1495,12 @@ def test_linked_stiffness_is_what_a_verdict_hangs_on(stiffness: str, capsys: Any
 
 def test_an_error_that_hides_beside_the_force_before_a_slip_is_much_of_that_after_it() -> None:
     """Readings are 5 % apart, 13 of 256 mN: more than the error of 6.5 mN, which leaves two digits of 40.6 mN."""
-    contacts, unit = Contacts(gaussian(1.0, 0.3)), 0.25 / 1e-3
+    unit = 0.25 / 1e-3
     own = replace(infinite("stick-slip", 8), before=256.47 / unit, after=40.6 / unit)
-    mean = contacts.mean_threshold
+    own = replace(own, error=6.5 / unit / WIDE.mean_threshold)
     scale = Scale(1e-3 * unit, "N", 1.0, "N/m", "m", "s")
-    each = [answers.Quantity(value / unit, 1e-9) for value in (240.9, 253.0)]
-    first, other = (
-        answers.Answer(
-            name,
-            contacts,
-            scale,
-            force,
-            force,
-            force,
-            SOFT,
-            (replace(own, error=6.5 / unit / mean),),
-        )
-        for name, force in zip("ab", each, strict=True)
-    )
-    found = sentence(answers.Verdict("a", "a", 1.0, (first, other), (), {}, 1.0))
+    each = (reading(own, scale=scale, kinetic=value / unit) for value in (240.9, 253.0))
+    found = sentence(verdict_on(*each))
     assert found.startswith("stick-slip: 256 mN down to 41 mN"), found
 
 
@@ -1599,13 +1538,12 @@ def test_slips_of_islands_may_begin_far_below_their_static_force() -> None:
 def test_the_critical_spring_of_smoothed_islands_is_no_number(monkeypatch: Any) -> None:
     """No digits of it, and no point: it hangs on how samples are smoothed."""
     monkeypatch.setattr(answers, "of_smoothing", lambda law: True)
-    contacts, scale = Contacts(gaussian(1.0, 0.3)), scale_of(Contacts(gaussian(1.0, 0.3)), None)
     force, spring = answers.Quantity(0.5, 1e-6), answers.Quantity(3.287, 0.1)
     for machine in (SOFT, None):
         rules = (infinite("smooth", 0),) if machine else ()
-        answer = answers.Answer("own", contacts, scale, force, force, spring, machine, rules)
-        found = answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0)
-        text = "\n".join(page(found))
+        answer = reading(*rules, machine=machine, kinetic=force, spring=spring)
+        found = verdict_on(answer)
+        text = text_of(found)
         assert "3.28" not in text + found._repr_html_() and "hangs on smoothing" in text
         assert ("K*, which is not known" in text) is (machine is None)
         assert "F_k and F_s: at most 2e-06\n" in text
@@ -1620,7 +1558,7 @@ def test_the_critical_spring_of_smoothed_islands_is_no_number(monkeypatch: Any) 
         which = "F_s is that of the smooth law through the islands' barriers, and the force before a slip"
         for before in (0.49, 0.5, 0.51) if machine else ():
             slips = replace(infinite("stick-slip", 5), before=before, after=0.1)
-            text = "\n".join(page(replace(found, answers=(replace(answer, behaviours=(slips,)),))))
+            text = text_of(verdict_on(replace(answer, behaviours=(slips,))))
             assert (which in text) is (
                 before != 0.5
             )  # where both stand beside each other, and differ
@@ -1653,14 +1591,12 @@ def test_what_smoothing_adds_to_the_kinetic_force_stands_beside_the_error_of_the
 
 def with_contacts(own: Behaviour, finite: Finite, *others: float) -> answers.Verdict:
     """The verdict on a slider of 300 contacts on its area; other readings have these F_k beside one of 1."""
-    contacts, rest = Contacts(gaussian(1.0, 0.3)), dict[str, str]()
-    scale = replace(scale_of(contacts, None), contacts=300.0, force_unit="N", spring_unit="N/m")
-    each = tuple(
-        answers.Answer(f"r{kinetic:g}", contacts, scale, force, force, force, SOFT, (own,))
+    scale = replace(scale_of(WIDE, None), contacts=300.0, force_unit="N", spring_unit="N/m")
+    each = (
+        reading(own, scale=scale, kinetic=answers.Quantity(kinetic, 0.0), name=f"r{kinetic:g}")
         for kinetic in (1.0, *others)
-        for force in [answers.Quantity(kinetic, 0.0)]
     )
-    return answers.Verdict("a", "a", 1.0, each, (finite,), rest, 1.0)
+    return verdict_on(*each, finite=(finite,))
 
 
 def test_the_areas_own_contacts_stand_in_the_headline_and_in_the_table() -> None:
@@ -1669,14 +1605,14 @@ def test_the_areas_own_contacts_stand_in_the_headline_and_in_the_table() -> None
     for before, told in ((0.7, True), (0.7999, False)):
         finite = Finite(own.rule, 300, "stick-slip", before, 1e-3, 0.0, 0.0, 5.0, period=70.0)
         found = with_contacts(own, finite)
-        said, text = sentence(found), "\n".join(page(found))
+        said, text = sentence(found), text_of(found)
         first = "stick-slip: 700 ± 1 mN down to 0 N every 70.0 length, 70.0 time at 1.00 with the 300 contacts of "
         first += "the area (800 mN down to 500 mN for infinitely many)"
         assert said == (first if told else "stick-slip: 800 mN down to 500 mN")
         if told:  # a mean that is known no better than itself has its error, on the page, too
             found = with_contacts(own, replace(finite, period_error=69.0))
             assert "every 70 ± 69 length, 70 ± 69 time at" in sentence(found)
-            assert "70 ± 69 length, 70 ± 69 time" in "\n".join(page(found))
+            assert "70 ± 69 length, 70 ± 69 time" in text_of(found)
         rows = dict(re.split(" {2,}", line)[:2] for line in text.splitlines() if "(reset)" in line)
         assert (rows.get("slips of 300 contacts, from (reset)") == "700 ± 1 mN down to 0 N") is told
         assert (rows.get("period of 300 contacts (reset)") == "70.0 length, 70.0 time") is told
@@ -1704,10 +1640,10 @@ def test_the_scatter_of_the_areas_contacts_is_told_as_scatter_and_not_as_an_erro
     found = with_contacts(slides, finite)
     told = "1.001 ± 0.002 N, fluctuating by ± 0.035 N"
     assert sentence(found) == f"smooth at {told}, {whose} (1.00 N for infinitely many)"
-    assert re.search(rf"sliding force of 300 contacts \(reset\) +{told}", "\n".join(page(found)))
+    assert re.search(rf"sliding force of 300 contacts \(reset\) +{told}", text_of(found))
     assert plain(found)["finite"][0]["fluctuation"] == pytest.approx(0.035)
     found = with_contacts(slides, replace(finite, fluctuation=5e-3))
-    assert "fluctuating" not in "\n".join(page(found))
+    assert "fluctuating" not in text_of(found)
     before, period = spread_of(np.array([0.68, 0.7, 0.72])), spread_of(np.linspace(60.0, 80.0, 9))
     slips = Finite("reset", 300, "stick-slip", 0.7, 1e-3, 0.0, 0.0, 5.0, period=70.0)
     slips = replace(slips, befores=before, drops=before, periods=period)
@@ -1719,7 +1655,7 @@ def test_the_scatter_of_the_areas_contacts_is_told_as_scatter_and_not_as_an_erro
     ):
         found = with_contacts(slides, replace(slips, drops=drops, after=after))
         begin = f"stick-slip: 700 ± 1 mN (scatter ± 20 mN) {fall}"
-        text = "\n".join(page(found))
+        text = text_of(found)
         # in the line below the headline, the table, and of what it hangs on in the file
         text += "\n".join(plain(found)["hangs_on"])
         assert text.count(begin) == 1 and text.count(begin.partition(": ")[2]) == 3
@@ -1739,7 +1675,7 @@ def test_the_areas_own_contacts_slide_at_their_own_force_in_the_headline() -> No
     ):
         known = replace(own, error=error)
         found = with_contacts(known, replace(finite, late=late, rises=rises))
-        text = "\n".join(page(found))
+        text = text_of(found)
         rest = " the 300 contacts of the area (1.00 N for infinitely many)"
         assert sentence(found) == (
             told + rest if told else sentence(with_contacts(known, replace(finite, late=1.0)))
@@ -1747,8 +1683,8 @@ def test_the_areas_own_contacts_slide_at_their_own_force_in_the_headline() -> No
         assert ("sliding force of 300 contacts (instant)  1.043 ± 0.002 N" in text) is bool(told)
     # of fewer contacts than there are nobody is told that the area's bear so much
     fewer = with_contacts(own, replace(finite, message="as infinitely many do"))
-    assert sentence(fewer) == "smooth at 1.00 N" and "sliding force" not in "\n".join(page(fewer))
-    assert "at the end they bear 1.043 ± 0.002 N" in "\n".join(page(fewer))
+    assert sentence(fewer) == "smooth at 1.00 N" and "sliding force" not in text_of(fewer)
+    assert "at the end they bear 1.043 ± 0.002 N" in text_of(fewer)
 
 
 def test_where_the_areas_contacts_slip_otherwise_by_the_rule_the_lines_below_tell_their_forces() -> (
@@ -1756,11 +1692,9 @@ def test_where_the_areas_contacts_slip_otherwise_by_the_rule_the_lines_below_tel
 ):
     """The headline has the forces of the rules only where they are the same."""
     one = infinite("smooth", 0)
-    contacts = Contacts(gaussian(1.0, 0.3))
-    scale = replace(scale_of(contacts, None), contacts=300.0, force_unit="N")
+    scale = replace(scale_of(WIDE, None), contacts=300.0, force_unit="N")
     number = answers.Quantity(1.0, 0.0)
-    both = one, replace(one, rule="instant")
-    answer = answers.Answer("a", contacts, scale, number, number, number, SOFT, both)
+    answer = reading(one, replace(one, rule="instant"), scale=scale, kinetic=number)
     slips = Finite("reset", 300, "stick-slip", 0.7, 1e-3, 0.0, 0.0, 5.0)
     begin, end = (
         "300 contacts stick and slip",
@@ -1773,7 +1707,7 @@ def test_where_the_areas_contacts_slip_otherwise_by_the_rule_the_lines_below_tel
         ),
         (replace(slips, rule="instant", after=0.5), f"{begin}{end}"),
     ):
-        found = answers.Verdict("a", "a", 1.0, (answer,), (slips, other), {}, 1.0)
+        found = verdict_on(answer, finite=(slips, other))
         assert sentence(found) == told
         assert "stick-slip: 700 ± 1 mN down to 0 N with the 300 contacts" in page(found)[3]
 
@@ -1802,7 +1736,7 @@ def test_contacts_that_slip_now_and_then_are_told_so_wherever_they_are_told(
     finite = replace(finite, drive=np.array([0.0, 1.0]), force=np.array([0.0, 1.0]))
     found = with_contacts(own, finite)
     said = "slips now and then, at 1.020 ± 0.002 N, fluctuating by ± 0.020 N, with the 300 contacts of the area"
-    (told, *_), text = page(found)[3:], "\n".join(page(found))
+    (told, *_), text = page(found)[3:], text_of(found)
     assert told.strip() == f"{said} (smooth at 1.00 N for infinitely many)"
     assert "300 contacts, if contacts re-form at once: slips now and then, from 1.100 " in text
     assert "smooth at 1.02" not in text and text.count("now and then") == 3
@@ -1873,12 +1807,9 @@ def test_what_the_verdict_hangs_on_is_sorted_by_how_much_it_changes(capsys: Any)
 
 def test_a_fall_that_is_none_is_no_disagreement() -> None:
     """Slips of finitely many contacts below 0.02 <x_s> do not contradict smooth sliding."""
-    contacts, own = Contacts(gaussian(1.0, 0.3)), infinite("smooth", 1)
-    number, scale = answers.Quantity(1.0, 0.0), scale_of(contacts, None)
-    answer = answers.Answer("own", contacts, scale, number, number, number, SOFT, (own,))
     for fall, apart in ((0.001, False), (0.1, True)):
-        finite = Finite(own.rule, 1000, "now and then", 0.6, 1e-3, 0.6 - fall, 1e-3, 1.2)
-        said = answers.Verdict("a", "a", 1.0, (answer,), (finite,), {}, 1.0)
+        finite = Finite("reset", 1000, "now and then", 0.6, 1e-3, 0.6 - fall, 1e-3, 1.2)
+        said = verdict_on(reading(infinite("smooth", 1)), finite=(finite,))
         assert bool(disagreeing(said)) is apart
 
 
@@ -1911,14 +1842,14 @@ def test_the_trace_says_that_it_swings_or_is_cut() -> None:
         (slips, "stick-slip (below 0 the slider swings after a slip, 0.142 units of time long)"),
         (cut, "not decided, the path is cut"),
     ):
-        found = told_of(own, None, Contacts(gaussian(1.0, 0.3)))
+        found = told_of(own, None, WIDE)
         (label,) = draw_verdict(found).axes[0].get_legend_handles_labels()[1]
         assert label.endswith(f": {told}")
     # swings, each along 2π of the drive, that go on between points too far apart for them are no line
     for points, band in ((600, True), (2000, False)):
         drive = np.linspace(0.0, 1000.0, points)
         own = replace(ringing, drive=drive, force=0.3 + 0.1 * np.sin(drive))
-        axes = draw_verdict(told_of(own, None, Contacts(gaussian(1.0, 0.3)))).axes[0]
+        axes = draw_verdict(told_of(own, None, WIDE)).axes[0]
         assert bool(axes.collections) is band and bool(axes.get_lines()) is not band
         (label,) = axes.get_legend_handles_labels()[1]
         assert ("too many to be drawn" in label) is band
@@ -1929,7 +1860,7 @@ def test_the_trace_says_that_it_swings_or_is_cut() -> None:
 
 def test_other_readings_are_drawn_by_their_contact_model() -> None:
     """Many are grey, alike in dashes and marks where their model is, and counted in the legend."""
-    own = told_of(replace(infinite("smooth", 0), rule="mass"), None, Contacts(gaussian(1.0, 0.3)))
+    own = told_of(replace(infinite("smooth", 0), rule="mass"), None, WIDE)
     names = ["gw/amontons", "gw/strength", "persson/amontons", "gw/paper", "gw/amontons/mixed"]
     each = [replace(own.own, name=f"{name}, step {n}") for n in (1, 2) for name in names]
     figure = draw_verdict(replace(own, answers=tuple(each)))
@@ -2046,11 +1977,13 @@ def test_heat_that_does_nothing_leaves_the_ensemble_to_a_heavy_slider() -> None:
 
 def told_of(behaviour: Behaviour, other: Behaviour | None, contacts: Contacts) -> answers.Verdict:
     """The verdict on a slider with mass on a spring far below K*, and what another delay would make it do."""
-    machine, scale = replace(SOFT, mass=1e-4), scale_of(contacts, None)
-    kinetic, static, spring = (answers.Quantity(each, 1e-9) for each in (0.5, 0.51, 1.0))
-    forces = kinetic, static, spring
-    answer = answers.Answer("own", contacts, scale, *forces, machine, (behaviour,))
-    return answers.Verdict("a", "a", 1.0, (answer,), (), {}, 1.0, other)
+    given: Any = {
+        "machine": replace(SOFT, mass=1e-4),
+        "kinetic": 0.5,
+        "static": 0.51,
+        "spring": 1.0,
+    }
+    return verdict_on(reading(behaviour, contacts=contacts, **given), other=other)
 
 
 def test_the_delay_that_would_turn_the_answer_stands_in_the_second_line() -> None:
@@ -2075,7 +2008,7 @@ def test_the_delay_that_would_turn_the_answer_stands_in_the_second_line() -> Non
         assert bool(turns) is bool(line)
     found = told_of(smooth, smooth, at_once)
     damped = replace(found.own, machine=replace(SOFT, mass=1e-4, damping=1.0))
-    assert "not the contacts' delay" in "\n".join(page(replace(found, answers=(damped,))))
+    assert "not the contacts' delay" in text_of(replace(found, answers=(damped,)))
 
 
 @pytest.mark.parametrize(
@@ -2186,7 +2119,7 @@ def test_below_the_critical_spring_smooth_sliding_has_its_reason_beside_the_tabl
     none = Finite("mass", 500, "smooth")
     few = replace(told_of(replace(smooth, slips=1), None, contacts), finite=(none,))
     told = "a slider of infinitely many contacts slips once, and then no more, as contacts"
-    assert told in "\n".join(page(few))
+    assert told in text_of(few)
     once = told_of(replace(smooth, slips=1), None, contacts)
     waiting = replace(once.own, contacts=contacts.replace(delay=Delay(1e9)))
     heavy = replace(SOFT, mass=1.0)
@@ -2195,10 +2128,10 @@ def test_below_the_critical_spring_smooth_sliding_has_its_reason_beside_the_tabl
         (replace(waiting, machine=heavy), "as contacts wait on a longer way of the drive than"),
         (damped, "as the damping bears 1.00e+09 N_c<k>·length at the drive's speed"),
     ):
-        assert f"and then no more, {why}" in "\n".join(page(replace(once, answers=(own,))))
+        assert f"and then no more, {why}" in text_of(replace(once, answers=(own,)))
     stiff = told_of(smooth, None, contacts)
     stiff = replace(stiff, answers=(replace(stiff.own, machine=replace(SOFT, spring=2.0)),))
-    assert "and yet" not in "\n".join(page(stiff))
+    assert "and yet" not in text_of(stiff)
 
 
 def test_a_slider_that_rings_at_the_end_of_its_path_is_not_called_smooth() -> None:

@@ -13,7 +13,7 @@ from scipy import stats
 import master
 from origins import Contacts, InputError, Thermal, from_samples, gaussian, mixture
 from tests.scenes import ROUGH, write
-from tests.test_verdict_words import HEAVY, slips, told
+from tests.verdicts import HEAVY, slips, told
 from toolkit.scene.scene import load_scene
 from toolkit.verdict.answers import Quantity
 from toolkit.verdict.files import plain

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_verdict_words import slips, told
 
+from tests.verdicts import slips, told
 from toolkit.results.slips import Spread
 from toolkit.scene.scale import Scale, prefixed_like
 from toolkit.verdict import answers

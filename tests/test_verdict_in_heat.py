@@ -20,10 +20,8 @@ from master.steady.with_mass import decays, sliding_is_stable, unstable_below
 from origins import Contacts, Delay, InputError, Thermal, gaussian, identical, strengthening
 from origins.drive import RISE
 from tests.test_creep import CatchBonds
-from tests.test_verdict import STATED, judged
+from tests.verdicts import STATED, judged, reading, verdict_on
 from toolkit.results.kinds import kind_of
-from toolkit.scene.scale import scale_of
-from toolkit.verdict import answers
 from toolkit.verdict.sliders.follow import follow
 from toolkit.verdict.sliders.in_heat import by_steady_sliding, looked_at, with_stability
 from toolkit.verdict.sliders.machine import Machine, RigidSlider, rigid_slider
@@ -125,18 +123,15 @@ def test_a_slider_that_is_not_decided_says_whether_steady_sliding_is_stable() ->
     growing = Contacts(strengthening(WIDE, beta=0.1, time=0.1), thermal=heat)
     late, machine = not_followed("mass", "takes 9 steps; loosen it"), Machine(1e-3, 0.1, 0.0, 1e-2)
     found = with_stability(late, machine, growing)
-    number = answers.Quantity(0.5, 1e-9)
-    own = answers.Answer(
-        *("own", growing, scale_of(growing, None), number, number, number, machine), (found,)
-    )
-    said = sentence(answers.Verdict("a", "a", 1e-2, (own,), (), {}, 1.0))
+    own = reading(found, contacts=growing, machine=machine, kinetic=0.5)
+    said = sentence(verdict_on(own, velocity=1e-2))
     told = r"not decided \(takes 9 steps; steady sliding is unstable on springs below 0.0\d+ N_c<k>, so that it "
     told += r"swings or slips on\)"
     assert re.fullmatch(told, said)
     undamped = "comes to it is not known: give drive.damping)"
     for below, words in ((0.0, undamped), (np.nan, "9 steps)")):
         each = replace(own, behaviours=(replace(found, unstable_below=below),))
-        assert words in sentence(answers.Verdict("a", "a", 1e-2, (each,), (), {}, 1.0))
+        assert words in sentence(verdict_on(each, velocity=1e-2))
     assert with_stability(late, machine, Contacts(WIDE)) is late
     assert with_stability(replace(late, slips=2), machine, growing).unstable_below is None
 
@@ -248,10 +243,8 @@ def test_the_sentence_tells_how_the_way_to_steady_sliding_was_followed(
 ) -> None:
     """Beside what was looked at, which the page tells below."""
     slides = replace(not_followed("mass", ""), kind="smooth", success=True, before=0.26, after=0.26)
-    number = answers.Quantity(0.26, 1e-9)
-    given = "own", STRONG, scale_of(STRONG, None), number, number, number, HEAVY
-    one = answers.Answer(*given, (replace(slides, error=1e-9, heat_on_the_way=off),))
-    told = answers.Verdict("a", "a", 1.0, (one,), (), {}, 1.0)
+    slides = replace(slides, error=1e-9, heat_on_the_way=off)
+    told = verdict_on(reading(slides, contacts=STRONG, machine=HEAVY, kinetic=0.26))
     assert re.match(rf"smooth at \S+ .*in the end \(the way there was {how}\)", sentence(told))
     (line,) = (each for each in dependence(told) if "was not followed, as it goes on" in each)
     changed = "heat changes F_k and F_s by 0.010 N_c<k>·length at most, less than" in line

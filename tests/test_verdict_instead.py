@@ -10,7 +10,7 @@ import pytest
 import eq_model
 import master
 from origins import Contacts, Delay, InputError, Thermal, gaussian
-from tests.test_verdict import MACHINE, RESET, STATED, infinite, judged
+from tests.verdicts import MACHINE, RESET, STATED, infinite, judged
 from toolkit.verdict.of_area import tells_instead, with_more
 from toolkit.verdict.sliders.alike import told_by_another_rule
 from toolkit.verdict.sliders.budget import OF_MOST, most_breaks, seconds_of

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import pytest
-from test_verdict_words import slips, told
 
+from tests.verdicts import slips, told
 from toolkit.verdict.answers import Quantity, Verdict
 from toolkit.verdict.files import plain
 from toolkit.verdict.sliders.records import Finite

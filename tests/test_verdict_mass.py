@@ -16,6 +16,7 @@ import master
 from master.soft.inertia.run import SlipsInTime
 from origins import Contacts, Delay, InputError, Thermal, gaussian
 from tests.scenes import said, write
+from tests.verdicts import reading, text_of, verdict_on
 from toolkit.results.kinds import kind_of
 from toolkit.scene.scale import scale_of
 from toolkit.scene.scene import load_scene
@@ -63,10 +64,9 @@ def of_a_mass(kind: str, before: float, **named: Any) -> Behaviour:
 
 def of(behaviour: Behaviour, turned: Behaviour | None = None) -> answers.Verdict:
     """A verdict of one reading of contacts that wait."""
-    number, machine = answers.Quantity(0.8, 1e-9), Machine(1e-3, 1e-5, 0.01, 1.0)
-    scale = scale_of(WAITING, None)
-    own = answers.Answer("own", WAITING, scale, number, number, number, machine, (behaviour,))
-    return answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0, turned)
+    machine = Machine(1e-3, 1e-5, 0.01, 1.0)
+    own = reading(behaviour, contacts=WAITING, machine=machine, kinetic=0.8)
+    return verdict_on(own, other=turned)
 
 
 def test_the_trace_of_a_mass_has_its_slips_in_time() -> None:
@@ -340,7 +340,7 @@ def test_a_slider_that_is_not_decided_in_time_lies_between_two_that_are() -> Non
         "43.8 units of time, smooth if they had none; "
         "the command's --set wall_time=600 gives it ten minutes"
     )
-    text = "\n".join(page(between))
+    text = text_of(between)
     assert "stick-slip: 0.8000 N_c<k>·length down to" in text and "smooth at 0.8000" in text
     refused = replace(late, message="no such slider")
     other = replace(between, answers=(replace(found.own, behaviours=(refused, *light)),))
@@ -970,11 +970,9 @@ def test_contacts_of_the_area_are_given_up_once_the_time_is_over(monkeypatch: An
 def test_where_heat_costs_the_answer_of_a_mass_it_is_told_what_to_leave_out(kind: str) -> None:
     """Samples at 300 K on 50 N/m, with 0.1 kg: not decided in a minute, and in seconds without heat."""
     warm = Contacts(gaussian(1.0, 0.3), thermal=Thermal("soft", 1e-3, 1.0))
-    number, cold = answers.Quantity(0.50, 1e-9), answers.Quantity(0.51, 1e-9)
     slider = Behaviour("mass", kind, 0.5, 0.5, None, 0, 1e-3, True, "takes 2001 steps", 0.0)
-    machine = Machine(1e-4, 1e-4, 1e-3, 1.0)
-    given = "own", warm, scale_of(warm, None), number, number, number, machine, (slider,)
-    verdict = answers.Verdict("a", "a", 1.0, (answers.Answer(*given, cold=cold),), (), {}, 1.0)
-    told = [line for line in dependence(verdict) if line.startswith("heat lowers F_k")]
+    given: Any = {"machine": Machine(1e-4, 1e-4, 1e-3, 1.0), "cold": answers.Quantity(0.51, 1e-9)}
+    found = verdict_on(reading(slider, contacts=warm, kinetic=0.5, **given))
+    told = [line for line in dependence(found) if line.startswith("heat lowers F_k")]
     assert len(told) == 1
     assert ("leave [contacts.thermal] out" in told[0]) == (kind == "undecided")

@@ -10,7 +10,7 @@ from scipy import stats
 import eq_model
 import master
 from origins import Contacts, Delay, InputError, gaussian
-from tests.test_verdict_words import HEAVY, slips, told
+from tests.verdicts import HEAVY, slips, told
 from toolkit.verdict import answers
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.picture import draw_verdict

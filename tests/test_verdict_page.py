@@ -13,7 +13,7 @@ from conftest import slow
 import master
 from master.soft.in_time.refining import NO_SLIP_YET
 from origins import Contacts, Delay, InputError, Thermal, gaussian
-from tests.scenes import said, write
+from tests.verdicts import WIDE, judged, reading, verdict_on
 from toolkit.processes.signals import TimeIsUp, no_longer_than
 from toolkit.scene.scale import scale_of
 from toolkit.verdict import answers, judge
@@ -33,12 +33,6 @@ GROWING = {"beta": 0.03, "time": 1.0}
 THRESHOLDS = {"kind": "gaussian", "mean": 1.0, "std": 0.3}
 
 
-def judged(capsys: Any, **tables: Any) -> str:
-    """The page of the command for a scene of these tables."""
-    _, out, _ = said(capsys, "verdict", write(**({"master": None, "wall_time": 1e4} | tables)))
-    return "\n".join(out)
-
-
 @pytest.mark.slow  # quick: what is left undone, below
 def test_where_steps_end_the_page_does_not_ask_for_more_time(
     capsys: Any, monkeypatch: pytest.MonkeyPatch
@@ -53,7 +47,7 @@ def test_where_steps_end_the_page_does_not_ask_for_more_time(
 
     monkeypatch.setattr(master, "solve", counted)
     contacts = {"thresholds": THRESHOLDS, "thermal": HEAT, "strengthening": GROWING}
-    told = judged(capsys, contacts=contacts, drive={"spring": 1e-3, "velocity": 1.0})
+    told = judged(capsys, contacts=contacts, drive={"spring": 1e-3, "velocity": 1.0})[1]
     assert asked == ["reset"]
     reason = r"20 steps lead to t = [\d.]+, and more are not taken, however much time there is"
     stable = (
@@ -128,12 +122,10 @@ def test_a_time_that_is_used_up_is_not_compared_with_what_is_left() -> None:
 
 def of_a_mass(machine: Machine, delay: float) -> answers.Answer:
     """The answer of a slider with mass that slips, with contacts that wait so long."""
-    contacts, number = Contacts(gaussian(1.0, 0.3), delay=Delay(delay)), answers.Quantity(0.6, 1e-9)
     slips = replace(
         not_followed("mass", ""), kind="stick-slip", before=0.8, after=-0.2, slips=5, error=1e-6
     )
-    scale = scale_of(contacts, None)
-    return answers.Answer("a", contacts, scale, number, number, number, machine, (slips,))
+    return reading(slips, contacts=WIDE.replace(delay=Delay(delay)), machine=machine, kinetic=0.6)
 
 
 def test_what_another_delay_does_is_said_in_whole_sentences() -> None:
@@ -169,7 +161,7 @@ def test_what_the_solver_refuses_is_not_mended_by_a_damping_or_a_delay(
     monkeypatch.setattr(master, "solve", refusing)
     contacts = {"thresholds": THRESHOLDS, "strengthening": GROWING}
     drive = {"spring": 3.0, "mass": 1e-3, "velocity": 1.0}
-    told = judged(capsys, contacts=contacts, drive=drive)
+    told = judged(capsys, contacts=contacts, drive=drive)[1]
     assert "was not followed, for the reason told here. " not in told
     (line,) = (one for one in told.splitlines() if one.startswith("  the slip rule: "))
     assert line.endswith("was not followed, for the reason told here")
@@ -184,7 +176,7 @@ def test_an_error_above_the_force_stands_beside_it() -> None:
     smooth = replace(answer.behaviours[0], kind="smooth", before=1e-3, after=1e-3)
     smooth = replace(smooth, success=True, slips=13, shrinks_by=0.05, error=0.8)
     own = replace(answer, behaviours=(smooth,), kinetic=answers.Quantity(1e-3, 1e-9))
-    text = page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0))
+    text = page(verdict_on(own))
     assert text[2].startswith("smooth at 0.00 ± 0.80 N_c<k>·length (")
     assert "the path ends while they swing by more than the force" in text[2]
     (line,) = (one for one in text if one.startswith("  forces of the slider (mass)"))
@@ -197,26 +189,23 @@ def test_of_many_cycles_the_last_ones_are_drawn_again() -> None:
     cycles = np.repeat(np.arange(200.0), 2)[1:]
     force = np.where(np.arange(cycles.size) % 2, 0.2, np.where(cycles < 3.0, 8.0, 0.8))
     slips = replace(answer.behaviours[0], rule="reset", drive=cycles, force=force, period=1.0)
-    verdict = answers.Verdict("a", "a", 1.0, (replace(answer, behaviours=(slips,)),), (), {}, 1.0)
-    axes = {one.get_label(): one for one in draw_verdict(verdict).axes}
+    found = verdict_on(replace(answer, behaviours=(slips,)))
+    axes = {one.get_label(): one for one in draw_verdict(found).axes}
     late = axes["late"].lines[0].get_xdata()
     assert late.min() == pytest.approx(199.0 - 6.0) and late.max() == 199.0
     assert axes["trace"].lines[0].get_xdata().size == cycles.size
     assert axes["late"].get_ylim()[1] < 1.0 < 8.0 < axes["trace"].get_ylim()[1]
     few = replace(slips, drive=cycles / 20.0)
-    verdict = replace(verdict, answers=(replace(answer, behaviours=(few,)),))
-    assert "late" not in {one.get_label() for one in draw_verdict(verdict).axes}
+    found = verdict_on(replace(answer, behaviours=(few,)))
+    assert "late" not in {one.get_label() for one in draw_verdict(found).axes}
 
 
 def test_a_delay_that_is_not_given_is_asked_for_also_where_nobody_knows_what_one_does() -> None:
     """A slip of this mass takes as long as the time between slips, so that no slip rule tells of a long delay."""
-    contacts, number = Contacts(gaussian(1.0, 0.3)), answers.Quantity(0.5, 1e-9)
     smooth = replace(not_followed("mass", ""), kind="smooth", before=0.5, after=0.5, error=1e-6)
-    scale, machine = scale_of(contacts, None), Machine(1e-3, 1e-5, 1e-5, 1.0)
-    stiff = replace(number, value=1.0)
-    own = answers.Answer("a", contacts, scale, number, number, stiff, machine, (smooth,))
+    own = reading(smooth, machine=Machine(1e-3, 1e-5, 1e-5, 1.0), kinetic=0.5, spring=1.0)
     unknown = not_followed("reform-after", "a slip of this mass takes as long as the time between")
-    text = page(answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0, unknown))
+    text = page(verdict_on(own, other=unknown))
     asked = "  the contacts' delay: none is given, so that they form again at once; give [contacts.delay]"
     assert asked in text
 

@@ -4,9 +4,9 @@ from dataclasses import fields, replace
 from typing import get_type_hints
 
 import numpy as np
-from test_verdict import SOFT, infinite, rigid
 
 from origins import Contacts, gaussian
+from tests.verdicts import SOFT, infinite, rigid, told
 from toolkit.verdict.legend import UNITS
 from toolkit.verdict.of_area import with_more
 from toolkit.verdict.sliders.forgetting import after_forgetting
@@ -61,8 +61,6 @@ def test_no_number_of_the_one_stands_beside_numbers_of_another() -> None:
 
 
 def test_a_smooth_slider_tells_no_swings_of_another() -> None:
-    from test_verdict_words import told
-
     slid = Finite("instant", 500, "smooth", late=0.55, late_error=1e-3, slips=2.0)
     own = told(with_more(SAID, slid, 1.0)).own
     assert not swinging(own, own.behaviours[0]) and not once_over(own, own.behaviours[0])

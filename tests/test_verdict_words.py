@@ -23,9 +23,10 @@ from origins import (
 )
 from origins.laws.temperature import TooHot
 from tests.scenes import ROUGH, said, write
+from tests.verdicts import HEAVY, LIGHT, NUMBER, slips, text_of, told
 from toolkit.results.slips import still_changing
 from toolkit.running.progress import Progress
-from toolkit.scene.scale import Scale, scale_of
+from toolkit.scene.scale import Scale
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers
 from toolkit.verdict.picture import draw_verdict
@@ -47,31 +48,6 @@ from toolkit.verdict.trace import last_cycles
 from toolkit.verdict.with_mass import closely, rests_after
 
 pytestmark = pytest.mark.usefixtures("in_a_folder", "unrendered")
-
-NUMBER = answers.Quantity(0.5, 1e-9)
-LIGHT, HEAVY = Machine(1e-2, None, 0.0, 1.0), Machine(1e-2, 1e-4, 2e-4, 1.0)
-
-
-def slips(rule: str, **other: Any) -> Behaviour:
-    """A slider that slips from 0.6, as far as its numbers go."""
-    known: dict[str, Any] = {"kind": "stick-slip", "before": 0.6, "after": 0.0, "slips": 6}
-    return replace(not_followed(rule, ""), **(known | {"success": True, "error": 1e-9} | other))
-
-
-def told(
-    *behaviours: Behaviour,
-    kinetic: answers.Quantity = NUMBER,
-    machine: Machine = LIGHT,
-    **more: Any,
-) -> answers.Verdict:
-    """The verdict on thresholds 1 ± 0.3 with these sliders."""
-    contacts = Contacts(gaussian(1.0, 0.3), **more)
-    critical = replace(kinetic, value=0.44)
-    own = answers.Answer(
-        *("own", contacts, scale_of(contacts, None)),
-        *(kinetic, replace(kinetic, value=0.6), critical, machine, behaviours),
-    )
-    return answers.Verdict("a", "a", 1.0, (own,), (), {}, 1.0)
 
 
 def test_numbers_have_two_digits_where_other_samples_change_them_by_more_than_a_tenth() -> None:
@@ -159,11 +135,11 @@ def test_slips_of_two_sizes_are_not_told_as_one_range(other: tuple[float, float]
 def test_few_slips_say_how_many_and_why_they_tell() -> None:
     """Of two by the master equation the regime's reason; of three of the ensemble that they are of four sliders."""
     why = "2 slips up to the end of the path, and a reset leaves contacts that slip again"
-    text = "\n".join(page(told(slips("reset", slips=2, message=f"{why}; up to 100% of them"))))
+    text = text_of(told(slips("reset", slips=2, message=f"{why}; up to 100% of them")))
     assert re.search(rf"\nslips seen \(reset\) +{why}\n", text)
-    text = "\n".join(page(told(slips("reset", slips=3, contacts=2000, message="by 4 sliders"))))
+    text = text_of(told(slips("reset", slips=3, contacts=2000, message="by 4 sliders")))
     assert re.search(r"\nslips seen \(reset\) +3 slips of each of 4 sliders\n", text)
-    assert "slips seen" not in "\n".join(page(told(slips("reset", slips=5))))
+    assert "slips seen" not in text_of(told(slips("reset", slips=5)))
 
 
 def test_what_is_not_known_has_no_error() -> None:
@@ -263,7 +239,7 @@ def test_slips_that_go_on_to_die_out_are_not_told_as_over() -> None:
         swings=(0.3, 0.7),
     )
     found = told(dying)
-    assert "slips 11 times on the way that was followed, ever less" in "\n".join(page(found))
+    assert "slips 11 times on the way that was followed, ever less" in text_of(found)
     assert kind_of_trace(dying) == "slips that die out, smooth in the end"
 
 
@@ -271,7 +247,7 @@ def test_a_swing_that_outlives_the_path_is_named() -> None:
     """M = 1e-4, K = 1e-2 and γ = 2e-4: a swing takes 2π(M/K)^(1/2) = 0.628, and dies away in 2M/γ = 1."""
     drive = np.linspace(0.0, 100.0, 5000)
     swings = replace(not_followed("mass", STILL_SWINGS), drive=drive, force=np.sin(drive))
-    page_text = "\n".join(page(told(swings, machine=HEAVY)))
+    page_text = text_of(told(swings, machine=HEAVY))
     assert "at the path's end, by 2.0 N_c<k>·length: a swing takes 0.628 units of time" in page_text
     assert "dies away by a factor e in 1 units of time, so that a larger drive.damping" in page_text
 
@@ -313,7 +289,7 @@ def test_without_a_machine_the_springs_have_an_axis_of_short_ticks_and_infinity_
     for value in (0.4401, np.inf):
         own = replace(told().own, critical_spring=answers.Quantity(value, 1e-9), machine=None)
         found = replace(told(), answers=(own,))
-        figure, text = draw_verdict(found), "\n".join(page(found))
+        figure, text = draw_verdict(found), text_of(found)
         figure.canvas.draw()
         low, high = figure.axes[-1].get_xlim()
         assert high > 9.0 * low
@@ -474,9 +450,9 @@ def test_the_bound_of_heat_that_is_left_out_is_no_standard_error() -> None:
     by_contacts = slips("reset", error=0.1, contacts=2000, message="by 4 sliders")
     cold = replace(by_contacts, heat_left_out=0.09, message="by 4 sliders without heat")
     said = "between sliders, with what heat that is left out may change"
-    assert said in "\n".join(page(told(cold))) and said not in "\n".join(page(told(by_contacts)))
+    assert said in text_of(told(cold)) and said not in text_of(told(by_contacts))
     unknown = slips("reset", kind="undecided", slips=0, error=0.1)
-    assert "forces of the slider" not in "\n".join(page(told(unknown, machine=LIGHT)))
+    assert "forces of the slider" not in text_of(told(unknown, machine=LIGHT))
 
 
 def test_a_slider_whose_heat_is_left_out_is_pulled_on_until_it_is_decided() -> None:
@@ -493,7 +469,7 @@ def test_a_slider_whose_heat_is_left_out_is_pulled_on_until_it_is_decided() -> N
 def test_contacts_that_slide_without_a_slip_have_no_few_slips() -> None:
     smooth = slips("mass", kind="smooth", slips=0, contacts=2000, message="by 4 sliders", error=0.1)
     smooth = replace(smooth, finite=Finite("mass", 2000, "smooth"))
-    assert "each of which slipped" not in "\n".join(page(told(smooth, machine=HEAVY)))
+    assert "each of which slipped" not in text_of(told(smooth, machine=HEAVY))
 
 
 def test_the_title_of_a_picture_ends_before_a_reason_that_is_cut() -> None:
@@ -553,9 +529,9 @@ def test_beside_a_mass_no_sentence_names_a_slip_rule() -> None:
     """Where the mass alone decides there is no other; where slip rules are told beside it each has its own."""
     late = not_followed("mass", "takes 9 steps")
     alone, beside = told(late, machine=HEAVY), told(late, slips("reset"), machine=HEAVY)
-    assert "not decided: takes 9 steps" in "\n".join(page(alone))
+    assert "not decided: takes 9 steps" in text_of(alone)
     line = "not decided if mass, damping and delay decide: takes 9 steps"
-    assert line in "\n".join(page(beside))
+    assert line in text_of(beside)
     said = "what 9 contacts do if <rule> is not known"
     assert with_rules(said, ["mass"], alone.own) == "what 9 contacts do is not known"
     assert "if a slip renews all contacts is" in with_rules(said, ["reset"], beside.own)
@@ -567,7 +543,7 @@ def test_the_factor_between_readings_has_the_digits_that_their_errors_leave() ->
     for error, factor in ((1e-3, "some 560"), (0.6, "some 600")):
         critical = answers.Quantity(0.44 * 558.0, error * 0.44 * 558.0)
         other = replace(own, name="b", critical_spring=critical)
-        lines = "\n".join(page(replace(told(), answers=(own, other))))
+        lines = text_of(replace(told(), answers=(own, other)))
         assert f"K* differs by a factor of {factor} over 2 readings" in lines
 
 
@@ -625,13 +601,13 @@ def test_smooth_sliding_that_is_unstable_says_so() -> None:
     """In heat that was followed, and in heat that was left out; not on a spring on which it is stable."""
     slides = slips("instant", kind="smooth", slips=0, before=0.5, after=0.5, unstable_below=0.2)
     for left_out, how in ((None, "by less than 0.020 N"), (1e-4, "as heat is left out")):
-        said = "\n".join(page(told(replace(slides, heat_left_out=left_out))))
+        said = text_of(told(replace(slides, heat_left_out=left_out)))
         # how far a slider swings that was not followed nobody knows: it may be by more than counts as a slip
         swings = "swinging by less than 0.020 N" if left_out is None else "swinging, as heat"
         assert f"\nsmooth at 0.5000 N_c<k>·length, or {swings}" in said
         assert ("(how far was not followed)" in said) is (left_out is not None)
         assert "steady sliding grow by heat on springs below 0.20 N_c<k>" in said and how in said
-    stable = "\n".join(page(told(replace(slides, unstable_below=0.0))))
+    stable = text_of(told(replace(slides, unstable_below=0.0)))
     assert "steady sliding grow" not in stable and "or swinging" not in stable
     # nor is more told of it in the headline than is known
     rough = sentence(told(replace(slides, heat_left_out=0.05, error=0.05)))
