@@ -190,7 +190,8 @@ def narrow_force(x: Array, std: float) -> Array:
 
 
 @pytest.mark.parametrize(
-    ("std", "spring", "end", "slips"), [(0.002, 1e-6, 1.1, 1), (0.0035, 2.2e-5, 0.98845, 10)]
+    ("std", "spring", "end", "slips"),
+    [(0.002, 1e-6, 1.1, 1), slow(0.0035, 2.2e-5, 0.98845, 10)],
 )
 def test_a_slip_of_contacts_that_keep_step_ends_where_their_waves_tell(
     std: float, spring: float, end: float, slips: int

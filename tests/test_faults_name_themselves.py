@@ -364,7 +364,8 @@ def sound() -> master.Solution:
 
 
 @pytest.mark.parametrize(
-    "name", [slow(name, when=name in ("memory", "near slips", "steps")) for name in PLANTED]
+    "name",
+    [slow(name, when=name in ("memory", "near slips", "steps", "rounding")) for name in PLANTED],
 )
 def test_the_largest_part_of_an_error_under_a_spring_is_named(
     monkeypatch: pytest.MonkeyPatch, name: str

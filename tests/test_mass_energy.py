@@ -39,6 +39,7 @@ def test_each_part_of_the_energy_has_an_error(delay: origins.Delay | None) -> No
     assert all(getattr(stopped.energy_error, of) == np.inf for of in PARTS)
 
 
+@pytest.mark.slow  # quick: each part of the energy has an error, of a slip after a delay, too
 def test_what_contacts_release_on_a_slip_of_a_million_thresholds_is_told_with_its_error() -> None:
     """On its way a hardly known force of next to no contacts adds up to many times what they can release: each breaks
     a few times."""

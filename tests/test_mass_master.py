@@ -261,7 +261,8 @@ def test_a_lagging_slider_passes_an_exact_threshold_where_the_oscillator_does(
     assert abs(found.slips.force_before[0] - spring * (drive - place)) < found.force_error
 
 
-@pytest.mark.parametrize("tolerance", [slow(1e-2), 1e-3])
+@pytest.mark.slow  # quick: small falls behind exact thresholds beside others, below
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
 def test_an_exact_threshold_beside_a_width_is_passed_as_late_as_the_slider_lags(
     tolerance: float,
 ) -> None:

@@ -43,8 +43,8 @@ def test_slips_that_fall_far_are_known_without_their_heat(delay: Delay | None) -
     path = np.linspace(0.1, 8.0, 40)
     found: Any = master.solve(contacts, path, 0.05, **machine)
     assert found.success and found.heat_left_out < 0.05, found.message
-    hot = eq_model.simulate(contacts, path, n_contacts=20_000, n_replicas=2, seed=1, **machine)
-    assert 2 * found.slips.drive.size == hot.slips.drive.size > 0
+    hot = eq_model.simulate(contacts, path, n_contacts=20_000, seed=1, **machine)
+    assert found.slips.drive.size == hot.slips.drive.size > 0
 
 
 @pytest.mark.parametrize("delay", [None, Delay(1.0)])

@@ -185,6 +185,7 @@ def test_a_run_that_is_interrupted_while_it_draws_names_its_checkpoint(
     assert said(capsys, "run", file)[0] == 0 and not Path("mine-output/checkpoint").exists()
 
 
+@pytest.mark.slow  # quick: ranks do, below
 def test_processes_give_the_same_numbers(monkeypatch: Any) -> None:
     here = alone()
     monkeypatch.setattr(pool, "WORTH", 0.0)

@@ -441,7 +441,7 @@ def test_resets_by_few_weak_contacts_are_no_stick_slip_of_the_slider():
     # nearly all of the weak ones have broken when it begins or in it
     assert 0.01 < share < 0.02 and "no stick-slip" in weak.regime.reason
     alone = solved(origins.Contacts(origins.gaussian(1.0, 0.3)), [0.0, 8.0], 0.2, "reset", 1e-6)
-    assert alone.regime.verdict == "stick-slip"
+    assert alone.regime.verdict == "stick-slip" and alone.regime.largest_slip > 0.5
 
 
 def test_a_turn_makes_a_slider_slip_on_a_spring_above_critical():

@@ -36,23 +36,11 @@ FEW_WEAK = Contacts(mixture([gaussian(0.1, 3e-4), gaussian(1.0, 0.3)], [0.02, 0.
 
 def test_falls_of_few_contacts_are_no_slips_of_the_slider() -> None:
     """A reset of all contacts whenever 2 % of them break came back 457 times, and was not decided."""
-    path = np.linspace(0.0, 3.0, 50)
-    solved: Any = master.solve(FEW_WEAK, path, 1e-6, spring=0.5, slip="reset")
-    assert solved.regime.verdict == "undecided" and solved.slips.drive.size > 5
-    # nearly all of the weak ones: the others wait for more
-    assert 0.015 < solved.regime.largest_slip < 0.02
-    solved_share = solved.regime.largest_slip
-    solved = master.solve(Contacts(gaussian(1.0, 0.05)), path, 1e-6, spring=0.5, slip="reset")
-    assert solved.regime.largest_slip > 0.9
-    pulled = follow(
-        Machine(0.5, None, 0.0, 1.0),
-        FEW_WEAK,
-        "reset",
-        RigidSlider(0.65, 0.54, 0.0, 1.66, 1.0),
-        1e4,
-    )
+    known = RigidSlider(0.65, 0.54, 0.0, 1.66, 1.0)
+    pulled = follow(Machine(0.5, None, 0.0, 1.0), FEW_WEAK, "reset", known, 1e4)
     assert (pulled.kind, pulled.success) == ("undecided", True)
-    assert pulled.few_break == pytest.approx(solved_share, rel=1e-3)
+    # nearly all of the weak ones: the others wait for more
+    assert 0.015 < pulled.few_break < 0.02
     slides = slips("instant", kind="smooth", slips=1, before=0.5, after=0.5)
     answer, after = sentence(told(pulled, slides)).split("; ")
     assert answer == "smooth at 0.5000 N_c<k>·length if contacts re-form at once"

@@ -122,6 +122,7 @@ def test_contacts_without_heat_tell_of_no_other_slider() -> None:
         assert told(WEAK.replace(**other), "reset", rigid=known(WEAK, 1.0)) is None
 
 
+@pytest.mark.slow  # quick: the same machine by master.solve, in test_heat_on_springs.py
 def test_contacts_without_heat_tell_of_no_slip_that_heat_may_take_away() -> None:
     """The weak half of the contacts slips without heat, and not with it; in weaker heat it does."""
     law = mixture([gaussian(0.222, 0.0435), gaussian(1.763, 0.137)], [0.503, 0.497])
