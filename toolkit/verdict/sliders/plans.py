@@ -16,6 +16,9 @@ from toolkit.verdict.sliders.ways import PlannedDrive, lives_in_a_slip, way_with
 FLOWING = ("instant", "mass")
 # length of the drive's path: in loadings where sliders stick and slip, else in mean thresholds beyond the first loading
 LOADINGS_OF_SLIPS, BEYOND = 3.2, 40.0
+# the same in loadings where five slips, each of which breaks all contacts once, are fewer breaks than MODERATE in all,
+# some seconds
+FIVE_LOADINGS, MODERATE = 5.2, 1.2e7
 # times F_s of a rigid slider that contacts with a law in time bear at most on one that sticks, where nobody has seen
 # it: those that strengthen by a hundredth for each factor e are 1.3 times as strong after twelve decades, and heat that
 # breaks the weak ones leaves those that bear more
@@ -95,18 +98,18 @@ class Asked:
         elif self.heavy and contacts.held_in_time:
             highest_force *= GROWN
         loading = highest_force / machine.spring + (1.0 + above * softness) * mean + self.waits
-        end = LOADINGS_OF_SLIPS * loading if slips else loading + BEYOND * mean
+        five = infinite.rule not in FLOWING and SLIDERS * number * FIVE_LOADINGS < MODERATE
+        loadings = FIVE_LOADINGS if five else LOADINGS_OF_SLIPS
+        end = loadings * loading if slips else loading + BEYOND * mean
         if infinite.slips and infinite.period and (slips or infinite.kind == "undecided"):
             # a heavy slider may slip for longer than the drive loads its spring
-            end = max(
-                end, (infinite.in_time.first_slip or 0.0) + LOADINGS_OF_SLIPS * infinite.period
-            )
+            end = max(end, (infinite.in_time.first_slip or 0.0) + loadings * infinite.period)
         longer = MANY_LOADINGS * loading
         lasting = MANY_LOADINGS if slips else longer / mean
         if infinite.rule not in FLOWING and SLIDERS * number * lasting < CHEAP:
             end = max(end, longer)
         # in a slip that renews contacts all break once; contacts that re-form at once do at each threshold passed
-        lives = 2.0 + BEYOND if not slips else end / mean if flowing else LOADINGS_OF_SLIPS
+        lives = 2.0 + BEYOND if not slips else end / mean if flowing else loadings
         in_a_slip = np.inf
         if self.heavy and flowing and machine.damping and contacts.waiting_time:
             in_a_slip = lives_in_a_slip(machine, contacts, highest_force, loading)
