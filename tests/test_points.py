@@ -19,7 +19,7 @@ from scenes import ROUGH, refused, said, scene, write
 import master
 import toolkit
 from toolkit.pictures.points import plot_points, plot_points_swing
-from toolkit.results.points import write_sweep
+from toolkit.results.points import without_unit, write_sweep
 from toolkit.results.report import report
 from toolkit.running import pool
 from toolkit.running.points import earlier_points
@@ -81,6 +81,18 @@ def test_a_point_is_the_scene_with_its_values(capsys: Any) -> None:
     assert any('drive.slip = "reset", and other rules may have others' in line for line in out)
     told = json.loads(Path("mine-output/summary.json").read_text())["sweep"]
     assert told["points"] == 6 and told["along"] == list(OVER)
+
+
+def test_springs_of_several_units_are_one_axis() -> None:
+    """50 N/m beside 5 kN/m counted from 1 to 2, with the texts for a unit."""
+    for texts, told, unit in (
+        (["50 N/m", "5 kN/m", "2 N/µm"], [50.0, 5e3, 2e6], "N/m"),
+        (["100 g", "0.2 kg"], [0.1, 0.2], "kg"),
+        (["0.5 N_c<k>", "1e-3 N_c<k>"], [0.5, 1e-3], "N_c<k>"),
+        (["50 N/m", "0.5 N_c<k>"], ["50 N/m", "0.5 N_c<k>"], ""),
+    ):
+        values, found = without_unit(np.array(texts))
+        assert found == unit and values.tolist() == told
 
 
 def test_si_units_of_a_surface_and_the_ensemble() -> None:

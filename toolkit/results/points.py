@@ -12,6 +12,7 @@ import numpy as np
 from origins.brief import brief
 from origins.thresholds.law import Array
 from toolkit.results.kinds import units_of
+from toolkit.scene.drive import IN_SI
 from toolkit.scene.scale import Scale
 from toolkit.scene.tables import FIXED_UNITS, LENGTHS
 
@@ -84,18 +85,19 @@ def key_units(along: Iterable[str], scale: Scale) -> dict[str, str]:
 
 
 def without_unit(values: Array) -> tuple[Array, str]:
-    """The numbers of texts such as "50 N/m" and their unit; the values themselves and "" where they are no such texts,
-    or have several units."""
+    """The numbers of texts such as "50 N/m" and their unit, of a machine's in SI units, so that 5 kN/m may stand beside
+    50 N/m; the values themselves and "" where they are no such texts, or have several units."""
     if values.dtype.kind != "U":
         return values, ""
     read = [
         re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?) (.+)", one)
         for one in map(str, values.ravel())
     ]
-    units = {one[2] for one in read if one}
+    each = [(float(one[1]), *IN_SI.get(one[2], (1.0, one[2]))) for one in read if one]
+    units = {unit for _, _, unit in each}
     if not all(read) or len(units) != 1:
         return values, ""
-    numbers = [float(one[1]) for one in read if one]
+    numbers = [number * size for number, size, _ in each]
     return np.array(numbers).reshape(values.shape), units.pop()
 
 

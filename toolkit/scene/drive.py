@@ -33,6 +33,10 @@ _MACHINE = {
     "damping": MachineUnit("N s/m", "N_c<k> s", "3 N s/m", {"kg/s": 1.0}),
 }
 
+# each with what one of it is in which SI unit
+IN_SI = {own.si: (1.0, own.si) for own in _MACHINE.values()} | {
+    unit: (size, own.si) for own in _MACHINE.values() for unit, size in own.others.items()
+}
 # all of these, as they follow a number
 UNITS = {unit for one in _MACHINE.values() for unit in (one.si, one.shared, *one.others)}
 # keys that no rigid slider hangs on
