@@ -187,6 +187,14 @@ class History:
         self.high = np.maximum(np.maximum(self.now, highest), 0.0)
         self.low = np.minimum(np.minimum(self.now, lowest), 0.0)
 
+    @classmethod
+    def straight(cls, moved: Array) -> "History":
+        """Moves on one leg, of shape (n,), by so much either way; they have no times, which a timeless life does not
+        ask for."""
+        moves = cls.__new__(cls)
+        moves.now, moves.high, moves.low = moved, np.maximum(moved, 0.0), np.minimum(moved, 0.0)
+        return moves
+
     def pick(self, which: slice | npt.NDArray[np.intp]) -> "History":
         """Moves of n contacts: all arrays have the shape (n,); `which` counts row after row."""
         other, shape = copy(self), self.now.shape

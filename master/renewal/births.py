@@ -161,6 +161,11 @@ class Nodes(NamedTuple):
         weight = (high - low) * lobatto.series[:, 0]
         return cls(pieces.owner[piece], panel, place, begin + width * place, weight)
 
+    def pick(self, which: npt.NDArray[np.bool_]) -> "Nodes":
+        """Those of some of the parts."""
+        owners = self.target[which], self.panel[which]
+        return Nodes(*owners, self.place[which], self.time[which], self.weight[which])
+
 
 class BirthPanels(NamedTuple):
     """Births on panels without gaps between them.

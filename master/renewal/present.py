@@ -8,11 +8,13 @@ from copy import copy
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from master.numerics import polynomials
 from master.numerics.polynomials import Pieces
 from master.renewal.births import BirthPanels, Births, Nodes, still_out
 from master.renewal.straight import Straight
+from master.survival.life import NO_SURVIVAL
 from origins.thresholds.law import Array
 from origins.thresholds.numerical import clipped
 
@@ -123,20 +125,38 @@ class Present:
 
     def sums(self, speed: float, t: Array, born: BirthPanels) -> Array:
         """Number and force, shape (2, n), at times t of births on a leg; both by any one clock, as lags alone count."""
-        pieces, sums = t.size * (born.ends.size + self.straight(speed).edges.size), []
+        straight = self.straight(speed)
+        pieces, sums = t.size * (born.ends.size + straight.edges.size), []
+        some_born = np.abs(born.slopes).sum(axis=1) > NO_SURVIVAL
         for some in np.array_split(t, 1 + pieces // TOGETHER_PIECES):
-            nodes, values = self._integrals(speed, some, born.ends)
+            # panels whose contacts all hold at a time need no integral for it
+            whole = np.full(some.size, born.ends.size - 1)
+            if straight.held and some.min() >= born.ends[-1]:
+                whole = np.minimum(np.searchsorted(born.ends, some - straight.held), whole)
+            nodes, values = self._integrals(speed, some, born.ends, born.ends[whole], some_born)
             parts = (values * born.at(nodes)).sum(axis=2)
             sums.append([np.bincount(nodes.target, part, some.size) for part in parts])
+            sums[-1] += straight.all_hold(born, whole, some)
         return np.concatenate(sums, axis=1)
 
-    def _integrals(self, speed: float, t: Array, ends: Array) -> tuple[Nodes, Array]:
+    def _integrals(
+        self,
+        speed: float,
+        t: Array,
+        ends: Array,
+        until: Array | None = None,
+        some_born: npt.NDArray[np.bool_] | None = None,
+    ) -> tuple[Nodes, Array]:
         """Nodes of births on panels of a leg, as seen from times t, and survival and force there times
-        the weights, shape (2, parts, PANEL_NODES): exact for the polynomials of the table."""
-        straight, end = self.straight(speed), np.minimum(ends[-1], t)[:, None]
+        the weights, shape (2, parts, PANEL_NODES): exact for the polynomials of the table. `until` : for each time, the
+        births up to then; `some_born` : the panels on which there are any."""
+        straight, end = self.straight(speed), np.minimum(ends[-1] if until is None else until, t)
+        end = end[:, None]
         begin = np.minimum(np.maximum(ends[0], t - straight.longest)[:, None], end)
         cuts = np.concatenate([begin, end, t[:, None] - straight.edges], axis=1)
         nodes = Nodes.of(ends, Pieces.between(clipped(cuts, begin, end)))
+        if some_born is not None and not some_born.all():
+            nodes = nodes.pick(some_born[nodes.panel])
         self._births.work += nodes.target.size
         return nodes, nodes.weight * self.look_up(speed, t[nodes.target, None] - nodes.time)
 

@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from master.motion import Motion, middle_of
+from master.motion import History, Motion, middle_of
+from master.numerics.polynomials import Rows
 from master.numerics.table import Table
 from master.outcome import stop_after
+from master.renewal.births import BirthPanels
 from master.survival.life import NO_SURVIVAL, TIE, Life, Survivors
 from origins.errors import refuse
 from origins.start import Start
@@ -52,6 +54,8 @@ class Straight:
 
     edges : array of shape (n,), lags between which E and K are polynomials, or nearly so
     table : E and K/`scale` over the lag; unless `steady`, there is none where the life is as quick
+    held : a lag up to which all contacts born at one stretch hold, so that E = 1 and K is their stretch; 0 where none
+        is known
     typical : a lag, to a factor of 4, after which half of the contacts have broken; only where there is a table
     scale : a length, of the stretches at a break
     survival_error : of the fraction that holds, as the life gave it for the table; known when this is made
@@ -80,7 +84,11 @@ class Straight:
         at_bends = self._lags_at(np.append(life.bends, life.largest_stretch))
         self._last = float(at_bends.max(initial=0.0)) or np.inf  # the lag of the last breaks
         self._read: Callable[[Array], Survivors] = self.scaled
+        self.held = 0.0
         if life.quick and born.is_single and not steady:  # the life is as quick as a table
+            if speed:
+                safe = life.safe_stretch * (1.0 - 4.0 * TIE) - abs(born.mean())
+                self.held = max(safe, 0.0) / abs(speed)
             self._bounds = _edges(longest, at_bends)
             self.edges = np.union1d(self._bounds, _edges(longest, self._lags_at(life.marks)))
             return
@@ -113,10 +121,20 @@ class Straight:
         stop_after(self._until)
         if not lag.size:
             return Survivors(np.zeros(lag.shape), np.zeros(lag.shape), 0.0)
+        if born is None and self.born.is_single and self.life.timeless:
+            return self._of_one_stretch(lag)
         far = max(float(lag.max()), self.longest) / self._per_time
         motion = Motion(np.array([0.0, far]), np.array([0.0, far * self._speed]))
         history = motion.history(lag / self._per_time, np.zeros((1, 1)))
         found = self.life.survival_and_force(self.born if born is None else born, history)
+        return found._replace(force=found.force / self.scale)
+
+    def _of_one_stretch(self, lag: Array) -> Survivors:
+        """As `scaled`, of a timeless life and one stretch at birth, by moves without a motion: most calls are short."""
+        moves = History.straight((self._speed / self._per_time * lag).ravel())
+        born = np.full(lag.size, self.born.mean())
+        side = np.repeat(middle_of(moves.largest(born).reshape(lag.shape)), lag.shape[1])
+        found = self.life.survivors(born, side, moves).reshape(*lag.shape)
         return found._replace(force=found.force / self.scale)
 
     def look_up(self, lag: Array) -> Survivors:
@@ -128,6 +146,18 @@ class Straight:
         lag = clipped(lag, ends[after - 1], np.nextafter(ends[after], ends[0]))
         found = self._read(lag)
         return Survivors(found.survival * holds, found.force * holds * self.scale, found.error)
+
+    def all_hold(self, births: BirthPanels, first: Rows, t: Array) -> Array:
+        """Number and force, shape (2, n), at times t of the births on the panels from each `first` on, shape (n,), all
+        of which are held."""
+        share, width = births.slopes[:, 0], np.diff(births.ends)
+        # by the end of the last panel, as a moment about 0 would lose digits
+        from_end = births.ends[-1] - births.ends[:-1] - 0.5 * width
+        moved = from_end * share - births.slopes[:, 1] * width / 6.0
+        behind = np.stack([np.cumsum(part[::-1])[::-1] for part in (share, moved)])
+        number, lag = np.append(behind, np.zeros((2, 1)), axis=1)[:, first]
+        lag = lag + number * (t - births.ends[-1])
+        return np.stack([number, self.born.mean() * number + self._speed * lag])
 
     def _lags_at(self, marks: Array) -> Array:
         """Lags at which contacts reach the lengths |x| of the marks; none where the slider rests."""
