@@ -36,6 +36,8 @@ class WidthRules:
         tolerance: two halvings of a polynomial of degree 16 reduce it 1e9 times, but behind a root of t only twice
     aim : of the tolerance, the error at which the width aims where two bad widths show by what power of it errors fall
     progress : part of the former error below which a bad error must be for this power to be trusted
+    resolved : share of the contacts below which it must be, too: the errors of panels that miss peaks of breaks fall as
+        a power that tells nothing, and the width that it asks for was 1e-8 of what these peaks need
     spare_late : part of the tolerance below which errors let panels widen. Twice the width makes the error of a
         polynomial of degree 16 up to 2^16 times as large, so that panels below this part are good afterwards, too
     spare_soon : the same where widths change often: beside a point that is hardly resolved errors grow far more slowly
@@ -65,6 +67,7 @@ class WidthRules:
     far_off: float = 100.0
     aim: float = 0.5
     progress: float = 0.5
+    resolved: float = 0.02
     spare_soon: float = 1e-2
     spare_late: float = 0.5**polynomials.DEGREE
     rounding: float = 1e-14
@@ -176,8 +179,9 @@ class PanelWidth:
         """Learn that a batch of panels had `good` ones, and then one with an error above the tolerance."""
         rules, error = self.rules, error / self.tolerance
         factor = rules.far_narrowing if error > rules.far_off else rules.narrowing
-        if not good and error < rules.progress * self._bad_error:
-            # where B begins as a power of t, the error is a power of the width: two widths give its exponent
+        # where B begins as a power of t, the error is a power of the width: two widths give its exponent
+        small = error < rules.progress * self._bad_error and error * self.tolerance < rules.resolved
+        if not self._any and small:
             power = np.log(self._bad_error / error) / np.log(self._bad_width / self._width)
             factor = min(factor, (rules.aim / error) ** (1.0 / power))
         self._bad_width, self._bad_error = self._width, error
