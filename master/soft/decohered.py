@@ -161,7 +161,7 @@ class Waves:
         width = float(widths.min(initial=self._memory))
         count = int(min(np.ceil((travel - begin) / width), MOST_PANELS))
         edges: Array = begin + width * np.arange(count + 1, dtype=np.float64)
-        force = here.force(edges[:-1, None] + width * places)
+        force = here.force_beside(edges[:-1], width * places)
         # what is off are waves, and no steeper than those on the panel, where LoadCurve expects noise
         own = off * steepest * width / (2.0 * polynomials.DEGREE**2) + fine
         panels = LoadCurve(
@@ -215,7 +215,9 @@ class Waves:
             return here.kinetic_force
         fastest = np.abs(here.roots)
         step = LOOKED_AT / float(fastest.max())
-        force = here.force(y + step * np.arange(int(self._memory / step) + 2))
+        count = int(np.sqrt(self._memory / step)) + 2
+        further = step * np.arange(count, dtype=np.float64)
+        force = here.force_beside(y + count * further, further)
         between = 0.125 * step**2 * float(sizes @ fastest**2)
         off = self._contacts.unit * float(here.force_error(y))
         return float(force.max()) + between + off

@@ -79,6 +79,14 @@ class DecoherenceSpectrum:
         terms = self.amplitude * np.exp(np.multiply.outer(np.asarray(x, dtype=float), self.roots))
         return (self.kinetic_force + terms.sum(axis=-1).real)[()]
 
+    def force_beside(self, x: Array, further: Array) -> Array:
+        """As `force` at each of the positions x and so far beyond each, shape (x.size, further.size): waves there are
+        products of those at x and of those at `further`."""
+        near = self.amplitude * np.exp(np.multiply.outer(x, self.roots))
+        return np.asarray(
+            self.kinetic_force + (near @ np.exp(np.multiply.outer(self.roots, further))).real
+        )
+
     def force_error(self, x: npt.ArrayLike) -> Array:
         """Its error at those positions in units of the mean threshold; same shape.
 
