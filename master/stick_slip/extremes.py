@@ -189,12 +189,13 @@ def _renewed(cycle: Cycle) -> float:
     contacts = cycle.contacts
     if contacts.changing is not None:
         return np.inf
+    largest, start = cycle.life.largest_stretch, contacts.start
+    longest = min(cycle.longest, largest - min(cycle.born.span[0], 0.0))
     # the last of them may break together
-    longest = cycle.longest + cycle.wait + BEYOND_BREAKS * contacts.mean_threshold
-    start = contacts.start
+    longest += cycle.wait + BEYOND_BREAKS * contacts.mean_threshold
     if start.is_single and start.span == cycle.born.span and not contacts.older_at_start:
         return longest
-    return longest + cycle.wait + cycle.life.largest_stretch - min(start.span[0], 0.0)
+    return longest + cycle.wait + largest - min(start.span[0], 0.0)
 
 
 def _beyond(cycle: Cycle, horizon: float) -> tuple[float, float]:
