@@ -40,8 +40,8 @@ AHEAD = 2.0
 class LoadCurve:
     """Force along the motion, F times its direction +1 or -1, over the travel: a polynomial on each panel.
 
-    from_travel, width : arrays of shape (n,), of panels one after the other from the travel 0; `begin` and `end`
-        are times, everywhere else
+    from_travel, width : arrays of shape (n,), of panels one after the other from the travel 0, or from where they are
+        asked for; `begin` and `end` are times, everywhere else
     series : array of shape (n, DEGREE + 1), Legendre coefficients of the force (lengths)
     error : array of shape (n,), estimate from above of the error of the force on each panel (lengths)
     own_error : array of shape (n,), the part of `error` that changes on the panel itself (lengths)

@@ -50,7 +50,7 @@ class LeftOut:
         falling = min(BEHIND_BEGIN * slip.begin_error, OF_TRAVEL * curve.to_travel)
         begin, to = slip.travel + falling, slip.travel
         while True:
-            curve = move.curve_to(to)
+            curve = move.curve_to(to, after)
             rises = curve.rises(begin)
             last = min(rises, curve.to_travel)
             if slip.load - float(curve.force(last)) - curve.spring * last >= missed:

@@ -49,6 +49,8 @@ WORK_OF_LUMP = 15
 # Share of the contacts above which those that break together make a slip: well above rounding. That of the force,
 # relative to the distance travelled, and on one panel, in mean thresholds.
 DROPS, ROUNDING, OWN_ROUNDING = 1e-13, 1e-14, 1e-15
+# Panels of one width that take as long as the waves of F to be found.
+FEW_PANELS = 200.0
 # Part of a panel's tolerance that sums over births may miss.
 OF_SUMS = 0.1
 
@@ -95,6 +97,7 @@ class Move:
     _kinks : those of the history and of the plan
     _guess : the first guess of a panel's width (a length)
     _steady, _waves : the force, once it no longer changes, or is a sum of waves that fade
+    _panels_until_steady : how many more, if rates of breaks fade as they did so far
     _found : the last slip that was found, and the travel after which it is the first: resets repeat one move
     """
 
@@ -107,6 +110,7 @@ class Move:
         self._steady: SteadyForce | None = None
         self._waves: Waves | None = None
         self._found: tuple[float, SlipBegin] | None = None
+        self._panels_until_steady = np.inf
 
     def at(self, y: Array | float) -> Any:
         """X after the travel y, relative to where the history began (lengths)."""
@@ -118,7 +122,7 @@ class Move:
             return self._found[1]
         travel = after
         while True:
-            curve = self.curve_to(travel)
+            curve = self.curve_to(travel, after)
             y = curve.slip_begins(after)
             last = min(y, curve.to_travel)
             load = float(curve.force(last)) + curve.spring * last
@@ -137,7 +141,7 @@ class Move:
         beside_begin = min(BEHIND_BEGIN * begin.begin_error, OF_TRAVEL * begin.curve.to_travel)
         travel, searched, rises = after, after + beside_begin, np.inf
         while True:
-            curve = self.curve_to(travel)
+            curve = self.curve_to(travel, after)
             # panels that were searched before are not searched again: a slip may pass thousands
             rises = curve.rises(searched) if np.isinf(rises) else rises
             y = curve.travel_to_load(load, max(rises, searched)) if np.isfinite(rises) else np.inf
@@ -150,8 +154,8 @@ class Move:
                 searched = self._waves.skip(load, searched)
             travel = searched + self.contacts.life.resolution_length
 
-    def curve_to(self, y: float) -> LoadCurve:
-        """The load along the move, solved up to the travel y at least."""
+    def curve_to(self, y: float, since: float = 0.0) -> LoadCurve:
+        """The load along the move from the travel `since` on, solved up to the travel y at least."""
         if self._waves is not None:
             return self._waves.curve_to(y)
         while self.march.solved.count == self.first or (
@@ -167,7 +171,7 @@ class Move:
                 self._plan(self.march, end, end, goes_on=True)
             self.contacts.nodes += (self.march.solved.count - before) * polynomials.DEGREE
             self._steady = self._steady_force()
-        return self.solved_curve(y)
+        return self.solved_curve(y, since)
 
     @property
     def steady(self) -> bool:
@@ -188,27 +192,25 @@ class Move:
         """Whether any panel of the move is solved."""
         return self.march.solved.count > self.first
 
-    def solved_curve(self, y: float = 0.0) -> LoadCurve:
-        """The load on the panels solved so far; where breaks are steady, up to the travel y at least."""
+    def solved_curve(self, y: float = 0.0, since: float = 0.0) -> LoadCurve:
+        """The load on the panels solved so far, from that of `since` on; where breaks are steady, up to y at least."""
         if self._waves is not None:
             return self._waves.curve_to(y)
         loaded, march, largest = self.loaded, self.march, self.contacts.life.largest_stretch
-        solved, own_panels = march.solved, slice(self.first, None)
-        begin, width = solved.begin[own_panels] - loaded.move_begins_at, solved.width[own_panels]
-        force, missed = solved.force[own_panels], solved.error[own_panels]
-        times = [
-            one.birth
-            for one in march.lumps
-            if one.birth > loaded.move_begins_at and one.weight > DROPS
-        ]
+        begins, solved = loaded.move_begins_at, march.solved
+        first = max(self.first, panel_at(solved.begin, begins + since) - 1)
+        most_missed = np.maximum.accumulate(solved.error[self.first :])[first - self.first :]
+        solved = solved.pick(slice(first, None))
+        begin = solved.begin - begins
+        times = [one.birth for one in march.lumps if one.birth > begins and one.weight > DROPS]
         rounding = ROUNDING * (self.contacts.unit + begin) + march.unseen_error * largest
         unknown = loaded.error + self.contacts.unknown
-        error = unknown + np.maximum.accumulate(missed) * largest + rounding
-        drops = np.array(times) - loaded.move_begins_at
-        series = self.direction * force @ polynomials.TO_LEGENDRE.T
-        own = missed * largest + OWN_ROUNDING * self.contacts.unit
+        error = unknown + most_missed * largest + rounding
+        drops = np.array(times) - begins
+        series = self.direction * solved.force @ polynomials.TO_LEGENDRE.T
+        own = solved.error * largest + OWN_ROUNDING * self.contacts.unit
         spring, break_length = self.contacts.spring, self.contacts.break_length
-        curve = LoadCurve(begin, width, series, error, own, drops, spring, break_length)
+        curve = LoadCurve(begin, solved.width, series, error, own, drops, spring, break_length)
         return curve if self._steady is None else self._steady.extend(curve, y, largest)
 
     def _steady_force(self) -> SteadyForce | None:
@@ -226,15 +228,20 @@ class Move:
         if undisturbed < memory:
             return None
         rates = march.solved.rates_from(march.solved.end - memory)
-        differ = float(np.ptp(rates) / rates.mean())
-        if not 0.0 <= differ <= self.contacts.steady_rates:
+        differ, agree = float(np.ptp(rates) / rates.mean()), self.contacts.steady_rates
+        if not 0.0 <= differ <= agree:
+            fade = undisturbed / np.log(1.0 / differ) if 0.0 < differ < 1.0 else np.inf
+            self._panels_until_steady = fade * np.log(differ / agree) / march.solved.width[-1]
             return None
         since = panel_at(march.solved.begin, march.solved.end - (memory - longest))
         last, steady = float(march.solved.force[-1, -1]), march.solved.force[since:]
         return SteadyForce(self.direction * last, differ * abs(last) + float(np.ptp(steady)))
 
     def _look_ahead(self, load: float) -> None:
-        """Know the force where it is to the tolerance before it can be at this `load` again, if it is known yet."""
+        """Know the force where it is to the tolerance before it can be at this `load` again, if it is known yet, and
+        is not steady sooner."""
+        if self._panels_until_steady < FEW_PANELS:
+            return
         begin = self.loaded.move_begins_at
         last = LastLife(self.contacts, self.march, begin, self.direction)
         if last.renewed and last.ahead(load) > 0.0:
@@ -248,11 +255,8 @@ class Move:
 
     def travel_of_state(self, y: float) -> float:
         """A travel after which the contacts are as they are after y: while breaks are steady, that of their begin."""
-        return (
-            y
-            if self._steady is None and self._waves is None
-            else min(y, self.march.solved.end - self.loaded.move_begins_at)
-        )
+        changes = self._steady is None and self._waves is None
+        return y if changes else min(y, self.march.solved.end - self.loaded.move_begins_at)
 
     def _advance(self) -> bool:
         """Solve some more panels; False at the end of the plan."""

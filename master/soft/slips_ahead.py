@@ -71,7 +71,7 @@ def _next_slip(move: Move, after: float, most_nodes: int) -> float:
     """The first travel behind `after` at which a slip begins; inf where none does, nan where that is not found soon."""
     contacts, travel = move.contacts, after
     while contacts.nodes < most_nodes:
-        curve = move.curve_to(travel)
+        curve = move.curve_to(travel, after)
         if np.isfinite(begins := curve.slip_begins(after)):
             return begins
         if _rises_from(move) <= max(after, move.solved_to):
@@ -92,7 +92,7 @@ def _rises_from(move: Move) -> float:
     undisturbed = end - max(0.0, move.march.lumps[-1].birth - move.loaded.move_begins_at)
     if undisturbed < renewed + life:
         return np.inf
-    slope, error = move.solved_curve().largest_slope(end - life, end)
+    slope, error = move.solved_curve(since=end - life).largest_slope(end - life, end)
     spring = contacts.spring
     if slope + error < spring:
         return end
