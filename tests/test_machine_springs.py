@@ -55,6 +55,33 @@ def test_a_million_contacts_on_the_softest_spring():
     assert found.position[0] == pytest.approx(0.1, abs=1e-3)
 
 
+def test_five_slips_with_mass_on_the_softest_spring():
+    """K = 1e-9, critically damped, identical contacts that come back 100 T = 100 (M/K)^(1/2) after they broke: all at
+    the stretch 1 and the spring's force 1. By then the slider follows its drive, u = X_T - X = γ v/K behind it, as
+    M u'' + γ u' + K u = γ v; contacts that form there break 1 + 1/K + γ v further, and a slip is as fast as (1/K T)/e.
+    """
+    spring, time = 1e-9, 1e3
+    mass, damping, delay, speed = spring * time**2, 2.0 * spring * time, 100.0 * time, 1.0
+    contacts = origins.Contacts(origins.identical(1.0), delay=origins.Delay(delay))
+    machine = {"spring": spring, "mass": mass, "damping": damping, "velocity": speed}
+    path = np.linspace(2.5e8, 5.25e9, 21)
+    found = eq_model.simulate(contacts, path, n_contacts=1000, n_replicas=1, **machine)
+    slips, energy = found.slips, found.energy
+    behind = damping * speed / spring
+    period = delay * speed - behind + 1.0 + 1.0 / spring + damping * speed
+    assert slips.drive.size == 5 and np.abs(np.diff(slips.drive) - period).max() < 1e-5
+    # a slip is seen once the slider moves: 1e-3 of time later, by 1/(2 M) 1e-6 lengths
+    assert slips.drive[0] == pytest.approx(1.0 + 1.0 / spring, abs=2e-3)
+    assert np.abs(slips.force_before - 1.0).max() < 1e-8
+    assert slips.top_speed == pytest.approx(np.full(5, np.exp(-1.0) / spring / time), rel=1e-6)
+    assert np.abs(energy.imbalance).max() < 1e-10 * energy.work.max()
+    assert found.force[-1] == pytest.approx(spring * (path[-1] - found.position[-1]), abs=1e-9)
+    with pytest.raises(
+        origins.InputError, match=r"^path\[-1\] = 8000000000.0: must be below 7.59e\+09"
+    ):
+        eq_model.simulate(contacts, [8e9], n_contacts=1000, **machine)
+
+
 def test_breaks_beyond_the_ring_come_in_their_order():
     """One contact in 1,100 has a threshold of some 30, which waits in the list beyond the ring."""
     law = origins.mixture([NARROW, origins.gaussian(30.0, 3.0)], [1.0 - 9e-4, 9e-4])

@@ -57,11 +57,7 @@ class Replicas:
         self._limits = StretchLimits(contacts, drive)
         span = min(span, self._limits.largest_threshold)
         self._ring_bits = ring_bits(n, self._shift, mean / self._unit, span / self._unit)
-        far = int(np.argmax(np.abs(drive.path)))
-        if abs(drive.path[far]) > LARGEST * self._unit:
-            hint = f"must be below {LARGEST * self._unit:.3g}; positions are whole multiples of {self._unit:.3g}"
-            last = far == drive.path.size - 1
-            refuse("path[-1]" if last else f"path[{far}]", drive.path[far], hint)
+        refuse_beyond(drive, LARGEST * self._unit, self._unit)
         self._most = check_work(contacts, drive, n)
 
     def fields(self, state: State) -> dict[str, Any]:
@@ -232,6 +228,15 @@ def unit_of(contacts: Contacts) -> float:
 
     largest = tables_of(contacts)["thresholds"].largest
     return max(2.0**-28 * contacts.mean_threshold, 2.0**-40 * largest)
+
+
+def refuse_beyond(drive: Drive, most: float, unit: float) -> None:
+    """InputError for a drive that goes further than `most` (a length), where positions have no whole units left."""
+    far = int(np.argmax(np.abs(drive.path)))
+    if abs(drive.path[far]) > most:
+        last = far == drive.path.size - 1
+        hint = f"must be below {most:.3g}; positions are whole multiples of {unit:.3g}"
+        refuse("path[-1]" if last else f"path[{far}]", drive.path[far], hint)
 
 
 def check_coupled(contacts: Contacts, drive: Drive) -> None:

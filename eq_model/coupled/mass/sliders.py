@@ -7,9 +7,11 @@ import numpy as np
 
 from eq_model.blocks import Blocks, State, check_dropped
 from eq_model.coupled.ensemble import (
+    LARGEST,
     check_coupled,
     checked_slip_fraction,
     few_contacts,
+    refuse_beyond,
     unit_of,
 )
 from eq_model.coupled.mass.chance import fall_by_chance
@@ -22,7 +24,6 @@ from origins.thresholds.law import Array
 
 MOST_BREAKS = 10**11  # of a replica: some two hours, also of fewer that are SLOWER
 SLOWER = 15  # time of a break of contacts that grow beside one of others
-FURTHEST = 2.0**60  # of positions in whole units
 LONGEST = 1e13  # oscillations between two points of the path, after which a double has three digits of their phase
 CURVES = "position", "force", "holding", "velocity", "contact_force"
 ENERGIES = "drive", "damped", "released", "contacts", "spring", "kinetic"
@@ -81,15 +82,14 @@ class HeavySliders:
         """InputError for paths that are too long to be followed."""
         contacts, drive, end = self._contacts, self._drive, self._drive.path[-1]
         spring, mean = drive.spring or 0.0, contacts.mean_threshold
-        most = 0.25 * FURTHEST * self._unit
+        most = 0.5 * LARGEST * self._unit
         force = mean * growth(contacts, drive) + abs(contacts.start.mean())
-        if end > most:
-            hint = f"must be below {most:.3g}; positions are whole multiples of {self._unit:.3g}"
-            refuse("path[-1]", end, hint)
-        # a slider may swing beyond the drive by as much as it was behind
         if force > spring * most:
             hint = f"must be above {force / most:.3g}; slips are longer than positions have digits"
             refuse("spring", spring, hint)
+        # a slider may swing beyond the drive by as much as it was behind
+        most = LARGEST * self._unit - max(force / spring, self._most_behind())
+        refuse_beyond(drive, most, self._unit)
         # a contact breaks once a mean threshold where it does not wait
         breaks = self._n * max(end - self._most_behind(), 0.0) / mean / growth(contacts, drive)
         breaks *= contacts.delay is None
