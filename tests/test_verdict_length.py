@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+import toolkit
 from tests.verdicts import slips, told
+from toolkit.scene.interfaces import NUMERICAL_ONLY
 from toolkit.verdict.answers import Quantity, Verdict
 from toolkit.verdict.files import plain
+from toolkit.verdict.judge import verdict
 from toolkit.verdict.sliders.records import Finite
 from toolkit.verdict.text import hangs_on
 from toolkit.verdict.text.kinds import GENERAL, NOTHING, TURNS, Line
@@ -25,6 +28,19 @@ def lines_of(verdict: Verdict) -> list[str]:
 def many_lines(number: int) -> list[Line]:
     """So many lines, the last of which change least."""
     return [Line(1.0 / n, f"line {n}", f" as reason {n}") for n in range(1, number + 1)]
+
+
+def test_what_errors_leave_out_is_no_line_beside_the_range_over_readings() -> None:
+    """It stood below that range, which tells it in numbers; of one reading it stays, and verdict.json has it."""
+    scene = toolkit.load_scene(
+        "rough-gw-amontons",
+        changes={"verdict": {"readings": ["gw/amontons", "gw/strength"], "steps": [1]}},
+    )
+    found = verdict(scene)
+    assert len(found.answers) > 1 and NUMERICAL_ONLY in plain(found)["hangs_on"]
+    assert NUMERICAL_ONLY not in lines_of(found)
+    alone = replace(found, answers=found.answers[:1])
+    assert NUMERICAL_ONLY in lines_of(alone)
 
 
 def test_a_page_has_eight_lines_and_a_file_has_all(monkeypatch: pytest.MonkeyPatch) -> None:

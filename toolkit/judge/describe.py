@@ -1,5 +1,6 @@
 """A law of thresholds in numbers, each with its error: moments, quantiles, onset, propensity, and its interface."""
 
+import re
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -264,7 +265,7 @@ def table_of(
     for name, number in found.numbers.items():
         if name in hidden:
             continue
-        unit = number.unit
+        unit = re.sub(r"\^?([23])$", lambda power: "²³"[int(power[1]) - 2], number.unit)
         if name == "onset_power":
             value = onset_in_words(number, 3 if surface else 8)
         elif name.startswith("critical_spring") and smoothed:

@@ -29,6 +29,11 @@ _UNITS |= {"rms_height": "m", "summit_radius": "m", "summit_density": "1/m2"}
 _OF_SURFACE = "rms_height", "rms_slope", "summit_radius", "summit_density"
 _UNITS |= {"mean_force_threshold": "N", "contact_density": "1/m2", "mean_stiffness": "N/m"}
 
+# of a scan, what its errors do not count
+NUMERICAL_ONLY = (
+    "errors are numerical only, not those of the surface, its resolution (step) or the threshold law: what another "
+    "patch or step would give is not in them, and may change K* by orders of magnitude"
+)
 # of the load: where plastic contacts bear more the elastic theory says nothing
 _MOSTLY = 0.5
 # numbers that are temperatures of a room in °C, and no usual ones in K; 0 °C in K
@@ -102,10 +107,7 @@ def remarks(law: Thresholds, machine: bool = False) -> list[str]:
     if isinstance(law.interface, Interface):
         said += law.interface.cautions
         if of_a_scan(law):
-            said.append(
-                "errors are numerical only, not those of the surface, its resolution (step) or the threshold law: what "
-                "another patch or step would give is not in them, and may change K* by orders of magnitude"
-            )
+            said.append(NUMERICAL_ONLY)
         if law.interface.plastic_fraction is None:
             said.append("plastic contacts were not looked for: give the material a hardness")
         if zeros := law.interface.moments.zero_fraction:

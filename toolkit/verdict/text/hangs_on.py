@@ -8,7 +8,7 @@ import numpy as np
 from origins.drive import RISE
 from origins.roughness.interface import Interface
 from toolkit.scene.barriers import of_barriers
-from toolkit.scene.interfaces import doubts, of_laws, remarks
+from toolkit.scene.interfaces import NUMERICAL_ONLY, doubts, of_laws, remarks
 from toolkit.scene.scale import in_three_digits, told_contacts, written
 from toolkit.verdict.answers import Answer, Verdict
 from toolkit.verdict.of_area import finite_told_apart, late_force_of
@@ -204,13 +204,13 @@ def _of_contacts(verdict: Verdict) -> Iterator[Line]:
             f"the number of contacts N: N K³ = {crowd:.2g}, K in N_c<k>; above K* sliding is smooth "
             f"only where it is above some {SMOOTH_ABOVE:g}",
         )
-    first = doubts(own.contacts)
+    above = doubts(own.contacts) + [NUMERICAL_ONLY] * (len(verdict.answers) > 1)  # by their range
     for one in remarks(own.contacts.thresholds, machine is not None):
-        yield Line(_size_of(verdict, one), one, above=any(one in each for each in first))
-    followed = [finite for finite in verdict.finite if finite.kind != "unknown"]
+        yield Line(_size_of(verdict, one), one, above=any(one in each for each in above))
     # what the headline tells already, in place of infinitely many, is not told again
     alone = [one.finite for one in own.behaviours if one.finite and not one.finite.message]
-    followed = [finite for finite in followed if not any(finite is one for one in alone)]
+    followed = [few for few in verdict.finite if not any(few is one for one in alone)]
+    followed = [few for few in followed if few.kind != "unknown"]
     for said, rules in by_reason((_of_finite(verdict, one), one.rule) for one in followed).items():
         change = max(_change_by(verdict, one) for one in followed if one.rule in rules)
         # with these forces; of slips now and then the answer may tell the force between them alone
