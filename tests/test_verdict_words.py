@@ -26,6 +26,7 @@ from tests.scenes import ROUGH, said, write
 from tests.verdicts import HEAVY, LIGHT, NUMBER, slips, text_of, told
 from toolkit.results.slips import still_changing
 from toolkit.running.progress import Progress
+from toolkit.scene.messages import with_units_of
 from toolkit.scene.scale import Scale
 from toolkit.scene.scene import load_scene
 from toolkit.verdict import answers
@@ -402,6 +403,9 @@ def test_what_a_solver_says_of_a_slider_with_mass_is_in_the_units_of_the_page() 
     newtons = Scale(1.0, "N", 2e6, "N/m", "m", "s")
     why = "takes 9 steps to t = 518; give a larger damping (a hundredth of the critical one of a slider that sticks is "
     assert in_units(f"{why}5e-07)", newtons).endswith("of a slider that sticks is 1.00 N s/m)")
+    usual = "mass = {}: rings (a tenth of the critical one of mass and spring is {}), or end the path before {}"
+    given, told = ("5e-08", "5e-07", "0.005"), ("0.1 kg", "1.00 N s/m", "5.00 mm")
+    assert with_units_of(newtons, usual.format(*given)) == usual.format(*told)
     far = "a slider with mass goes on by 3e-05 or more, in 4e+04 steps"
     assert "goes on by 30.0 µm or more" in in_units(far, newtons)
 

@@ -44,6 +44,17 @@ def enough_damping(drive: Drive) -> str:
     return f"a hundredth of the critical one of a slider that sticks is {asked:.3g}"
 
 
+def _usual_damping(drive: Drive) -> str:
+    """The same as machines have, on springs so soft that it is more than critical for the mass on its spring: a tenth
+    of that, where the slider rings on its contacts less than MOST_OSCILLATIONS times with it."""
+    spring, mass = float(drive.spring or 0.0), float(drive.mass or 0.0)
+    tenth = 0.2 * float(np.sqrt(spring * mass))
+    rings = FADES / np.pi * float(np.sqrt(mass * (1.0 + spring))) / tenth
+    if tenth < 0.01 * _critical_damping(drive) and rings < MOST_OSCILLATIONS:
+        return f"a tenth of the critical one of mass and spring is {tenth:.3g}"
+    return enough_damping(drive)
+
+
 def why_too_long(drive: Drive) -> str:
     """Why a slider was not followed to its end, and what to do."""
     critical = _critical_damping(drive)
@@ -94,7 +105,7 @@ def refuse_long_ringing(contacts: Contacts, drive: Drive) -> None:
     turns, latest = oscillations(contacts, drive)
     if turns:
         fault = f"after a slip the slider rings {turns:.1e} times, and at most {MOST_OSCILLATIONS:.0e} may come"
-        hint = f"give a damping ({enough_damping(drive)}), or end the path before {latest:.4g}"
+        hint = f"give a damping ({_usual_damping(drive)}), or end the path before {latest:.4g}"
         refuse("mass", drive.mass, f"{fault}; {hint}")
 
 

@@ -43,9 +43,9 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             back = drop - (remaining := regained * own.scale.force)
             yield Line(
                 GENERAL,
-                f"the slider rings after a slip, while its contacts are out: of the drop of {written(drop, force)} it "
-                f"swings back by {written(back, force)} before it sticks, and the period is that of the other "
-                f"{written(remaining, force)}",
+                "the slider rings after a slip, while its contacts are out: the spring regains less than the drop",
+                f". Of that, {written(drop, force)}, it swings back by {written(back, force)} before it sticks, and the "
+                f"period is that of the other {written(remaining, force)}",
             )
 
 
