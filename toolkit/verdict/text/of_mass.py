@@ -44,8 +44,8 @@ def of_a_mass(verdict: Verdict) -> Iterator[Line]:
             yield Line(
                 GENERAL,
                 "the slider rings after a slip, while its contacts are out: the spring regains less than the drop",
-                f". Of that, {written(drop, force)}, it swings back by {written(back, force)} before it sticks, and the "
-                f"period is that of the other {written(remaining, force)}",
+                f". Of that, {written(drop, force)}, it swings back by {written(back, force)} before it sticks, and "
+                f"the period is that of the other {written(remaining, force)}",
             )
 
 
