@@ -33,6 +33,7 @@ def tribometer(delay: float, contacts: int = 2000) -> Slips:
     """Slips of the scene tribometer-smooth with another delay, those of above a fifth of a mean threshold."""
     tables = tomllib.loads((SHIPPED / "tribometer-smooth.toml").read_text())
     tables["contacts"]["delay"]["time"] = delay
+    tables["drive"] |= {"turns": [15e-6], "times": [15.0], "points": 1501}  # as of its sisters
     tables["eq"] |= {"contacts": contacts, "replicas": 1}
     done = toolkit.run(tables)
     slips = done.eq.slips

@@ -17,6 +17,7 @@ import origins
 import toolkit
 from toolkit.command import main
 from toolkit.pictures.points import plot_points, plot_points_swing
+from toolkit.pictures.run import plot_velocity
 from toolkit.pictures.traces import slips_of, with_slips
 from toolkit.scene.scene import SHIPPED
 
@@ -62,6 +63,12 @@ def test_the_delay_decides_between_smooth_sliding_and_stick_slip() -> None:
     np.testing.assert_allclose(-other[1][slips] / before, beyond, atol=0.03)
 
 
+@pytest.mark.slow  # quick: its mean force with fewer contacts, above
+def test_the_tribometer_that_slides_smoothly_has_first_slips_alone() -> None:
+    slips = run("tribometer-smooth", 40_000, 2).eq.slips
+    assert [*slips.replica] == [0, 1] and slips.drive.max() < 2.7e-6
+
+
 def test_slips_shorter_than_the_steps_of_the_path_are_drawn() -> None:
     full = run("tribometer-full", 1000, turns=[6e-6], times=[6.0], points=61)
     slips, times = full.eq.slips, full.time
@@ -83,6 +90,12 @@ def test_stick_slip_ends_above_a_drive_speed_and_comes_back_at_a_lower_one() -> 
     # at 14, where the swings decay, F_k falls with the speed as 1/(1 + 0.1 v); the damping bears the rest
     mean = force[(done.time > 380.0) & (done.time <= 400.0)].mean()
     assert mean == pytest.approx(0.52 / 2.4 + 0.013 * 14.0, rel=0.01)
+    # the picture marks all slips, which points of the path show, each near a largest speed of these
+    axes, slips = plot_velocity(Figure().subplots(), done), done.eq.slips
+    (marks,) = (line for line in axes.lines if line.get_label() == "top speed of a slip")
+    speed = np.interp(marks.get_xdata(), done.time, done.eq.velocities[0])
+    assert slips.drive.size == speed.size > 40
+    assert np.abs(speed / slips.top_speed - 1.0).max() < 0.02
 
 
 def test_the_force_after_a_hold_with_mass_grows_until_all_contacts_hold() -> None:

@@ -198,19 +198,20 @@ def plot_deviation(axes: Any, result: Result) -> Any:
 
 
 def plot_velocity(axes: Any, result: Result) -> Any:
-    """The speed of a slider with mass at the points of the path: of the master equation, and in some replicas; each
-    slip as a line from its begin to its top speed, from its own data, since points of the path may all lie between."""
+    """The speed of a slider with mass at the points of the path: of the master equation, and in some replicas; slips by
+    their top speeds, from their own data, since points of the path may all lie between."""
     solved, eq = result.master, result.eq
     if eq is not None:
         for replica in range(min(_REPLICAS, len(eq.forces))):
             swings = swings_between(eq, eq.velocities[replica], replica, speed=True)
             draw_curve(axes, along(result, eq), eq.velocities[replica], swings, _OF_EQ)
-            _draw_top_speeds(axes, result, eq, eq.forces[replica], replica)
+            own = eq.forces[replica], eq.velocities[replica]
+            _draw_top_speeds(axes, result, eq, *own, replica)
     if solved is not None and solved.velocity is not None and is_precise(solved):
         swings = swings_between(solved, solved.velocity, speed=True)
         style = {"color": INK["master"], "lw": 1.2}
         draw_curve(axes, along(result, solved), solved.velocity, swings, style)
-        _draw_top_speeds(axes, result, solved, solved.force, None)
+        _draw_top_speeds(axes, result, solved, solved.force, solved.velocity, None)
     write_along(axes, result)
     mark_legs(axes, result)
     name_axis(axes.yaxis, "slider's speed\n", result.scale.speed_unit)
@@ -219,23 +220,28 @@ def plot_velocity(axes: Any, result: Result) -> Any:
 
 
 def _draw_top_speeds(
-    axes: Any, result: Result, curve: Any, force: Any, replica: int | None
+    axes: Any, result: Result, curve: Any, force: Any, speed: Any, replica: int | None
 ) -> None:
-    """The top speed of each slip, at half its duration, but of those that the path's own points show."""
+    """The top speed of each slip: as a line at half its duration, or a light mark where it is the largest of the speeds
+    at the path's own points, if enough of these lie within the slip."""
     slips = slips_of(curve, replica)
     if slips is None or slips.top_speed is None or slips.duration is None or not slips.drive.size:
         return
     place = along(result, curve)
     begin = moments(place, curve.path, force, slips)
-    inside = np.searchsorted(place, begin + slips.duration) - np.searchsorted(place, begin)
-    begin = np.where(inside < _RESOLVED, begin, np.nan)
-    if not np.isfinite(begin).any():
-        return
-    at, ink = begin + 0.5 * slips.duration, INK["master" if replica is None else "eq"]
-    axes.vlines(at, 0.0, slips.top_speed, color=ink, lw=0.7, alpha=0.7)
+    first, last = (np.searchsorted(place, time) for time in (begin, begin + slips.duration))
+    at, shown = begin + 0.5 * slips.duration, last - first >= _RESOLVED
+    for k in np.flatnonzero(shown):
+        at[k] = place[first[k] + np.argmax(np.abs(speed[first[k] : last[k]]))]
+    ink, mark = (INK["master"], MARKERS[0]) if replica is None else (INK["eq"], MARKERS[2])
     label = "top speed of a slip" if replica in (None, 0) else None
-    mark = MARKERS[0] if replica is None else MARKERS[2]
-    axes.plot(at, slips.top_speed, mark, color=ink, ms=4, label=label)
+    for points_show_it, size in ((True, 2.5), (False, 4.0)):
+        some = np.isfinite(at) & (shown == points_show_it)
+        if some.any():
+            axes.plot(at[some], slips.top_speed[some], mark, color=ink, ms=size, label=label)
+            label = None  # once is enough
+            if not points_show_it:
+                axes.vlines(at[some], 0.0, slips.top_speed[some], color=ink, lw=0.7, alpha=0.7)
 
 
 def _shows_slips(result: Result) -> bool:
