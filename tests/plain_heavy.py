@@ -51,7 +51,8 @@ class PlainSlider:
         self.slips, self.begun = list[list[float]](), None
         self.high, self.low, self.lead, self.rushed, self.slip = None, None, -np.inf, False, None
         self.stuck, self.loose, self.rest = True, 0, (self.x, self.spring_force(self.x, 0.0), 0)
-        self.stuck_at, self.held, self.lowest = self.x, n, self.rest[1]
+        self.stuck_at, self.held, self.lowest = self.x, n, self.rest[:2]
+        self.highest = -np.inf
 
     form = PlainReplica.form  # from the same fields
     now = property(lambda self: self.t)
@@ -93,18 +94,11 @@ class PlainSlider:
             return speed(t) - velocity
 
         signs = excess(times) > 0.0
-        fell = self.begun is not None
         edges = [0, *(np.flatnonzero(signs[1:] != signs[:-1]) + 1), times.size]
         for first, last in itertools.pairwise(edges):
             if not signs[first]:
                 continue
             top, ends = speed(times[first:last]).max(), last < times.size
-            if (
-                first > 0
-                and ends
-                and (fell or not (self.loosened(velocity) and top >= 1.5 * velocity))
-            ):
-                continue  # falls between two events, as a slider that sticks rings
             for i, falls, there in ((first, True, first > 0), (last, False, ends)):
                 if not there:
                     continue
@@ -138,7 +132,7 @@ class PlainSlider:
                 self.low = self.high = None
             if not self.low and (self.high is None or force >= self.high[3]):
                 self.high, self.lead, self.rushed = (now, drive, x, force), lead, False
-            self.lead = max(self.lead, lead)
+            self.lead, self.highest = max(self.lead, lead), max(self.highest, force)
         elif self.begun is not None:
             self.rushed |= self.top >= 1.5 * velocity and self.begun - force >= chance
             self.rushed |= self.lead - lead >= chance
@@ -151,11 +145,13 @@ class PlainSlider:
                     self.slip, self.stuck = self.breaks - self.loose, False
                 lower = not self.low or self.low[2] - force > 1e-3 * drop
                 self.low = (now, x, force, self.breaks) if lower else self.low
+                self.highest = -np.inf if lower else self.highest
                 if first and not lower:
                     self.low = (*self.low[:3], self.breaks)
                 if (first or lower) and (self.slip is not None or self.breaks > self.rest[2]):
                     self.rest = x, force, self.breaks
-            self.begun, self.top, self.lowest = None, 0.0, force
+            self.begun, self.top = None, 0.0
+            self.lowest = (x, force) if force < self.lowest[1] else self.lowest
 
     def end_slip(self) -> None:
         """The present swing down is over."""
@@ -186,22 +182,22 @@ class PlainSlider:
         if here < self.stuck_at - 2.0 * mean:
             self.stuck = False
         few = holds < 0.02 * self.n or (self.stuck and holds < self.fraction * self.held)
-        if not few and now - self.lowest >= 0.02 * mean:
-            self.rest = here, self.lowest, self.breaks
         x, force, breaks = self.rest
-        if few or abs(here - x) > 2.0 * mean:
-            self.rest = here, now, self.breaks
-        elif now - force >= 0.02 * mean:
-            highest = self.low or self.high is None or now >= self.high[3]
-            if highest and self.breaks - breaks < self.fraction * holds:
-                self.stuck, self.stuck_at, self.held, self.loose = True, here, holds, 0
-            self.rest = here, now, self.breaks
+        near, loaded = abs(here - x) <= 2.0 * mean, now - self.lowest[1] >= 0.02 * mean
+        risen = near and now - force >= 0.02 * mean
+        loaded |= risen and self.breaks - breaks < self.fraction * holds
+        if few or not near or risen:
+            self.rest = *self.lowest, self.breaks
+        if loaded and not few and now >= self.highest:
+            self.stuck, self.stuck_at, self.held, self.loose = True, here, holds, 0
 
     def follow(self) -> Followed:
         """To the end of the path."""
         told, delay = list[list[float]](), self.contacts.delay
         for end, velocity in zip(self.clock[1:], self.speeds(), strict=True):
             if (self.begun is None) == (self.v > velocity):  # the drive's speed changes
+                if self.begun is None:
+                    self.watch(0.0, 0.0)
                 self.turn(0.0, 0.0, self.v > velocity, velocity)
             while True:
                 way, speed, fastest = self.motion(velocity)
@@ -212,8 +208,6 @@ class PlainSlider:
                 if self.law is not None:
                     ahead = behind = self.left(way, np.zeros(1)).min(initial=np.inf)
                 moves = ahead > 0.0 and behind > 0.0
-                if moves and self.begun is None:
-                    self.lowest = self.spring_force(self.x, self.t)
                 times = np.linspace(0.0, due, 200 + int(150.0 * fastest * due))
                 ways = way(times)
                 passed, broke, first = np.flatnonzero((ways >= ahead) | (ways <= -behind)), 0, -1
@@ -236,7 +230,8 @@ class PlainSlider:
                     first = int(np.argmin(self.left(way, np.array([due]))))
                     broke = 1 if self.x + way(due) > self.zero[first] else -1
                 self.falls(times, speed, way, velocity)
-                if moves and self.begun is None:
+                returns = self.returns and self.t + due >= self.returns[0]
+                if moves and (broke or returns) and self.begun is None:
                     self.watch(due, way(due))
                 self.x, self.v, self.t = self.x + way(due), speed(due), self.t + due
                 if broke:
@@ -255,6 +250,7 @@ class PlainSlider:
                     self.form(1)
                 else:
                     break
+                self.lowest = self.x, self.spring_force(self.x, self.t)
             force, held = self.spring_force(self.x, self.t), self.zero.size / self.n
             told.append([self.x, force, held, self.v, self.contact_force(self.x)])
         if self.low and (self.begun is None or force > self.low[2]):

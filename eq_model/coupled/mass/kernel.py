@@ -5,7 +5,7 @@ import numpy as np
 from eq_model.compiling import bare, entry, inlined, unsigned
 from eq_model.coupled.heat import leave, time_to_next
 from eq_model.coupled.mass.heat import begin_heat, propose, reach_of, stiffness_by_places
-from eq_model.coupled.mass.motion import first_passage, first_top
+from eq_model.coupled.mass.motion import first_passage
 from eq_model.coupled.mass.moves import MOVED, closed_move, damped_move, motion_of, quick_move
 from eq_model.coupled.mass.nearest import (
     FAR,
@@ -39,14 +39,13 @@ from eq_model.coupled.mass.state import (
 )
 from eq_model.coupled.mass.swings import (
     begin_fall,
-    begin_if_fast,
     end_fall,
-    has_loosened,
+    lowest_here,
+    slow_again,
     take_slip,
     watch,
 )
 from eq_model.draws.supply import take
-from origins.drive import FASTER
 
 PATH_DONE, SLIP_ENDED, TOO_MANY, GOING_ON = range(4)
 AT_ONCE = 1 << 17  # events after which Python can handle an interrupt
@@ -79,11 +78,11 @@ def _form(s, contacts, i, supply, pull, age):  # type: ignore[no-untyped-def]
 def form_all(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
     """All contacts form at X = 0, where the slider rests."""
     s = slider[0]
-    s.stuck, s.held, pull.swing[F_BEFORE] = True, np.int64(pull.n), -np.inf
+    s.stuck, s.held, s.highest, pull.swing[F_BEFORE] = True, np.int64(pull.n), -np.inf, -np.inf
     begin_heat(contacts.ages.heat, s)
     for i in range(np.int64(pull.n)):
         _form(s, contacts, i, supply, pull, pull.age)
-    s.rest_force = contact_force(s, pull)  # which the spring balances
+    s.lowest = s.rest_force = contact_force(s, pull)  # which the spring balances
 
 
 @inlined
@@ -178,7 +177,8 @@ def _end_leg(s, pull):  # type: ignore[no-untyped-def]
         limit = speed_limit(pull.speeds[k + 1])
         if s.falling and s.speed <= limit:
             end_fall(s, pull, 0.0, 0.0)
-        elif not s.falling and s.speed > limit:
+        elif not s.falling and s.speed > slow_again(s, limit):
+            watch(s, pull, 0.0, 0.0)
             slipped = begin_fall(s, pull, 0.0, 0.0, s.speed)
     elif not s.falling or out[FORCE, k] > pull.swing[F_AFTER]:
         slipped = take_slip(s, pull)  # the path ends behind it
@@ -204,8 +204,8 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             stiffness = pull.spring + s.stiffness * each
             pulled = spring_force(s, pull)
             net = pulled - contact_force(s, pull)
-            if not (s.falling or s.nothing_broke):
-                s.lowest = pulled
+            if pulled < s.lowest and not s.falling:
+                lowest_here(s, np.float64(s.at) + s.off, pulled)
             if known if s.speed >= 0.0 else known_behind:
                 side = quick_move(s, pull, ahead, behind, most, net, stiffness)
                 if side == 0:
@@ -215,16 +215,9 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             elif side == 0:
                 motion = motion_of(s, pull, net, stiffness)
                 t, side = first_passage(motion, ahead, behind, most)
-                if not s.falling and s.loose != s.tried and has_loosened(s, pull):
-                    # Contacts broke before the slider was as fast as the drive. So stop where it is fastest, for
-                    # begin_if_fast to see a fall that would begin and end between two events.
-                    early, top = first_top(motion)
-                    limit = speed_limit(pull.speeds[unsigned(s.leg)])
-                    if early < t and top > FASTER * limit:
-                        t, side, most, s.tried = early, 0, early, s.loose
                 if side == 0 or (known if side > 0 else known_behind):
                     travel = ahead if side > 0 else -behind
-                    closed_move(s, pull, motion, t, side, travel)
+                    slipped = closed_move(s, pull, motion, t, side, travel)
         forms = breaks = np.int64(-1)
         # at a bound, where the slider has not moved yet, the places are looked up
         if side > 0 and not known:
@@ -239,19 +232,20 @@ def slide(slider, contacts, supply, pull):  # type: ignore[no-untyped-def]
             elif proposed:
                 s.now = time_now(s, pull)
                 breaks = propose(contacts.ages.heat, s, contacts)
-            s.nothing_broke = breaks < 0 and (side != 0 or proposed)
-            if not s.nothing_broke:
-                if moves and not s.falling:
-                    watch(s, pull)  # before the contacts that held it so far break
-                slipped = begin_if_fast(s, pull)
+            if moves and (breaks >= 0 or due) and not s.falling:
+                watch(s, pull, 0.0, 0.0)  # with the contacts that held it so far
             if breaks >= 0:
                 forms = _break(s, contacts, breaks, pull)
                 if s.breaks >= pull.most_breaks:
                     return TOO_MANY
             elif due:
                 forms = _return(s, contacts, pull)
-            elif not s.nothing_broke and remaining <= most:
+            elif side == 0 and not proposed and remaining <= most:
+                if slipped and s.leg + 1 == pull.lasts.size:
+                    return SLIP_ENDED  # as the path's end may end another one
                 slipped = _end_leg(s, pull) or slipped
+            if breaks >= 0 or due:
+                s.lowest = np.inf
         if forms >= 0:
             _form(s, contacts, forms, supply, pull, 0.0)
         if slipped:

@@ -22,7 +22,6 @@ from eq_model.compiling import bare, inlined
 # where an extreme of the speed is nearer than this (radians of the oscillation, and radians for each radian since the
 # last event), the next one is taken: the first one is that at which the search stands, found anew with another rounding
 NEAR, NEAR_FRACTION = 1e-7, 1e-15
-SLOW = 1e-9  # a share of the largest excess of speed, far below what anyone measures
 
 
 class OscillatorMotion(NamedTuple):
@@ -201,65 +200,3 @@ def first_passage(m, ahead, behind, most):  # type: ignore[no-untyped-def]
             return meets(m, False, False, -behind, turn, end, turn), -1
         t, here = end, there
     return most, 0
-
-
-@bare
-def first_top(m):  # type: ignore[no-untyped-def]
-    """When the speed has its first maximum, the largest one, and how fast the slider is then; inf if it has none."""
-    t, here = 0.0, begin_of(m)
-    for _ in range(2):
-        rises = acceleration(m, here.u, here.change) > 0.0
-        t += next_extreme(m, t, here.u, here.change)
-        if not t < np.inf:
-            break
-        here = moment_at(m, t)
-        if rises:
-            return t, here.speed
-    return np.inf, here.speed
-
-
-@bare
-def first_slower(m, speed, most, top):  # type: ignore[no-untyped-def]
-    """When a slider faster than `speed` (and the drift not) first is as slow, at most `most`, and its top speed then,
-    if it was `top` before.
-
-    One that does not ring and drifts at `speed`, as no contact holds or the drive holds, only comes close to it: that
-    is where the excess is down to SLOW of the largest.
-    """
-    t, here = 0.0, begin_of(m)
-    top = max(top, here.speed)
-    comes_close = not m.rings and m.drift >= (1.0 - 1e-12) * speed
-    while t < most:
-        end = min(t + next_extreme(m, t, here.u, here.change), most)
-        there = moment_at(m, end)
-        top = max(top, there.speed)
-        level = speed + (SLOW * (top - speed) if comes_close else 0.0)
-        if here.speed <= level:
-            return t, top
-        if there.speed <= level:
-            return meets(m, True, False, level, t, end, t), top
-        t, here = end, there
-    return most, top
-
-
-@bare
-def last_faster(m, speed, end):  # type: ignore[no-untyped-def]
-    """When a slider that is faster than `speed` at `end` (and the drift not) became so, from 0 on, and its top speed
-    since."""
-    here = moment_at(m, end)
-    top = here.speed
-    extreme = before = -1.0  # when the speed had its last two extremes
-    if m.rings:
-        half = np.pi / m.beat
-        extreme = end + next_extreme(m, end, here.u, here.change) - half
-        before = extreme - half
-    else:
-        extreme = next_extreme(m, 0.0, m.u, m.speed)
-        extreme = extreme if extreme < end else -1.0
-    for k in range(2):
-        begin = max(before if k else extreme, 0.0)
-        there = moment_at(m, begin)
-        if there.speed <= speed:
-            return meets(m, True, True, speed, begin, end, begin), top
-        top, end = max(top, there.speed), begin
-    return end, top

@@ -8,15 +8,9 @@ import numpy as np
 
 from eq_model.compiling import inlined, unsigned
 from eq_model.coupled.mass.integrals import motion_integrals
-from eq_model.coupled.mass.motion import (
-    first_slower,
-    last_faster,
-    make_motion,
-    moment_at,
-    speed_at_break,
-)
+from eq_model.coupled.mass.motion import make_motion, moment_at, speed_at_break
 from eq_model.coupled.mass.state import pass_time, speed_limit
-from eq_model.coupled.mass.swings import end_fall
+from eq_model.coupled.mass.swings import see_turns
 
 MOVED = 2  # what quick_move returns where no contact breaks
 # exponent of the slow part below which it is 1e-13 of what it was, and its sum with 1 is rounding
@@ -168,30 +162,13 @@ def motion_of(s, pull, net, stiffness):  # type: ignore[no-untyped-def]
 
 @inlined
 def closed_move(s, pull, motion, t, side, travel):  # type: ignore[no-untyped-def]
-    """Move for a time t in closed form, then a break (side 1 or -1) at `travel`."""
-    there, drive = moment_at(motion, t), pull.speeds[unsigned(s.leg)]
+    """Move for a time t in closed form, then a break (side 1 or -1) at `travel`. Returns whether a slip has ended."""
+    there = moment_at(motion, t)
     speed = there.speed
     if side == 0:
         travel = there.travel
     else:
         speed = speed_at_break(motion, there, travel - there.travel)
     integral, squares = motion_integrals(motion, t, there)
-    limit, slower = speed_limit(drive), np.inf
-    if s.falling:
-        slower, s.top = first_slower(motion, limit, t, s.top)
     pass_time(s, pull, t, travel, speed, integral, squares)
-    if s.falling and slower < t:
-        end_fall(s, pull, t - slower, travel - moment_at(motion, slower).travel)
-    was_fast, s.fast = s.fast, not s.falling and speed > limit
-    if s.fast:
-        faster, top = last_faster(motion, limit, t)
-        if was_fast and faster == 0.0:
-            s.fast_for += t
-            s.fast_way += travel
-            s.top = max(s.top, top)
-        else:
-            s.fast_for, s.fast_way, s.top = (
-                t - faster,
-                travel - moment_at(motion, faster).travel,
-                top,
-            )
+    return see_turns(s, pull, motion, t, travel)

@@ -43,6 +43,7 @@ SLIDER = np.dtype(
         ("in_swing", np.bool_),  # whether the force is in one, which no rise has ended yet
         ("clock", np.float64),  # time since it began
         ("lead", np.float64),  # largest K (FASTER X_T - X) since it began
+        ("highest", np.float64),  # of the spring's maxima since the last one ended
         # whether the slider has been FASTER times as fast as the drive since, by more than chance
         ("rushed", np.bool_),
         ("slipping", np.bool_),  # whether it is a slip
@@ -52,20 +53,13 @@ SLIDER = np.dtype(
         ("stuck_at", np.float64),  # X where it last did
         ("held", np.int64),  # number of contacts that held there
         ("loose", np.int64),  # breaks since it last stuck
-        # `loose` at the last top of the speed that was looked at as the begin of a slip
-        ("tried", np.int64),
         # from where on the slider may be sticking
         ("rest", np.float64),  # X there
         ("rest_force", np.float64),  # the spring's force there
         ("rest_breaks", np.int64),  # number of all breaks up to there
-        # the spring's force where the present move, or the rise in it, began
+        # the spring's lowest force since a contact broke or formed, and X there
         ("lowest", np.float64),
-        # the slider is faster than the drive since an event that broke nothing: not yet a fall
-        ("fast", np.bool_),  # whether it is
-        ("fast_for", np.float64),  # since when
-        ("fast_way", np.float64),  # how far it has moved since
-        # whether the last event was no break, as the contact had grown, or has another window in heat
-        ("nothing_broke", np.bool_),
+        ("lowest_at", np.float64),
         # with heat: the time now, the sum of all levels, its integral until the next proposal, and the number of draws
         ("now", np.float64),
         ("total", np.float64),

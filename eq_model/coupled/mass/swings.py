@@ -11,6 +11,7 @@ from math import frexp
 import numpy as np
 
 from eq_model.compiling import inlined, unsigned
+from eq_model.coupled.mass.motion import begin_of, meets, moment_at, next_extreme
 from eq_model.coupled.mass.state import (
     BREAKS,
     DRIVE,
@@ -20,12 +21,18 @@ from eq_model.coupled.mass.state import (
     TOP_SPEED,
     X_AFTER,
     X_BEFORE,
+    speed_limit,
 )
 from origins.drive import FASTER, RISE
 
 # Share of a swing below which a second minimum does not count as lower: a slider that no contact holds comes close to
 # the force of its damping again and again, and the swing has ended where it first does.
 LOWER = 1e-3
+SLOW = 1e-9  # a share of the largest excess of speed, far below what anyone measures
+# In whole units of length: a spring's force that rings by less, 1e-9 mean thresholds, does not turn.
+STILL = 0.25
+# Extremes of the speed on a move in which nothing breaks, after which only those of its last turns are looked at.
+LOOKED_AT = 6
 
 
 @inlined
@@ -41,30 +48,35 @@ def _rest_at(s, x, force):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def watch(s, pull):  # type: ignore[no-untyped-def]
-    """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises.
+def watch(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
+    """Whether the slider sticks: its contacts hold it in a narrow room, and few break, while the spring's force rises
+    to its value so long before the present, when the slider was so far behind.
 
-    Called where a move ends, as one move may load it all the way to its next break; where the slider is fast by then,
-    the force was largest as it became so. A small part of the contacts that held it before does not hold it: a heavy
-    slider that slowly breaks the last ones, as it gathers speed, has begun to slip. Neither does it stick anew in a
-    small rise within a fall. One that moves back beyond the room has only turned there: no contact that it stuck to
-    holds it."""
-    before, travel_before = (s.fast_for, s.fast_way) if s.fast else (0.0, 0.0)
+    Called before a contact breaks or forms while the force rises, and where it is largest: so what it finds does not
+    depend on where else the slider is looked at. It is loaded also where the force has risen since a contact last broke
+    or formed, on any way. A small part of the contacts that held it before does not hold it: a heavy slider that slowly
+    breaks the last ones, as it gathers speed, has begun to slip. Neither does it stick anew in a small rise within a
+    fall. One that moves back beyond the room has only turned there: no contact that it stuck to holds it."""
     x = np.float64(s.at) + (s.off - travel_before)
     drive = pull.places[unsigned(s.leg)] + pull.speeds[unsigned(s.leg)] * (s.elapsed - before)
     force = pull.spring * (drive - x)
     if x < s.stuck_at - pull.room:
         s.stuck = False
     least_holding = max(RISE * pull.n, pull.slip_fraction * s.held if s.stuck else 0.0)
-    if s.n_holding >= least_holding and force - s.lowest >= pull.rise:
-        _rest_at(s, x, s.lowest)  # this move alone tells, in which nothing broke
-    if s.n_holding < least_holding or abs(x - s.rest) > pull.room:
-        _rest_at(s, x, force)
-    elif force - s.rest_force >= pull.rise:
-        few = s.breaks - s.rest_breaks < pull.slip_fraction * s.n_holding
-        if few and (s.in_swing or force >= pull.swing[F_BEFORE]):
-            s.stuck, s.stuck_at, s.held, s.loose, s.tried = True, x, s.n_holding, 0, 0
-        _rest_at(s, x, force)
+    holds, loaded, near = s.n_holding >= least_holding, False, abs(x - s.rest) <= pull.room
+    risen = near and force - s.rest_force >= pull.rise
+    if risen:
+        loaded = s.breaks - s.rest_breaks < pull.slip_fraction * s.n_holding
+    if not holds or not near or risen:
+        _rest_at(s, s.lowest_at, s.lowest)
+    if holds and (loaded or force - s.lowest >= pull.rise) and force >= s.highest:
+        s.stuck, s.stuck_at, s.held, s.loose = True, x, s.n_holding, 0
+
+
+@inlined
+def lowest_here(s, x, force):  # type: ignore[no-untyped-def]
+    """The spring's force is the lowest since a contact broke or formed."""
+    s.lowest_at, s.lowest = x, force
 
 
 @inlined
@@ -92,18 +104,8 @@ def begin_fall(s, pull, before, travel_before, top):  # type: ignore[no-untyped-
     if not s.in_swing and force >= swing[F_BEFORE]:
         swing[DRIVE], swing[X_BEFORE], swing[F_BEFORE], swing[TOP_SPEED] = drive, x, force, 0.0
         s.clock, s.lead, s.rushed = before, lead, False
-    s.lead = max(s.lead, lead)
+    s.lead, s.highest = max(s.lead, lead), max(s.highest, force)
     return ended
-
-
-@inlined
-def begin_if_fast(s, pull):  # type: ignore[no-untyped-def]
-    """Where the slider is faster than the drive at an event, a fall has begun; returns as `begin_fall`. One that begins
-    and ends between two events does not count, wherever a contact was looked at in between."""
-    if not s.fast:
-        return False
-    s.fast = False
-    return begin_fall(s, pull, s.fast_for, s.fast_way, s.top)
 
 
 @inlined
@@ -123,7 +125,9 @@ def end_fall(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
     drive = pull.places[unsigned(s.leg)] + speed * (s.elapsed - before)
     x = np.float64(s.at) + (s.off - travel_before)
     force, chance = pull.spring * (drive - x), pull.chance[unsigned(s.leg)]
-    s.falling, s.lowest = False, force
+    s.falling = False
+    if force < s.lowest:
+        lowest_here(s, x, force)
     swing[TOP_SPEED] = max(swing[TOP_SPEED], s.top)
     if s.top >= FASTER * speed and s.force_before - force >= chance:
         s.rushed = True
@@ -140,6 +144,7 @@ def end_fall(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
             s.slipping, s.stuck, s.before_slip = True, False, s.breaks - s.loose
         if lower:
             swing[X_AFTER], swing[F_AFTER], swing[DURATION] = x, force, s.clock - before
+            s.highest = -np.inf
         if lower or begins:
             swing[BREAKS] = s.breaks - s.before_slip
             # one that sticks may ring, and no contact breaks: it goes on to stick
@@ -147,3 +152,55 @@ def end_fall(s, pull, before, travel_before):  # type: ignore[no-untyped-def]
                 _rest_at(s, x, force)
     if size > 0 and not s.slipping:
         pull.falls[frexp(size)[1] - 1] += 1  # by the number of its bits
+
+
+@inlined
+def slow_again(s, limit):  # type: ignore[no-untyped-def]
+    """The speed at which a fall is over that only comes close to its end: of a slider that does not ring and drifts
+    with the drive, as no contact holds or the drive holds."""
+    return limit + SLOW * max(s.top - limit, 0.0)
+
+
+@inlined
+def see_turns(s, pull, m, t, travel):  # type: ignore[no-untyped-def]
+    """Begin and end falls of the spring's force on a move m of time t that has ended here, in order. Returns whether a
+    slip has ended.
+
+    The speed goes one way between two of its extremes. Of a slider that rings for long the first turns are seen, which
+    are the largest, and the last ones, which lie the farthest ahead; those in which the force hardly changes are none,
+    but for a fall that has not ended yet.
+    """
+    limit, ended, looked = speed_limit(pull.speeds[unsigned(s.leg)]), False, 0
+    comes_close = not m.rings and m.drift >= (1.0 - 1e-12) * limit
+    at, here = 0.0, begin_of(m)
+    while at < t:
+        reach = np.hypot(here.change, m.own * here.u)
+        if not s.falling:
+            if m.drift + reach <= limit:
+                break  # it never gets as fast again
+            still = 2.0 * pull.spring * reach < STILL * m.own
+            if still and s.speed <= limit:
+                break
+            if m.rings and looked >= 0 and (still or looked >= LOOKED_AT):
+                turn = 2.0 * np.pi / m.beat
+                at += turn * max(np.floor((t - at) / turn) - 1.0, 0.0)
+                here, looked = moment_at(m, at), -1000  # once
+        end = min(at + next_extreme(m, at, here.u, here.change), t)
+        there = moment_at(m, end)
+        level, over = limit, there.speed > max(limit, here.speed)
+        if s.falling:
+            s.top = max(s.top, there.speed)
+            level = slow_again(s, limit) if comes_close else limit
+            over = there.speed <= level
+        if over:
+            when = at
+            if (here.speed > level) == s.falling:
+                when = meets(m, True, not s.falling, level, at, end, at)
+            before, behind = t - when, travel - moment_at(m, when).travel
+            if s.falling:
+                end_fall(s, pull, before, behind)
+            else:
+                watch(s, pull, before, behind)
+                ended = begin_fall(s, pull, before, behind, there.speed) or ended
+        at, here, looked = end, there, looked + 1
+    return ended
