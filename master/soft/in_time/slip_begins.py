@@ -237,12 +237,22 @@ class SlipBegins:
     def _at_fold(self, size: float, longest_size: float) -> Root:
         """The step that takes the most time: that up to a fold or a kink of τ, where -τ is the least. Each call begins
         with the slope that the last one left: that changes τ by the accuracy of a balance alone, see `solve`."""
+        forward = list[Root]()
+
+        def earlier(size: float) -> float:
+            root = self.solve(size)
+            if self.steps.runs_back(root.step.trial):
+                return 0.0
+            forward.append(root)
+            return -root.step.time_part
+
         found = minimize_scalar(
-            lambda at: -self.solve(at).step.time_part,
-            bounds=(0.0, longest_size),
-            options={"xatol": ONSET.onset * size},
+            earlier, bounds=(0.0, longest_size), options={"xatol": ONSET.onset * size}
         )
-        return self.solve(float(found.x))
+        root = self.solve(float(found.x))
+        if forward and self.steps.runs_back(root.step.trial):
+            return max(forward, key=lambda root: root.step.time_part)
+        return root
 
     def _last_before_exact(self, size: float, longest_size: float) -> Root | None:
         """The longest step after which there still is a balance, before exact thresholds break, by bisection; None
