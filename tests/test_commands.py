@@ -401,6 +401,19 @@ def test_wrong_words_are_status_2(words: list[str], says: str, capsys: Any) -> N
     assert status == 2 and err[0].startswith(says)
 
 
+def test_what_is_refused_before_the_work_is_one_line_without_notes(
+    tmp_path: Path, capsys: Any
+) -> None:
+    """A mass that oscillates too often; beside it the drive goes so little that its unit is asked for."""
+    law, drive = 'kind = "gaussian"\nmean = 1.0\nstd = 0.2', "spring = 1e-9\nmass = 1e-18\nto = 5.0"
+    drive += "\nvelocity = 1e-9"
+    (tmp_path / "light.toml").write_text(
+        f"[contacts.thresholds]\n{law}\n[drive]\n{drive}\n[eq]\ncontacts = 100\n"
+    )
+    words = ["run", str(tmp_path / "light.toml"), "--out", str(tmp_path / "out")]
+    assert refused(capsys, *words).startswith("eq: mass = 1e-18: oscillates")
+
+
 def test_an_unknown_command_names_the_one_that_is_meant(capsys: Any) -> None:
     for word, meant in (("verdct", "did you mean verdict? "), ("fly", "")):
         line = refused(capsys, word, "mine.toml")

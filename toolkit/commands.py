@@ -117,15 +117,18 @@ def run(arguments: argparse.Namespace, comm: Any) -> int:
     scene = load_scene(arguments.scene, comm=comm, changes=read_changes(arguments.changes))
     first = comm is None or comm.Get_rank() == 0
     before = [] if scene.grid is not None else foreseen(scene)
-    for note in before if first else []:
-        say(note)
     folder = arguments.out or f"{scene.name}-output"
     if arguments.dry_run:
+        for note in before if first else []:
+            say(note)
         print("\n".join(forecast.forecast_lines(scene, folder, comm)))
         return 0
     # a folder that cannot be used is refused before the work
     with runner.open_checkpoint(folder, scene, comm, arguments.checkpoint) as kept:
-        result, finished = runner.solve(scene, comm, kept=kept, show_progress=first)
+        told = before if first else []
+        result, finished = runner.solve(
+            scene, comm, kept=kept, show_progress=first, say_before=told
+        )
         said_before = {f"note    {note}" for note in before}
         try:
             runner.write(result, comm, kept, finished, formats)

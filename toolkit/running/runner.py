@@ -113,8 +113,12 @@ def solve(
     progress: Callable[[int, int], None] | None = None,
     kept: Checkpoint | None = None,
     show_progress: bool = False,
+    say_before: Sequence[str] = (),
 ) -> tuple[Result, bool]:
-    """Run the scene's solvers, showing progress on stderr if asked; returns the result and whether it is finished."""
+    """Run the scene's solvers, showing progress on stderr if asked; returns the result and whether it is finished.
+
+    `say_before`: what the user is told before the work, but after an ensemble that is refused, which is told alone.
+    """
     if scene.grid is not None:
         return _solve_points(scene, comm, progress, kept, show_progress), True
     law, deadline = scene.contacts.thresholds, scene.deadline()
@@ -130,6 +134,8 @@ def solve(
             before = sum(state.contacts for state in earlier)
             ensemble = make_ensemble(scene, scene.eq, comm, earlier=earlier)
         del earlier  # the ensemble has a copy of these sums; free the memory
+    for note in say_before:
+        say(note)
     if scene.master is not None:
         last = None if deadline is None else deadline + TO_END
         with shown("master equation") as bar, within(last, scene, "[master]"):
